@@ -1,0 +1,9 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""``python -m bearing_twin`` is ``bearing-twin``."""
+
+import sys
+
+from bearing_twin.cli import main
+
+sys.exit(main())

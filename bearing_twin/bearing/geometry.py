@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Bearing geometry and the fault frequencies that follow from it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from bearing_twin.errors import BearingTwinError
+
+__all__ = ['Bearing', 'FaultFrequencies', 'fault_frequencies', 'fault_orders']
+
+
+class FaultFrequencies(NamedTuple):
+    """The four characteristic frequencies of a bearing with a fixed outer ring.
+
+    The unit is that of the shaft speed they were computed with: Hz for :func:`fault_frequencies`,
+    multiples of the shaft speed ("orders") for :func:`fault_orders`.
+    """
+
+    bpfo: float
+    """Ball pass frequency, outer race."""
+    bpfi: float
+    """Ball pass frequency, inner race."""
+    bsf: float
+    """Ball spin frequency. A defect on a ball strikes a race at twice this frequency."""
+    ftf: float
+    """Fundamental train (cage) frequency."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bearing:
+    """Internal geometry of a rolling element bearing.
+
+    Parameters
+    ----------
+    name
+        Designation, e.g. ``'6307'``.
+    n_balls
+        Number of rolling elements, 3 to 100.
+    d_ball
+        Diameter of a rolling element, m.
+    d_pitch
+        Pitch diameter, m.
+    contact_angle
+        Contact angle, rad, 0 to below pi/2.
+    source
+        Where the geometry was published.
+
+    Raises
+    ------
+    BearingTwinError
+        If the elements do not fit on the pitch circle or a value is out of its range.
+    """
+
+    name: str
+    n_balls: int
+    d_ball: float
+    d_pitch: float
+    contact_angle: float = 0.0
+    source: str = ''
+
+    def __post_init__(self) -> None:
+        if not 3 <= self.n_balls <= 100:
+            msg = f'n_balls={self.n_balls} is outside 3..100; give the number of rolling elements'
+            raise BearingTwinError(msg)
+        if not 0.0 < self.d_ball < self.d_pitch < 20.0:
+            msg = (
+                f'd_ball={self.d_ball} m, d_pitch={self.d_pitch} m: need 0 < d_ball < d_pitch '
+                '< 20 m; are the diameters in metres?'
+            )
+            raise BearingTwinError(msg)
+        if not 0.0 <= self.contact_angle < math.pi / 2:
+            msg = f'contact_angle={self.contact_angle} rad is outside 0..pi/2; give it in radians'
+            raise BearingTwinError(msg)
+        if self.d_ball >= self.d_pitch * math.sin(math.pi / self.n_balls):
+            msg = (
+                f'{self.n_balls} elements of {self.d_ball} m overlap on a pitch circle of '
+                f'{self.d_pitch} m; check n_balls, d_ball and d_pitch'
+            )
+            raise BearingTwinError(msg)
+
+    @property
+    def gamma(self) -> float:
+        """Ratio ``d_ball cos(contact_angle) / d_pitch``."""
+        return self.d_ball * math.cos(self.contact_angle) / self.d_pitch
+
+
+def fault_orders(bearing: Bearing, slip: float = 0.0) -> FaultFrequencies:
+    """Characteristic frequencies as multiples of the shaft speed.
+
+    Parameters
+    ----------
+    bearing
+        Geometry.
+    slip
+        Cage slip: the cage turns at ``(1 - slip)`` of its kinematic speed. It lowers BPFO and FTF
+        in proportion and raises BPFI so that ``bpfo + bpfi == n_balls`` holds for every slip.
+
+    Notes
+    -----
+    Zhang et al., Symmetry 2023, 15, 2166, section 2, with d the ball and D the pitch diameter
+    (the paper's text calls them ring diameters; its numbers are ball and pitch diameter).
+    The ball spin is taken in the frame of the slipping cage.
+    """
+    g = bearing.gamma
+    ftf = 0.5 * (1.0 - g) * (1.0 - slip)
+    bpfo = bearing.n_balls * ftf
+    bpfi = bearing.n_balls * (1.0 - ftf)
+    bsf = bearing.d_pitch / (2.0 * bearing.d_ball) * (1.0 - g * g) * (1.0 - slip)
+    return FaultFrequencies(bpfo, bpfi, bsf, ftf)
+
+
+def fault_frequencies(
+    bearing: Bearing, shaft_hz: float, slip: float = 0.0
+) -> FaultFrequencies:
+    """Characteristic frequencies in Hz at a shaft speed ``shaft_hz`` in Hz.
+
+    See :func:`fault_orders` for ``slip`` and the source.
+    """
+    return FaultFrequencies(*(shaft_hz * order for order in fault_orders(bearing, slip)))

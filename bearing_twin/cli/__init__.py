@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The ``bearing-twin`` command: one module a sub-command.
+
+A sub-command NAME lives in ``bearing_twin/cli/NAME.py`` and offers ``configure(parser)``, which
+adds its arguments, and ``run(args) -> int``, which does the work and returns the exit status.
+Only the module of the command that is called is imported, so that none pays for another.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from typing import TYPE_CHECKING
+
+from bearing_twin import __version__
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ['COMMANDS', 'main']
+
+COMMANDS = {
+    'demo': 'run twin, diagnosis and recorder on a temperature recording and show the result',
+    'schedule': 'write the temperature schedule of the paper as a recording',
+}
+"""Name and one-line help of every sub-command."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run ``bearing-twin``; return the exit status: 0 only if it did what was asked."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    parser = argparse.ArgumentParser(
+        prog='bearing-twin', description='Temperature-aware bearing twin and diagnosis.'
+    )
+    parser.add_argument('--version', action='version', version=f'%(prog)s {__version__}')
+    commands = parser.add_subparsers(dest='command', metavar='COMMAND', required=True)
+    chosen = next((word for word in arguments if not word.startswith('-')), None)
+    for name, text in COMMANDS.items():
+        sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + '.')
+        if name == chosen:
+            module = importlib.import_module(f'bearing_twin.cli.{name}')
+            module.configure(sub)
+            sub.set_defaults(run=module.run)
+    args = parser.parse_args(arguments)
+    try:
+        status: int = args.run(args)
+    except BearingTwinError as error:
+        print(f'bearing-twin {args.command}: {error}', file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        return 141
+    return status
