@@ -1,0 +1,162 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters of the nodes: one table a node, declared, checked and applied in one place.
+
+The tables below are also what the parameter tables of the README are generated from.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.exceptions import InvalidParameterTypeException
+from rclpy.parameter import Parameter
+
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from rclpy.node import Node
+
+__all__ = ['ParameterSet', 'Spec']
+
+Value = bool | int | float | str | list[str]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spec:
+    """One parameter of a node."""
+
+    name: str
+    default: Value
+    description: str
+    unit: str = ''
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[str, ...] = ()
+    running: bool = True
+    """Whether it can be changed while the node is active; else in state 'unconfigured' only."""
+
+    def descriptor(self) -> ParameterDescriptor:
+        """Return what ``ros2 param describe`` shows."""
+        text = self.description
+        if self.unit:
+            text += f' [{self.unit}]'
+        if self.choices:
+            text += f' One of: {", ".join(self.choices)}.'
+        if not self.running:
+            text += ' Can be changed only while the node is not configured.'
+        descriptor = ParameterDescriptor(description=text)
+        if self.low is None or self.high is None:
+            return descriptor
+        if isinstance(self.default, float):
+            descriptor.floating_point_range = [
+                FloatingPointRange(from_value=float(self.low), to_value=float(self.high))
+            ]
+        else:
+            descriptor.integer_range = [
+                IntegerRange(from_value=int(self.low), to_value=int(self.high), step=1)
+            ]
+        return descriptor
+
+
+class ParameterSet:
+    """Declare the parameters of a node, check changes as a whole and apply them afterwards.
+
+    Parameters
+    ----------
+    node
+        The node.
+    specs
+        Its table.
+    check
+        Called with all values as they would become; raises BearingTwinError to refuse the change.
+    apply
+        Called with all values after a change has been accepted.
+    locked
+        Returns whether parameters with ``running=False`` are locked now.
+
+    Raises
+    ------
+    BearingTwinError
+        If a start value has the wrong type or is refused.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        specs: Iterable[Spec],
+        *,
+        check: Callable[[Mapping[str, Any]], None],
+        apply: Callable[[Mapping[str, Any]], None],
+        locked: Callable[[], bool],
+    ) -> None:
+        self._specs = {spec.name: spec for spec in specs}
+        self._check = check
+        self._apply = apply
+        self._locked = locked
+        self._values: dict[str, Any] = {}
+        for spec in self._specs.values():
+            try:
+                declared = node.declare_parameter(spec.name, spec.default, spec.descriptor())
+            except InvalidParameterTypeException as error:
+                kind = type(spec.default).__name__
+                hint = ' (write a decimal point, e.g. 5.0)' if kind == 'float' else ''
+                msg = f'parameter {spec.name} must be of type {kind}{hint}: {error}'
+                raise BearingTwinError(msg) from None
+            except Exception as error:
+                msg = f'parameter {spec.name}: {error}'
+                raise BearingTwinError(msg) from None
+            self._values[spec.name] = declared.value
+        self._validate(self._values)
+        node.add_on_set_parameters_callback(self._on_set)
+        node.add_post_set_parameters_callback(self._after_set)
+
+    def __getitem__(self, name: str) -> Any:
+        """Return the value in force."""
+        return self._values[name]
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """All values in force."""
+        return dict(self._values)
+
+    def _validate(self, values: Mapping[str, Any]) -> None:
+        for name, spec in self._specs.items():
+            if spec.choices and values[name] not in spec.choices:
+                msg = f'{name}={values[name]!r} is not one of {", ".join(spec.choices)}'
+                raise BearingTwinError(msg)
+        self._check(values)
+
+    def _on_set(self, parameters: list[Parameter[Any]]) -> SetParametersResult:
+        ours = {p.name: p.value for p in parameters if p.name in self._specs}
+        fixed = [
+            name
+            for name, value in ours.items()
+            if not self._specs[name].running and value != self._values[name]
+        ]
+        if fixed and self._locked():
+            reason = (
+                f'{", ".join(fixed)} cannot change while the node runs: deactivate and clean it up '
+                "first ('ros2 lifecycle set NODE deactivate', then 'cleanup')"
+            )
+            return SetParametersResult(successful=False, reason=reason)
+        try:
+            self._validate({**self._values, **ours})
+        except BearingTwinError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def _after_set(self, parameters: list[Parameter[Any]]) -> None:
+        ours = {p.name: p.value for p in parameters if p.name in self._specs}
+        if ours:
+            self._values.update(ours)
+            self._apply(self._values)

@@ -1,0 +1,36 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Quality of service of every topic, in one place; each can be overridden by parameters."""
+
+from __future__ import annotations
+
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+
+__all__ = ['CHECKPOINT', 'MEASUREMENT', 'OVERRIDES', 'RESULT', 'STREAM']
+
+STREAM = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST, depth=50, reliability=ReliabilityPolicy.RELIABLE
+)
+"""Vibration and what comes with each block: reliable, two seconds of blocks of 40 ms."""
+
+MEASUREMENT = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST, depth=10, reliability=ReliabilityPolicy.BEST_EFFORT
+)
+"""Subscriptions to sensors: best effort matches reliable and best-effort publishers alike."""
+
+RESULT = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST, depth=10, reliability=ReliabilityPolicy.RELIABLE
+)
+"""Diagnosis, spectra, diagnostics."""
+
+CHECKPOINT = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""Checkpoints: a recorder that starts late still gets the last one."""
+
+OVERRIDES = QoSOverridingOptions.with_default_policies()
+"""Lets users set history, depth and reliability as ``qos_overrides.TOPIC.publisher.depth``."""

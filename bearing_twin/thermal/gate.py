@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Door for the measured temperature: whatever arrives, the ODE sees a value inside the tables."""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass
+
+__all__ = ['TABLE_HIGH', 'TABLE_LOW', 'GatedTemperature', 'TemperatureGate', 'TemperatureStatus']
+
+TABLE_LOW = 20.0
+"""Lowest temperature of the paper's tables 1-3, degC."""
+TABLE_HIGH = 110.0
+"""Highest temperature of the paper's tables 1-3, degC."""
+
+RESTART_AFTER = 3
+"""Readings in a row with rising stamps after which a clock that went back is believed."""
+
+
+class TemperatureStatus(enum.IntEnum):
+    """What became of the measured temperature; values as in ``TwinState.msg``."""
+
+    OK = 0
+    WAITING = 1
+    STALE = 2
+    INVALID = 3
+    CLAMPED = 4
+    BACKWARDS = 5
+
+
+@dataclass(frozen=True)
+class GatedTemperature:
+    """What the gate gives out at one instant."""
+
+    used: float
+    """Temperature for the model, degC, always finite and inside the tables."""
+    measured: float
+    """Last value received, degC; NaN before the first."""
+    age: float
+    """Age of the last valid value, s; NaN before the first."""
+    status: TemperatureStatus
+
+
+class TemperatureGate:
+    """Hold the last valid temperature and say in what state the input is.
+
+    ============================  =============================================================
+    input                         behaviour
+    ============================  =============================================================
+    none yet                      ``start`` is used, WAITING
+    older than ``timeout``        the last valid value is held, STALE
+    NaN or infinite               rejected, the last valid value is held, INVALID
+    outside the tables            the nearest end of 20..110 degC is used, CLAMPED
+    stamp not after the last one  rejected, the last valid value is held, BACKWARDS; three
+                                  readings in a row with rising stamps are a restarted source
+                                  and are believed
+    ============================  =============================================================
+
+    Age is measured with the receiver's clock, so that a replayed recording with stamps of last
+    year is not stale; stamps only order the readings.
+
+    Parameters
+    ----------
+    start
+        Temperature before the first reading, degC; clamped to the tables.
+    timeout
+        Age above which a reading is stale, s.
+    """
+
+    def __init__(self, *, start: float = TABLE_LOW, timeout: float = 5.0) -> None:
+        self.timeout = timeout
+        self._used = _clamp(start)
+        self._measured = math.nan
+        self._arrived: float | None = None
+        self._stamp: int | None = None
+        self._rejected_stamp = 0
+        self._rejected_in_a_row = 0
+        self._status = TemperatureStatus.WAITING
+
+    def offer(self, value: float, *, stamp: int, now: float) -> TemperatureStatus:
+        """Take one reading.
+
+        Parameters
+        ----------
+        value
+            Temperature, degC.
+        stamp
+            Time of the measurement, ns; 0 where the source gives none (then order is not checked).
+        now
+            The receiver's clock, s.
+        """
+        self._measured = value
+        if not math.isfinite(value):
+            self._status = TemperatureStatus.INVALID
+        elif stamp and self._stamp is not None and not self._believe(stamp):
+            self._status = TemperatureStatus.BACKWARDS
+        else:
+            self._stamp = stamp or self._stamp
+            self._rejected_in_a_row = 0
+            self._arrived = now
+            self._used = _clamp(value)
+            inside = self._used == value
+            self._status = TemperatureStatus.OK if inside else TemperatureStatus.CLAMPED
+        return self._status
+
+    def at(self, now: float) -> GatedTemperature:
+        """Return the temperature to use at ``now`` (receiver's clock, s)."""
+        if self._arrived is None:
+            status = self._status if self._status else TemperatureStatus.WAITING
+            return GatedTemperature(self._used, self._measured, math.nan, status)
+        # A receiver's clock that was set back must not make an age negative.
+        self._arrived = min(self._arrived, now)
+        age = now - self._arrived
+        status = self._status
+        if age > self.timeout and status in (TemperatureStatus.OK, TemperatureStatus.CLAMPED):
+            status = TemperatureStatus.STALE
+        return GatedTemperature(self._used, self._measured, age, status)
+
+    def _believe(self, stamp: int) -> bool:
+        """Whether a reading's stamp is in order, or the source has evidently restarted."""
+        assert self._stamp is not None
+        if stamp > self._stamp:
+            return True
+        rising = self._rejected_in_a_row > 0 and stamp > self._rejected_stamp
+        self._rejected_in_a_row = self._rejected_in_a_row + 1 if rising else 1
+        self._rejected_stamp = stamp
+        return self._rejected_in_a_row >= RESTART_AFTER
+
+
+def _clamp(value: float) -> float:
+    return min(max(value, TABLE_LOW), TABLE_HIGH)
