@@ -8,6 +8,7 @@ import enum
 from typing import TYPE_CHECKING, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.clock import Clock, ClockType
 
 from bearing_twin.nodes.qos import RESULT
 
@@ -57,11 +58,18 @@ class Health:
         self._tasks: dict[str, Callable[[], Status]] = {}
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', RESULT)
         # The wall clock: a paused /clock must not silence a node.
-        self._timer = node.create_timer(1.0, self.publish, clock=_steady())
+        self._timer = node.create_timer(
+            1.0, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
 
     def add(self, part: str, task: Callable[[], Status]) -> None:
         """Add a part of the node; ``task`` returns its status when asked."""
         self._tasks[part] = task
+
+    def destroy(self) -> None:
+        """Stop publishing."""
+        self._node.destroy_timer(self._timer)
+        self._node.destroy_publisher(self._publisher)
 
     def publish(self) -> None:
         """Ask every part and publish."""
@@ -80,12 +88,6 @@ class Health:
                 )
             )
         self._publisher.publish(array)
-
-
-def _steady() -> object:
-    from rclpy.clock import Clock, ClockType
-
-    return Clock(clock_type=ClockType.STEADY_TIME)
 
 
 def _text(value: object) -> str:

@@ -1,0 +1,157 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Absolute deadlines for blocks of samples, and the policy for being late. Knows no ROS."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from bearing_twin.errors import BearingTwinError
+
+__all__ = ['Due', 'LatenessReport', 'Pacer']
+
+NANO = 1_000_000_000
+
+STEP_TOLERANCE = 50_000_000
+"""Difference between the paced and the node's clock above which the stamps are anchored anew, ns."""
+
+
+class Due(NamedTuple):
+    """One block that has to be computed now."""
+
+    first_sample: int
+    stamp: int
+    """Time of its first sample on the node's clock, ns."""
+    lateness: float
+    """Time since its deadline, s."""
+
+
+@dataclass(frozen=True)
+class LatenessReport:
+    """Lateness over the recent blocks, and the counts since the start."""
+
+    published: int
+    late: int
+    dropped: int
+    clock_steps: int
+    p50: float
+    p99: float
+    worst: float
+    """All three in s; NaN before the first block."""
+
+
+class Pacer:
+    """Decide which blocks are due.
+
+    Block k covers samples ``k n .. (k+1) n - 1`` and is due when its last sample has been taken:
+    ``start + (k + 1) n / rate``. Deadlines are absolute, so nothing accumulates. A caller that
+    is late gets up to ``catch_up`` blocks in one call; older ones are skipped and counted, and the
+    sample index runs on over them so that every reader sees the gap.
+
+    Pacing follows ``ticks`` (a steady clock, or /clock); stamps follow the node's clock. The two
+    are compared at each call: where the node's clock has been stepped, or has drifted by more
+    than 50 ms, the stamps are anchored anew and the step is counted.
+
+    Parameters
+    ----------
+    block
+        Samples per block n.
+    rate
+        Sample rate, Hz.
+    catch_up
+        Most blocks given out by one call, at least 1.
+    late_after
+        Lateness above which a block counts as late, s.
+    """
+
+    def __init__(self, *, block: int, rate: float, catch_up: int, late_after: float) -> None:
+        if block < 1 or rate <= 0.0 or catch_up < 1:
+            msg = f'{block=}, {rate=}, {catch_up=}: all three must be positive'
+            raise BearingTwinError(msg)
+        self.block = block
+        self.rate = rate
+        self.catch_up = catch_up
+        self.late_after = late_after
+        self.next_sample = 0
+        self.published = 0
+        self.late = 0
+        self.dropped = 0
+        self.clock_steps = 0
+        self._recent: deque[float] = deque(maxlen=1500)
+        self._tick_anchor: int | None = None
+        self._time_anchor = 0
+        self._anchor_sample = 0
+
+    @property
+    def period(self) -> float:
+        """Time between deadlines, s."""
+        return self.block / self.rate
+
+    def _offset(self, sample: int) -> int:
+        """Nanoseconds from the anchor to ``sample``, without accumulating a rounding error."""
+        return round((sample - self._anchor_sample) * NANO / self.rate)
+
+    def anchor(self, *, ticks: int, time: int) -> None:
+        """Let the next block begin now.
+
+        Parameters
+        ----------
+        ticks, time
+            The pacing clock and the node's clock, ns.
+        """
+        self._tick_anchor = ticks
+        self._time_anchor = time
+        self._anchor_sample = self.next_sample
+
+    def due(self, *, ticks: int, time: int) -> list[Due]:
+        """Return the blocks to compute now, oldest first; clocks as in :meth:`anchor`."""
+        if self._tick_anchor is None:
+            self.anchor(ticks=ticks, time=time)
+            return []
+        elapsed = ticks - self._tick_anchor
+        if elapsed < self._offset(self.next_sample) - STEP_TOLERANCE:
+            # Blocks have been given out for times that lie ahead: the clock was set back.
+            self.clock_steps += 1
+            self.anchor(ticks=ticks, time=time)
+            return []
+        drift = (time - self._time_anchor) - elapsed
+        if abs(drift) > STEP_TOLERANCE:
+            self.clock_steps += 1
+            self._time_anchor += drift
+        # Floor with integers: the last sample of a due block has been taken.
+        taken = self._anchor_sample + int(elapsed * self.rate // NANO)
+        count = max(0, (taken - self.next_sample) // self.block)
+        if count > self.catch_up:
+            skipped = count - self.catch_up
+            self.dropped += skipped
+            self.next_sample += skipped * self.block
+            count = self.catch_up
+        blocks = []
+        for _ in range(count):
+            deadline = self._tick_anchor + self._offset(self.next_sample + self.block)
+            lateness = (ticks - deadline) / NANO
+            stamp = self._time_anchor + self._offset(self.next_sample)
+            blocks.append(Due(self.next_sample, stamp, lateness))
+            self.next_sample += self.block
+            self.published += 1
+            self.late += lateness > self.late_after
+            self._recent.append(lateness)
+        return blocks
+
+    def report(self) -> LatenessReport:
+        """Return counts and the lateness of the last 1500 blocks (a minute at 25 blocks/s)."""
+        recent = np.array(self._recent) if self._recent else np.array([np.nan])
+        p50, p99 = np.percentile(recent, [50, 99])
+        return LatenessReport(
+            self.published,
+            self.late,
+            self.dropped,
+            self.clock_steps,
+            float(p50),
+            float(p99),
+            float(recent.max()),
+        )

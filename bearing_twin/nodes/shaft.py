@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Shaft speed from joint_states or from a parameter. Knows no ROS."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ['ShaftSpeed']
+
+
+class ShaftSpeed:
+    """Hold the shaft speed in use and say where it comes from.
+
+    A joint that is not in the message, has no velocity, is NaN, infinite or faster than
+    ``highest`` leaves the last valid speed in use; :attr:`problem` then says so. The direction of
+    rotation does not matter to a bearing: the magnitude is used.
+
+    Parameters
+    ----------
+    nominal
+        Speed until a joint is heard of, Hz; NaN: unknown.
+    joint
+        Name of the joint in joint_states; '' for none.
+    highest
+        Fastest speed that is believed, Hz.
+    timeout
+        Age above which a measured speed is reported as stale, s.
+    """
+
+    def __init__(
+        self, *, nominal: float, joint: str = '', highest: float = 1000.0, timeout: float = 5.0
+    ) -> None:
+        self.joint = joint
+        self.highest = highest
+        self.timeout = timeout
+        self.hz = nominal
+        self._arrived: float | None = None
+        self._problem = ''
+
+    def set_nominal(self, hz: float) -> None:
+        """Use a new nominal speed, Hz, unless a measured one is in use."""
+        if self._arrived is None:
+            self.hz = hz
+
+    def offer(self, names: Sequence[str], velocities: Sequence[float], *, now: float) -> None:
+        """Take one JointState: names, and velocities in rad/s; ``now`` in s."""
+        try:
+            velocity = velocities[list(names).index(self.joint)]
+        except (ValueError, IndexError):
+            self._problem = f"joint_states has no velocity of joint '{self.joint}'"
+            return
+        hz = abs(velocity) / (2.0 * math.pi)
+        if not hz <= self.highest:
+            self._problem = f'speed {hz:.6g} Hz is not within 0..{self.highest:g} Hz'
+            return
+        self.hz = hz
+        self._arrived = now
+        self._problem = ''
+
+    def problem(self, now: float) -> str:
+        """What is wrong with the input at ``now`` (s); '' if nothing."""
+        if not self.joint or self._problem:
+            return self._problem
+        if self._arrived is None:
+            return f"no velocity of joint '{self.joint}' yet: the nominal speed is used"
+        age = now - self._arrived
+        if age > self.timeout:
+            return f'no velocity for {age:.1f} s: the last one is held'
+        return ''
