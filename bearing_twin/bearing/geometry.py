@@ -113,9 +113,7 @@ def fault_orders(bearing: Bearing, slip: float = 0.0) -> FaultFrequencies:
     return FaultFrequencies(bpfo, bpfi, bsf, ftf)
 
 
-def fault_frequencies(
-    bearing: Bearing, shaft_hz: float, slip: float = 0.0
-) -> FaultFrequencies:
+def fault_frequencies(bearing: Bearing, shaft_hz: float, slip: float = 0.0) -> FaultFrequencies:
     """Characteristic frequencies in Hz at a shaft speed ``shaft_hz`` in Hz.
 
     See :func:`fault_orders` for ``slip`` and the source.

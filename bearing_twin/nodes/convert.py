@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
 from builtin_interfaces.msg import Time
-from std_msgs.msg import Header
+from std_msgs.msg import Float64MultiArray, Header, MultiArrayDimension, MultiArrayLayout
 
 from bearing_twin import __version__
 
@@ -28,6 +28,7 @@ __all__ = [
     'RESULTS',
     'checkpoint_message',
     'diagnosis_message',
+    'features_message',
     'spectrum_message',
     'stamp_ns',
     'time_message',
@@ -76,9 +77,7 @@ def _header(stamp: int, frame_id: str) -> Header:
     return Header(stamp=time_message(stamp), frame_id=frame_id)
 
 
-def vibration_message(
-    block: Block, *, due: Due, sample_rate: float, frame_id: str
-) -> Vibration:
+def vibration_message(block: Block, *, due: Due, sample_rate: float, frame_id: str) -> Vibration:
     """One block of the twin's acceleration, with the time and index of ``due``."""
     return Vibration(
         header=_header(due.stamp, frame_id),
@@ -209,6 +208,26 @@ def spectrum_message(
         ftf=result.expected.ftf,
         values=floats(spectrum.values),
         floor=floats(spectrum.floor),
+    )
+
+
+def features_message(message: Diagnosis) -> Float64MultiArray:
+    """Return the figures people trend, in a standard type that viewers draw by themselves.
+
+    The labels of the dimensions name the elements in their order.
+    """
+    features = {
+        'level': float(message.level),
+        'confidence': message.confidence,
+        'level_over_baseline_dB': message.level_over_baseline,
+        'rms': message.rms,
+        'crest_factor': message.crest_factor,
+        'kurtosis': message.kurtosis,
+        **{f'score_{f}': s for f, s in zip(FAMILIES, message.score, strict=True)},
+    }
+    dimensions = [MultiArrayDimension(label=label, size=1, stride=1) for label in features]
+    return Float64MultiArray(
+        layout=MultiArrayLayout(dim=dimensions), data=array.array('d', features.values())
     )
 
 

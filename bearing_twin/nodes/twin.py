@@ -170,9 +170,7 @@ class TwinNode(ManagedNode):
         temperature = self._gate.at(time.monotonic())
         block = self._simulator.advance(p['block_size'], temperature.used, self._shaft.hz)
         self._vibration.publish(
-            vibration_message(
-                block, due=due, sample_rate=p['sample_rate'], frame_id=p['frame_id']
-            )
+            vibration_message(block, due=due, sample_rate=p['sample_rate'], frame_id=p['frame_id'])
         )
         state = twin_state_message(
             block,

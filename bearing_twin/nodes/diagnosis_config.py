@@ -1,0 +1,183 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters of the diagnosis node and what they build. A re-run builds from the same table."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from bearing_twin.bearing import Bearing
+from bearing_twin.bearing.catalogue import find_bearing
+from bearing_twin.diagnosis import DiagnosisSettings, StreamingDiagnoser
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes.parameters import Spec
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ['SPECS', 'build_bearing', 'build_diagnoser', 'build_settings', 'nominal_speed']
+
+SPECS = (
+    Spec(
+        name='bearing',
+        default='6307',
+        description="Bearing of the catalogue; '' to use the parameter geometry.",
+    ),
+    Spec(
+        name='geometry',
+        default='',
+        description=(
+            "Own bearing as 'Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG', used where bearing is ''."
+        ),
+    ),
+    Spec(
+        name='shaft_hz',
+        default=0.0,
+        description=(
+            'Shaft speed where neither the vibration message nor a joint tells it; 0: unknown.'
+        ),
+        unit='Hz',
+        low=0.0,
+        high=1000.0,
+    ),
+    Spec(
+        name='speed_tolerance',
+        default=0.02,
+        description='Relative uncertainty of the shaft speed, within which it is refined.',
+        low=0.0,
+        high=0.1,
+    ),
+    Spec(
+        name='joint',
+        default='',
+        description="Joint of joint_states that turns with the shaft; '' for none.",
+        running=False,
+    ),
+    Spec(
+        name='axis',
+        default='y',
+        description='Axis of the vibration message to diagnose; the other one if it is empty.',
+        choices=('x', 'y'),
+        running=False,
+    ),
+    Spec(
+        name='window',
+        default=4.0,
+        description='Length of the sliding window.',
+        unit='s',
+        low=1.0,
+        high=60.0,
+    ),
+    Spec(
+        name='update_interval',
+        default=1.0,
+        description='Time between verdicts.',
+        unit='s',
+        low=0.2,
+        high=60.0,
+    ),
+    Spec(
+        name='unit',
+        default='',
+        description="Unit of the samples, 'm/s^2' or 'g'; '' to believe the message.",
+        choices=('', 'm/s^2', 'g'),
+    ),
+    Spec(
+        name='machine_group',
+        default=0,
+        description='Group of ISO 20816-3 for the zone: 1 or 2; 0: no zone is given.',
+        low=0,
+        high=2,
+    ),
+    Spec(
+        name='mounting',
+        default='rigid',
+        description='Foundation of the machine for the zone of ISO 20816-3.',
+        choices=('rigid', 'flexible'),
+    ),
+    Spec(
+        name='state_name',
+        default='',
+        description=(
+            "File that keeps baseline and trend over restarts, in the state folder; '' for none."
+        ),
+        running=False,
+    ),
+    Spec(
+        name='state_directory',
+        default='',
+        description="Folder of saved states; '' for bearing_twin in ROS_HOME (~/.ros).",
+        running=False,
+    ),
+    Spec(
+        name='checkpoint_period',
+        default=10.0,
+        description='Time between checkpoints, from which a recording can be re-run.',
+        unit='s',
+        low=1.0,
+        high=3600.0,
+        running=False,
+    ),
+    Spec(
+        name='hardware_id',
+        default='',
+        description="Asset that /diagnostics speaks of; '' for the node's namespace.",
+        running=False,
+    ),
+)
+
+
+def build_bearing(values: Mapping[str, Any]) -> Bearing:
+    """Return the bearing that the parameters name or describe.
+
+    Raises
+    ------
+    BearingTwinError
+        If the catalogue has no such bearing, or the geometry cannot be read or built.
+    """
+    if values['bearing']:
+        return find_bearing(values['bearing'])
+    try:
+        count, ball, pitch, angle = values['geometry'].split(',')
+        return Bearing(
+            name=values['geometry'],
+            n_balls=int(count),
+            d_ball=float(ball) * 1e-3,
+            d_pitch=float(pitch) * 1e-3,
+            contact_angle=math.radians(float(angle)),
+            source='given by the user',
+        )
+    except ValueError:
+        msg = (
+            f"geometry='{values['geometry']}' is not Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG; "
+            "e.g. '9,7.94,39.04,0', or name a bearing of the catalogue"
+        )
+        raise BearingTwinError(msg) from None
+
+
+def build_settings(values: Mapping[str, Any]) -> DiagnosisSettings:
+    """Return the settings of the chain.
+
+    Raises
+    ------
+    BearingTwinError
+        If they do not fit together.
+    """
+    return DiagnosisSettings(
+        window=values['window'],
+        update_interval=values['update_interval'],
+        speed_tolerance=values['speed_tolerance'],
+        machine_group=values['machine_group'] or None,
+        mounting=values['mounting'],
+    )
+
+
+def build_diagnoser(values: Mapping[str, Any]) -> StreamingDiagnoser:
+    """Return a diagnoser at its start."""
+    return StreamingDiagnoser(build_bearing(values), build_settings(values))
+
+
+def nominal_speed(values: Mapping[str, Any]) -> float:
+    """Return the shaft speed given by parameter, Hz; NaN where it is unknown."""
+    return values['shaft_hz'] or math.nan

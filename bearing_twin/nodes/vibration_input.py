@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Door for vibration messages: what comes through can be diagnosed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ['SourceLock', 'VibrationBlock', 'read_vibration']
+
+LOWEST_RATE = 100.0
+HIGHEST_RATE = 1_000_000.0
+LONGEST_BLOCK = 1_000_000
+FASTEST_SHAFT = 1000.0
+HIGHEST_INDEX = 2**62
+
+
+@dataclass(frozen=True)
+class VibrationBlock:
+    """One checked block of one axis."""
+
+    first_sample: int
+    samples: NDArray[np.float32]
+    sample_rate: float
+    """Hz."""
+    shaft_hz: float
+    """Hz; NaN where the source does not know it."""
+    unit: str
+
+
+def read_vibration(message: Any, axis: str) -> VibrationBlock:
+    """Check a ``bearing_twin_msgs/Vibration`` and take one axis out of it.
+
+    Parameters
+    ----------
+    message
+        Any object with the fields of the message.
+    axis
+        ``'x'`` or ``'y'``; the other one is taken where it is empty.
+
+    Raises
+    ------
+    BearingTwinError
+        If the block cannot be used. Samples that are NaN are let through: the gate of the
+        diagnosis answers for them.
+    """
+    rate = float(message.sample_rate)
+    if not LOWEST_RATE <= rate <= HIGHEST_RATE:
+        msg = f'sample_rate={rate:g} Hz is outside {LOWEST_RATE:g}..{HIGHEST_RATE:g} Hz'
+        raise BearingTwinError(msg)
+    x, y = np.asarray(message.x), np.asarray(message.y)
+    if x.size and y.size and x.size != y.size:
+        msg = f'x has {x.size} samples and y has {y.size}: they must be equal, or one empty'
+        raise BearingTwinError(msg)
+    first, second = (x, y) if axis == 'x' else (y, x)
+    samples = first if first.size else second
+    if not 1 <= samples.size <= LONGEST_BLOCK:
+        msg = f'the block has {samples.size} samples; 1..{LONGEST_BLOCK} are taken'
+        raise BearingTwinError(msg)
+    if message.first_sample > HIGHEST_INDEX:
+        msg = f'first_sample={message.first_sample} is above {HIGHEST_INDEX}'
+        raise BearingTwinError(msg)
+    shaft = float(message.shaft_hz)
+    return VibrationBlock(
+        first_sample=int(message.first_sample),
+        samples=samples.astype(np.float32, copy=False),
+        sample_rate=rate,
+        shaft_hz=shaft if 0.0 <= shaft <= FASTEST_SHAFT else math.nan,
+        unit=str(message.unit)[:32],
+    )
+
+
+class SourceLock:
+    """Listen to one publisher where several send on one topic.
+
+    Two interleaved streams are no signal. The first source is kept; another one takes over when
+    it has been silent for ``timeout`` seconds.
+    """
+
+    def __init__(self, timeout: float = 2.0) -> None:
+        self.timeout = timeout
+        self.ignored = 0
+        """Blocks of other sources since the last change of source."""
+        self._source: object = None
+        self._heard = -math.inf
+
+    def accept(self, source: object, now: float) -> bool:
+        """Whether a block of ``source`` that arrived at ``now`` (s) is to be used."""
+        if source != self._source:
+            if now - self._heard <= self.timeout:
+                self.ignored += 1
+                return False
+            self._source = source
+            self.ignored = 0
+        self._heard = now
+        return True
