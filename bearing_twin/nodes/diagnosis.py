@@ -41,10 +41,11 @@ from bearing_twin.nodes.vibration_input import SourceLock, read_vibration
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from rclpy.subscription import MessageInfo
+
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
     from bearing_twin.nodes.health import Status
     from bearing_twin.nodes.vibration_input import VibrationBlock
-    from rclpy.subscription import MessageInfo
 
 __all__ = ['DiagnosisNode', 'main']
 

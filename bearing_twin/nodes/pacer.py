@@ -17,7 +17,7 @@ __all__ = ['Due', 'LatenessReport', 'Pacer']
 NANO = 1_000_000_000
 
 STEP_TOLERANCE = 50_000_000
-"""Difference between the paced and the node's clock above which the stamps are anchored anew, ns."""
+"""Difference of the two clocks above which the stamps are anchored anew, ns."""
 
 
 class Due(NamedTuple):

@@ -17,7 +17,6 @@ from rcl_interfaces.msg import (
     SetParametersResult,
 )
 from rclpy.exceptions import InvalidParameterTypeException
-from rclpy.parameter import Parameter
 
 from bearing_twin.errors import BearingTwinError
 
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from rclpy.node import Node
+    from rclpy.parameter import Parameter
 
 __all__ = ['ParameterSet', 'Spec']
 
@@ -145,8 +145,8 @@ class ParameterSet:
         ]
         if fixed and self._locked():
             reason = (
-                f'{", ".join(fixed)} cannot change while the node runs: deactivate and clean it up '
-                "first ('ros2 lifecycle set NODE deactivate', then 'cleanup')"
+                f'{", ".join(fixed)} cannot change while the node runs: deactivate and clean it '
+                "up first ('ros2 lifecycle set NODE deactivate', then 'cleanup')"
             )
             return SetParametersResult(successful=False, reason=reason)
         try:

@@ -63,7 +63,7 @@ class ShaftSpeed:
         self._problem = ''
 
     def problem(self, now: float) -> str:
-        """What is wrong with the input at ``now`` (s); '' if nothing."""
+        """Return what is wrong with the input at ``now`` (s); '' if nothing."""
         if not self.joint or self._problem:
             return self._problem
         if self._arrived is None:

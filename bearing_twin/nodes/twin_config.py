@@ -37,7 +37,7 @@ SPECS = (
     Spec(
         name='defect',
         default='none',
-        description="Place of the defect: none, inner, outer, ball or cage; several: 'inner+ball'.",
+        description="Place of the defect: none, inner, outer, ball, cage; several: 'inner+ball'.",
     ),
     Spec(
         name='defect_width',

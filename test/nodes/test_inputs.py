@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The doors of the nodes: shaft speed, vibration blocks, saved states."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes.shaft import ShaftSpeed
+from bearing_twin.nodes.statefile import StateFolder
+from bearing_twin.nodes.vibration_input import SourceLock, read_vibration
+
+
+def test_shaft_speed_comes_from_the_named_joint_whatever_its_direction():
+    shaft = ShaftSpeed(nominal=25.4, joint='motor', timeout=5.0)
+    assert 'nominal' in shaft.problem(0.0)
+    shaft.offer(['gear', 'motor'], [1.0, -2 * math.pi * 30.0], now=10.0)
+    assert shaft.hz == pytest.approx(30.0)
+    assert shaft.problem(14.0) == ''
+    assert 'held' in shaft.problem(16.0)
+
+
+@pytest.mark.parametrize(
+    ('names', 'velocities', 'text'),
+    [
+        (['gear'], [1.0], "joint 'motor'"),
+        (['gear', 'motor'], [1.0], "joint 'motor'"),
+        (['motor'], [math.nan], 'not within'),
+        (['motor'], [math.inf], 'not within'),
+        (['motor'], [1e9], 'not within'),
+    ],
+)
+def test_unusable_joint_states_leave_the_speed(names, velocities, text):
+    shaft = ShaftSpeed(nominal=25.4, joint='motor')
+    shaft.offer(['motor'], [2 * math.pi * 10.0], now=0.0)
+    shaft.offer(names, velocities, now=1.0)
+    assert shaft.hz == pytest.approx(10.0)
+    assert text in shaft.problem(1.0)
+
+
+def message(**changes):
+    fields = {
+        'sample_rate': 25600.0,
+        'first_sample': 1024,
+        'unit': 'm/s^2',
+        'shaft_hz': 25.4,
+        'x': np.zeros(4, np.float32),
+        'y': np.arange(4, dtype=np.float32),
+    }
+    return SimpleNamespace(**{**fields, **changes})
+
+
+def test_takes_the_asked_axis_or_the_one_that_is_there():
+    assert read_vibration(message(), 'y').samples.tolist() == [0, 1, 2, 3]
+    assert read_vibration(message(), 'x').samples.tolist() == [0, 0, 0, 0]
+    assert read_vibration(message(x=[]), 'x').samples.tolist() == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ('changes', 'text'),
+    [
+        ({'sample_rate': math.nan}, 'sample_rate=nan'),
+        ({'sample_rate': -25600.0}, 'sample_rate=-25600'),
+        ({'x': [], 'y': []}, '0 samples'),
+        ({'x': np.zeros(3)}, 'x has 3 samples and y has 4'),
+        ({'x': [], 'y': np.zeros(1_000_001, np.float32)}, '1000001 samples'),
+        ({'first_sample': 2**64 - 1}, 'first_sample='),
+    ],
+)
+def test_refuses_blocks_that_cannot_be_diagnosed(changes, text):
+    with pytest.raises(BearingTwinError, match=text):
+        read_vibration(message(**changes), 'y')
+
+
+@pytest.mark.parametrize('speed', [math.nan, math.inf, -1.0, 1e12])
+def test_unknown_shaft_speed_is_nan(speed):
+    assert math.isnan(read_vibration(message(shaft_hz=speed), 'y').shaft_hz)
+
+
+def test_second_source_is_ignored_until_the_first_falls_silent():
+    lock = SourceLock(timeout=2.0)
+    assert lock.accept('a', 0.0)
+    assert not lock.accept('b', 0.02)
+    assert lock.accept('a', 0.04)
+    assert lock.ignored == 1
+    assert lock.accept('b', 2.1)
+    assert not lock.accept('a', 2.2)
+
+
+@pytest.mark.parametrize('name', ['', '.', '..', '../x', '/etc/passwd', 'a/b', 'a\0b'])
+def test_states_stay_in_their_folder(tmp_path, name):
+    with pytest.raises(BearingTwinError, match='plain file name'):
+        StateFolder(str(tmp_path)).save(name, b'x')
+
+
+def test_states_are_not_overwritten(tmp_path):
+    folder = StateFolder(str(tmp_path / 'new'))
+    folder.save('a', b'1')
+    with pytest.raises(BearingTwinError, match='not overwritten'):
+        folder.save('a', b'2')
+    assert folder.load('a') == b'1'
+    folder.replace('a', b'3')
+    assert folder.load('a') == b'3'
+    with pytest.raises(BearingTwinError, match='cannot be read'):
+        folder.load('b')

@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Deadlines are absolute, lateness is counted, gaps are seen."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes.pacer import Pacer
+
+SECOND = 1_000_000_000
+PERIOD = 40_000_000
+
+
+def pacer(**changes):
+    made = Pacer(**{'block': 1024, 'rate': 25600.0, 'catch_up': 5, 'late_after': 0.02, **changes})
+    made.anchor(ticks=0, time=7 * SECOND)
+    return made
+
+
+def run(p, ticks, offset=7 * SECOND):
+    return p.due(ticks=ticks, time=ticks + offset)
+
+
+def test_one_block_a_period_and_stamps_follow_the_index():
+    p = pacer()
+    assert run(p, PERIOD - 1) == []
+    blocks = [block for k in range(1, 1001) for block in run(p, k * PERIOD + 1000)]
+    assert [b.first_sample for b in blocks] == [1024 * k for k in range(1000)]
+    assert [b.stamp for b in blocks] == [7 * SECOND + k * PERIOD for k in range(1000)]
+    assert p.report().late == 0
+    assert p.report().p99 == pytest.approx(1e-6)
+
+
+def test_catches_up_then_skips_and_counts():
+    p = pacer()
+    assert len(run(p, 4 * PERIOD)) == 4
+    late = run(p, 24 * PERIOD)
+    assert [b.first_sample // 1024 for b in late] == [19, 20, 21, 22, 23]
+    assert p.report().dropped == 15
+    assert late[0].lateness == pytest.approx(4 * 0.04)
+    assert p.report().published == 9
+
+
+def test_clock_set_back_goes_on_without_a_gap_in_the_index():
+    p = pacer()
+    run(p, 3 * PERIOD)
+    assert run(p, 0) == []
+    [block] = run(p, PERIOD)
+    assert block.first_sample == 3 * 1024
+    assert block.stamp == 7 * SECOND
+    assert p.report().clock_steps == 1
+
+
+def test_stepped_wall_clock_moves_the_stamps_only():
+    p = pacer()
+    run(p, 3 * PERIOD)
+    [block] = run(p, 4 * PERIOD, offset=8 * SECOND)
+    assert block.stamp == 8 * SECOND + 3 * PERIOD
+    assert block.first_sample == 3 * 1024
+    assert p.report().clock_steps == 1
+
+
+@given(
+    st.lists(st.integers(min_value=0, max_value=3 * SECOND), min_size=1, max_size=60),
+    st.sampled_from([12800.0, 25600.0, 44100.0, 51200.0]),
+)
+def test_blocks_are_never_early_and_index_and_counts_agree(gaps, rate):
+    p = pacer(rate=rate)
+    ticks = 0
+    blocks = []
+    for gap in gaps:
+        ticks += gap
+        new = run(p, ticks)
+        assert len(new) <= 5
+        for block in new:
+            assert block.lateness >= -1e-9
+            assert abs(block.stamp - 7 * SECOND - block.first_sample * SECOND / rate) <= 1.0
+        blocks += new
+    report = p.report()
+    assert len(blocks) == report.published
+    assert p.next_sample == 1024 * (report.published + report.dropped)
+    assert all(b.first_sample > a.first_sample for a, b in zip(blocks, blocks[1:], strict=False))
+
+
+def test_refuses_nonsense():
+    with pytest.raises(BearingTwinError, match='must be positive'):
+        Pacer(block=0, rate=25600.0, catch_up=5, late_after=0.02)
