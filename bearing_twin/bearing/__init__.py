@@ -1,12 +1,23 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Bearing geometry, fault frequencies and the catalogue."""
+"""Bearing geometry, fault frequencies, Hertz contact and the catalogue."""
 
+from bearing_twin.bearing.catalogue import catalogue, find_bearing
 from bearing_twin.bearing.geometry import (
     Bearing,
     FaultFrequencies,
     fault_frequencies,
     fault_orders,
 )
+from bearing_twin.bearing.hertz import contact_stiffness, load_deflection_factor
 
-__all__ = ['Bearing', 'FaultFrequencies', 'fault_frequencies', 'fault_orders']
+__all__ = [
+    'Bearing',
+    'FaultFrequencies',
+    'catalogue',
+    'contact_stiffness',
+    'fault_frequencies',
+    'fault_orders',
+    'find_bearing',
+    'load_deflection_factor',
+]

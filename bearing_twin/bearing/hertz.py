@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Hertzian point contact of a ball with its races."""
+
+from __future__ import annotations
+
+import math
+
+from bearing_twin.bearing.geometry import Bearing
+from bearing_twin.errors import BearingTwinError
+
+__all__ = ['POISSON_STEEL', 'YOUNG_STEEL', 'contact_stiffness', 'load_deflection_factor']
+
+YOUNG_STEEL = 208e9
+"""Young's modulus of bearing steel at 20 degC, Pa."""
+POISSON_STEEL = 0.3
+"""Poisson's ratio of bearing steel."""
+
+
+def elliptic_integrals(m: float) -> tuple[float, float]:
+    """Complete elliptic integrals K(m) and E(m), 0 <= m < 1, by the arithmetic-geometric mean.
+
+    Abramowitz and Stegun, Handbook of Mathematical Functions, 17.6.
+    """
+    a, b, total, weight = 1.0, math.sqrt(1.0 - m), 0.5 * m, 0.5
+    while abs(a - b) > 1e-15:
+        a, b, c = 0.5 * (a + b), math.sqrt(a * b), 0.5 * (a - b)
+        weight *= 2.0
+        total += weight * c * c
+    k = math.pi / (a + b)
+    return k, k * (1.0 - total)
+
+
+def contact_stiffness(
+    bearing: Bearing,
+    race: str,
+    *,
+    conformity: float,
+    young: float = YOUNG_STEEL,
+    poisson: float = POISSON_STEEL,
+) -> float:
+    """Load-deflection factor of one ball on one race, N/m^1.5.
+
+    Parameters
+    ----------
+    race
+        ``'inner'`` or ``'outer'``.
+    conformity
+        Groove radius over ball diameter, above 0.5.
+    young, poisson
+        Elastic constants, the same for ball and race, Pa and dimensionless.
+
+    Notes
+    -----
+    Harris and Kotzalas, Essential Concepts of Bearing Technology, 5th ed., chapter 6: the
+    ellipticity is the root of F(rho) = ((k^2 + 1) E - 2 K) / ((k^2 - 1) E), the approach is
+    delta = delta* (3 Q / (2 sum(rho) E'))^(2/3) sum(rho) / 2, here with exact integrals.
+    """
+    if not 0.5 < conformity < 1.0:
+        msg = f'{conformity=} of the {race} race is outside 0.5..1; typical values are 0.515..0.53'
+        raise BearingTwinError(msg)
+    sign = {'inner': 1.0, 'outer': -1.0}[race]
+    d, g = bearing.d_ball, bearing.gamma
+    rolling = sign * 2.0 * g / (d * (1.0 - sign * g))
+    groove = 1.0 / (conformity * d)
+    rho_sum = 4.0 / d + rolling - groove
+    rho_difference = (rolling + groove) / rho_sum
+
+    def excess(ellipticity: float) -> float:
+        k2 = ellipticity * ellipticity
+        k, e = elliptic_integrals(1.0 - 1.0 / k2)
+        return ((k2 + 1.0) * e - 2.0 * k) / ((k2 - 1.0) * e) - rho_difference
+
+    low, high = 1.0 + 1e-6, 1e3
+    for _ in range(100):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if excess(middle) < 0.0 else (low, middle)
+    ellipticity = math.sqrt(low * high)
+    k, e = elliptic_integrals(1.0 - 1.0 / ellipticity**2)
+    approach = 2.0 * k / math.pi * (math.pi / (2.0 * ellipticity**2 * e)) ** (1.0 / 3.0)
+    reduced = young / (1.0 - poisson**2)
+    unit_load = (3.0 / (rho_sum * reduced)) ** (2.0 / 3.0) * rho_sum / 2.0
+    return float((approach * unit_load) ** -1.5)
+
+
+def load_deflection_factor(
+    bearing: Bearing,
+    *,
+    conformity_inner: float = 0.515,
+    conformity_outer: float = 0.525,
+    young: float = YOUNG_STEEL,
+    poisson: float = POISSON_STEEL,
+) -> float:
+    """Load-deflection factor K_b of a ball between both races, N/m^1.5.
+
+    Two contacts in series: ``K = (K_i^(-2/3) + K_o^(-2/3))^(-3/2)`` (Harris and Kotzalas,
+    chapter 7).
+    """
+    inner, outer = (
+        contact_stiffness(bearing, race, conformity=f, young=young, poisson=poisson)
+        for race, f in (('inner', conformity_inner), ('outer', conformity_outer))
+    )
+    return float((inner ** (-2.0 / 3.0) + outer ** (-2.0 / 3.0)) ** -1.5)

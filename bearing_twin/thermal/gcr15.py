@@ -1,0 +1,177 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""GCr15 bearing steel between 20 and 110 degC: tables 1 to 3 of the paper and its factor beta0.
+
+Zhang, C.; Liu, T.; Wang, Y.; He, H.; Zhang, C. Symmetry 2023, 15, 2166.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from bearing_twin.errors import BearingTwinError
+
+__all__ = [
+    'BETA0_HIGH',
+    'BETA0_LOW',
+    'EXPANSION_TABLE',
+    'FRICTION_TABLE',
+    'HARDNESS_TABLE',
+    'TEMPERATURES',
+    'Beta0',
+    'alpha',
+    'check_temperature',
+    'friction',
+    'hardness',
+]
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def _column(*values: float) -> FloatArray:
+    column = np.array(values)
+    column.setflags(write=False)
+    return column
+
+
+TEMPERATURES = _column(20, 30, 40, 50, 60, 70, 80, 90, 100, 110)
+"""Nodes of the three tables, degC."""
+EXPANSION_TABLE = _column(5, 6, 7, 9, 9.5, 10, 12, 13, 15, 16)
+"""Table 1, instantaneous thermal expansion coefficient in its printed unit (see `alpha`)."""
+HARDNESS_TABLE = _column(67.1, 65.2, 63.6, 63.6, 63.7, 63.8, 63.2, 63.0, 62.8, 62.4)
+"""Table 2, hardness, HRC. It is not monotone: it rises from 63.6 to 63.8 over 50 to 70 degC."""
+FRICTION_TABLE = _column(
+    0.0150, 0.0155, 0.0157, 0.0203, 0.0205, 0.0263, 0.0812, 0.0942, 0.0986, 0.1030
+)
+"""Table 3, average friction coefficient, dimensionless."""
+
+BETA0_LOW, BETA0_HIGH = 0.5, 1.5
+"""Limits of beta0 over the tables: beyond them stiffness and spall depth leave every scale at
+which the model was looked at, and the contact is lost or the force is not monotone."""
+
+
+def check_temperature(temperature: float) -> float:
+    """Return ``temperature`` if it is finite and inside the tables.
+
+    Raises
+    ------
+    BearingTwinError
+        Otherwise: the friction table jumps threefold in 10 K, so nothing is extrapolated.
+    """
+    low, high = TEMPERATURES[0], TEMPERATURES[-1]
+    if not low <= temperature <= high:
+        msg = (
+            f'temperature {temperature} degC is outside {low:g}..{high:g} degC, the range of '
+            'tables 1 to 3; clamp or hold it before it reaches the model'
+        )
+        raise BearingTwinError(msg)
+    return temperature
+
+
+def alpha(temperature: float, unit: float = 1e-5) -> float:
+    """Instantaneous linear thermal expansion coefficient, 1/K, by linear interpolation.
+
+    Parameters
+    ----------
+    temperature
+        degC, 20 to 110.
+    unit
+        Unit of table 1, 1/K. Printed is '10^5 K^-1'. ``1e-5`` repairs the lost minus sign and
+        keeps the paper's numbers; ``1e-6`` is the magnitude of real steel (12e-6/K).
+    """
+    return float(np.interp(check_temperature(temperature), TEMPERATURES, EXPANSION_TABLE)) * unit
+
+
+def hardness(temperature: float) -> float:
+    """Rockwell hardness, HRC, at 20 to 110 degC, by linear interpolation of table 2."""
+    return float(np.interp(check_temperature(temperature), TEMPERATURES, HARDNESS_TABLE))
+
+
+def friction(temperature: float) -> float:
+    """Average friction coefficient at 20 to 110 degC, by linear interpolation of table 3."""
+    return float(np.interp(check_temperature(temperature), TEMPERATURES, FRICTION_TABLE))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Beta0:
+    """The paper's factor on stiffness K_b and defect depth C_d, each term switchable.
+
+    ``beta0 = 1 + alpha(T) (T - T0) + delta_h (H(T) - H0)/H0 + delta_mu (mu(T) - mu0)/mu0``
+
+    Parameters
+    ----------
+    expansion, hardness, friction
+        Whether the term is present.
+    alpha_unit
+        Unit of table 1, 1e-5 (the paper's numbers) or 1e-6 (real steel), 1/K.
+    delta_h
+        Weight of hardness, 0 to 2. The paper gives none.
+    delta_mu
+        Weight of friction, 0 to 0.08 with the other defaults. The paper gives none; above
+        max(0.0025, 0.0126 delta_h) friction is the strongest of the three, as it claims.
+    reference_temperature, reference_hardness, reference_friction
+        T0 degC, H0 HRC, mu0. H0 is the paper's 63.6 HRC, its value at 40 degC, so that
+        ``beta0(20) = 1 + 0.055 delta_h``.
+
+    Notes
+    -----
+    Symmetry 2023, 15, 2166, section 3.4. Its friction term carries the hardness symbol by
+    mistake; here each term has its own weight. ``alpha(T) (T - T0)`` is kept literally, although
+    the strain would be the integral of alpha.
+    """
+
+    expansion: bool = True
+    hardness: bool = True
+    friction: bool = True
+    alpha_unit: Literal[1e-5, 1e-6] = 1e-5  # type: ignore[valid-type]
+    delta_h: float = 0.10
+    delta_mu: float = 0.02
+    reference_temperature: float = 20.0
+    reference_hardness: float = 63.6
+    reference_friction: float = 0.0150
+
+    def __post_init__(self) -> None:
+        if self.alpha_unit not in (1e-5, 1e-6):
+            msg = f'alpha_unit={self.alpha_unit} 1/K; choose 1e-5 (as printed) or 1e-6 (steel)'
+            raise BearingTwinError(msg)
+        for name in ('delta_h', 'delta_mu'):
+            value = getattr(self, name)
+            if not 0.0 <= value <= 2.0:
+                msg = f'{name}={value} is outside 0..2; the defaults are 0.10 and 0.02'
+                raise BearingTwinError(msg)
+        for name in ('reference_hardness', 'reference_friction'):
+            value = getattr(self, name)
+            if not 0.0 < value < 1e3:
+                msg = f'{name}={value} must be positive and finite'
+                raise BearingTwinError(msg)
+        check_temperature(self.reference_temperature)
+        # Between two nodes beta0 is a quadratic whose curvature alpha' is far too small to
+        # leave the limits when both nodes are inside.
+        for temperature in TEMPERATURES:
+            value = self.at(float(temperature))
+            if not BETA0_LOW <= value <= BETA0_HIGH:
+                msg = (
+                    f'beta0={value:.3f} at {temperature:g} degC is outside '
+                    f'{BETA0_LOW}..{BETA0_HIGH}: stiffness and spall depth would leave the '
+                    f'model\'s validity; reduce delta_mu={self.delta_mu} (default 0.02) or '
+                    f'delta_h={self.delta_h} (default 0.10)'
+                )
+                raise BearingTwinError(msg)
+
+    def at(self, temperature: float) -> float:
+        """Return beta0 at ``temperature`` in degC, 20 to 110."""
+        value = 1.0
+        if self.expansion:
+            rise = temperature - self.reference_temperature
+            value += alpha(temperature, self.alpha_unit) * rise
+        if self.hardness:
+            change = hardness(temperature) - self.reference_hardness
+            value += self.delta_h * change / self.reference_hardness
+        if self.friction:
+            change = friction(temperature) - self.reference_friction
+            value += self.delta_mu * change / self.reference_friction
+        return value
