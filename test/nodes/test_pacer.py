@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Deadlines are absolute, lateness is counted, gaps are seen."""
 
+from itertools import pairwise
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -81,7 +83,7 @@ def test_blocks_are_never_early_and_index_and_counts_agree(gaps, rate):
     report = p.report()
     assert len(blocks) == report.published
     assert p.next_sample == 1024 * (report.published + report.dropped)
-    assert all(b.first_sample > a.first_sample for a, b in zip(blocks, blocks[1:], strict=False))
+    assert all(b.first_sample > a.first_sample for a, b in pairwise(blocks))
 
 
 def test_refuses_nonsense():
