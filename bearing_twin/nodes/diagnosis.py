@@ -36,7 +36,7 @@ from bearing_twin.nodes.lifecycle import ManagedNode, run
 from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, RESULT, STREAM
 from bearing_twin.nodes.shaft import ShaftSpeed
 from bearing_twin.nodes.statefile import StateFolder
-from bearing_twin.nodes.vibration_input import SourceLock, read_vibration
+from bearing_twin.nodes.vibration_input import GapCounter, SourceLock, read_vibration
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -75,6 +75,7 @@ class DiagnosisNode(ManagedNode):
         self._load_state()
         self._shaft = ShaftSpeed(nominal=nominal_speed(p.values), joint=p['joint'])
         self._sources = SourceLock()
+        self._gaps = GapCounter()
         self._temperature = math.nan
         self._blocks = 0
         self._refused = 0
@@ -174,6 +175,7 @@ class DiagnosisNode(ManagedNode):
             self.get_logger().warning(f'block refused: {error}', throttle_duration_sec=10.0)
             return
         self._blocks += 1
+        self._gaps.count(block.first_sample, block.samples.size)
         self._problem = ''
         self._arrived = now
         stamp = stamp_ns(message.header.stamp)
@@ -261,6 +263,7 @@ class DiagnosisNode(ManagedNode):
             refused=self._refused,
             problem=self._problem,
             ignored=self._sources.ignored,
+            gaps=self._gaps,
             shaft_problem=self._shaft.problem(now),
         )
 

@@ -10,6 +10,7 @@ from bearing_twin.nodes.health import Level, Status
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis import Diagnosis
+    from bearing_twin.nodes.vibration_input import GapCounter
 
 __all__ = ['input_status', 'verdict_status']
 
@@ -19,7 +20,14 @@ LEVELS = {'ok': Level.OK, 'suspect': Level.WARN, 'fault': Level.ERROR, 'none': L
 
 
 def input_status(
-    *, age: float, blocks: int, refused: int, problem: str, ignored: int, shaft_problem: str
+    *,
+    age: float,
+    blocks: int,
+    refused: int,
+    problem: str,
+    ignored: int,
+    gaps: GapCounter,
+    shaft_problem: str,
 ) -> Status:
     """Status of the vibration stream.
 
@@ -33,6 +41,8 @@ def input_status(
         Why the last refused block was refused; '' if the last block was used.
     ignored
         Blocks of a second source on the same topic.
+    gaps
+        Samples lost and restarts of the source.
     shaft_problem
         What is wrong with the shaft speed; '' if nothing.
     """
@@ -56,6 +66,8 @@ def input_status(
             'blocks used': blocks,
             'blocks refused': refused,
             'blocks of other sources': ignored,
+            'samples lost': gaps.lost,
+            'restarts of the source': gaps.restarts,
         },
     )
 

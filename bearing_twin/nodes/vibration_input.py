@@ -15,7 +15,7 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['SourceLock', 'VibrationBlock', 'read_vibration']
+__all__ = ['GapCounter', 'SourceLock', 'VibrationBlock', 'read_vibration']
 
 LOWEST_RATE = 100.0
 HIGHEST_RATE = 1_000_000.0
@@ -77,6 +77,24 @@ def read_vibration(message: Any, axis: str) -> VibrationBlock:
         shaft_hz=shaft if 0.0 <= shaft <= FASTEST_SHAFT else math.nan,
         unit=str(message.unit)[:32],
     )
+
+
+class GapCounter:
+    """Count the samples that never arrived, from the running index of those that did."""
+
+    def __init__(self) -> None:
+        self.lost = 0
+        """Samples missing between the first and the last block."""
+        self.restarts = 0
+        """Times the index went back: the source was restarted."""
+        self._next: int | None = None
+
+    def count(self, first_sample: int, samples: int) -> None:
+        """Take note of one block."""
+        if self._next is not None:
+            self.lost += max(0, first_sample - self._next)
+            self.restarts += first_sample < self._next
+        self._next = first_sample + samples
 
 
 class SourceLock:

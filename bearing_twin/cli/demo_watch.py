@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What the demo shows while it runs: one line a second, heard over ROS like anybody else."""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import TYPE_CHECKING
+
+import rclpy
+from bearing_twin_msgs.msg import Diagnosis, TwinState
+from rclpy.executors import SingleThreadedExecutor
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes.qos import RESULT, STREAM
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import TracebackType
+
+__all__ = ['Watcher']
+
+
+class Watcher:
+    """Listen to the twin and to the diagnosis."""
+
+    def __enter__(self) -> Watcher:
+        """Join the ROS domain of the environment."""
+        self._context = rclpy.Context()
+        self._context.init()
+        self._node = rclpy.create_node('demo', context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._state: TwinState | None = None
+        self._verdict: Diagnosis | None = None
+        self._node.create_subscription(TwinState, 'twin_state', self._on_state, STREAM)
+        self._node.create_subscription(Diagnosis, 'diagnosis', self._on_verdict, RESULT)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Leave it."""
+        self._executor.shutdown()
+        self._node.destroy_node()
+        self._context.shutdown()
+
+    def _on_state(self, message: TwinState) -> None:
+        self._state = message
+
+    def _on_verdict(self, message: Diagnosis) -> None:
+        self._verdict = message
+
+    def wait_for_listeners(self, count: int, check: Callable[[], None], timeout: float) -> None:
+        """Wait until ``count`` nodes listen to the vibration."""
+        self._wait(lambda: self._node.count_subscribers('vibration') >= count, check, timeout)
+
+    def wait_for_vibration(self, check: Callable[[], None], timeout: float) -> None:
+        """Wait until the twin publishes."""
+        self._wait(lambda: self._state is not None, check, timeout)
+
+    def _wait(self, ready: Callable[[], bool], check: Callable[[], None], timeout: float) -> None:
+        deadline = time.monotonic() + timeout
+        while not ready():
+            check()
+            if time.monotonic() > deadline:
+                msg = f'the nodes did not come up within {timeout:.0f} s; see their logs'
+                raise BearingTwinError(msg)
+            self._executor.spin_once(timeout_sec=0.1)
+
+    def show(self, seconds: float, *, quiet: bool) -> None:
+        """Listen for a while, then print one line about the latest state and verdict."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            self._executor.spin_once(timeout_sec=left)
+        state, verdict = self._state, self._verdict
+        if quiet or state is None:
+            return
+        line = f'{state.temperature_used:6.1f} degC  beta0 {state.beta0:.4f}'
+        line += f'  K_b {state.k_b:.3e} N/m^1.5'
+        if verdict is not None:
+            line += f'  |  {verdict.result_name:<12} confidence {verdict.confidence:.2f}'
+        end_of_line = '\r' if sys.stdout.isatty() else '\n'
+        print(f'{line:<98}', end=end_of_line, flush=True)

@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Start our nodes as real processes, where there is no ros2 launch. Knows no rclpy."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+    from types import TracebackType
+
+__all__ = ['NodeProcesses', 'local_environment']
+
+
+def local_environment(domain_id: int) -> dict[str, str]:
+    """Return an environment in which ROS talks to this machine only, in a domain of its own."""
+    return {
+        **os.environ,
+        'ROS_DOMAIN_ID': str(domain_id),
+        'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+    }
+
+
+class NodeProcesses:
+    """Nodes of this package as processes; leaving the context ends those it started.
+
+    Parameters
+    ----------
+    logs
+        Folder for what they print, one file a node.
+    environment
+        Their environment.
+    """
+
+    def __init__(self, logs: Path, environment: Mapping[str, str]) -> None:
+        self._logs = logs
+        self._environment = dict(environment)
+        self._processes: dict[str, subprocess.Popen[bytes]] = {}
+
+    def __enter__(self) -> NodeProcesses:
+        """Return itself."""
+        self._logs.mkdir(parents=True, exist_ok=True)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """End every process."""
+        for name in list(self._processes):
+            self.end(name)
+
+    def start(
+        self,
+        module: str,
+        parameters: Mapping[str, object],
+        *,
+        name: str = '',
+        ros: tuple[str, ...] = (),
+    ) -> None:
+        """Start ``bearing_twin.nodes.MODULE`` with parameters.
+
+        Parameters
+        ----------
+        module
+            Module of the node.
+        parameters
+            Its parameters.
+        name
+            Name of the process here, ``module`` if empty.
+        ros
+            More ``--ros-args``.
+        """
+        words = [sys.executable, '-m', f'bearing_twin.nodes.{module}', '--ros-args']
+        for key, value in parameters.items():
+            words += ['-p', f'{key}:={_yaml(value)}']
+        name = name or module
+        with (self._logs / f'{name}.log').open('wb') as log:
+            self._processes[name] = subprocess.Popen(
+                [*words, *ros],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                env=self._environment,
+            )
+
+    def running(self, name: str) -> bool:
+        """Whether the process is still there."""
+        return self._processes[name].poll() is None
+
+    def check(self) -> None:
+        """Raise BearingTwinError if a process has failed, with the end of what it printed."""
+        for name, process in self._processes.items():
+            if process.poll():
+                text = (self._logs / f'{name}.log').read_text(errors='replace').strip()
+                tail = '\n'.join(text.splitlines()[-8:])
+                msg = f'{name} ended with status {process.returncode}:\n{tail}'
+                raise BearingTwinError(msg)
+
+    def wait(self, name: str, timeout: float) -> int:
+        """Wait for a process to end by itself; return its exit status."""
+        return self._processes[name].wait(timeout)
+
+    def pid(self, name: str) -> int:
+        """Return the process id."""
+        return self._processes[name].pid
+
+    def end(self, name: str, *, by: signal.Signals = signal.SIGINT, timeout: float = 15.0) -> int:
+        """End a process as a user would; return its exit status."""
+        process = self._processes.pop(name)
+        if process.poll() is None:
+            process.send_signal(by)
+            try:
+                process.wait(timeout)
+            except subprocess.TimeoutExpired:
+                process.kill()
+        return process.wait()
+
+
+def _yaml(value: object) -> str:
+    """Write a value as the YAML that --ros-args takes."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return "'" + value.replace("'", "''") + "'"
+    return repr(value)
