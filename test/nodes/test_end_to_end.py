@@ -1,0 +1,45 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The main job with real processes: temperature in, vibration, verdict and recording out."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+
+def bearing_twin(*words, timeout=240):
+    """Run the command line as a user does."""
+    return subprocess.run(
+        [sys.executable, '-m', 'bearing_twin', *map(str, words)],
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
+    )
+
+
+@pytest.mark.ros
+def test_demo_on_the_warm_up_of_a_real_machine(tmp_path, data_dir):
+    """The measured 43..110 degC of a test rig (FEMTO Bearing2_5), its first 80 minutes in 24 s."""
+    recording = tmp_path / 'warm_up.mcap'
+    trend = data_dir / 'femto' / 'femto_Bearing2_5_trend.npz'
+    made = bearing_twin('schedule', recording, '--from', trend, '--every', 10, '--until', 4800)
+    assert made.returncode == 0, made.stderr
+
+    ran = bearing_twin(
+        'demo', '--recording', recording, '--rate', 200, '--out', tmp_path / 'runs', '--json'
+    )
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    result = json.loads(ran.stdout)
+
+    assert result['temperature_low'] < 45.0
+    assert result['temperature_high'] > 109.0
+    assert result['result'] == 'inner'
+    assert result['fault_hz'] == pytest.approx(result['fault_hz_expected'], rel=0.005)
+    assert result['samples_lost_by_diagnosis'] == 0
+    assert result['samples_lost_by_recorder'] == 0
+    assert result['blocks_dropped'] == 0
+    assert {name.rsplit('.', 1)[1] for name in result['files']} == {'mcap', 'rrd'}
+    assert all(size > 0 for size in result['files'].values())
