@@ -1,3 +1,18 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """The bearing's equations of motion and the simulator that advances them."""
+
+from bearing_twin.dynamics.parameters import Defect, TwinParameters
+from bearing_twin.dynamics.presets import PRESETS, preset
+from bearing_twin.dynamics.simulator import Block, Condition, Simulator, warm_up
+
+__all__ = [
+    'PRESETS',
+    'Block',
+    'Condition',
+    'Defect',
+    'Simulator',
+    'TwinParameters',
+    'preset',
+    'warm_up',
+]

@@ -157,7 +157,7 @@ class Beta0:
                 msg = (
                     f'beta0={value:.3f} at {temperature:g} degC is outside '
                     f'{BETA0_LOW}..{BETA0_HIGH}: stiffness and spall depth would leave the '
-                    f'model\'s validity; reduce delta_mu={self.delta_mu} (default 0.02) or '
+                    f"model's validity; reduce delta_mu={self.delta_mu} (default 0.02) or "
                     f'delta_h={self.delta_h} (default 0.10)'
                 )
                 raise BearingTwinError(msg)

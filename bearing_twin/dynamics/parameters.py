@@ -1,0 +1,215 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters of the twin, each with its unit, range and source."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+from bearing_twin.bearing import Bearing, load_deflection_factor
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.thermal.gcr15 import Beta0
+
+__all__ = ['MAX_DEFECTS', 'PLACES', 'PROFILES', 'Defect', 'TwinParameters']
+
+Place = Literal['inner', 'outer', 'ball', 'cage']
+Profile = Literal['ball', 'rect', 'halfsine', 'smooth']
+PLACES: tuple[Place, ...] = ('inner', 'outer', 'ball', 'cage')
+PROFILES: tuple[Profile, ...] = ('ball', 'rect', 'halfsine', 'smooth')
+MAX_DEFECTS = 8
+"""Most defects of one bearing."""
+
+_LOAD_DIRECTION = -math.pi / 2
+
+
+def check_range(name: str, value: float, low: float, high: float, unit: str) -> None:
+    """Refuse a ``value`` that is not finite or outside ``low``..``high``."""
+    if not low <= value <= high:
+        msg = f'{name}={value} is outside {low:g}..{high:g} {unit}'.rstrip()
+        raise BearingTwinError(msg)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Defect:
+    """A local fault.
+
+    Parameters
+    ----------
+    place
+        ``'inner'``, ``'outer'``, ``'ball'`` or ``'cage'``.
+    width
+        Extent in the rolling direction, m, 0.05 to 10 mm. For the cage: by how much the ball of
+        the worn pocket is displaced along the pitch circle.
+    depth
+        Greatest depth, m, 0 to 0.5 mm; the paper's C_d0. For the cage: by how much the ball of
+        the worn pocket is smaller than the others.
+    angle
+        Centre of the defect, rad. Outer: from +x, default in the load direction (-pi/2). Inner:
+        from the shaft's mark. Ball: spin angle at which it meets the inner race. Cage: unused.
+    ball
+        Index of the ball, or of the cage pocket, from 0.
+    profile
+        Path of a ball over the defect. ``'ball'``: it bridges the gap, ``min(depth, s^2 (1/d +-
+        1/D_race))`` with s the distance to the nearer edge, + on the inner, - on the outer race.
+        The literature's: ``'rect'`` (full depth at once; it makes every fixed-step scheme first
+        order), ``'halfsine'``, ``'smooth'`` (raised-cosine flanks over a quarter of the width).
+    """
+
+    place: Place
+    width: float
+    depth: float
+    angle: float = 0.0
+    ball: int = 0
+    profile: Profile = 'ball'
+
+    def __post_init__(self) -> None:
+        if self.place not in PLACES:
+            msg = f'defect place {self.place!r} is unknown; choose one of {", ".join(PLACES)}'
+            raise BearingTwinError(msg)
+        if self.profile not in PROFILES:
+            msg = f'profile {self.profile!r} is unknown; choose one of {", ".join(PROFILES)}'
+            raise BearingTwinError(msg)
+        check_range('defect width', self.width, 0.05e-3, 10e-3, 'm (0.05 to 10 mm)')
+        check_range('defect depth', self.depth, 0.0, 0.5e-3, 'm (0 to 0.5 mm)')
+        check_range('defect angle', self.angle, -2.0 * math.pi, 2.0 * math.pi, 'rad')
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwinParameters:
+    """Everything that the equations of motion need, validated.
+
+    Sources: [P] Symmetry 2023, 15, 2166; [M] Mishra et al., J. Sound Vib. 2017, table 1; [S]
+    Sawalhi and Randall, Mech. Syst. Signal Process. 2008, and theses of the same group; [C] Cheng
+    et al. 2019, table 1; [D] D'Elia, Cocconcelli, Mucchi 2016 (public generator of bearing signals).
+
+    Parameters
+    ----------
+    bearing
+        Geometry.
+    thermal_mode
+        ``'paper'``: stiffness and defect depth follow `beta0`. ``'physical'``: ring temperatures,
+        clearance, E(T), lubricant and slip.
+    defects
+        Up to 8 defects at once.
+    load
+        Radial load that the bearing carries, along -y, N, 10 to 50000. The position of the shaft
+        spring is solved for it, because that spring is grounded and would carry most of a force.
+    clearance
+        Radial clearance c_r, half the radial internal clearance, at 20 degC, m, -5 to 50 um
+        (6307 CN: RIC 6 to 20 um).
+    hertz_stiffness
+        K_b0, N/m^1.5, 1e8 to 1e12; None: from the geometry (6307 of the catalogue 1.228e10).
+    contact_damping
+        c_b of a loaded ball, N s/m, 0 to 1500 [C].
+    inner_mass, inner_stiffness, inner_damping
+        Rotor and shaft: kg 0.1 to 500, N/m 1e5 to 1e10, N s/m 0 to 1e6 [M].
+    outer_mass, outer_stiffness, outer_damping
+        Housing: kg 0.1 to 500, N/m 1e5 to 1e10, N s/m 0 to 1e6 [M].
+    unbalance
+        m_u e, kg m, 0 to 2.5e-2.
+    slip_model, slip
+        Cage slip: ``'none'``; ``'constant'`` s = `slip`; ``'mu_proportional'`` s = `slip`
+        mu(T)/mu0, whose default 0.0965 % gives the paper's 126.42 and 126.82 Hz. 0 to 0.05.
+    jitter
+        Standard deviation of the angle between two impacts over the ball spacing, 0 to 0.05 [D].
+    noise
+        White noise of the sensor, standard deviation per sample, m/s^2, 0 to 100.
+    resonance_hz, resonance_damping
+        Sensor resonance, Hz, 0 (none) or 500 to 11000; damping ratio 0.005 to 0.7 [S].
+    beta0
+        The paper's factor and its switches.
+    start_angle
+        Angle of ball 0 and of the shaft's mark at sample 0, rad from +x. The default puts both
+        in the load direction, so that an inner defect at angle 0 is struck at t = 0.
+    """
+
+    bearing: Bearing
+    thermal_mode: Literal['paper', 'physical'] = 'paper'
+    defects: tuple[Defect, ...] = ()
+    load: float = 500.0
+    clearance: float = 5e-6
+    hertz_stiffness: float | None = None
+    contact_damping: float = 300.0
+    inner_mass: float = 6.2638
+    inner_stiffness: float = 7.42e7
+    inner_damping: float = 1376.8
+    outer_mass: float = 12.638
+    outer_stiffness: float = 1.51e7
+    outer_damping: float = 2210.7
+    unbalance: float = 0.0
+    slip_model: Literal['none', 'constant', 'mu_proportional'] = 'mu_proportional'
+    slip: float = 0.000965
+    jitter: float = 0.005
+    noise: float = 0.1
+    resonance_hz: float = 6000.0
+    resonance_damping: float = 0.04
+    beta0: Beta0 = field(default_factory=Beta0)
+    start_angle: float = _LOAD_DIRECTION
+
+    def __post_init__(self) -> None:
+        if self.thermal_mode not in ('paper', 'physical'):
+            msg = f'thermal_mode {self.thermal_mode!r} is unknown; choose paper or physical'
+            raise BearingTwinError(msg)
+        if self.slip_model not in ('none', 'constant', 'mu_proportional'):
+            msg = (
+                f'slip_model {self.slip_model!r} is unknown; choose none, constant or '
+                'mu_proportional'
+            )
+            raise BearingTwinError(msg)
+        for name, low, high, unit in _RANGES:
+            check_range(name, getattr(self, name), low, high, unit)
+        if self.hertz_stiffness is not None:
+            check_range('hertz_stiffness', self.hertz_stiffness, 1e8, 1e12, 'N/m^1.5')
+        if self.resonance_hz != 0.0:
+            check_range('resonance_hz', self.resonance_hz, 500.0, 11000.0, 'Hz, or 0 for none')
+        if len(self.defects) > MAX_DEFECTS:
+            msg = f'{len(self.defects)} defects are more than {MAX_DEFECTS}; merge some'
+            raise BearingTwinError(msg)
+        for defect in self.defects:
+            self._check_defect(defect)
+
+    @property
+    def k_b0(self) -> float:
+        """K_b0 in use, N/m^1.5: `hertz_stiffness`, or from the geometry."""
+        if self.hertz_stiffness is not None:
+            return self.hertz_stiffness
+        return load_deflection_factor(self.bearing)
+
+    def _check_defect(self, defect: Defect) -> None:
+        bearing = self.bearing
+        if not 0 <= defect.ball < bearing.n_balls:
+            msg = (
+                f'defect on ball {defect.ball}, but {bearing.name} has balls '
+                f'0..{bearing.n_balls - 1}'
+            )
+            raise BearingTwinError(msg)
+        spacing = math.pi * (bearing.d_pitch - bearing.d_ball) / bearing.n_balls
+        limit = min(spacing, 0.5 * bearing.d_ball)
+        if defect.width > limit:
+            msg = (
+                f'{defect.place} defect {defect.width * 1e3:g} mm wide, but the model holds for '
+                f'at most {limit * 1e3:.3g} mm on {bearing.name} (half a ball, one ball spacing): '
+                'a wider one is no local defect'
+            )
+            raise BearingTwinError(msg)
+
+
+_RANGES = (
+    ('load', 10.0, 50e3, 'N'),
+    ('clearance', -5e-6, 50e-6, 'm (-5 to 50 um)'),
+    ('contact_damping', 0.0, 1500.0, 'N s/m'),
+    ('inner_mass', 0.1, 500.0, 'kg'),
+    ('inner_stiffness', 1e5, 1e10, 'N/m'),
+    ('inner_damping', 0.0, 1e6, 'N s/m'),
+    ('outer_mass', 0.1, 500.0, 'kg'),
+    ('outer_stiffness', 1e5, 1e10, 'N/m'),
+    ('outer_damping', 0.0, 1e6, 'N s/m'),
+    ('unbalance', 0.0, 2.5e-2, 'kg m'),
+    ('slip', 0.0, 0.05, '(dimensionless)'),
+    ('jitter', 0.0, 0.05, '(of the ball spacing)'),
+    ('noise', 0.0, 100.0, 'm/s^2'),
+    ('resonance_damping', 0.005, 0.7, '(damping ratio)'),
+    ('start_angle', -2.0 * math.pi, 2.0 * math.pi, 'rad'),
+)
