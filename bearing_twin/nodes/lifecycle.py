@@ -76,7 +76,11 @@ class ManagedNode(LifecycleNode):
         if not self.parameters['autostart']:
             return
         for trigger in (self.trigger_configure, self.trigger_activate):
-            if trigger() != TransitionCallbackReturn.SUCCESS:
+            result = trigger()
+            if not self.context.ok():
+                # Told to end while still coming up: no error.
+                raise ExternalShutdownException
+            if result != TransitionCallbackReturn.SUCCESS:
                 msg = 'the node could not start; the reason stands in the log above'
                 raise BearingTwinError(msg)
 

@@ -6,10 +6,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from bearing_twin.bearing.catalogue import find_bearing
-from bearing_twin.dynamics.parameters import PRESETS, preset
+from bearing_twin.dynamics.presets import PRESETS, preset
 from bearing_twin.dynamics.simulator import Simulator
-from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.parameters import Spec
 
 if TYPE_CHECKING:
@@ -17,9 +15,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['SPECS', 'build_parameters', 'build_simulator', 'defect_places']
-
-PLACES = ('inner', 'outer', 'ball', 'cage')
+__all__ = ['SPECS', 'build_parameters', 'build_simulator']
 
 SPECS = (
     Spec(
@@ -60,6 +56,35 @@ SPECS = (
         default='paper',
         description='Temperature law: beta0 of tables 1-3, or ring temperatures and clearance.',
         choices=('paper', 'physical'),
+    ),
+    Spec(
+        name='load',
+        default=0.0,
+        description='Radial load that the bearing carries; 0: from the preset.',
+        unit='N',
+        low=0.0,
+        high=50000.0,
+    ),
+    Spec(
+        name='slip_model',
+        default='mu_proportional',
+        description='Cage slip: none, constant, or in proportion to the friction of table 3.',
+        choices=('none', 'constant', 'mu_proportional'),
+    ),
+    Spec(
+        name='jitter',
+        default=0.005,
+        description='Standard deviation of the angle between two impacts over the ball spacing.',
+        low=0.0,
+        high=0.05,
+    ),
+    Spec(
+        name='noise',
+        default=0.1,
+        description='White noise of the sensor, standard deviation.',
+        unit='m/s^2',
+        low=0.0,
+        high=100.0,
     ),
     Spec(
         name='seed',
@@ -164,23 +189,6 @@ SPECS = (
 )
 
 
-def defect_places(text: str) -> tuple[str, ...]:
-    """Return the places named by the parameter ``defect``.
-
-    Raises
-    ------
-    BearingTwinError
-        If a place is unknown or stands twice.
-    """
-    if text == 'none':
-        return ()
-    places = tuple(text.split('+'))
-    if set(places) - set(PLACES) or len(set(places)) != len(places):
-        msg = f"defect='{text}': give none, or different ones of {', '.join(PLACES)} joined by '+'"
-        raise BearingTwinError(msg)
-    return places
-
-
 def build_parameters(values: Mapping[str, Any]) -> TwinParameters:
     """Return the model that the parameters describe.
 
@@ -189,13 +197,18 @@ def build_parameters(values: Mapping[str, Any]) -> TwinParameters:
     BearingTwinError
         If they do not fit together or leave the model's validity.
     """
+    given = {'load': values['load']} if values['load'] else {}
     return preset(
         values['preset'],
-        bearing=find_bearing(values['bearing']),
-        defects=defect_places(values['defect']),
+        bearing=values['bearing'],
+        defect=values['defect'],
         width=values['defect_width'] or None,
         depth=values['defect_depth'] or None,
         thermal_mode=values['thermal_mode'],
+        slip_model=values['slip_model'],
+        jitter=values['jitter'],
+        noise=values['noise'],
+        **given,
     )
 
 
