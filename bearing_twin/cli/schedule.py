@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""``bearing-twin schedule``: write a temperature recording to replay."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bearing_twin.recording.schedule import (
+    load_trend,
+    paper_schedule,
+    write_temperature_recording,
+)
+
+if TYPE_CHECKING:
+    import argparse
+
+__all__ = ['configure', 'run']
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument(
+        '-o',
+        '--output',
+        type=Path,
+        default=Path('recordings/paper_schedule.mcap'),
+        help='recording to make; never overwritten (default recordings/paper_schedule.mcap)',
+    )
+    parser.add_argument(
+        '--from-npz',
+        type=Path,
+        metavar='FILE',
+        help='take a measured temperature (arrays temp_t_s, temp_C) instead of 20..110 degC',
+    )
+    parser.add_argument(
+        '--duration', type=float, default=40.0, help='time from 20 to 110 degC in s (default 40)'
+    )
+    parser.add_argument('--topic', default='/temperature', help='default /temperature')
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the recording."""
+    if args.from_npz:
+        times, temperatures = load_trend(args.from_npz)
+        source = f'measured, {args.from_npz.name}'
+    else:
+        times, temperatures = paper_schedule(args.duration)
+        source = 'schedule of the paper: 20 to 110 degC in proportion to time'
+    write_temperature_recording(args.output, times, temperatures, source=source, topic=args.topic)
+    print(
+        f'{args.output}: {times.size} readings over {times[-1]:.1f} s, '
+        f'{temperatures.min():.1f}..{temperatures.max():.1f} degC'
+    )
+    return 0

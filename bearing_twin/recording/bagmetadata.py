@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""``metadata.yaml`` of a bag folder, and the same as a record of an MCAP file.
+
+Version, fields and their order are those of rosbag2_storage (``metadata_io.cpp``) since Jazzy.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import yaml
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+__all__ = ['BagFile', 'BagTopic', 'metadata_record', 'write_metadata_file']
+
+VERSION = 9
+NO_MESSAGE = 2**63 - 1
+"""Starting time of a bag without messages, as rosbag2 writes it, ns."""
+
+
+@dataclass
+class BagTopic:
+    """One topic of one file."""
+
+    name: str
+    type_name: str
+    qos: str
+    type_hash: str
+    count: int = 0
+
+
+@dataclass(frozen=True)
+class BagFile:
+    """One file of a bag; times in ns."""
+
+    name: str
+    size: int
+    count: int
+    start: int
+    end: int
+    topics: list[BagTopic]
+
+
+def metadata_record(files: Sequence[BagFile]) -> tuple[str, dict[str, str]]:
+    """Return name and content of the MCAP metadata record that rosbag2 looks for."""
+    return 'rosbag2', {'serialized_metadata': _dump(_information(files))}
+
+
+def write_metadata_file(folder: Path, files: Sequence[BagFile]) -> str:
+    """Write ``metadata.yaml`` as a whole; return what went wrong, '' if nothing."""
+    text = _dump({'rosbag2_bagfile_information': _information(files)})
+    part = folder / '.metadata.yaml.part'
+    try:
+        part.write_text(text, encoding='utf-8')
+        part.replace(folder / 'metadata.yaml')
+    except OSError as error:
+        return f'{folder / "metadata.yaml"}: {error.strerror}'
+    return ''
+
+
+def _dump(value: dict[str, Any]) -> str:
+    return str(yaml.safe_dump(value, sort_keys=False, default_flow_style=False))
+
+
+def _information(files: Sequence[BagFile]) -> dict[str, Any]:
+    start, duration = _span(files)
+    return {
+        'version': VERSION,
+        'storage_identifier': 'mcap',
+        'duration': {'nanoseconds': duration},
+        'starting_time': {'nanoseconds_since_epoch': start},
+        'message_count': sum(file.count for file in files),
+        'topics_with_message_count': _topics(files),
+        'compression_format': '',
+        'compression_mode': '',
+        'relative_file_paths': [file.name for file in files],
+        'files': [_file(file) for file in files],
+        'custom_data': None,
+        'ros_distro': os.environ.get('ROS_DISTRO', 'unknown'),
+    }
+
+
+def _span(files: Sequence[BagFile]) -> tuple[int, int]:
+    filled = [file for file in files if file.count]
+    if not filled:
+        return NO_MESSAGE, 0
+    start = min(file.start for file in filled)
+    return start, max(file.end for file in filled) - start
+
+
+def _file(file: BagFile) -> dict[str, Any]:
+    start, duration = _span([file])
+    return {
+        'path': file.name,
+        'starting_time': {'nanoseconds_since_epoch': start},
+        'duration': {'nanoseconds': duration},
+        'message_count': file.count,
+    }
+
+
+def _topics(files: Sequence[BagFile]) -> list[dict[str, Any]]:
+    merged: dict[tuple[str, str], BagTopic] = {}
+    for file in files:
+        for topic in file.topics:
+            known = merged.setdefault(
+                (topic.name, topic.type_name),
+                BagTopic(topic.name, topic.type_name, topic.qos, topic.type_hash),
+            )
+            known.count += topic.count
+    return [
+        {
+            'topic_metadata': {
+                'name': topic.name,
+                'type': topic.type_name,
+                'serialization_format': 'cdr',
+                'offered_qos_profiles': yaml.safe_load(topic.qos) or [],
+                'type_description_hash': topic.type_hash,
+            },
+            'message_count': topic.count,
+        }
+        for topic in merged.values()
+    ]

@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Arrays of ``.npz`` files from outside: no pickle, and no memory that the file does not fill."""
+
+from __future__ import annotations
+
+import math
+import struct
+import zipfile
+import zlib
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+    from pathlib import Path
+
+__all__ = ['LARGEST_ARRAY', 'read_npz']
+
+LARGEST_ARRAY = 1024 * 1024 * 1024
+"""Largest array that is read, bytes."""
+MOST_MEMBERS = 10_000
+FAULTS = (
+    ValueError,
+    OSError,
+    EOFError,
+    KeyError,
+    TypeError,
+    SyntaxError,
+    RuntimeError,
+    NotImplementedError,
+    MemoryError,
+    struct.error,
+    zlib.error,
+    zipfile.BadZipFile,
+)
+"""What zipfile and numpy raise on damaged files."""
+
+
+def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any]:
+    """Read the arrays of an ``.npz`` file; all, or those of ``wanted`` that are there.
+
+    Raises
+    ------
+    BearingTwinError
+        If the file is damaged, or an array holds Python objects or is too large.
+    """
+    arrays: dict[str, Any] = {}
+    try:
+        with zipfile.ZipFile(path) as archive:
+            members = archive.infolist()
+            if len(members) > MOST_MEMBERS:
+                msg = f'{path} has {len(members)} members; at most {MOST_MEMBERS} are read'
+                raise BearingTwinError(msg)
+            for member in members:
+                name = member.filename.removesuffix('.npy')
+                if wanted is None or name in wanted:
+                    with archive.open(member) as file:
+                        arrays[name] = _read_array(file, member.file_size, f'{path}: {name}')
+    except FAULTS as error:
+        reason = getattr(error, 'strerror', None) or error
+        msg = f'{path} cannot be read as .npz ({type(error).__name__}: {reason})'
+        raise BearingTwinError(msg) from None
+    return arrays
+
+
+def _read_array(file: Any, size: int, what: str) -> Any:
+    """Read one member, after a look at what its header would have numpy allocate."""
+    head = _Rewindable(file)
+    version = np.lib.format.read_magic(head)
+    if version == (1, 0):
+        shape, _, dtype = np.lib.format.read_array_header_1_0(head)
+    else:
+        shape, _, dtype = np.lib.format.read_array_header_2_0(head)
+    if dtype.hasobject:
+        msg = f'{what} holds Python objects, which are never loaded from a file'
+        raise BearingTwinError(msg)
+    needed = math.prod(shape) * dtype.itemsize
+    if needed > min(size, LARGEST_ARRAY):
+        msg = f'{what} would need {needed} bytes; the member has {size}, limit {LARGEST_ARRAY}'
+        raise BearingTwinError(msg)
+    return np.lib.format.read_array(head.rewound(), allow_pickle=False)
+
+
+class _Rewindable:
+    """Give a stream's first bytes out a second time: members of archives cannot seek cheaply."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._head = b''
+        self._again = b''
+        self._recording = True
+
+    def read(self, size: int = -1) -> bytes:
+        data = self._again[:size] if size >= 0 else self._again
+        self._again = self._again[len(data) :]
+        if len(data) < size or size < 0:
+            data += self._file.read(size - len(data) if size >= 0 else -1)
+        if self._recording:
+            self._head += data
+        return data
+
+    def rewound(self) -> Any:
+        self._recording = False
+        self._again = self._head
+        return self

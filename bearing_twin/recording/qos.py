@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Offered QoS of a topic as rosbag2 writes it into recordings (metadata version 9)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import yaml
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+__all__ = ['qos_profile', 'qos_yaml', 'read_qos', 'sensor_qos']
+
+NEVER = {'sec': 9223372036, 'nsec': 854775807}
+"""The infinite duration of rmw."""
+
+
+def qos_profile(
+    *,
+    history: str = 'keep_last',
+    depth: int = 10,
+    reliability: str = 'reliable',
+    durability: str = 'volatile',
+) -> dict[str, Any]:
+    """Return one profile with the field names of rosbag2."""
+    return {
+        'history': history,
+        'depth': depth,
+        'reliability': reliability,
+        'durability': durability,
+        'deadline': dict(NEVER),
+        'lifespan': dict(NEVER),
+        'liveliness': 'automatic',
+        'liveliness_lease_duration': dict(NEVER),
+        'avoid_ros_namespace_conventions': False,
+    }
+
+
+def qos_yaml(profiles: Sequence[Mapping[str, Any]]) -> str:
+    """Write profiles as the text of a channel's ``offered_qos_profiles``."""
+    return str(yaml.safe_dump([dict(p) for p in profiles], sort_keys=False)).strip()
+
+
+def sensor_qos() -> str:
+    """Offered profile of a reliable sensor."""
+    return qos_yaml([qos_profile()])
+
+
+def read_qos(text: str) -> list[dict[str, Any]]:
+    """Read ``offered_qos_profiles``; what is not readable counts as no profile."""
+    try:
+        profiles = yaml.safe_load(text)
+    except yaml.YAMLError:
+        return []
+    if not isinstance(profiles, list):
+        return []
+    return [profile for profile in profiles if isinstance(profile, dict)]

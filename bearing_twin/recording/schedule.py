@@ -1,0 +1,119 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Temperature recordings: the paper's schedule, and measured temperatures of real machines."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rosbags.typesys import Stores, get_typestore
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.npz import read_npz
+from bearing_twin.recording.qos import sensor_qos
+from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+__all__ = ['load_trend', 'paper_schedule', 'write_temperature_recording']
+
+NANO = 1_000_000_000
+TEMPERATURE = 'sensor_msgs/msg/Temperature'
+START = 1_577_836_800 * NANO
+"""Stamp of the first reading, 2020-01-01 00:00 UTC: the same command writes the same file."""
+
+
+def paper_schedule(
+    duration: float = 40.0, rate: float = 10.0
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return times (s) and temperatures (degC): 20 to 110 degC in proportion to time.
+
+    Parameters
+    ----------
+    duration
+        Time from 20 to 110 degC, s.
+    rate
+        Readings per second.
+
+    Returns
+    -------
+    times, temperatures
+        Shape ``(round(duration * rate) + 1,)``.
+    """
+    times = np.arange(round(duration * rate) + 1) / rate
+    return times, 20.0 + 90.0 * times / times[-1]
+
+
+def load_trend(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Read a measured temperature from an ``.npz`` file with ``temp_t_s`` and ``temp_C``.
+
+    Raises
+    ------
+    BearingTwinError
+        If the file has no such arrays of equal length, or the times do not rise.
+    """
+    arrays = read_npz(path, ('temp_t_s', 'temp_C'))
+    missing = {'temp_t_s', 'temp_C'} - arrays.keys()
+    if missing:
+        msg = f'{path} has no array {" and no ".join(sorted(missing))}; both are needed (s, degC)'
+        raise BearingTwinError(msg)
+    times, temperatures = (
+        np.asarray(arrays[key], dtype=np.float64).ravel() for key in ('temp_t_s', 'temp_C')
+    )
+    if times.size != temperatures.size or times.size < 2:
+        msg = f'{path}: temp_t_s has {times.size} values and temp_C has {temperatures.size}'
+        raise BearingTwinError(msg)
+    if not np.all(np.isfinite(times)) or np.any(np.diff(times) < 0):
+        msg = f'{path}: temp_t_s does not rise'
+        raise BearingTwinError(msg)
+    return times - times[0], temperatures
+
+
+def write_temperature_recording(
+    path: Path,
+    times: NDArray[np.float64],
+    temperatures: NDArray[np.float64],
+    *,
+    source: str,
+    topic: str = '/temperature',
+    frame_id: str = 'bearing_housing',
+) -> None:
+    """Write readings as a recording of ``sensor_msgs/Temperature``.
+
+    Parameters
+    ----------
+    path
+        File or bag folder to make.
+    times, temperatures
+        Shape ``(n,)``, s from the start and degC.
+    source
+        Where they come from; kept in the recording.
+    topic, frame_id
+        Topic, and frame of the headers.
+
+    Raises
+    ------
+    BearingTwinError
+        If the path exists or cannot be written.
+    """
+    store = get_typestore(Stores.ROS2_KILTED)
+    temperature, header, time = (
+        store.types[name]
+        for name in (TEMPERATURE, 'std_msgs/msg/Header', 'builtin_interfaces/msg/Time')
+    )
+    qos = sensor_qos()
+    with RecordingWriter(path, WriterOptions()) as writer:
+        writer.metadata('bearing_twin.source', {'source': source, 'unit': 'degC'})
+        for second, value in zip(times, temperatures, strict=True):
+            ns = START + round(float(second) * NANO)
+            message = temperature(
+                header=header(stamp=time(sec=ns // NANO, nanosec=ns % NANO), frame_id=frame_id),
+                temperature=float(value),
+                variance=0.0,
+            )
+            cdr = bytes(store.serialize_cdr(message, TEMPERATURE))
+            writer.write(topic, TEMPERATURE, cdr, log_time=ns, publish_time=ns, qos=qos)

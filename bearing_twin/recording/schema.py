@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Message schemas as a ROS 2 recording carries them: text with dependencies, and type hash."""
+
+from __future__ import annotations
+
+import os
+import sys
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rosbags.interfaces import Nodetype
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rosbags.interfaces.typing import Typesdict
+
+__all__ = ['MessageSchema', 'message_schema', 'store_from_text']
+
+SEPARATOR = '=' * 80 + '\n'
+
+LONGEST_SCHEMA = 1_000_000
+"""Longest schema text that is parsed, characters."""
+
+LONGEST_SEQUENCE = 64 * 1024 * 1024
+"""Longest array that is decoded, elements."""
+
+
+@dataclass(frozen=True)
+class MessageSchema:
+    """Schema of one message type."""
+
+    type_name: str
+    """``pkg/msg/Type``."""
+    text: str
+    """The ``.msg`` text, followed by those of its dependencies (encoding ``ros2msg``)."""
+    type_hash: str
+    """``RIHS01_...`` of REP 2016."""
+
+
+@cache
+def message_schema(type_name: str) -> MessageSchema:
+    """Find the schema of a message type.
+
+    The ``.msg`` files of the installed packages are taken, comments included; without ROS those of
+    this project and, for the common packages of ROS 2, the definitions that rosbags carries.
+
+    Raises
+    ------
+    BearingTwinError
+        If the type or one of its dependencies is not known.
+    """
+    texts: dict[str, str] = {}
+    store = Typestore()
+    _collect(type_name, texts, store)
+    own = texts.pop(type_name)
+    parts = [own, *(f'MSG: {_short(name)}\n{text}' for name, text in texts.items())]
+    text = ''.join(part if part.endswith('\n') else f'{part}\n' for part in _joined(parts))
+    return MessageSchema(type_name, text, store.hash_rihs01(type_name))
+
+
+@lru_cache(maxsize=256)
+def store_from_text(type_name: str, text: str) -> Typestore:
+    """Return a type store that decodes ``type_name`` as the embedded schema ``text`` says.
+
+    Raises
+    ------
+    BearingTwinError
+        If the text is no schema.
+    """
+    if len(text) > LONGEST_SCHEMA:
+        msg = f'the schema of {type_name} has {len(text)} characters; at most {LONGEST_SCHEMA}'
+        raise BearingTwinError(msg)
+    store = Typestore(max_sequence_length=LONGEST_SEQUENCE)
+    try:
+        store.register(get_types_from_msg(text, type_name))
+        store.get_msgdef(type_name)
+    except Exception as error:
+        # The text comes from a file: rosbags raises many kinds on one that is damaged.
+        msg = f'the schema of {type_name} cannot be read ({type(error).__name__}: {error})'
+        raise BearingTwinError(msg) from None
+    return store
+
+
+def _joined(parts: list[str]) -> Iterator[str]:
+    for index, part in enumerate(parts):
+        if index:
+            yield SEPARATOR
+        yield part
+
+
+def _short(type_name: str) -> str:
+    package, _, name = type_name.split('/')
+    return f'{package}/{name}'
+
+
+def _collect(type_name: str, texts: dict[str, str], store: Typestore) -> None:
+    """Add a type's text and those of its dependencies, each once, in order of first use."""
+    if type_name in texts:
+        return
+    text = _own_text(type_name)
+    types: Typesdict = get_types_from_msg(text, type_name)
+    texts[type_name] = text
+    for _, description in types[type_name][1]:
+        dependency: object = description[1]
+        if description[0] in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+            element = description[1][0]
+            dependency = element[1] if element[0] == Nodetype.NAME else None
+        elif description[0] != Nodetype.NAME:
+            dependency = None
+        if isinstance(dependency, str):
+            _collect(dependency, texts, store)
+    store.register(types)
+
+
+def _own_text(type_name: str) -> str:
+    package, kind, name = _parts(type_name)
+    for folder in _prefixes():
+        path = folder / 'share' / package / kind / f'{name}.msg'
+        if path.is_file():
+            return path.read_text(encoding='utf-8')
+    if package == 'bearing_twin_msgs':
+        path = Path(__file__).parents[2] / 'msg_defs' / kind / f'{name}.msg'
+        if path.is_file():
+            return path.read_text(encoding='utf-8')
+    store = _standard_types()
+    if type_name not in store.fielddefs:
+        msg = (
+            f'the definition of {type_name} is not installed: no share/{package}/{kind}/{name}.msg'
+            ' under AMENT_PREFIX_PATH; source the workspace that has it'
+        )
+        raise BearingTwinError(msg)
+    text, _ = store.generate_msgdef(type_name, ros_version=2)
+    return text.split(SEPARATOR)[0]
+
+
+def _parts(type_name: str) -> tuple[str, str, str]:
+    parts = type_name.split('/')
+    if len(parts) != 3 or not all(part.isidentifier() for part in parts):
+        msg = f'{type_name!r} is no message type; it reads pkg/msg/Type'
+        raise BearingTwinError(msg)
+    return parts[0], parts[1], parts[2]
+
+
+def _prefixes() -> list[Path]:
+    listed = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
+    return [Path(prefix) for prefix in (*listed, sys.prefix) if prefix]
+
+
+@cache
+def _standard_types() -> Typestore:
+    return get_typestore(Stores.ROS2_KILTED)

@@ -1,0 +1,313 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Write ROS 2 recordings in MCAP: a single file or a bag folder, never over an existing one."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.bagmetadata import BagFile, metadata_record, write_metadata_file
+from bearing_twin.recording.outfile import Attached, OutputFile
+from bearing_twin.recording.schema import message_schema
+
+if TYPE_CHECKING:
+    from pathlib import Path
+    from types import TracebackType
+
+__all__ = ['RecordingWriter', 'WriterOptions']
+
+LATEST = 2**63
+
+
+@dataclass(frozen=True, kw_only=True)
+class WriterOptions:
+    """How a recording is written."""
+
+    compression: str = 'zstd'
+    """Of the chunks: ``zstd``, ``lz4`` or ``none``."""
+    chunk_size: int = 1024 * 1024
+    """A chunk is closed when it holds this many bytes..."""
+    flush_period: float = 0.5
+    """...or when this time has passed, s: what a crash can lose."""
+    split_size: int = 0
+    """Bytes after which a bag folder goes on in a new file; 0: never."""
+    split_duration: float = 0.0
+    """Log time after which it does, s; 0: never."""
+    storage_limit: int = 0
+    """Most bytes the recording may take; 0: no limit."""
+    delete_oldest: bool = False
+    """At the limit delete the oldest finished file of this recording, instead of stopping."""
+    cache_size: int = 64 * 1024 * 1024
+    """Most bytes that wait in memory while the disk takes none."""
+    fsync: bool = False
+    """Wait for the disk at each flush, so that power loss too costs no more than the period."""
+
+
+class _Waiting(NamedTuple):
+    topic: str
+    type_name: str
+    cdr: bytes
+    log_time: int
+    publish_time: int
+    qos: str
+
+
+class RecordingWriter:
+    """Write messages to a recording that others can read at any time.
+
+    A path that ends in ``.mcap`` is a single file, any other one a bag folder ``NAME`` with
+    ``NAME_0.mcap``, ``NAME_1.mcap``, ... and ``metadata.yaml``.
+
+    A disk that is full, gone or not writable does not stop the caller: messages wait in memory up
+    to ``cache_size``, then the newest are dropped and counted, :attr:`problem` says what is wrong,
+    and writing goes on in the same file as soon as the disk takes it.
+
+    Parameters
+    ----------
+    path
+        File or folder to make; it must not exist.
+    options
+        See :class:`WriterOptions`.
+
+    Raises
+    ------
+    BearingTwinError
+        If the path exists, cannot be made, or the options do not fit together.
+    """
+
+    def __init__(self, path: Path, options: WriterOptions | None = None) -> None:
+        self.path = path
+        self.options = options or WriterOptions()
+        self.bag = path.suffix != '.mcap'
+        self.problem = ''
+        """What keeps messages from the disk; '' if nothing."""
+        self.stopped = ''
+        """Why the recording has ended by itself (storage limit); '' if it has not."""
+        self.written = 0
+        """Messages given to the file."""
+        self.dropped = 0
+        """Messages lost because the disk took none and the memory for them was full."""
+        self.deleted_files = 0
+        """Oldest files deleted at the storage limit."""
+        self._check_options()
+        self._waiting: deque[_Waiting] = deque()
+        self._waiting_bytes = 0
+        self._attached: list[Attached] = []
+        self._finished: list[BagFile] = []
+        # Files whose end the disk has not taken yet.
+        self._ending: list[OutputFile] = []
+        self._index = 0
+        self._flushed = time.monotonic()
+        self._closed = False
+        try:
+            if path.exists():
+                msg = f'{path} exists and is not overwritten; choose another name'
+                raise BearingTwinError(msg)
+            (path if self.bag else path.parent).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            msg = f'{path} cannot be made: {error.strerror}'
+            raise BearingTwinError(msg) from None
+        self._file = self._open()
+        problem = self._file.drain()
+        if problem:
+            msg = f'the recording cannot be made: {problem}'
+            raise BearingTwinError(msg)
+
+    def __enter__(self) -> RecordingWriter:
+        """Return itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Finish the recording."""
+        self.close()
+
+    @property
+    def size(self) -> int:
+        """Bytes of the recording so far, those still in memory included."""
+        finished = sum(file.size for file in self._finished)
+        return finished + sum(file.size for file in (*self._ending, self._file))
+
+    def write(
+        self,
+        topic: str,
+        type_name: str,
+        cdr: bytes,
+        *,
+        log_time: int,
+        publish_time: int,
+        qos: str = '',
+    ) -> None:
+        """Write one serialised message.
+
+        Parameters
+        ----------
+        topic, type_name
+            Topic, and type as ``pkg/msg/Type``.
+        cdr
+            The message with its CDR header, as it came off the wire.
+        log_time, publish_time
+            When it was received and sent, ns.
+        qos
+            Offered QoS profiles, YAML (:func:`bearing_twin.recording.qos.qos_yaml`); taken from
+            the first message of a topic.
+
+        Raises
+        ------
+        BearingTwinError
+            If the definition of the type is not known, or a time cannot be stored.
+        """
+        message_schema(type_name)
+        if not (0 <= log_time < LATEST and 0 <= publish_time < LATEST):
+            msg = f'{log_time=}, {publish_time=}: times are 0..{LATEST - 1} ns'
+            raise BearingTwinError(msg)
+        if self.stopped:
+            self.dropped += 1
+            return
+        message = _Waiting(topic, type_name, cdr, log_time, publish_time, qos)
+        if self.problem:
+            if self._waiting_bytes + len(cdr) > self.options.cache_size:
+                self.dropped += 1
+            else:
+                self._waiting.append(message)
+                self._waiting_bytes += len(cdr)
+        else:
+            self._put(message)
+        if time.monotonic() - self._flushed >= self.options.flush_period:
+            self.flush()
+
+    def attach(self, name: str, data: bytes, media_type: str) -> None:
+        """Attach a small file; it is repeated in every file of a split recording."""
+        self._attach(Attached(name, media_type=media_type, data=data))
+
+    def metadata(self, name: str, values: dict[str, str]) -> None:
+        """Add named texts; they are repeated in every file of a split recording."""
+        self._attach(Attached(name, values=values))
+
+    def flush(self) -> None:
+        """Close the chunk and hand everything to the operating system; see :attr:`problem`."""
+        self._flushed = time.monotonic()
+        self.problem = self._settle() or self._file.drain(fsync=self.options.fsync)
+        if self._file.vanished:
+            # What it held is gone with it; the recording goes on in a new file.
+            self._index += 1
+            self._file = self._open()
+        while self._waiting and not self.problem:
+            message = self._waiting.popleft()
+            self._waiting_bytes -= len(message.cdr)
+            self._put(message)
+        if not self.problem:
+            self._keep_within_limit()
+
+    def split(self) -> None:
+        """Go on in a new file (bag folders only)."""
+        if not self.bag:
+            msg = f'{self.path} is a single file and cannot be split; give a folder name'
+            raise BearingTwinError(msg)
+        self._finish()
+        self.problem = self._settle()
+        self._index += 1
+        self._file = self._open()
+
+    def close(self) -> None:
+        """Finish the recording; a second call does nothing.
+
+        Raises
+        ------
+        BearingTwinError
+            If the end could not be written: what has been flushed can then be recovered.
+        """
+        if self._closed:
+            return
+        self._closed = True
+        self.flush()
+        self._finish()
+        self.problem = self._settle()
+        if self.problem:
+            msg = (
+                f'{self.path} could not be finished: {self.problem}; {len(self._waiting)} messages'
+                f" are lost, 'bearing-twin recover {self.path}' saves the rest"
+            )
+            raise BearingTwinError(msg)
+
+    def _check_options(self) -> None:
+        o = self.options
+        if o.compression not in ('zstd', 'lz4', 'none'):
+            msg = f"compression='{o.compression}' is not one of zstd, lz4, none"
+            raise BearingTwinError(msg)
+        splits = o.split_size > 0 or o.split_duration > 0
+        if splits and not self.bag:
+            msg = f'{self.path} is a single file and cannot be split; give a folder name'
+            raise BearingTwinError(msg)
+        if o.delete_oldest and not (splits and o.storage_limit > 0):
+            msg = 'deleting the oldest file needs a storage limit, and a split size or duration'
+            raise BearingTwinError(msg)
+
+    def _open(self) -> OutputFile:
+        name = f'{self.path.name}_{self._index}.mcap'
+        file = OutputFile(
+            self.path / name if self.bag else self.path,
+            compression=self.options.compression,
+            chunk_size=self.options.chunk_size,
+        )
+        for attached in self._attached:
+            file.attach(attached)
+        return file
+
+    def _attach(self, attached: Attached) -> None:
+        self._attached.append(attached)
+        self._file.attach(attached)
+
+    def _put(self, message: _Waiting) -> None:
+        if self._is_full(message.log_time):
+            self.split()
+        self._file.write(*message)
+        self.written += 1
+
+    def _is_full(self, log_time: int) -> bool:
+        o, file = self.options, self._file
+        if not file.count or self.problem:
+            return False
+        too_large = 0 < o.split_size <= file.size
+        too_long = 0 < o.split_duration * 1e9 <= log_time - file.start
+        return too_large or too_long
+
+    def _keep_within_limit(self) -> None:
+        o = self.options
+        if not o.storage_limit or self.size <= o.storage_limit:
+            return
+        if not o.delete_oldest:
+            self.stopped = f'the storage limit of {o.storage_limit} bytes is reached'
+            return
+        while self._finished and self.size > o.storage_limit:
+            oldest = self._finished.pop(0)
+            (self.path / oldest.name).unlink(missing_ok=True)
+            self.deleted_files += 1
+
+    def _finish(self) -> None:
+        """Write the end of the current file to its spool."""
+        name, values = metadata_record([self._file.summary()])
+        self._file.attach(Attached(name, values=values))
+        self._file.end()
+        self._ending.append(self._file)
+
+    def _settle(self) -> str:
+        """Bring ended files, and metadata.yaml of a bag, to the disk; return what went wrong."""
+        while self._ending:
+            problem = self._ending[0].close()
+            if problem:
+                return problem
+            self._finished.append(self._ending.pop(0).summary())
+            if self.bag:
+                problem = write_metadata_file(self.path, self._finished)
+                if problem:
+                    return problem
+        return ''
