@@ -1,3 +1,29 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Bearing diagnosis from vibration, training-free."""
+"""Diagnosis of rolling element bearings from vibration, without training."""
+
+from bearing_twin.diagnosis.chain import diagnose_record
+from bearing_twin.diagnosis.result import (
+    FAMILIES,
+    FAULT_CODES,
+    LEVELS,
+    RESULTS,
+    Diagnosis,
+    Severity,
+    Spectrum,
+)
+from bearing_twin.diagnosis.settings import DiagnosisSettings
+from bearing_twin.diagnosis.streaming import StreamingDiagnoser
+
+__all__ = [
+    'FAMILIES',
+    'FAULT_CODES',
+    'LEVELS',
+    'RESULTS',
+    'Diagnosis',
+    'DiagnosisSettings',
+    'Severity',
+    'Spectrum',
+    'StreamingDiagnoser',
+    'diagnose_record',
+]

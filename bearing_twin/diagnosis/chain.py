@@ -1,0 +1,381 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The whole chain on one window, and on a whole record cut into windows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import fft
+
+from bearing_twin.bearing import fault_frequencies, fault_orders
+from bearing_twin.diagnosis.comb import HARMONICS, OrderSpectra, accumulate, order_spectra
+from bearing_twin.diagnosis.decision import Verdict, decide, family_order
+from bearing_twin.diagnosis.gate import check_record
+from bearing_twin.diagnosis.result import FAMILIES, FAULT_CODES, Diagnosis, Severity, Spectrum
+from bearing_twin.diagnosis.settings import DiagnosisSettings
+from bearing_twin.diagnosis.severity import measure_severity
+from bearing_twin.diagnosis.shaft import ShaftSpeed, refine_shaft_hz
+from bearing_twin.diagnosis.spectra import band_tree, envelope_spectra, whiten
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis.spectra import EnvelopeSpectra
+
+__all__ = [
+    'Window',
+    'analyse_window',
+    'conclude',
+    'diagnose_record',
+    'highest_fault_order',
+    'insufficient',
+]
+
+_TREE_DEPTH = 3
+_WINDOW_TURNS = 256.0
+_EMPTY = np.zeros(0, dtype=np.float32)
+
+
+@dataclass(frozen=True)
+class Window:
+    """Analysis of one window, before any decision."""
+
+    orders: OrderSpectra
+    speed: ShaftSpeed
+    bands: list[tuple[float, float]]
+    envelopes: EnvelopeSpectra
+    amplitude: NDArray[np.float32]
+    """One-sided amplitude spectrum in the signal's unit, bin k at k bin_hz."""
+    bin_hz: float
+    severity: Severity
+    revolutions: float
+
+
+def highest_fault_order(bearing: Bearing) -> float:
+    """Order of the highest fault family."""
+    orders = fault_orders(bearing)
+    return max(family_order(name, orders) for name in FAMILIES)
+
+
+def highest_order(bearing: Bearing) -> float:
+    """Highest order that the chain looks at: four harmonics of the highest family, with slip."""
+    return 1.1 * HARMONICS * highest_fault_order(bearing)
+
+
+def analyse_window(
+    x: NDArray[np.float64],
+    sample_rate: float,
+    bearing: Bearing,
+    shaft_hz: float,
+    settings: DiagnosisSettings,
+    *,
+    unit: str = '',
+) -> Window:
+    """Everything that is computed before windows are averaged and judged.
+
+    The window must have passed :func:`check_record`.
+    """
+    x = x - x.mean()
+    bin_hz = sample_rate / len(x)
+    spectrum = fft.rfft(x.astype(np.float32) / np.float32(len(x)))
+    severity = measure_severity(
+        x,
+        spectrum,
+        sample_rate,
+        unit=unit or settings.unit,
+        power_group=settings.power_group,
+        mounting=settings.mounting,
+    )
+    scaled = spectrum / np.float32(severity.rms)
+    width = max(int(8.0 * shaft_hz / bin_hz), 64)
+    tree = band_tree(
+        len(scaled) - 1,
+        bin_hz,
+        depth=_TREE_DEPTH,
+        narrowest_hz=highest_order(bearing) * shaft_hz,
+    )
+    envelopes = envelope_spectra(
+        whiten(scaled, width),
+        tree,
+        max_hz=highest_order(bearing) * shaft_hz,
+        floor_width=max(int(4.0 * shaft_hz / bin_hz), 32),
+    )
+    power = scaled.real**2 + scaled.imag**2
+    speed = refine_shaft_hz(power, bin_hz, envelopes, shaft_hz, settings.speed_tolerance)
+    return Window(
+        order_spectra(envelopes, speed.shaft_hz),
+        speed,
+        tree.bands,
+        envelopes,
+        2.0 * np.abs(spectrum),
+        bin_hz,
+        severity,
+        len(x) / sample_rate * speed.shaft_hz,
+    )
+
+
+def conclude(
+    newest: Window,
+    bearing: Bearing,
+    *,
+    earlier: Sequence[OrderSpectra] = (),
+    first_sample: int,
+    sample_count: int,
+    sample_rate: float,
+    shaft_hz_given: float,
+    temperature: float = math.nan,
+    notes: Sequence[str] = (),
+    partial: float | None = None,
+) -> Diagnosis:
+    """Judge the mean of several windows; spectra and severity are the newest window's.
+
+    With ``partial``, the full length in s that the window has not reached yet, it may name a
+    fault, but it makes no statement instead of calling the bearing healthy.
+    """
+    verdict = decide(
+        accumulate([*earlier, newest.orders]),
+        bearing,
+        newest.speed,
+        newest.revolutions,
+    )
+    if partial is not None and verdict.result == 'healthy':
+        seconds = sample_count / sample_rate
+        text = f'{seconds:.2f} s of a window of {partial:g} s: too short to call it healthy'
+        verdict = replace(
+            verdict, result='insufficient', level='none', confidence=0.0, reasons=(text,)
+        )
+    verdict = replace(verdict, reasons=(*notes, *verdict.reasons))
+    return _report(
+        verdict,
+        newest,
+        bearing,
+        first_sample=first_sample,
+        sample_count=sample_count,
+        sample_rate=sample_rate,
+        shaft_hz_given=shaft_hz_given,
+        temperature=temperature,
+    )
+
+
+def _report(
+    verdict: Verdict,
+    window: Window,
+    bearing: Bearing,
+    *,
+    first_sample: int,
+    sample_count: int,
+    sample_rate: float,
+    shaft_hz_given: float,
+    temperature: float,
+) -> Diagnosis:
+    shaft_hz = window.speed.shaft_hz
+    expected = fault_frequencies(bearing, shaft_hz)
+    strongest = verdict.strongest
+    # Without a fault the envelope spectrum shown is that of the whole band.
+    band = strongest.band if strongest else 0
+    values, floor = window.envelopes.power[0, band], window.envelopes.floor[0, band]
+    line_hz, line_level = _EMPTY, _EMPTY
+    fault_hz = fault_hz_expected = math.nan
+    if strongest is not None:
+        fault_hz = strongest.order * shaft_hz
+        fault_hz_expected = family_order(strongest.family, expected)
+        teeth = fault_hz * np.arange(1, HARMONICS + 1)
+        rows = np.clip(
+            np.rint(teeth / window.envelopes.bin_hz).astype(int) - 1, 0, len(values) - 1
+        )
+        line_hz = teeth.astype(np.float32)
+        line_level = values[rows] / floor[rows]
+    unit = window.severity.unit
+    return Diagnosis(
+        result=verdict.result,
+        level=verdict.level,
+        faults=verdict.faults,
+        fault_code=FAULT_CODES[verdict.result],
+        confidence=verdict.confidence,
+        reasons=verdict.reasons,
+        first_sample=first_sample,
+        sample_count=sample_count,
+        sample_rate=sample_rate,
+        shaft_hz_given=shaft_hz_given,
+        shaft_hz=shaft_hz,
+        slip=strongest.slip if strongest else math.nan,
+        expected=expected,
+        fault_hz=fault_hz,
+        fault_hz_expected=fault_hz_expected,
+        score={name: verdict.candidates[name].z for name in FAMILIES},
+        modulation_index={name: verdict.candidates[name].index for name in FAMILIES},
+        band=window.bands[band],
+        line_hz=line_hz,
+        line_level=line_level,
+        severity=window.severity,
+        temperature=temperature,
+        smallest_detectable=math.nan,
+        spectrum=Spectrum(
+            kind='spectrum',
+            unit=unit,
+            start_hz=0.0,
+            bin_hz=window.bin_hz,
+            band=(0.0, 0.5 * sample_rate),
+            values=window.amplitude,
+            floor=_EMPTY,
+        ),
+        envelope_spectrum=Spectrum(
+            kind='squared_envelope_spectrum',
+            unit='1',
+            start_hz=window.envelopes.bin_hz,
+            bin_hz=window.envelopes.bin_hz,
+            band=window.bands[band],
+            values=values,
+            floor=floor,
+        ),
+    )
+
+
+def insufficient(
+    reasons: Sequence[str],
+    bearing: Bearing,
+    *,
+    first_sample: int = 0,
+    sample_count: int = 0,
+    sample_rate: float = math.nan,
+    shaft_hz: float = math.nan,
+    temperature: float = math.nan,
+    unit: str = '',
+) -> Diagnosis:
+    """Diagnosis that makes no statement, and says why."""
+    unknown = dict.fromkeys(FAMILIES, math.nan)
+    nothing = Spectrum(
+        kind='spectrum',
+        unit=unit,
+        start_hz=0.0,
+        bin_hz=math.nan,
+        band=(0.0, math.nan),
+        values=_EMPTY,
+        floor=_EMPTY,
+    )
+    return Diagnosis(
+        result='insufficient',
+        level='none',
+        faults=(),
+        fault_code=FAULT_CODES['insufficient'],
+        confidence=0.0,
+        reasons=tuple(reasons),
+        first_sample=first_sample,
+        sample_count=sample_count,
+        sample_rate=sample_rate,
+        shaft_hz_given=shaft_hz,
+        shaft_hz=math.nan,
+        slip=math.nan,
+        expected=fault_frequencies(bearing, shaft_hz),
+        fault_hz=math.nan,
+        fault_hz_expected=math.nan,
+        score=dict(unknown),
+        modulation_index=dict(unknown),
+        band=(0.0, math.nan),
+        line_hz=_EMPTY,
+        line_level=_EMPTY,
+        severity=Severity(
+            rms=math.nan,
+            peak=math.nan,
+            crest_factor=math.nan,
+            kurtosis=math.nan,
+            velocity_rms=math.nan,
+            level_over_baseline=math.nan,
+            iso_zone='',
+            unit=unit,
+        ),
+        temperature=temperature,
+        smallest_detectable=math.nan,
+        spectrum=nothing,
+        envelope_spectrum=replace(nothing, kind='squared_envelope_spectrum', unit='1'),
+    )
+
+
+def diagnose_record(
+    x: ArrayLike,
+    sample_rate: float,
+    bearing: Bearing,
+    shaft_hz: float,
+    *,
+    speed_tolerance: float | None = None,
+    unit: str = '',
+    temperature: float = math.nan,
+    settings: DiagnosisSettings | None = None,
+) -> Diagnosis:
+    """Diagnose a whole record.
+
+    Parameters
+    ----------
+    x
+        Vibration, one axis, shape (n,), in any unit.
+    sample_rate
+        Hz.
+    bearing
+        Geometry.
+    shaft_hz
+        Shaft speed, Hz; NaN (unknown) gives ``insufficient``.
+    speed_tolerance
+        Relative tolerance of ``shaft_hz``; by default that of the settings.
+    unit
+        Unit of x, for the severity.
+    temperature
+        Bearing temperature, degC, if known.
+    settings
+        See :class:`DiagnosisSettings`.
+
+    Raises
+    ------
+    BearingTwinError
+        If x is not one-dimensional or a setting is outside its range. A record that cannot be
+        diagnosed is no error: the result is ``insufficient`` and the reasons say why.
+    """
+    settings = settings or DiagnosisSettings()
+    if speed_tolerance is not None:
+        settings = replace(settings, speed_tolerance=speed_tolerance)
+    signal = np.asarray(x, dtype=np.float64)
+    if signal.ndim != 1:
+        msg = f'x has shape {signal.shape}; give one axis as a 1-D array'
+        raise BearingTwinError(msg)
+    reasons = check_record(signal, sample_rate, shaft_hz, highest_fault_order(bearing))
+    if reasons:
+        return insufficient(
+            reasons,
+            bearing,
+            sample_count=len(signal),
+            sample_rate=sample_rate,
+            shaft_hz=shaft_hz,
+            temperature=temperature,
+            unit=unit,
+        )
+    turns = len(signal) / sample_rate * shaft_hz
+    pieces = max(1, round(turns / _WINDOW_TURNS))
+    length = fft.prev_fast_len(len(signal) // pieces)
+    windows = [
+        analyse_window(
+            signal[i * length : (i + 1) * length],
+            sample_rate,
+            bearing,
+            shaft_hz,
+            settings,
+            unit=unit,
+        )
+        for i in range(pieces)
+    ]
+    return conclude(
+        windows[-1],
+        bearing,
+        earlier=[window.orders for window in windows[:-1]],
+        first_sample=0,
+        sample_count=len(signal),
+        sample_rate=sample_rate,
+        shaft_hz_given=shaft_hz,
+        temperature=temperature,
+    )

@@ -1,0 +1,157 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Comb scores of envelope spectra over shaft orders, against their own empirical null."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
+
+    from bearing_twin.diagnosis.spectra import EnvelopeSpectra
+
+__all__ = ['HARMONICS', 'CombScores', 'OrderSpectra', 'accumulate', 'comb_scores', 'order_spectra']
+
+HARMONICS = 4
+"""Teeth of a comb. Fault lines fade after a few harmonics, and each empty tooth costs power."""
+
+NEUTRAL = 0.5963474
+"""Mean of log(1 + E) for E ~ Exp(1): e E1(1). What a bin is set to that must not speak."""
+
+_STEPS_PER_BIN = 2
+_LOWEST_ORDER = 0.3
+
+
+@dataclass(frozen=True)
+class OrderSpectra:
+    """Envelope spectra over shaft orders: one window's, or the mean of several.
+
+    Row k belongs to order (k + 1) step. Columns are bands, whitening by whitening.
+    """
+
+    step: float
+    """Orders a bin."""
+    logs: NDArray[np.float32]
+    """(K, W B): mean of log(1 + power / floor)."""
+    excess: NDArray[np.float32]
+    """(K, B): relative power above the floor, of the amplitude-preserving whitening."""
+    weight: float = 1.0
+    """Number of independent windows in the mean."""
+
+    def rows(self, orders: NDArray[np.floating] | Sequence[float]) -> NDArray[np.intp]:
+        """Nearest row of each order; rows beyond the end are the last one."""
+        index = np.rint(np.asarray(orders) / self.step).astype(np.intp) - 1
+        return np.clip(index, 0, len(self.logs) - 1)
+
+    def silenced(self, orders: Iterable[float], half_width: float) -> OrderSpectra:
+        """Copy in which the bins within ``half_width`` orders of ``orders`` say nothing."""
+        logs, excess = self.logs.copy(), self.excess.copy()
+        hidden = self.near(orders, half_width)
+        logs[hidden], excess[hidden] = NEUTRAL, 0.0
+        return OrderSpectra(self.step, logs, excess, self.weight)
+
+    def near(self, orders: Iterable[float], half_width: float) -> NDArray[np.bool_]:
+        """(K,) mask of the bins within ``half_width`` orders of any of ``orders``."""
+        mask = np.zeros(len(self.logs), dtype=bool)
+        for order in orders:
+            first = int(np.ceil((order - half_width) / self.step)) - 1
+            last = int(np.floor((order + half_width) / self.step)) - 1
+            mask[max(first, 0) : max(last + 1, 0)] = True
+        return mask
+
+
+def order_spectra(spectra: EnvelopeSpectra, shaft_hz: float) -> OrderSpectra:
+    """Put the envelope spectra of one window over orders of ``shaft_hz``."""
+    whitenings, bands, count = spectra.power.shape
+    logs = np.log1p(spectra.power / spectra.floor).reshape(whitenings * bands, count)
+    excess = np.maximum(spectra.power[0] - spectra.floor[0], 0.0)
+    return OrderSpectra(
+        spectra.bin_hz / shaft_hz, np.ascontiguousarray(logs.T), np.ascontiguousarray(excess.T)
+    )
+
+
+def accumulate(windows: Sequence[OrderSpectra]) -> OrderSpectra:
+    """Mean of several windows on the order grid of the last, which is the newest."""
+    newest = windows[-1]
+    if len(windows) == 1:
+        return newest
+    orders = newest.step * np.arange(1, len(newest.logs) + 1)
+    total = sum(window.weight for window in windows)
+    logs, excess = np.zeros_like(newest.logs), np.zeros_like(newest.excess)
+    for window in windows:
+        rows = window.rows(orders)
+        share = np.float32(window.weight / total)
+        logs += share * window.logs[rows]
+        excess += share * window.excess[rows]
+    return OrderSpectra(newest.step, logs, excess, total)
+
+
+@dataclass(frozen=True)
+class CombScores:
+    """Scores of all combs of a grid of fundamental orders, and the null they are judged by."""
+
+    grid: NDArray[np.float64]
+    """(G,) fundamental orders."""
+    z: NDArray[np.float64]
+    """(G,): best band, mean over whitenings, in standard deviations over the null."""
+    center: NDArray[np.float32]
+    """(W B,) median score of each band."""
+    spread: NDArray[np.float32]
+    """(W B,) upper standard deviation of each band's score."""
+    best_center: float
+    """Median over the grid of the best-band score."""
+    best_spread: float
+    """Its upper standard deviation."""
+    whitenings: int
+
+    def judge(
+        self, spectra: OrderSpectra, grid: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float32]]:
+        """Score other spectra against this null: z (G,) and the band scores (G, W, B)."""
+        bands = (_teeth(spectra, grid) - self.center) / self.spread
+        bands = bands.reshape(len(grid), self.whitenings, -1)
+        best = bands.max(axis=2).mean(axis=1, dtype=np.float64)
+        return (best - self.best_center) / self.best_spread, bands
+
+
+def _teeth(spectra: OrderSpectra, grid: NDArray[np.float64]) -> NDArray[np.float32]:
+    total = spectra.logs[spectra.rows(grid)]
+    for harmonic in range(2, HARMONICS + 1):
+        total += spectra.logs[spectra.rows(harmonic * grid)]
+    return total
+
+
+def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) -> CombScores:
+    """Score every comb whose fundamental lies between 0.3 orders and ``highest_order``.
+
+    The score of a comb is the sum of log(1 + power / floor) over its teeth. Each band is
+    standardised over the whole grid, the best band is taken at each order, the whitenings are
+    averaged, and the result is standardised again: the gain from choosing the best band is thus
+    part of the null. Median and upper quantile (84 %) stand for mean and standard deviation, so
+    that the orders of a fault itself, few of the grid, do not widen the null.
+    """
+    step = spectra.step / (HARMONICS * _STEPS_PER_BIN)
+    grid = np.arange(_LOWEST_ORDER, highest_order, step)
+    scores = _teeth(spectra, grid)
+    # Neighbours are one bin's fraction apart: every fourth tells the distribution as well.
+    center, upper = _quantiles(scores[::4])
+    spread = np.maximum(upper - center, 1e-3)
+    bands = ((scores - center) / spread).reshape(len(grid), whitenings, -1)
+    best = bands.max(axis=2).mean(axis=1, dtype=np.float64)
+    best_center, best_upper = (float(q) for q in _quantiles(best))
+    best_spread = max(best_upper - best_center, 1e-3)
+    z = (best - best_center) / best_spread
+    return CombScores(grid, z, center, spread, best_center, best_spread, whitenings)
+
+
+def _quantiles(values: NDArray[np.floating]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Median and 84 % quantile along the first axis."""
+    middle, upper = len(values) // 2, int(0.8413 * len(values))
+    ordered = np.partition(values, (middle, upper), axis=0)
+    return ordered[middle], ordered[upper]

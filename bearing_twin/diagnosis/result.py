@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a diagnosis says, and the evidence it rests on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from bearing_twin.bearing import FaultFrequencies
+
+__all__ = ['FAMILIES', 'FAULT_CODES', 'LEVELS', 'RESULTS', 'Diagnosis', 'Severity', 'Spectrum']
+
+FAMILIES = ('inner', 'outer', 'ball', 'cage')
+"""Fault families, in the order of every per-family array."""
+
+RESULTS = ('healthy', *FAMILIES, 'suspect', 'ambiguous', 'insufficient')
+"""Every answer a diagnosis can give."""
+
+LEVELS = ('ok', 'suspect', 'fault', 'none')
+"""Every level; ``none`` means that no statement is made."""
+
+FAULT_CODES = {
+    'healthy': 'BEARING_OK',
+    'inner': 'BEARING_INNER_RACE',
+    'outer': 'BEARING_OUTER_RACE',
+    'ball': 'BEARING_BALL',
+    'cage': 'BEARING_CAGE',
+    'suspect': 'BEARING_SUSPECT',
+    'ambiguous': 'BEARING_AMBIGUOUS',
+    'insufficient': 'BEARING_NO_STATEMENT',
+}
+"""Stable code of every result, for programs that react to it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spectrum:
+    """Values over equally spaced frequencies, with their local noise floor where there is one."""
+
+    kind: str
+    """``'spectrum'`` (amplitude) or ``'squared_envelope_spectrum'``."""
+    unit: str
+    start_hz: float
+    bin_hz: float
+    band: tuple[float, float]
+    """Demodulated band, Hz; the whole range for a plain spectrum."""
+    values: NDArray[np.float32]
+    floor: NDArray[np.float32]
+    """Local floor of ``values``, same length; empty where none."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Severity:
+    """How much. Which numbers may be compared with what is said field by field."""
+
+    rms: float
+    """Of the signal, in ``unit``; comparable over time for one sensor at one speed and load."""
+    peak: float
+    """Largest magnitude, in ``unit``; comparable like ``rms``."""
+    crest_factor: float
+    """peak / rms; not comparable: rises early and falls again late."""
+    kurtosis: float
+    """3 for Gaussian noise; not comparable: rises early and falls again late."""
+    velocity_rms: float
+    """10..1000 Hz, mm/s; comparable between machines (ISO 20816-3); NaN if the unit is unknown."""
+    level_over_baseline: float
+    """dB over the asset's own baseline, corrected for speed and temperature; NaN until learnt."""
+    iso_zone: str
+    """``'A'``..``'D'`` of ISO 20816-3; empty where it cannot be given."""
+    unit: str
+    band_rms: tuple[float, ...] = ()
+    """RMS in the bands of :data:`bearing_twin.diagnosis.severity.BANDS_HZ`, in ``unit``."""
+    stage: int = 0
+    """1 to 4 (incipient, developing, advanced, severe) while a fault is named, else 0."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Diagnosis:
+    """Verdict on one window of vibration; see ``Diagnosis.msg`` for the fields on the wire."""
+
+    result: str
+    level: str
+    faults: tuple[str, ...]
+    fault_code: str
+    confidence: float
+    reasons: tuple[str, ...]
+    first_sample: int
+    sample_count: int
+    sample_rate: float
+    shaft_hz_given: float
+    shaft_hz: float
+    slip: float
+    expected: FaultFrequencies
+    fault_hz: float
+    fault_hz_expected: float
+    score: dict[str, float]
+    modulation_index: dict[str, float]
+    band: tuple[float, float]
+    line_hz: NDArray[np.float32]
+    line_level: NDArray[np.float32]
+    severity: Severity
+    temperature: float
+    smallest_detectable: float
+    spectrum: Spectrum
+    envelope_spectrum: Spectrum

@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Shaft speed: refinement of the given value, and angular resampling where it varies."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from bearing_twin.diagnosis.spectra import local_floor
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from bearing_twin.diagnosis.spectra import EnvelopeSpectra
+
+__all__ = ['ShaftSpeed', 'refine_shaft_hz', 'resample_to_angle']
+
+_HARMONICS = 6
+
+
+class ShaftSpeed(NamedTuple):
+    """Shaft speed used, and how far it may still be off."""
+
+    shaft_hz: float
+    uncertainty: float
+    """Relative."""
+    score: float
+    """Standard deviations of its harmonic comb over the combs beside it."""
+
+
+def refine_shaft_hz(
+    power: NDArray[np.float32],
+    bin_hz: float,
+    envelopes: EnvelopeSpectra,
+    given_hz: float,
+    tolerance: float,
+    *,
+    threshold: float = 5.0,
+) -> ShaftSpeed:
+    """Look for the shaft's harmonics within the tolerance of the given speed.
+
+    Parameters
+    ----------
+    power
+        Power spectrum of the signal, bin k at k bin_hz, shape (>= 8 given_hz / bin_hz,).
+    bin_hz
+        Its spacing, Hz.
+    envelopes
+        Squared envelope spectra of the same window.
+    given_hz
+        Speed handed in, Hz.
+    tolerance
+        Its relative tolerance, e.g. 0.02.
+    threshold
+        Score from which the harmonics are believed.
+
+    Returns
+    -------
+    The refined speed, or the given one with its tolerance where no harmonics stand out.
+    """
+    step = bin_hz / (2.0 * _HARMONICS)
+    reach = max(tolerance * given_hz, step)
+    near = given_hz + np.arange(-int(reach / step), int(reach / step) + 1) * step
+    # The null: combs well away from the shaft and from its simple fractions.
+    beside = given_hz * np.concatenate((np.linspace(0.68, 0.73, 64), np.linspace(1.18, 1.23, 64)))
+    last = min(int(np.ceil(8.0 * given_hz / bin_hz)), len(power) - 1)
+    low = power[1 : last + 1]
+    direct = np.log1p(low / local_floor(low, max(int(4.0 * given_hz / bin_hz), 32)))
+    rows = min(last, envelopes.power.shape[-1])
+    ratio = envelopes.power[..., :rows] / envelopes.floor[..., :rows]
+    indirect = np.log1p(ratio).mean(axis=(0, 1))
+
+    def comb(hertz: NDArray[np.floating]) -> NDArray[np.float64]:
+        total = np.zeros(len(hertz))
+        for harmonic in range(1, _HARMONICS + 1):
+            index = np.rint(harmonic * hertz / bin_hz).astype(np.intp) - 1
+            total += direct[np.clip(index, 0, len(direct) - 1)]
+            total += 2.0 * indirect[np.clip(index, 0, len(indirect) - 1)]
+        return total
+
+    null = comb(beside)
+    center = float(np.median(null))
+    spread = max(float(np.quantile(null, 0.8413)) - center, 1e-3)
+    scores = (comb(near) - center) / spread
+    best = float(scores.max())
+    if best < threshold:
+        return ShaftSpeed(given_hz, tolerance, best)
+    # The teeth are bins: a run of equal scores has its middle as the best estimate.
+    ties = near[scores >= best - 1e-9]
+    shaft_hz = float(ties[np.argmin(np.abs(ties - np.median(ties)))])
+    uncertainty = bin_hz / (2.0 * shaft_hz)
+    return ShaftSpeed(shaft_hz, min(uncertainty, tolerance), best)
+
+
+def resample_to_angle(
+    x: NDArray[np.float64], sample_rate: float, shaft_hz: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], float]:
+    """Resample a record of varying speed to equal steps of shaft angle.
+
+    Parameters
+    ----------
+    x
+        Record, shape (n,).
+    sample_rate
+        Hz.
+    shaft_hz
+        Shaft speed at each sample, Hz, shape (n,), positive.
+
+    Returns
+    -------
+    The record over angle, and the mean speed, Hz, at which it would have its old sample rate.
+    """
+    angle = np.concatenate(([0.0], np.cumsum(0.5 * (shaft_hz[1:] + shaft_hz[:-1])))) / sample_rate
+    mean_hz = float(angle[-1] / (len(x) - 1) * sample_rate)
+    even = np.linspace(0.0, angle[-1], len(x))
+    time = np.interp(even, angle, np.arange(len(x), dtype=np.float64))
+    # Four-point Lagrange interpolation: third order, local, exact where the speed is constant.
+    base = np.clip(np.floor(time).astype(np.intp), 1, len(x) - 3)
+    t = time - base
+    resampled = (
+        x[base - 1] * (-t * (t - 1.0) * (t - 2.0) / 6.0)
+        + x[base] * ((t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0)
+        + x[base + 1] * (-(t + 1.0) * t * (t - 2.0) / 2.0)
+        + x[base + 2] * ((t + 1.0) * t * (t - 1.0) / 6.0)
+    )
+    return resampled, mean_hz
