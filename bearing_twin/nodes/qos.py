@@ -7,7 +7,7 @@ from __future__ import annotations
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-__all__ = ['CHECKPOINT', 'MEASUREMENT', 'OVERRIDES', 'RESULT', 'STREAM']
+__all__ = ['CHECKPOINT', 'MEASUREMENT', 'OVERRIDES', 'RESULT', 'SENSOR', 'STREAM']
 
 STREAM = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=50, reliability=ReliabilityPolicy.RELIABLE
@@ -18,6 +18,11 @@ MEASUREMENT = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=10, reliability=ReliabilityPolicy.BEST_EFFORT
 )
 """Subscriptions to sensors: best effort matches reliable and best-effort publishers alike."""
+
+SENSOR = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT
+)
+"""Subscription of the adapter: as above, deep enough for one sample a message."""
 
 RESULT = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=10, reliability=ReliabilityPolicy.RELIABLE

@@ -1,0 +1,212 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Adapter node: an accelerometer in another message type to vibration blocks."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from bearing_twin_msgs.msg import Vibration
+from sensor_msgs.msg import Imu
+from std_msgs.msg import Float32MultiArray, Header
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes.adapter_config import IMU, SPECS, check_adapter
+from bearing_twin.nodes.convert import floats, stamp_ns, time_message
+from bearing_twin.nodes.health import Health, Level, Status
+from bearing_twin.nodes.lifecycle import ManagedNode, run
+from bearing_twin.nodes.qos import OVERRIDES, SENSOR, STREAM
+from bearing_twin.nodes.sampling import (
+    NANO,
+    BlockBuilder,
+    SequenceTracker,
+    StampTracker,
+    split_channels,
+)
+from bearing_twin.nodes.vibration_input import SourceLock
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rclpy.subscription import MessageInfo
+
+    from bearing_twin.nodes.sampling import SampledBlock
+
+__all__ = ['AdapterNode', 'main']
+
+SILENT_AFTER = 2.0
+RATE_TOLERANCE = 0.01
+
+
+class AdapterNode(ManagedNode):
+    """Turn samples as other drivers publish them into blocks that the diagnosis takes.
+
+    ``std_msgs/Float32MultiArray`` holds many samples and no stamp: the time of publishing counts
+    as that of the last sample, and gaps are seen from the middleware's message numbers.
+    ``sensor_msgs/Imu`` holds one sample: time and gaps come from its stamps.
+    """
+
+    def __init__(self) -> None:
+        super().__init__('adapter', SPECS)
+
+    def check(self, values: Mapping[str, Any]) -> None:
+        """Refuse parameters that do not fit together."""
+        check_adapter(values)
+
+    def setup(self) -> None:
+        """Create the publisher."""
+        p = self.parameters
+        self._sources = SourceLock()
+        self._sequence = SequenceTracker()
+        self._stamps = StampTracker(p['sample_rate'])
+        self._builder = BlockBuilder(p['block_size'])
+        self._frame = p['frame_id']
+        self._lost = 0
+        self._restarts = 0
+        self._problem = ''
+        self._arrived = math.nan
+        self._vibration = self.create_lifecycle_publisher(
+            Vibration, 'vibration', STREAM, qos_overriding_options=OVERRIDES
+        )
+        self._health = Health(self, p['hardware_id'] or self.get_namespace())
+        self._health.add('accelerometer input', self._input_status)
+
+    def start(self) -> None:
+        """Listen."""
+        if self.parameters['source'] == IMU:
+            self._input = self.create_subscription(
+                Imu, 'imu', self._on_imu, SENSOR, qos_overriding_options=OVERRIDES
+            )
+        else:
+            self._input = self.create_subscription(
+                Float32MultiArray,
+                'samples',
+                self._on_array,
+                SENSOR,
+                qos_overriding_options=OVERRIDES,
+            )
+        self.get_logger().info(f'listening to {self._input.topic_name}')
+
+    def stop(self) -> None:
+        """Stop listening."""
+        self.destroy_subscription(self._input)
+
+    def teardown(self) -> None:
+        """Destroy what setup created."""
+        self._health.destroy()
+        self.destroy_publisher(self._vibration)
+
+    def _on_array(self, message: Float32MultiArray, info: MessageInfo) -> None:
+        self._arrived = time.monotonic()
+        if not self._sources.accept(info['publisher_gid'], self._arrived):
+            return
+        p = self.parameters
+        rate = p['sample_rate']
+        try:
+            samples = split_channels(
+                np.asarray(message.data), p['channels'], interleaved=p['interleaved']
+            )
+        except BearingTwinError as error:
+            self._refuse(str(error))
+            return
+        self._problem = ''
+        count = samples.shape[1]
+        missing = self._sequence.missing(
+            info['publisher_gid'], info['publication_sequence_number']
+        )
+        if missing:
+            self._gap(missing * count)
+        stamp = info['source_timestamp'] - round(count * NANO / rate)
+        self._publish(self._builder.push(samples, stamp=stamp, rate=rate), rate)
+
+    def _on_imu(self, message: Imu, info: MessageInfo) -> None:
+        self._arrived = time.monotonic()
+        if not self._sources.accept(info['publisher_gid'], self._arrived):
+            return
+        self._problem = ''
+        self._frame = self.parameters['frame_id'] or message.header.frame_id
+        stamp = stamp_ns(message.header.stamp) or info['source_timestamp']
+        missing = self._stamps.missing(stamp)
+        rate = self._stamps.rate
+        if not rate:
+            return
+        if missing:
+            self._gap(missing)
+        acceleration = message.linear_acceleration
+        sample = np.array([[acceleration.x], [acceleration.y], [acceleration.z]], dtype=np.float32)
+        self._publish(self._builder.push(sample, stamp=stamp, rate=rate), rate)
+
+    def _gap(self, missing: int) -> None:
+        self._lost += max(0, missing)
+        self._restarts += missing < 0
+        self._publish(self._builder.gap(missing), self._stamps.rate)
+
+    def _publish(self, blocks: list[SampledBlock], rate: float) -> None:
+        p = self.parameters
+        for block in blocks:
+            values = block.samples * np.float32(p['scale'])
+            x, y = (values[c] if c >= 0 else values[0, :0] for c in self._channels)
+            self._vibration.publish(
+                Vibration(
+                    header=Header(stamp=time_message(block.stamp), frame_id=self._frame),
+                    sample_rate=rate,
+                    first_sample=block.first_sample,
+                    unit=p['unit'],
+                    shaft_hz=math.nan,
+                    x=floats(x),
+                    y=floats(y),
+                )
+            )
+
+    @property
+    def _channels(self) -> tuple[int, int]:
+        return self.parameters['channel_x'], self.parameters['channel_y']
+
+    def _refuse(self, problem: str) -> None:
+        self._problem = problem
+        self.get_logger().warning(f'message refused: {problem}', throttle_duration_sec=10.0)
+
+    def _input_status(self) -> Status:
+        age = time.monotonic() - self._arrived
+        rate, measured = self._stamps.rate, self._stamps.measured_rate
+        if math.isnan(age):
+            level, message = Level.STALE, 'no samples yet'
+        elif age > SILENT_AFTER:
+            level, message = Level.STALE, f'no samples for {age:.1f} s'
+        elif self._problem:
+            level, message = Level.ERROR, f'message refused: {self._problem}'
+        elif self._sources.ignored:
+            level, message = Level.ERROR, 'several sources on one topic: only the first is used'
+        elif not rate:
+            level, message = Level.WARN, 'estimating the sample rate'
+        elif abs(measured - rate) > RATE_TOLERANCE * rate:
+            level = Level.WARN
+            message = f'stamps say {measured:.6g} Hz, sample_rate is {rate:.6g} Hz'
+        else:
+            level, message = Level.OK, 'samples are fresh'
+        return Status(
+            level,
+            message,
+            {
+                'age [s]': age,
+                'sample rate [Hz]': rate,
+                'sample rate of the stamps [Hz]': measured,
+                'samples published': self._builder.next_sample,
+                'samples lost': self._lost,
+                'restarts of the source': self._restarts,
+                'messages of other sources': self._sources.ignored,
+            },
+        )
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node."""
+    return run(AdapterNode, args)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

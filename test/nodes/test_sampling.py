@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""From other people's samples to blocks: nothing is lost, shifted or invented unseen."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes.sampling import (
+    BlockBuilder,
+    SequenceTracker,
+    StampTracker,
+    split_channels,
+)
+
+NANO = 1_000_000_000
+
+
+def stamps(rate, count, jitter=0.0, seed=0):
+    """Stamps of a regular source whose clock reading jitters by a part of the period."""
+    wobble = np.random.default_rng(seed).uniform(-jitter, jitter, count)
+    return np.round((np.arange(count) + wobble) * NANO / rate).astype(np.int64) + 5 * NANO
+
+
+@given(st.lists(st.integers(1, 700), min_size=1, max_size=30), st.integers(64, 300))
+def test_blocks_hold_every_sample_once_in_order(sizes, size):
+    rate = 1000.0
+    builder = BlockBuilder(size)
+    signal = np.arange(2 * sum(sizes), dtype=np.float32).reshape(2, -1)
+    blocks, done = [], 0
+    for n in sizes:
+        blocks += builder.push(
+            signal[:, done : done + n], stamp=round(done * NANO / rate), rate=rate
+        )
+        done += n
+    blocks += builder.gap(7)
+    assert np.array_equal(np.concatenate([b.samples for b in blocks], axis=1), signal)
+    assert all(b.samples.shape[1] == size for b in blocks[:-1])
+    assert builder.next_sample == signal.shape[1] + 7
+    for b in blocks:
+        assert b.samples[0, 0] == b.first_sample
+        assert abs(b.stamp - b.first_sample * NANO / rate) <= 1
+
+
+def test_restarted_source_begins_at_sample_0():
+    builder = BlockBuilder(4)
+    builder.push(np.ones((1, 6), np.float32), stamp=0, rate=100.0)
+    [rest] = builder.gap(-3)
+    assert (rest.first_sample, rest.samples.shape) == (4, (1, 2))
+    assert builder.next_sample == 0
+
+
+@pytest.mark.parametrize('given', [1000.0, 1005.0, 0.0])
+@pytest.mark.parametrize('jitter', [0.0, 0.4])
+def test_stamps_show_what_is_missing(given, jitter):
+    times = stamps(1000.0, 4000, jitter)
+    keep = np.ones(4000, bool)
+    keep[2000:2005] = False
+    keep[3000:3500] = False
+    tracker = StampTracker(given)
+    gaps = {k: m for k in np.flatnonzero(keep) if (m := tracker.missing(int(times[k])))}
+    assert [int(k) for k in gaps] == [2005, 3500]
+    off = 0 if given != 1005.0 and not jitter else 1
+    assert abs(gaps[2005] - 5) <= off
+    assert abs(gaps[3500] - 500) <= (3 if given == 1005.0 else off)
+    assert tracker.measured_rate == pytest.approx(1000.0, rel=2e-3)
+
+
+def test_regular_stamps_show_a_single_missing_sample():
+    times = np.delete(stamps(1000.0, 2000, 0.05), 1500)
+    tracker = StampTracker(1000.0)
+    gaps = {k: m for k, t in enumerate(times) if (m := tracker.missing(int(t)))}
+    assert gaps == {1500: 1}
+
+
+def test_unknown_rate_is_estimated_in_spite_of_losses():
+    times = stamps(800.0, 600, 0.2)
+    tracker = StampTracker(0.0)
+    for k, t in enumerate(times):
+        if k % 10 != 3:
+            tracker.missing(int(t))
+        if tracker.rate:
+            break
+    assert tracker.rate == pytest.approx(800.0, rel=2e-3)
+
+
+def test_clock_set_back_is_a_restart():
+    tracker = StampTracker(1000.0)
+    for t in stamps(1000.0, 100):
+        assert tracker.missing(int(t)) == 0
+    assert tracker.missing(NANO) < 0
+    assert tracker.missing(NANO + 1_000_000) == 0
+
+
+def test_message_numbers_show_missing_messages_and_new_sources():
+    tracker = SequenceTracker()
+    answers = [tracker.missing('a', n) for n in (7, 8, 11)]
+    assert answers == [0, 0, 2]
+    assert tracker.missing('b', 1) < 0
+    assert tracker.missing('b', None) == 0
+    assert tracker.missing('b', 5) == 0
+
+
+def test_channels_are_taken_apart():
+    assert split_channels(np.arange(6), 2, interleaved=True).tolist() == [[0, 2, 4], [1, 3, 5]]
+    assert split_channels(np.arange(6), 2, interleaved=False).tolist() == [[0, 1, 2], [3, 4, 5]]
+    with pytest.raises(BearingTwinError, match='7 values do not divide into 2 channels'):
+        split_channels(np.arange(7), 2, interleaved=True)
