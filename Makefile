@@ -40,13 +40,16 @@ $(VENV)/tools.stamp: requirements.txt requirements-dev.txt
 	$(PIP) install -r requirements-dev.txt
 	touch $@
 
+# An editable install leaves out the data files: launch, config, executables of ros2 run.
 # --no-build-isolation: the generators just installed are those that the messages are built with.
 $(VENV)/messages.stamp: $(VENV)/tools.stamp $(wildcard msg_defs/msg/* msg_defs/srv/* msg_defs/*.*)
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) install --no-build-isolation --no-deps --force-reinstall ./msg_defs
 	touch $@
 
 $(VENV)/package.stamp: $(VENV)/messages.stamp setup.py setup.cfg package.xml $(wildcard launch/* config/* recordings/*)
-	$(PIP) install --no-build-isolation --no-deps --editable .
+	$(PIP) install --no-build-isolation --no-deps --editable . 2>&1 | grep -v -i editable || true
+	$(BIN)/python setup.py --quiet install_data --install-dir=$(CURDIR)/$(VENV)
+	$(BIN)/bearing-twin --version
 	touch $@
 
 clean:

@@ -36,7 +36,7 @@ def requirements() -> list[str]:
 
 def executables() -> list[tuple[str, list[str]]]:
     """Return the executables of lib/bearing_twin for pip; colcon puts console_scripts there."""
-    if not {'bdist_wheel', 'editable_wheel'} & set(sys.argv):
+    if not {'bdist_wheel', 'install_data'} & set(sys.argv):
         return []
     folder = Path('build') / 'executables'
     folder.mkdir(parents=True, exist_ok=True)
