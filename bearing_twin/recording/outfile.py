@@ -14,10 +14,11 @@ from mcap.writer import CompressionType, Writer
 
 from bearing_twin import __version__
 from bearing_twin.recording.bagmetadata import BagFile, BagTopic
-from bearing_twin.recording.schema import message_schema
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from bearing_twin.recording.schema import MessageSchema
 
 __all__ = ['LIBRARY', 'Attached', 'OutputFile']
 
@@ -103,11 +104,12 @@ class OutputFile:
         log_time: int,
         publish_time: int,
         qos: str,
+        schema: MessageSchema,
     ) -> None:
         """Add a message; see RecordingWriter.write."""
         channel = self._channels.get(topic)
         if channel is None or self._topics[topic].type_name != type_name:
-            channel = self._describe(topic, type_name, qos)
+            channel = self._describe(topic, type_name, qos, schema)
         if not self.count:
             self.start = log_time
         self.start = min(self.start, log_time)
@@ -170,11 +172,10 @@ class OutputFile:
             topics=list(self._topics.values()),
         )
 
-    def _describe(self, topic: str, type_name: str, qos: str) -> int:
-        schema = message_schema(type_name)
+    def _describe(self, topic: str, type_name: str, qos: str, schema: MessageSchema) -> int:
         if type_name not in self._schemas:
             self._schemas[type_name] = self._writer.register_schema(
-                type_name, 'ros2msg', schema.text.encode()
+                type_name, schema.encoding, schema.text.encode()
             )
         self._channels[topic] = self._writer.register_channel(
             topic,

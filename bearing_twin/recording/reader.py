@@ -52,6 +52,8 @@ class TopicInfo:
 
     type_name: str
     type_hash: str
+    qos: str
+    """Offered profiles as rosbag2 writes them, YAML."""
     count: int = 0
 
 
@@ -232,7 +234,9 @@ def _read_header(file: BinaryIO, size: int, info: RecordingInfo) -> None:
 
 
 def _count(info: RecordingInfo, channel: RecordedChannel, count: int) -> None:
-    topic = info.topics.setdefault(channel.topic, TopicInfo(channel.type_name, channel.type_hash))
+    topic = info.topics.setdefault(
+        channel.topic, TopicInfo(channel.type_name, channel.type_hash, channel.qos)
+    )
     topic.count += count
     info.count += count
 

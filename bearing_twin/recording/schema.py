@@ -43,6 +43,8 @@ class MessageSchema:
     """The ``.msg`` text, followed by those of its dependencies (encoding ``ros2msg``)."""
     type_hash: str
     """``RIHS01_...`` of REP 2016."""
+    encoding: str = 'ros2msg'
+    """Of the text."""
 
 
 @cache

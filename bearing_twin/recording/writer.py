@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from pathlib import Path
     from types import TracebackType
 
+    from bearing_twin.recording.schema import MessageSchema
+
 __all__ = ['RecordingWriter', 'WriterOptions']
 
 LATEST = 2**63
@@ -54,6 +56,7 @@ class _Waiting(NamedTuple):
     log_time: int
     publish_time: int
     qos: str
+    schema: MessageSchema
 
 
 class RecordingWriter:
@@ -145,6 +148,7 @@ class RecordingWriter:
         log_time: int,
         publish_time: int,
         qos: str = '',
+        schema: MessageSchema | None = None,
     ) -> None:
         """Write one serialised message.
 
@@ -159,20 +163,22 @@ class RecordingWriter:
         qos
             Offered QoS profiles, YAML (:func:`bearing_twin.recording.qos.qos_yaml`); taken from
             the first message of a topic.
+        schema
+            Its schema; None: that of the installed package.
 
         Raises
         ------
         BearingTwinError
             If the definition of the type is not known, or a time cannot be stored.
         """
-        message_schema(type_name)
+        schema = schema or message_schema(type_name)
         if not (0 <= log_time < LATEST and 0 <= publish_time < LATEST):
             msg = f'{log_time=}, {publish_time=}: times are 0..{LATEST - 1} ns'
             raise BearingTwinError(msg)
         if self.stopped:
             self.dropped += 1
             return
-        message = _Waiting(topic, type_name, cdr, log_time, publish_time, qos)
+        message = _Waiting(topic, type_name, cdr, log_time, publish_time, qos, schema)
         if self.problem:
             if self._waiting_bytes + len(cdr) > self.options.cache_size:
                 self.dropped += 1

@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Topics of any type as bytes: message classes by name, and QoS to and from recordings."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.qos import qos_profile, qos_yaml, read_qos
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+__all__ = ['message_class', 'offered_qos_yaml', 'replay_qos', 'subscription_qos']
+
+SUBSCRIPTION_DEPTH = 500
+"""Messages kept for a recorder that is held up by its disk: 20 s of blocks of 40 ms."""
+DEEPEST = 10_000
+
+
+def message_class(type_name: str) -> Any:
+    """Return the Python class of ``pkg/msg/Type``.
+
+    Raises
+    ------
+    BearingTwinError
+        If its package is not installed.
+    """
+    parts = type_name.split('/')
+    if len(parts) == 3 and parts[1] == 'msg' and all(part.isidentifier() for part in parts):
+        try:
+            return getattr(importlib.import_module(f'{parts[0]}.msg'), parts[2])
+        except (ImportError, AttributeError):
+            pass
+    msg = f'message type {type_name} is not installed; source the workspace that has it'
+    raise BearingTwinError(msg)
+
+
+def subscription_qos(publishers: Sequence[TopicEndpointInfo]) -> QoSProfile:
+    """Return the strongest profile that matches every publisher."""
+    profiles = [info.qos_profile for info in publishers]
+    reliable = all(p.reliability == ReliabilityPolicy.RELIABLE for p in profiles)
+    latched = all(p.durability == DurabilityPolicy.TRANSIENT_LOCAL for p in profiles)
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=SUBSCRIPTION_DEPTH,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+def offered_qos_yaml(publishers: Sequence[TopicEndpointInfo]) -> str:
+    """Return what the publishers offer, as recordings carry it."""
+    return qos_yaml(
+        [
+            qos_profile(
+                history=info.qos_profile.history.name.lower(),
+                depth=info.qos_profile.depth,
+                reliability=info.qos_profile.reliability.name.lower(),
+                durability=info.qos_profile.durability.name.lower(),
+            )
+            for info in publishers
+        ]
+    )
+
+
+def replay_qos(text: str) -> QoSProfile:
+    """Return a profile that suits those who listened to what was recorded."""
+    profiles = read_qos(text)
+    # Metadata before version 9 gives numbers: 1 is reliable, and 1 is transient local.
+    best_effort = any(p.get('reliability') in ('best_effort', 2) for p in profiles)
+    latched = bool(profiles) and all(
+        p.get('durability') in ('transient_local', 1) for p in profiles
+    )
+    depths = [p.get('depth') for p in profiles]
+    depth = max((d for d in depths if isinstance(d, int)), default=0)
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=min(max(depth, 50), DEEPEST) if not latched else min(max(depth, 1), DEEPEST),
+        reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )

@@ -1,0 +1,242 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Recorder node: every topic as it came off the wire, to MCAP and to Rerun."""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+from rclpy.clock import Clock, ClockType
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.logging import get_logger
+from std_srvs.srv import Trigger
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes.health import Health, Level, Status
+from bearing_twin.nodes.lifecycle import ManagedNode, run
+from bearing_twin.nodes.qos import CHECKPOINT, RESULT, STREAM
+from bearing_twin.nodes.rawtopics import message_class, offered_qos_yaml, subscription_qos
+from bearing_twin.nodes.recorder_config import SPECS, TopicChoice, build_writer
+from bearing_twin.nodes.recorder_watch import RecordingWatch
+from bearing_twin.recording.recover import find_unfinished
+from bearing_twin.recording.schema import message_schema
+from bearing_twin.recording.snapshot import SnapshotWriter
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rclpy.qos import QoSProfile
+    from rclpy.qos_event import QoSMessageLostInfo
+    from rclpy.subscription import MessageInfo, Subscription
+
+__all__ = ['EXPECTED', 'RecorderNode', 'main']
+
+DISCOVERY_PERIOD = 0.25
+
+EXPECTED: dict[str, tuple[str, QoSProfile]] = {
+    'vibration': ('bearing_twin_msgs/msg/Vibration', STREAM),
+    'twin_state': ('bearing_twin_msgs/msg/TwinState', STREAM),
+    'twin_checkpoint': ('bearing_twin_msgs/msg/Checkpoint', CHECKPOINT),
+    'diagnosis': ('bearing_twin_msgs/msg/Diagnosis', RESULT),
+    'diagnosis_checkpoint': ('bearing_twin_msgs/msg/Checkpoint', CHECKPOINT),
+    'envelope_spectrum': ('bearing_twin_msgs/msg/Spectrum', RESULT),
+    'spectrum': ('bearing_twin_msgs/msg/Spectrum', RESULT),
+}
+"""Our own topics, subscribed to before anybody publishes them, so that no first block is lost."""
+
+
+class RecorderNode(ManagedNode):
+    """Record topics: the bytes that came are the bytes that are written."""
+
+    def __init__(self) -> None:
+        super().__init__('recorder', SPECS)
+
+    def check(self, values: Mapping[str, Any]) -> None:
+        """Refuse parameters that do not fit together."""
+        TopicChoice(values, set())
+
+    def setup(self) -> None:
+        """Make the recording; say what a crash has left."""
+        p = self.parameters
+        named = {self.resolve_topic_name(topic) for topic in p['topics'] if topic}
+        self._choice = TopicChoice(p.values, named)
+        self._writer = build_writer(p.values)
+        self._unfinished = find_unfinished(self._writer.path.absolute().parent)
+        for path in self._unfinished:
+            self.get_logger().warning(
+                f"{path} was not finished: 'bearing-twin recover {path}' saves what is in it"
+            )
+        self._watch = RecordingWatch(self._writer, p.values, self.get_logger())
+        self._subscriptions_of: dict[str, Subscription[Any]] = {}
+        self._types: dict[str, str] = {}
+        self._qos: dict[str, str] = {}
+        self._left_out: dict[str, str] = {}
+        self._lost = 0
+        self._answers = [
+            self.create_service(Trigger, '~/split', self._on_split),
+            self.create_service(Trigger, '~/snapshot', self._on_snapshot),
+        ]
+        self._health = Health(self, str(self._writer.path))
+        self._health.add('recording', self._status)
+        self.get_logger().info(f'recording to {self._writer.path}')
+
+    def start(self) -> None:
+        """Subscribe, and look for new topics from now on."""
+        for name, (type_name, qos) in EXPECTED.items():
+            topic = self.resolve_topic_name(name)
+            if topic in self._choice:
+                self._subscribe(topic, type_name, qos)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._timers_of_recording = [
+            self.create_timer(DISCOVERY_PERIOD, self._discover, clock=steady),
+            self.create_timer(self.parameters['flush_period'], self._flush, clock=steady),
+        ]
+        self._discover()
+
+    def stop(self) -> None:
+        """Unsubscribe from everything."""
+        for timer in self._timers_of_recording:
+            self.destroy_timer(timer)
+        for subscription in self._subscriptions_of.values():
+            self.destroy_subscription(subscription)
+        self._subscriptions_of.clear()
+        self._flush()
+
+    def teardown(self) -> None:
+        """Finish the recording."""
+        self._health.destroy()
+        for service in self._answers:
+            self.destroy_service(service)
+        self._watch.close()
+        self._writer.close()
+        # Not the node's logger: its /rosout may be gone by now.
+        get_logger('bearing_twin.recorder').info(
+            f'{self._writer.path}: {self._writer.written} messages, '
+            f'{self._writer.size / 1e6:.1f} MB, {self._writer.dropped} lost'
+        )
+
+    def _discover(self) -> None:
+        for topic, types in self.get_topic_names_and_types():
+            if topic not in self._choice or topic in self._left_out:
+                continue
+            publishers = self.get_publishers_info_by_topic(topic)
+            if not publishers:
+                continue
+            try:
+                if len(types) > 1:
+                    msg = f'has {len(types)} types: {", ".join(types)}'
+                    raise BearingTwinError(msg)
+                qos = subscription_qos(publishers)
+                known = self._subscriptions_of.get(topic)
+                if known is None or known.qos_profile.reliability > qos.reliability:
+                    self._subscribe(topic, types[0], qos)
+            except BearingTwinError as error:
+                self._left_out[topic] = str(error)
+                self.get_logger().error(f'{topic} is not recorded: {error}')
+
+    def _subscribe(self, topic: str, type_name: str, qos: QoSProfile) -> None:
+        message_schema(type_name)
+        former = self._subscriptions_of.pop(topic, None)
+        if former is not None:
+            self.destroy_subscription(former)
+
+        def on_message(cdr: bytes, info: MessageInfo) -> None:
+            self._on_message(topic, cdr, info)
+
+        self._types[topic] = type_name
+        self._subscriptions_of[topic] = self.create_subscription(
+            message_class(type_name),
+            topic,
+            on_message,
+            qos,
+            raw=True,
+            event_callbacks=SubscriptionEventCallbacks(message_lost=self._on_lost),
+        )
+
+    def _on_message(self, topic: str, cdr: bytes, info: MessageInfo) -> None:
+        type_name = self._types[topic]
+        qos = self._qos.get(topic)
+        if qos is None:
+            qos = offered_qos_yaml(self.get_publishers_info_by_topic(topic))
+            self._qos[topic] = qos
+        received = info['received_timestamp'] or time.time_ns()
+        if self.get_parameter('use_sim_time').value:
+            received = self.get_clock().now().nanoseconds
+        self._writer.write(
+            topic,
+            type_name,
+            cdr,
+            log_time=max(0, received),
+            publish_time=max(0, info['source_timestamp'] or received),
+            qos=qos,
+        )
+        self._watch.see(topic, type_name, cdr, received)
+
+    def _on_lost(self, info: QoSMessageLostInfo) -> None:
+        self._lost += info.total_count_change
+
+    def _flush(self) -> None:
+        before = self._writer.problem
+        self._writer.flush()
+        if self._writer.problem and self._writer.problem != before:
+            self.get_logger().error(f'not recording: {self._writer.problem}')
+        elif before and not self._writer.problem:
+            self.get_logger().info('the disk takes data again: recording goes on')
+
+    def _on_split(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        if isinstance(self._writer, SnapshotWriter):
+            response.message = 'each snapshot has a file of its own'
+            return response
+        try:
+            self._writer.split()
+        except BearingTwinError as error:
+            response.message = str(error)
+            return response
+        response.success = True
+        return response
+
+    def _on_snapshot(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        try:
+            self._watch.snapshot(self.get_clock().now().nanoseconds)
+        except BearingTwinError as error:
+            response.message = str(error)
+            return response
+        response.success = True
+        response.message = str(self._writer.path)
+        return response
+
+    def _status(self) -> Status:
+        writer = self._writer
+        values = {
+            'output': writer.path,
+            'messages written': writer.written,
+            'messages lost by the disk': writer.dropped,
+            'messages lost on the way': self._lost,
+            'size [MB]': writer.size / 1e6,
+            'topics': len(self._subscriptions_of),
+            **{f'not recorded: {topic}': reason for topic, reason in self._left_out.items()},
+            **{f'unfinished {i}': path for i, path in enumerate(self._unfinished)},
+        }
+        if writer.stopped or writer.problem:
+            return Status(
+                Level.ERROR, f'not recording: {writer.stopped or writer.problem}', values
+            )
+        if self._left_out or self._lost or self._watch.problem:
+            texts = [
+                f'{len(self._left_out)} topics are not recorded' if self._left_out else '',
+                f'{self._lost} messages were lost on the way' if self._lost else '',
+                self._watch.problem,
+            ]
+            return Status(Level.WARN, '; '.join(filter(None, texts)), values)
+        return Status(Level.OK, 'recording', values)
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node."""
+    return run(RecorderNode, args)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

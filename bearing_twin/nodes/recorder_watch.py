@@ -1,0 +1,142 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What the recorder reads out of the messages it writes: parameters, alarms, pictures."""
+
+from __future__ import annotations
+
+import contextlib
+import platform
+from dataclasses import asdict
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import yaml
+
+from bearing_twin import __version__
+from bearing_twin.bearing.catalogue import find_bearing
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.schema import message_schema, store_from_text
+from bearing_twin.recording.snapshot import SnapshotWriter
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rclpy.impl.rcutils_logger import RcutilsLogger
+
+    from bearing_twin.recording.writer import RecordingWriter
+    from bearing_twin.view import RerunLogger
+
+__all__ = ['RecordingWatch']
+
+CHECKPOINT = 'bearing_twin_msgs/msg/Checkpoint'
+DIAGNOSIS = 'bearing_twin_msgs/msg/Diagnosis'
+FAULT = 2
+LIBRARIES = ('numpy', 'scipy', 'numba', 'mcap', 'rosbags', 'rerun-sdk', 'rclpy')
+
+
+class RecordingWatch:
+    """Look at messages as they are recorded.
+
+    Parameters of the nodes (from their checkpoints) and the bearings they name are attached to the
+    recording; a diagnosis that turns to fault triggers a snapshot; Rerun gets everything. Trouble
+    with any of it is reported and never keeps a message from being recorded.
+    """
+
+    def __init__(
+        self,
+        writer: RecordingWriter | SnapshotWriter,
+        values: Mapping[str, Any],
+        logger: RcutilsLogger,
+    ) -> None:
+        self.problem = ''
+        """What does not work; '' if nothing."""
+        self._writer = writer
+        self._logger = logger
+        self._configurations: dict[str, str] = {}
+        self._in_fault: dict[str, bool] = {}
+        self._rerun: RerunLogger | None = None
+        writer.metadata('bearing_twin.versions', _versions())
+        writer.metadata('bearing_twin.recorder', {k: str(v) for k, v in values.items()})
+        if values['rerun_file'] or values['rerun_port']:
+            # Rerun takes a second to load, which a recorder without it should not wait for.
+            from bearing_twin.view import RerunLogger
+
+            self._rerun = RerunLogger(
+                file=Path(values['rerun_file']) if values['rerun_file'] else None,
+                address=values['rerun_address'],
+                port=values['rerun_port'] or None,
+            )
+
+    def see(self, topic: str, type_name: str, cdr: bytes, received: int) -> None:
+        """Look at one message; ``received`` in ns."""
+        interesting = type_name in (CHECKPOINT, DIAGNOSIS)
+        if not interesting and self._rerun is None:
+            return
+        schema = message_schema(type_name)
+        try:
+            message = store_from_text(type_name, schema.text).deserialize_cdr(cdr, type_name)
+            if type_name == CHECKPOINT:
+                self._keep_configuration(message)
+            elif type_name == DIAGNOSIS:
+                self._look_for_fault(topic, message, received)
+            if self._rerun is not None:
+                self._rerun.log(topic, type_name, message, received)
+        except Exception as error:
+            # Whatever a message holds or a viewer does, recording goes on.
+            self.problem = f'{topic} could not be looked at ({type(error).__name__}: {error})'
+            self._logger.warning(self.problem, throttle_duration_sec=60.0)
+
+    def snapshot(self, now: int) -> None:
+        """Write a snapshot.
+
+        Raises
+        ------
+        BearingTwinError
+            If the node records all the time, or the file cannot be made.
+        """
+        if not isinstance(self._writer, SnapshotWriter):
+            msg = "everything is being recorded; snapshots need the parameter 'snapshot'"
+            raise BearingTwinError(msg)
+        self._writer.trigger(now)
+
+    def close(self) -> None:
+        """Finish the Rerun recording."""
+        if self._rerun is not None:
+            self._rerun.close()
+
+    def _keep_configuration(self, checkpoint: Any) -> None:
+        node = str(checkpoint.node)
+        if self._configurations.get(node) == checkpoint.configuration:
+            return
+        self._configurations[node] = checkpoint.configuration
+        values = yaml.safe_load(checkpoint.configuration)
+        parameters = yaml.safe_dump({node: {'ros__parameters': values}}, sort_keys=True)
+        name = node.strip('/').replace('/', '.')
+        self._writer.attach(f'{name}.yaml', parameters.encode(), 'application/yaml')
+        self._writer.metadata(
+            f'bearing_twin.parameters.{name}',
+            {'node': node, 'version': checkpoint.version}
+            | {str(key): str(value) for key, value in values.items()},
+        )
+        bearing = asdict(find_bearing(values['bearing']))
+        self._writer.attach(
+            f'bearing_{values["bearing"]}.yaml',
+            yaml.safe_dump(bearing, sort_keys=False).encode(),
+            'application/yaml',
+        )
+
+    def _look_for_fault(self, topic: str, diagnosis: Any, received: int) -> None:
+        before = self._in_fault.get(topic, False)
+        self._in_fault[topic] = diagnosis.level == FAULT
+        if self._in_fault[topic] and not before and isinstance(self._writer, SnapshotWriter):
+            self._logger.info(f'{diagnosis.fault_code} on {topic}: a snapshot is written')
+            self._writer.trigger(received)
+
+
+def _versions() -> dict[str, str]:
+    versions = {'bearing_twin': __version__, 'python': platform.python_version()}
+    for library in LIBRARIES:
+        with contextlib.suppress(PackageNotFoundError):
+            versions[library] = version(library)
+    return versions

@@ -1,0 +1,327 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Replay node: the topics of a recording on ROS again, and its time on /clock."""
+
+from __future__ import annotations
+
+import math
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rclpy.duration import Duration
+from rosgraph_msgs.msg import Clock
+from std_srvs.srv import Trigger
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes.convert import time_message
+from bearing_twin.nodes.health import Health, Level, Status
+from bearing_twin.nodes.lifecycle import ManagedNode, run
+from bearing_twin.nodes.parameters import Spec
+from bearing_twin.nodes.qos import RESULT
+from bearing_twin.nodes.rawtopics import message_class, replay_qos
+from bearing_twin.recording.player import Player, Section
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rclpy.publisher import Publisher
+
+    from bearing_twin.recording.reader import RecordedMessage
+
+__all__ = ['SPECS', 'ReplayNode', 'main']
+
+PROGRESS_PERIOD = 5.0
+LONGEST_WAIT = 0.5
+
+SPECS = (
+    Spec(
+        name='recording',
+        default='',
+        description='MCAP file or bag folder to replay.',
+        running=False,
+    ),
+    Spec(
+        name='rate',
+        default=1.0,
+        description='Pace: recorded seconds per second.',
+        low=0.001,
+        high=1e6,
+    ),
+    Spec(name='loop', default=False, description='Start again at the end.', running=False),
+    Spec(
+        name='start_offset',
+        default=0.0,
+        description='Recorded time to skip at the start.',
+        unit='s',
+        low=0.0,
+        high=1e9,
+        running=False,
+    ),
+    Spec(
+        name='duration',
+        default=0.0,
+        description='Recorded time to replay; 0: to the end.',
+        unit='s',
+        low=0.0,
+        high=1e9,
+        running=False,
+    ),
+    Spec(
+        name='topics',
+        default=[''],
+        description='Topics to replay; none given: all.',
+        running=False,
+    ),
+    Spec(
+        name='remap',
+        default=[''],
+        description="Other names for recorded topics, each as 'recorded:=new'.",
+        running=False,
+    ),
+    Spec(
+        name='clock_rate',
+        default=0.0,
+        description='Rate of /clock, which then follows recorded time; 0: no /clock.',
+        unit='Hz',
+        low=0.0,
+        high=1000.0,
+        running=False,
+    ),
+    Spec(name='start_paused', default=False, description='Wait for ~/resume.', running=False),
+    Spec(
+        name='wait_for_subscribers',
+        default=3.0,
+        description='Longest wait at the start until every topic has a subscriber.',
+        unit='s',
+        low=0.0,
+        high=3600.0,
+        running=False,
+    ),
+    Spec(
+        name='exit_at_end',
+        default=True,
+        description='End the process when everything has been replayed.',
+        running=False,
+    ),
+)
+
+
+class ReplayNode(ManagedNode):
+    """Publish the messages of a recording at their own pace, or faster.
+
+    The bytes go out as they were recorded. A thread of its own keeps the pace, so that services
+    and parameters answer meanwhile.
+    """
+
+    def __init__(self) -> None:
+        super().__init__('replay', SPECS)
+
+    def check(self, values: Mapping[str, Any]) -> None:
+        """Refuse parameters that do not fit together."""
+        _remapping(values['remap'])
+
+    def setup(self) -> None:
+        """Open the recording; create publishers and services."""
+        p = self.parameters
+        if not p['recording']:
+            msg = "parameter recording is empty; give it: '-p recording:=FILE'"
+            raise BearingTwinError(msg)
+        topics = [topic for topic in p['topics'] if topic]
+        self._player = Player(
+            Path(p['recording']),
+            Section(
+                start_offset=p['start_offset'],
+                duration=p['duration'] or math.inf,
+                topics=topics or None,
+            ),
+            rate=p['rate'],
+            loop=p['loop'],
+            paused=p['start_paused'],
+        )
+        names = _remapping(p['remap'])
+        self._topics: dict[str, Publisher[Any]] = {}
+        self._left_out: dict[str, str] = {}
+        for name, topic in self._player.topics().items():
+            if p['clock_rate'] and name == '/clock':
+                continue
+            try:
+                self._topics[name] = self.create_publisher(
+                    message_class(topic.type_name), names.get(name, name), replay_qos(topic.qos)
+                )
+            except BearingTwinError as error:
+                self._left_out[name] = str(error)
+                self.get_logger().error(f'{name} is left out: {error}')
+        self._clock_publisher = (
+            self.create_publisher(Clock, '/clock', RESULT) if p['clock_rate'] else None
+        )
+        self._answers = [
+            self.create_service(Trigger, f'~/{name}', answer)
+            for name, answer in (
+                ('pause', self._on_pause),
+                ('resume', self._on_resume),
+                ('step', self._on_step),
+            )
+        ]
+        self._wake = threading.Condition()
+        self._health = Health(self, p['recording'])
+        self._health.add('replay', self._status)
+
+    def start(self) -> None:
+        """Begin to play."""
+        self._playing = True
+        self._thread = threading.Thread(target=self._play, name='replay')
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Stop; a later start goes on from here."""
+        with self._wake:
+            self._playing = False
+            self._wake.notify()
+        self._thread.join()
+
+    def teardown(self) -> None:
+        """Destroy what setup created."""
+        self._health.destroy()
+        for publisher in self._topics.values():
+            self.destroy_publisher(publisher)
+        if self._clock_publisher is not None:
+            self.destroy_publisher(self._clock_publisher)
+        for service in self._answers:
+            self.destroy_service(service)
+
+    def apply(self, values: Mapping[str, Any]) -> None:
+        """Take a changed pace."""
+        with self._wake:
+            self._player.wait(time.monotonic())
+            self._player.rate = values['rate']
+            self._wake.notify()
+
+    def _play(self) -> None:
+        self._await_subscribers()
+        player = self._player
+        self.get_logger().info(
+            f'replaying {player.path}: {player.info.count} messages, {player.info.duration:.1f} s '
+            f'at pace {player.rate:g}'
+        )
+        clock_period = 1.0 / self.parameters['clock_rate'] if self._clock_publisher else math.inf
+        clock_due = progress_due = time.monotonic()
+        with self._wake:
+            player.resync(time.monotonic())
+            while self._playing:
+                now = time.monotonic()
+                for message in player.due(now):
+                    self._publish(message)
+                if now >= clock_due and not player.paused:
+                    self._publish_clock()
+                    clock_due = max(clock_due + clock_period, now)
+                if now >= progress_due:
+                    self._show_progress()
+                    progress_due = now + PROGRESS_PERIOD
+                if player.finished:
+                    break
+                now = time.monotonic()
+                wait = min(player.wait(now), max(0.0, clock_due - now), LONGEST_WAIT)
+                self._wake.wait(wait)
+        if player.finished:
+            self._end()
+
+    def _await_subscribers(self) -> None:
+        deadline = time.monotonic() + self.parameters['wait_for_subscribers']
+        while self._playing and time.monotonic() < deadline:
+            if all(p.get_subscription_count() for p in self._topics.values()):
+                return
+            time.sleep(0.02)
+
+    def _publish(self, message: RecordedMessage) -> None:
+        publisher = self._topics.get(message.topic)
+        if publisher is not None:
+            publisher.publish(message.cdr)
+
+    def _publish_clock(self) -> None:
+        if self._clock_publisher is not None:
+            self._clock_publisher.publish(Clock(clock=time_message(self._player.position)))
+
+    def _show_progress(self) -> None:
+        player = self._player
+        self.get_logger().info(
+            f'{100.0 * player.fraction:3.0f} %  {player.played} messages'
+            + (f'  round {player.loops + 1}' if player.loops else '')
+            + ('  paused' if player.paused else '')
+        )
+
+    def _end(self) -> None:
+        self._show_progress()
+        for publisher in self._topics.values():
+            # Best-effort publishers have nothing to wait for and answer at once.
+            publisher.wait_for_all_acked(Duration(seconds=1))
+        self.get_logger().info('the recording has ended')
+        if self.parameters['exit_at_end']:
+            self.context.try_shutdown()
+
+    def _on_pause(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        return self._set_paused(True, response)
+
+    def _on_resume(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        return self._set_paused(False, response)
+
+    def _set_paused(self, paused: bool, response: Trigger.Response) -> Trigger.Response:
+        with self._wake:
+            self._player.wait(time.monotonic())
+            self._player.paused = paused
+            self._wake.notify()
+        response.success = True
+        response.message = f'{"paused" if paused else "playing"} at {self._player.position} ns'
+        return response
+
+    def _on_step(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        with self._wake:
+            if not self._player.paused:
+                response.message = "not paused; call '~/pause' first"
+                return response
+            message = self._player.step()
+            if message is not None:
+                self._publish(message)
+                self._publish_clock()
+            self._wake.notify()
+        response.success = message is not None
+        response.message = f'{message.topic} at {message.log_time} ns' if message else 'at the end'
+        return response
+
+    def _status(self) -> Status:
+        player = self._player
+        values = {
+            'recording': player.path,
+            'progress [%]': 100.0 * player.fraction,
+            'messages': player.played,
+            'pace': player.rate,
+            'rounds completed': player.loops,
+            'paused': player.paused,
+            **{f'left out: {topic}': reason for topic, reason in self._left_out.items()},
+        }
+        if self._left_out:
+            return Status(Level.WARN, f'{len(self._left_out)} topics are left out', values)
+        return Status(Level.OK, 'paused' if player.paused else 'playing', values)
+
+
+def _remapping(rules: list[str]) -> dict[str, str]:
+    """Read rules ``recorded:=new``."""
+    names = {}
+    for rule in filter(None, rules):
+        recorded, separator, new = rule.partition(':=')
+        if not (recorded and separator and new):
+            msg = f"remap='{rule}' does not read 'recorded:=new'"
+            raise BearingTwinError(msg)
+        names[recorded] = new
+    return names
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node."""
+    return run(ReplayNode, args)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

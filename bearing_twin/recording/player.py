@@ -1,0 +1,207 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""When which message of a recording is due: rate, loop, section, pause, step. Knows no ROS."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.reader import read_messages, recording_info
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator
+    from pathlib import Path
+
+    from bearing_twin.recording.reader import RecordedMessage, TopicInfo
+
+__all__ = ['Player', 'Section']
+
+NANO = 1_000_000_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """What of a recording is played."""
+
+    start_offset: float = 0.0
+    """Recorded time that is skipped at the start, s."""
+    duration: float = math.inf
+    """Recorded time that is played, s."""
+    topics: Collection[str] | None = None
+    """None: all."""
+
+
+class Player:
+    """Give out the messages of a recording when they are due.
+
+    The caller's clock (seconds, any origin, never going back) drives it; recorded time runs
+    ``rate`` times as fast while playing and stands still while paused.
+
+    Parameters
+    ----------
+    path
+        File or bag folder.
+    section
+        What of it is played.
+    rate
+        Recorded seconds per second of the caller's clock.
+    loop
+        Start again at the end.
+    paused
+        Start paused.
+
+    Raises
+    ------
+    BearingTwinError
+        If the recording cannot be read, has nothing to play, or a value makes no sense.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        section: Section | None = None,
+        *,
+        rate: float = 1.0,
+        loop: bool = False,
+        paused: bool = False,
+    ) -> None:
+        section = section or Section()
+        if not (section.start_offset >= 0.0 and section.duration > 0.0):
+            msg = f'{section.start_offset=}, {section.duration=}: seconds, not negative'
+            raise BearingTwinError(msg)
+        self.path = path
+        self.info = recording_info(path)
+        if not self.info.count:
+            msg = f'{path} holds no messages to play'
+            raise BearingTwinError(msg)
+        unknown = set(section.topics or ()) - self.info.topics.keys()
+        if unknown:
+            msg = (
+                f'{path} has no topic {", ".join(sorted(unknown))}; it has '
+                f'{", ".join(sorted(self.info.topics))}'
+            )
+            raise BearingTwinError(msg)
+        self.loop = loop
+        self.paused = paused
+        self.loops = 0
+        """Times the end was reached and playing went on at the start."""
+        self.played = 0
+        """Messages given out."""
+        self._topics = section.topics
+        self.start = self.info.start + round(section.start_offset * NANO)
+        """Log time at which playing starts, ns."""
+        length = min(section.duration * NANO, self.info.end + 1 - self.start)
+        if length <= 0:
+            msg = (
+                f'start offset {section.start_offset:g} s is not inside the recording of '
+                f'{self.info.duration:g} s'
+            )
+            raise BearingTwinError(msg)
+        self.end = self.start + math.ceil(length)
+        """Log time before which it ends, ns."""
+        self._rate = self._checked(rate)
+        self._clock: float | None = None
+        self._position = float(self.start)
+        self._messages: Iterator[RecordedMessage] = iter(())
+        self._next: RecordedMessage | None = None
+        self._rewind()
+        if self._next is None:
+            msg = f'{path} holds no messages of these topics in the section to play'
+            raise BearingTwinError(msg)
+
+    @property
+    def rate(self) -> float:
+        """Recorded seconds per second of the caller's clock."""
+        return self._rate
+
+    @rate.setter
+    def rate(self, rate: float) -> None:
+        self._rate = self._checked(rate)
+
+    @property
+    def finished(self) -> bool:
+        """Whether everything has been given out."""
+        return self._next is None
+
+    @property
+    def position(self) -> int:
+        """Recorded time reached, ns."""
+        return int(self._position)
+
+    @property
+    def fraction(self) -> float:
+        """Part of the section that has been played, 0..1."""
+        return min(1.0, (self._position - self.start) / max(1, self.end - self.start))
+
+    def topics(self) -> dict[str, TopicInfo]:
+        """Return the topics that are played."""
+        return {
+            name: topic
+            for name, topic in self.info.topics.items()
+            if self._topics is None or name in self._topics
+        }
+
+    def resync(self, now: float) -> None:
+        """Let playing go on at ``now`` (s) where it stands, whatever time has passed."""
+        self._clock = now
+
+    def due(self, now: float) -> Iterator[RecordedMessage]:
+        """Yield what is due at ``now`` (s), in order."""
+        self._advance(now)
+        while not self.paused and self._next is not None:
+            message = self._next
+            if message.log_time > self._position:
+                return
+            self._fetch()
+            self.played += 1
+            yield message
+            if self._next is None and self.loop:
+                self._rewind()
+                # One round a call at most: a recording of one instant must not hold the caller.
+                return
+
+    def wait(self, now: float) -> float:
+        """Return the time from ``now`` until the next message is due, s; inf while paused."""
+        self._advance(now)
+        if self.paused or self._next is None:
+            return math.inf
+        return max(0.0, (self._next.log_time - self._position) / NANO / self._rate)
+
+    def step(self) -> RecordedMessage | None:
+        """Give out the next message whatever the clock says; None at the end."""
+        message = self._next
+        if message is not None:
+            self._position = max(self._position, float(message.log_time))
+            self._fetch()
+            self.played += 1
+            if self._next is None and self.loop:
+                self._rewind()
+        return message
+
+    def _advance(self, now: float) -> None:
+        if self._clock is not None and not self.paused:
+            self._position += max(0.0, now - self._clock) * self._rate * NANO
+            if not self.loop:
+                self._position = min(self._position, float(self.end))
+        self._clock = now
+
+    def _fetch(self) -> None:
+        self._next = next(self._messages, None)
+
+    def _rewind(self) -> None:
+        if self._next is None and self.played:
+            self.loops += 1
+        self._position = float(self.start)
+        self._messages = read_messages(
+            self.path, topics=self._topics, start=self.start, end=self.end
+        )
+        self._fetch()
+
+    def _checked(self, rate: float) -> float:
+        if not 0.001 <= rate <= 1e6:
+            msg = f'{rate=} is not within 0.001..1000000'
+            raise BearingTwinError(msg)
+        return rate

@@ -1,0 +1,183 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Recording on demand: the last seconds wait in memory and are written when something happens."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING, NamedTuple
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.outfile import Attached
+from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ['SnapshotWriter']
+
+NANO = 1_000_000_000
+
+
+class _Kept(NamedTuple):
+    topic: str
+    type_name: str
+    cdr: bytes
+    log_time: int
+    publish_time: int
+    qos: str
+
+
+class SnapshotWriter:
+    """Keep the last seconds of all topics; on :meth:`trigger` write them and what follows.
+
+    It is used like a RecordingWriter. The bag folder is made at the first trigger; each further
+    one goes on in a new file of it.
+
+    Parameters
+    ----------
+    path
+        Bag folder to make; it must not exist.
+    options
+        How it is written.
+    before, after
+        Time kept before a trigger and written after it, s.
+    memory
+        Most bytes of messages kept.
+
+    Raises
+    ------
+    BearingTwinError
+        If the path exists or is no folder name.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        options: WriterOptions | None = None,
+        *,
+        before: float,
+        after: float,
+        memory: int,
+    ) -> None:
+        if path.suffix == '.mcap' or path.exists():
+            msg = f'{path}: snapshots need the name of a folder that does not exist yet'
+            raise BearingTwinError(msg)
+        self.path = path
+        self.snapshots = 0
+        """Times it was triggered."""
+        self._options = options or WriterOptions()
+        self._before = round(before * NANO)
+        self._after = round(after * NANO)
+        self._memory = memory
+        self._kept: deque[_Kept] = deque()
+        self._kept_bytes = 0
+        self._writer: RecordingWriter | None = None
+        self._attached: list[Attached] = []
+        self._until = -1
+
+    @property
+    def problem(self) -> str:
+        """What keeps messages from the disk; '' if nothing."""
+        return self._writer.problem if self._writer else ''
+
+    @property
+    def stopped(self) -> str:
+        """Why the recording has ended by itself; '' if it has not."""
+        return self._writer.stopped if self._writer else ''
+
+    @property
+    def written(self) -> int:
+        """Messages given to the files."""
+        return self._writer.written if self._writer else 0
+
+    @property
+    def dropped(self) -> int:
+        """Messages lost because the disk took none."""
+        return self._writer.dropped if self._writer else 0
+
+    @property
+    def size(self) -> int:
+        """Bytes of the recording so far."""
+        return self._writer.size if self._writer else 0
+
+    def write(
+        self,
+        topic: str,
+        type_name: str,
+        cdr: bytes,
+        *,
+        log_time: int,
+        publish_time: int,
+        qos: str = '',
+    ) -> None:
+        """Take one message; see RecordingWriter.write."""
+        if self._writer is not None and log_time <= self._until:
+            self._writer.write(
+                topic, type_name, cdr, log_time=log_time, publish_time=publish_time, qos=qos
+            )
+            return
+        self._kept.append(_Kept(topic, type_name, cdr, log_time, publish_time, qos))
+        self._kept_bytes += len(cdr)
+        oldest = log_time - self._before
+        while self._kept and (self._kept[0].log_time < oldest or self._kept_bytes > self._memory):
+            self._kept_bytes -= len(self._kept.popleft().cdr)
+
+    def trigger(self, log_time: int) -> None:
+        """Write what is kept, and what follows until ``after`` seconds past ``log_time`` (ns).
+
+        Raises
+        ------
+        BearingTwinError
+            If the folder cannot be made.
+        """
+        self.snapshots += 1
+        if self._writer is None:
+            self._writer = RecordingWriter(self.path, self._options)
+            for attached in self._attached:
+                self._pass_on(self._writer, attached)
+        elif log_time > self._until:
+            self._writer.split()
+        self._until = log_time + self._after
+        while self._kept:
+            kept = self._kept.popleft()
+            self._writer.write(
+                kept.topic,
+                kept.type_name,
+                kept.cdr,
+                log_time=kept.log_time,
+                publish_time=kept.publish_time,
+                qos=kept.qos,
+            )
+        self._kept_bytes = 0
+        self._writer.flush()
+
+    def attach(self, name: str, data: bytes, media_type: str) -> None:
+        """Attach a small file to every file."""
+        self._add(Attached(name, media_type=media_type, data=data))
+
+    def metadata(self, name: str, values: dict[str, str]) -> None:
+        """Add named texts to every file."""
+        self._add(Attached(name, values=values))
+
+    def flush(self) -> None:
+        """Hand everything that is to be written to the operating system."""
+        if self._writer is not None:
+            self._writer.flush()
+
+    def close(self) -> None:
+        """Finish the recording, if there is one; what is kept is given up."""
+        if self._writer is not None:
+            self._writer.close()
+
+    def _add(self, attached: Attached) -> None:
+        self._attached.append(attached)
+        if self._writer is not None:
+            self._pass_on(self._writer, attached)
+
+    @staticmethod
+    def _pass_on(writer: RecordingWriter, attached: Attached) -> None:
+        if attached.values:
+            writer.metadata(attached.name, attached.values)
+        else:
+            writer.attach(attached.name, attached.data, attached.media_type)
