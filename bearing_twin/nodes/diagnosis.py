@@ -188,7 +188,7 @@ class DiagnosisNode(ManagedNode):
             block.sample_rate,
             shaft_hz,
             temperature=self._temperature,
-            unit=self.parameters['unit'] or block.unit,
+            unit=block.unit,
         ):
             offset = round((result.first_sample - block.first_sample) * NANO / block.sample_rate)
             self._publish_result(result, stamp + offset, message.header.frame_id)

@@ -84,17 +84,39 @@ SPECS = (
         choices=('', 'm/s^2', 'g'),
     ),
     Spec(
-        name='machine_group',
+        name='memory',
+        default=8.0,
+        description='Span over which windows are averaged; at least the window.',
+        unit='s',
+        low=1.0,
+        high=600.0,
+    ),
+    Spec(
+        name='hold_updates',
+        default=3,
+        description='Equal verdicts in a row before the level rises or falls.',
+        low=1,
+        high=1000,
+    ),
+    Spec(
+        name='baseline_windows',
+        default=60,
+        description='Healthy windows from which the baseline of the asset is learnt.',
+        low=1,
+        high=1000000,
+    ),
+    Spec(
+        name='power_group',
         default=0,
-        description='Group of ISO 20816-3 for the zone: 1 or 2; 0: no zone is given.',
+        description='Group of ISO 20816-3: 1 above 300 kW, 2 for 15 to 300 kW; 0: no zone.',
         low=0,
         high=2,
     ),
     Spec(
         name='mounting',
-        default='rigid',
-        description='Foundation of the machine for the zone of ISO 20816-3.',
-        choices=('rigid', 'flexible'),
+        default='',
+        description="Foundation of the machine for the zone of ISO 20816-3; '': no zone.",
+        choices=('', 'rigid', 'flexible'),
     ),
     Spec(
         name='state_name',
@@ -168,8 +190,12 @@ def build_settings(values: Mapping[str, Any]) -> DiagnosisSettings:
         window=values['window'],
         update_interval=values['update_interval'],
         speed_tolerance=values['speed_tolerance'],
-        machine_group=values['machine_group'] or None,
+        memory=values['memory'],
+        unit=values['unit'],
+        power_group=values['power_group'],
         mounting=values['mounting'],
+        baseline_windows=values['baseline_windows'],
+        hold_updates=values['hold_updates'],
     )
 
 
