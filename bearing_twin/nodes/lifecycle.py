@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import gc
 import sys
+import traceback
 from typing import TYPE_CHECKING, Any
 
 import rclpy
@@ -142,6 +143,10 @@ class ManagedNode(LifecycleNode):
         except BearingTwinError as error:
             self.get_logger().error(str(error))
             return TransitionCallbackReturn.FAILURE
+        except Exception:
+            # rclpy would swallow it: a defect of ours must be seen where it happened.
+            self.get_logger().fatal(traceback.format_exc())
+            return TransitionCallbackReturn.ERROR
         return TransitionCallbackReturn.SUCCESS
 
 
