@@ -34,7 +34,9 @@ def ros_installed() -> bool:
     """Whether a ROS 2 installation with the messages we depend on has been sourced."""
     prefixes = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
     return any(
-        (Path(prefix) / 'share' / 'std_msgs' / 'package.xml').exists() for prefix in prefixes if prefix
+        (Path(prefix) / 'share' / 'std_msgs' / 'package.xml').exists()
+        for prefix in prefixes
+        if prefix
     )
 
 

@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The rooms: what each may import, and that the core runs without ROS, MCAP and Rerun."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[1] / 'bearing_twin'
+
+ROOMS = (
+    'bearing',
+    'thermal',
+    'dynamics',
+    'diagnosis',
+    'paper',
+    'recording',
+    'view',
+    'nodes',
+    'bench',
+    'cli',
+)
+"""From the ground up: a room imports itself and the rooms before it."""
+
+CORE = ('bearing', 'thermal', 'dynamics', 'diagnosis', 'paper')
+
+MIDDLEWARE = ('rclpy', 'mcap', 'rerun', 'rosbags', 'bearing_twin_msgs', 'sensor_msgs')
+
+
+def modules():
+    """Return every module of the package but its top level."""
+    return sorted(path for path in PACKAGE.rglob('*.py') if path.parent != PACKAGE)
+
+
+def imports(path):
+    """Return the dotted names that a module imports, wherever in it."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module
+            yield from (f'{node.module}.{alias.name}' for alias in node.names)
+
+
+@pytest.mark.parametrize('path', modules(), ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_a_room_imports_only_rooms_before_it(path):
+    room = path.relative_to(PACKAGE).parts[0]
+    allowed = ROOMS[: ROOMS.index(room) + 1]
+    for name in imports(path):
+        parts = name.split('.')
+        if parts[0] == 'bearing_twin' and len(parts) > 1 and parts[1] in ROOMS:
+            assert parts[1] in allowed, f'{room} must not import {name}'
+
+
+def test_the_core_runs_without_ros_mcap_and_rerun():
+    blocked = ', '.join(repr(name) for name in MIDDLEWARE)
+    script = f"""
+import importlib, pkgutil, sys
+for name in ({blocked}):
+    sys.modules[name] = None
+for room in {CORE!r}:
+    package = importlib.import_module('bearing_twin.' + room)
+    for module in pkgutil.iter_modules(package.__path__):
+        importlib.import_module(f'bearing_twin.{{room}}.{{module.name}}')
+"""
+    ran = subprocess.run(
+        [sys.executable, '-c', script], capture_output=True, text=True, check=False
+    )
+    assert ran.returncode == 0, ran.stderr
+
+
+def test_every_module_has_its_licence():
+    root = PACKAGE.parent
+    for folder in ('bearing_twin', 'test', 'launch', 'msg_defs'):
+        for path in (root / folder).rglob('*.py'):
+            if 'build' in path.relative_to(root).parts:
+                continue
+            head = path.read_text().splitlines()[:2]
+            assert head == [
+                '# SPDX-FileCopyrightText: 2026 bearing_twin contributors',
+                '# SPDX-License-Identifier: Apache-2.0',
+            ], path
