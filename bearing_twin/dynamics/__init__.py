@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The bearing's equations of motion and the simulator that advances them."""
 
+from bearing_twin.dynamics.condition import Condition
 from bearing_twin.dynamics.parameters import Defect, TwinParameters
 from bearing_twin.dynamics.presets import PRESETS, preset
-from bearing_twin.dynamics.simulator import Block, Condition, Simulator, warm_up
+from bearing_twin.dynamics.simulator import Block, Simulator, warm_up
 
 __all__ = [
     'PRESETS',

@@ -10,7 +10,10 @@ from typing import Literal
 
 from bearing_twin.bearing import Bearing, load_deflection_factor
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.thermal.friction import SERIES
 from bearing_twin.thermal.gcr15 import Beta0
+from bearing_twin.thermal.lubricant import Lubricant
+from bearing_twin.thermal.rings import ThermalNetwork
 
 __all__ = ['MAX_DEFECTS', 'PLACES', 'PROFILES', 'Defect', 'TwinParameters']
 
@@ -82,7 +85,7 @@ class TwinParameters:
 
     Sources: [P] Symmetry 2023, 15, 2166; [M] Mishra et al., J. Sound Vib. 2017, table 1; [S]
     Sawalhi and Randall, Mech. Syst. Signal Process. 2008, and theses of the same group; [C] Cheng
-    et al. 2019, table 1; [D] D'Elia, Cocconcelli, Mucchi 2016 (public generator of bearing signals).
+    et al. 2019, table 1; [D] D'Elia, Cocconcelli, Mucchi 2016 (generator of bearing signals).
 
     Parameters
     ----------
@@ -120,6 +123,14 @@ class TwinParameters:
         Sensor resonance, Hz, 0 (none) or 500 to 11000; damping ratio 0.005 to 0.7 [S].
     beta0
         The paper's factor and its switches.
+    lubricant
+        Oil, for the physical mode.
+    network
+        Heat capacities and conductances of the rings, for the physical mode.
+    friction_series
+        Series of the SKF friction model: '60', '62', '63' or '64'.
+    dynamic_rating, fatigue_limit
+        C and C_u, N, 10 to 1e8 and 1 to 1e7; None: from the geometry by ISO 281 and ISO 76.
     start_angle
         Angle of ball 0 and of the shaft's mark at sample 0, rad from +x. The default puts both
         in the load direction, so that an inner defect at angle 0 is struck at t = 0.
@@ -146,6 +157,11 @@ class TwinParameters:
     resonance_hz: float = 6000.0
     resonance_damping: float = 0.04
     beta0: Beta0 = field(default_factory=Beta0)
+    lubricant: Lubricant = field(default_factory=Lubricant)
+    network: ThermalNetwork = field(default_factory=ThermalNetwork)
+    friction_series: str = '63'
+    dynamic_rating: float | None = None
+    fatigue_limit: float | None = None
     start_angle: float = _LOAD_DIRECTION
 
     def __post_init__(self) -> None:
@@ -162,6 +178,13 @@ class TwinParameters:
             check_range(name, getattr(self, name), low, high, unit)
         if self.hertz_stiffness is not None:
             check_range('hertz_stiffness', self.hertz_stiffness, 1e8, 1e12, 'N/m^1.5')
+        if self.dynamic_rating is not None:
+            check_range('dynamic_rating', self.dynamic_rating, 10.0, 1e8, 'N')
+        if self.fatigue_limit is not None:
+            check_range('fatigue_limit', self.fatigue_limit, 1.0, 1e7, 'N')
+        if self.friction_series not in SERIES:
+            msg = f'friction_series {self.friction_series!r} is unknown; choose {", ".join(SERIES)}'
+            raise BearingTwinError(msg)
         if self.resonance_hz != 0.0:
             check_range('resonance_hz', self.resonance_hz, 500.0, 11000.0, 'Hz, or 0 for none')
         if len(self.defects) > MAX_DEFECTS:

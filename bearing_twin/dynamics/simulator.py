@@ -12,53 +12,24 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from bearing_twin.bearing import fault_frequencies, fault_orders
-from bearing_twin.dynamics import filters, kernel
-from bearing_twin.dynamics.conditions import Material, material
-from bearing_twin.dynamics.parameters import PLACES, PROFILES, TwinParameters
+from bearing_twin.dynamics import filters, kernel, laws
+from bearing_twin.dynamics.condition import Condition, condition
+from bearing_twin.dynamics.parameters import TwinParameters
 from bearing_twin.dynamics.statics import equilibrium
+from bearing_twin.dynamics.tables import ball_table, constants, defect_table
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import check_temperature
 
-__all__ = ['Block', 'Condition', 'Simulator', 'warm_up']
+__all__ = ['Block', 'Simulator', 'warm_up']
 
 FloatArray = npt.NDArray[np.float64]
 
-_MAX_SHAFT_HZ = 500.0
+MAX_SHAFT_HZ = 500.0
 _MAX_BLOCK = 1 << 24
-_HEADER = struct.Struct('<8sIdQqddH')
-_MAGIC = b'BTwin\x00\x01\x00'
-_TWO_PI = 2.0 * math.pi
-
-
-@dataclass(frozen=True, kw_only=True)
-class Condition(Material):
-    """State of the twin at the end of a block; NaN where the thermal mode has no such value."""
-
-    c_d: float
-    """Greatest defect depth in use, the paper's C_d, m; 0 without a defect."""
-    shaft_hz: float
-    """Shaft speed, Hz."""
-    bpfo: float
-    """Expected ball pass frequency, outer race, slip included, Hz."""
-    bpfi: float
-    """Expected ball pass frequency, inner race, slip included, Hz."""
-    bsf: float
-    """Expected ball spin frequency, slip included, Hz."""
-    ftf: float
-    """Expected cage frequency, slip included, Hz."""
-    shaft_angle: float
-    """rad, 0 to 2 pi, from +x."""
-    cage_angle: float
-    """rad, 0 to 2 pi, position of ball 0 from +x."""
-    ball_angle: float
-    """rad, 0 to 2 pi, spin of the balls."""
-    inner_x: float
-    """Displacement of the inner ring against the outer ring, m."""
-    inner_y: float
-    """m."""
-    ball_force: npt.NDArray[np.float32]
-    """Contact force of each ball, N."""
+_FIELDS = struct.Struct('<dIQddH')
+_MAGIC = b'BTwin\x00\x02\x00'
+_TICK = 0.1
+"""Interval at which the inner ring's temperature is advanced, s; its time constant is seconds."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,7 +86,10 @@ class Simulator:
         self.sample_rate = float(sample_rate)
         self._oversample = filters.oversampling(sample_rate)
         self._taps = filters.decimator(self._oversample)
-        self._start = (check_temperature(float(temperature)), _check_speed(shaft_hz))
+        self._start = (check_temperature(float(temperature)), check_speed(shaft_hz))
+        self._tick = max(1, round(_TICK * sample_rate))
+        self._drift = np.zeros((2, laws.INPUTS))
+        self._rings = (math.nan, math.nan)
         self._configure(parameters)
         self.reset(seed)
 
@@ -138,23 +112,26 @@ class Simulator:
             self._seed = int(seed)
         self.next_sample = 0
         self._temperature, self._shaft_hz = self._start
-        self._material = material(self._parameters, self._temperature)
         self._history = np.zeros((2, len(self._taps) - self._oversample))
         self._state = np.zeros(kernel.STATE_SIZE)
-        p, m = self._parameters, self._material
-        angle = p.start_angle
-        self._state[kernel.CAGE] = self._state[kernel.SHAFT] = angle / _TWO_PI % 1.0
+        self._settle_ring()
+        p, values = self._parameters, self._values
+        turns = p.start_angle / (2.0 * math.pi) % 1.0
+        self._state[kernel.CAGE] = self._state[kernel.SHAFT] = turns
         compliance = 1.0 / p.inner_stiffness + 1.0 / p.outer_stiffness
+        spring = values[laws.SPRING] + self._drift[0, laws.SPRING]
+        clearance = values[laws.CLEARANCE] + self._drift[0, laws.CLEARANCE]
+        k_b = values[laws.K_B] + self._drift[0, laws.K_B]
         _, _, fx, fy = equilibrium(
-            angle, m.spring_position, m.k_b, m.radial_clearance, compliance,
-            p.bearing.n_balls, 0.0, m.spring_position,
-        )  # fmt: skip
-        self._state[kernel.Q : kernel.Q + 4] = (
+            p.start_angle, spring, k_b, clearance, compliance, p.bearing.n_balls
+        )
+        self._state[kernel.Q : kernel.V] = (
             -fx / p.inner_stiffness,
-            m.spring_position - fy / p.inner_stiffness,
+            spring - fy / p.inner_stiffness,
             fx / p.outer_stiffness,
             fy / p.outer_stiffness,
         )
+        self._restart_motion()
 
     def reconfigure(self, parameters: TwinParameters) -> None:
         """Change defects, preset or thermal mode while running; the state is carried on.
@@ -162,8 +139,17 @@ class Simulator:
         The new parameters act from the next sample on: stiffness, clearance and slip are not
         ramped, since a fault that is injected is there at once.
         """
+        physical = self._parameters.thermal_mode == 'physical'
         self._configure(parameters)
-        self._material = material(parameters, self._temperature)
+        if physical and parameters.thermal_mode == 'physical':
+            outer, hz = self._temperature, self._shaft_hz
+            self._values = self._evaluate(outer, outer, hz)
+            self._drift[0] = self._difference(outer, self._rings[0], hz)
+            ahead = self._difference(outer, self._rings[1], hz)
+            self._drift[1] = (ahead - self._drift[0]) / self._tick
+        else:
+            self._settle_ring()
+        self._restart_motion()
 
     def advance(self, n: int, temperature: float, shaft_hz: float) -> Block:
         """Advance by ``n`` samples while temperature and speed go to the values given.
@@ -173,7 +159,7 @@ class Simulator:
         n
             Samples, 1 to 2^24.
         temperature
-            Temperature at the end of the block, degC, 20 to 110.
+            Outer ring temperature at the end of the block, degC, 20 to 110.
         shaft_hz
             Shaft speed at the end of the block, Hz, 0 to 500.
 
@@ -186,43 +172,42 @@ class Simulator:
             msg = f'block of {n} samples is outside 1..{_MAX_BLOCK}'
             raise BearingTwinError(msg)
         temperature = check_temperature(float(temperature))
-        shaft_hz = _check_speed(shaft_hz)
-        target = self._material
-        if temperature != self._temperature:
-            target = material(self._parameters, temperature)
-        ramp = np.array(
-            [_inputs(self._material, self._shaft_hz), _inputs(target, shaft_hz)], dtype=float
-        )
+        shaft_hz = check_speed(shaft_hz)
+        was = self._temperature, self._shaft_hz
+        begin, end = self._values, self._values
+        if (temperature, shaft_hz) != was:
+            end = self._evaluate(temperature, temperature, shaft_hz)
         out = np.empty((2, n), dtype=np.float32)
-        kernel.advance(
-            self._state, self._history, self._const, self._defects, self._balls, ramp,
-            self._resonator, self._taps, self._parameters.bearing.n_balls, self._seed,
-            self.next_sample, self._oversample, out,
-        )  # fmt: skip
-        first = self.next_sample
-        self.next_sample += n
-        self._temperature, self._shaft_hz, self._material = temperature, shaft_hz, target
+        first, done = self.next_sample, 0
+        while done < n:
+            count = n - done
+            if self._parameters.thermal_mode == 'physical':
+                count = min(count, self._tick - self.next_sample % self._tick)
+            ramp = np.empty((2, laws.INPUTS))
+            for row, at in zip(ramp, (done, done + count), strict=True):
+                row[:] = begin[: laws.INPUTS] + (end - begin)[: laws.INPUTS] * (at / n)
+            kernel.advance(
+                self._state, self._history, self._const, self._defects, self._balls, ramp,
+                self._drift, self._resonator, self._taps, self._parameters.bearing.n_balls,
+                self._seed, self.next_sample, self.next_sample % self._tick, self._oversample,
+                out[:, done : done + count],
+            )  # fmt: skip
+            done += count
+            self.next_sample += count
+            if self._parameters.thermal_mode == 'physical' and self.next_sample % self._tick == 0:
+                share = done / n
+                self._advance_ring(
+                    was[0] + (temperature - was[0]) * share, was[1] + (shaft_hz - was[1]) * share
+                )
+        self._temperature, self._shaft_hz, self._values = temperature, shaft_hz, end
         return Block(first_sample=first, x=out[0], y=out[1], condition=self.condition())
 
     def condition(self) -> Condition:
         """State at the next sample."""
-        p, m, s = self._parameters, self._material, self._state
-        frequencies = fault_frequencies(p.bearing, self._shaft_hz, m.slip)
-        forces = kernel.ball_forces(
-            s, self._const, self._defects, self._balls,
-            np.array(_inputs(m, self._shaft_hz)), p.bearing.n_balls,
-        )  # fmt: skip
-        return Condition(
-            **vars(m),
-            c_d=m.beta0 * max((defect.depth for defect in p.defects), default=0.0),
-            shaft_hz=self._shaft_hz,
-            **frequencies._asdict(),
-            shaft_angle=float(s[kernel.SHAFT] * _TWO_PI),
-            cage_angle=float(s[kernel.CAGE] * _TWO_PI),
-            ball_angle=float(s[kernel.SPIN] * _TWO_PI),
-            inner_x=float(s[0] - s[2]),
-            inner_y=float(s[1] - s[3]),
-            ball_force=forces,
+        inner = self._inner_now()
+        values = self._evaluate(self._temperature, inner, self._shaft_hz)
+        return condition(
+            self._parameters, values, self._state, self._const, self._defects, self._balls
         )
 
     def save(self) -> bytes:
@@ -230,12 +215,16 @@ class Simulator:
 
         It belongs to the parameters and the sample rate in force, which it does not hold.
         """
-        body = np.concatenate([self._state, self._history.ravel()]).astype('<f8').tobytes()
-        head = _HEADER.pack(
-            _MAGIC, zlib.crc32(body), self.sample_rate, self._seed, self.next_sample,
-            self._temperature, self._shaft_hz, self._parameters.bearing.n_balls,
+        body = np.concatenate(
+            [self._state, self._history.ravel(), self._drift.ravel(), np.nan_to_num(self._rings)]
+        )
+        data = body.astype('<f8').tobytes()
+        fields = (
+            self.sample_rate, self._seed, self.next_sample, self._temperature, self._shaft_hz,
+            self._parameters.bearing.n_balls,
         )  # fmt: skip
-        return head + body
+        crc = zlib.crc32(data, zlib.crc32(_FIELDS.pack(*fields)))
+        return _MAGIC + struct.pack('<I', crc) + _FIELDS.pack(*fields) + data
 
     def load(self, data: bytes) -> None:
         """Continue from a state that :meth:`save` returned.
@@ -246,112 +235,114 @@ class Simulator:
             If ``data`` is damaged, of another version, or of another sample rate or number of
             balls; the state is then unchanged.
         """
-        size = _HEADER.size + 8 * (self._state.size + self._history.size)
+        data = bytes(data)
         if data[: len(_MAGIC)] != _MAGIC:
             msg = 'saved state is not of this version of bearing_twin; start without it'
             raise BearingTwinError(msg)
-        if len(data) < _HEADER.size:
-            msg = f'saved state has {len(data)} bytes, fewer than its header; it is truncated'
+        head = len(_MAGIC) + 4
+        body = data[head + _FIELDS.size :]
+        if len(data) < head + _FIELDS.size or zlib.crc32(data[head:]) != int.from_bytes(
+            data[len(_MAGIC) : head], 'little'
+        ):
+            msg = f'saved state of {len(data)} bytes is truncated or damaged; start without it'
             raise BearingTwinError(msg)
-        _, crc, rate, seed, next_sample, temperature, shaft_hz, n_balls = _HEADER.unpack_from(data)
+        rate, seed, next_sample, temperature, shaft_hz, n_balls = _FIELDS.unpack_from(data, head)
         own = (self.sample_rate, self._parameters.bearing.n_balls)
-        if (rate, n_balls) != own:
+        sizes = [self._state.size, self._history.size, self._drift.size, 2]
+        if (rate, n_balls) != own or len(body) != 8 * sum(sizes):
             msg = (
                 f'saved state is for {n_balls} balls at {rate} Hz, the simulator for {own[1]} at '
                 f'{own[0]} Hz; load it with its own configuration'
             )
             raise BearingTwinError(msg)
-        body = data[_HEADER.size :]
-        if len(data) != size or zlib.crc32(body) != crc:
-            msg = f'saved state of {len(data)} bytes is damaged (expected {size} and its checksum)'
-            raise BearingTwinError(msg)
         values = np.frombuffer(body, dtype='<f8').astype(float)
         phases = values[kernel.CAGE : kernel.SPIN + 1]
-        bounded = np.isfinite(values).all() and np.abs(values).max() < 1e9
+        bounded = np.isfinite(values).all() and np.abs(values).max() < 1e15
         if not (bounded and (phases >= 0.0).all() and (phases <= 1.0).all()):
             msg = 'saved state holds values that no simulation reaches; start without it'
             raise BearingTwinError(msg)
-        if not (0 <= next_sample < 2**62 and seed < 2**32):
-            msg = f'saved state holds sample index {next_sample}, seed {seed}: out of range'
+        if not 0 <= next_sample < 2**62:
+            msg = f'saved state holds sample index {next_sample}, outside 0..2^62'
             raise BearingTwinError(msg)
-        target = material(self._parameters, check_temperature(temperature))
-        self._shaft_hz = _check_speed(shaft_hz)
-        self._temperature, self._material = temperature, target
+        values_at = self._evaluate(
+            check_temperature(temperature), temperature, check_speed(shaft_hz)
+        )
+        self._temperature, self._shaft_hz, self._values = temperature, shaft_hz, values_at
         self._seed, self.next_sample = seed, next_sample
-        self._state = values[: self._state.size].copy()
-        self._history = values[self._state.size :].reshape(self._history.shape).copy()
+        state, history, drift, rings = np.split(values, np.cumsum(sizes)[:-1])
+        self._state = state.copy()
+        self._history = history.reshape(self._history.shape).copy()
+        self._drift = drift.reshape(self._drift.shape).copy()
+        physical = self._parameters.thermal_mode == 'physical'
+        self._rings = (float(rings[0]), float(rings[1])) if physical else (math.nan, math.nan)
 
     def _configure(self, parameters: TwinParameters) -> None:
         p = parameters
         step = 1.0 / (self.sample_rate * self._oversample)
         self._parameters = p
+        self._law = laws.law_table(p)
         self._resonator = filters.resonator(p.resonance_hz, p.resonance_damping, step)
-        self._const = _constants(p, step, self.sample_rate)
-        self._defects = _defect_table(p)
-        self._balls = _ball_table(p)
+        self._const = constants(p, self.sample_rate, self._oversample)
+        self._defects = defect_table(p)
+        self._balls = ball_table(p)
+
+    def _evaluate(self, outer: float, inner: float, shaft_hz: float) -> FloatArray:
+        values = np.empty(laws.CONDITION_SIZE)
+        laws.evaluate(self._law, outer, inner, shaft_hz, values)
+        return values
+
+    def _restart_motion(self) -> None:
+        """Make acceleration and jerk follow from positions, velocities and parameters."""
+        values = self._values[: laws.INPUTS] + self._drift[0]
+        values += self._drift[1] * (self.next_sample % self._tick)
+        kernel.start(
+            self._state, self._const, self._defects, self._balls, values,
+            self._parameters.bearing.n_balls,
+        )  # fmt: skip
+
+    # The inner ring. The inputs of the kernel are those of equal ring temperatures, ramped over a
+    # block, plus a drift: what the difference of the temperatures makes of them, known at the
+    # ticks of a fixed grid of samples and ramped from the last tick to the next. Ticks do not
+    # depend on the blocks, so neither do the bits.
+
+    def _settle_ring(self) -> None:
+        """Put the inner ring into its steady state."""
+        outer, hz = self._temperature, self._shaft_hz
+        self._values = self._evaluate(outer, outer, hz)
+        self._drift = np.zeros((2, laws.INPUTS))
+        self._rings = (math.nan, math.nan)
+        if self._parameters.thermal_mode == 'physical':
+            inner = laws.inner_temperature(self._law, outer, outer, hz, math.inf)
+            self._rings = (inner, inner)
+            self._drift[0] = self._difference(outer, inner, hz)
+
+    def _advance_ring(self, outer: float, shaft_hz: float) -> None:
+        """One tick: the inner ring goes on towards its balance with the outer one and the shaft."""
+        inner = self._rings[1]
+        reached = laws.inner_temperature(self._law, outer, inner, shaft_hz, _TICK)
+        self._rings = (inner, reached)
+        self._drift[0] += self._drift[1] * self._tick
+        self._drift[1] = (self._difference(outer, reached, shaft_hz) - self._drift[0]) / self._tick
+
+    def _difference(self, outer: float, inner: float, shaft_hz: float) -> FloatArray:
+        apart = self._evaluate(outer, inner, shaft_hz)
+        return (apart - self._evaluate(outer, outer, shaft_hz))[: laws.INPUTS]
+
+    def _inner_now(self) -> float:
+        share = self.next_sample % self._tick / self._tick
+        return self._rings[0] + (self._rings[1] - self._rings[0]) * share
 
 
 def warm_up() -> None:
     """Compile, or load from the cache, everything that a running simulator calls."""
     from bearing_twin.dynamics.presets import preset
 
-    Simulator(preset('incipient')).advance(16, 20.0, 25.4)
+    Simulator(preset('incipient', thermal_mode='physical')).advance(16, 30.0, 25.0)
 
 
-def _check_speed(shaft_hz: float) -> float:
-    if not 0.0 <= shaft_hz <= _MAX_SHAFT_HZ:
-        msg = f'shaft_hz={shaft_hz} is outside 0..{_MAX_SHAFT_HZ:g} Hz'
+def check_speed(shaft_hz: float) -> float:
+    """Return the shaft speed in Hz if it is inside 0..500."""
+    if not 0.0 <= shaft_hz <= MAX_SHAFT_HZ:
+        msg = f'shaft_hz={shaft_hz} is outside 0..{MAX_SHAFT_HZ:g} Hz'
         raise BearingTwinError(msg)
     return float(shaft_hz)
-
-
-def _inputs(m: Material, shaft_hz: float) -> tuple[float, ...]:
-    return (m.k_b, m.beta0, m.radial_clearance, shaft_hz, m.slip, m.spring_position)
-
-
-def _constants(p: TwinParameters, step: float, sample_rate: float) -> FloatArray:
-    orders = fault_orders(p.bearing)
-    jitter = (
-        p.jitter / p.bearing.n_balls * math.sqrt(orders.bpfi * sample_rate / kernel.WALK_EVERY)
-    )
-    const = np.zeros(kernel.CONST_SIZE)
-    const[kernel.MI], const[kernel.KI] = p.inner_mass, p.inner_stiffness
-    const[kernel.CI], const[kernel.MO] = p.inner_damping, p.outer_mass
-    const[kernel.KO], const[kernel.CO] = p.outer_stiffness, p.outer_damping
-    const[kernel.CB], const[kernel.UNBALANCE] = p.contact_damping, p.unbalance
-    const[kernel.FTF_ORDER], const[kernel.SPIN_ORDER] = orders.ftf, orders.bsf
-    const[kernel.JITTER], const[kernel.NOISE_STD] = jitter, p.noise
-    const[kernel.STEP], const[kernel.D_BALL] = step, p.bearing.d_ball
-    const[kernel.R_INNER] = 0.5 * (p.bearing.d_pitch - p.bearing.d_ball)
-    const[kernel.R_OUTER] = 0.5 * (p.bearing.d_pitch + p.bearing.d_ball)
-    return const
-
-
-def _defect_table(p: TwinParameters) -> FloatArray:
-    d, pitch = p.bearing.d_ball, p.bearing.d_pitch
-    table = np.zeros((len(p.defects), kernel.DEFECT_SIZE))
-    for row, defect in zip(table, p.defects, strict=True):
-        row[kernel.PLACE] = PLACES.index(defect.place)
-        row[kernel.PROFILE] = PROFILES.index(defect.profile)
-        row[kernel.HALF], row[kernel.FULL_DEPTH] = 0.5 * defect.width, defect.depth
-        row[kernel.ANGLE], row[kernel.BALL] = defect.angle / _TWO_PI, defect.ball
-        row[kernel.PATH_INNER] = 1.0 / d + 1.0 / (pitch - d)
-        row[kernel.PATH_OUTER] = 1.0 / d - 1.0 / (pitch + d)
-    return table
-
-
-def _ball_table(p: TwinParameters) -> FloatArray:
-    """Rows: cos and sin of each ball in the cage, its undersize (m), its displacement (turns)."""
-    n = p.bearing.n_balls
-    table = np.zeros((4, -(-n // kernel.LANES) * kernel.LANES))
-    table[2, n:] = 1.0  # a gap of one metre: the padding never touches
-    table[3, :n] = np.arange(n) / n
-    shift = np.zeros(n)
-    for defect in p.defects:
-        if defect.place == 'cage':
-            table[2, defect.ball] += defect.depth
-            shift[defect.ball] += defect.width / (math.pi * p.bearing.d_pitch)
-    angle = _TWO_PI * (table[3, :n] + shift)
-    table[0, :n], table[1, :n] = np.cos(angle), np.sin(angle)
-    table[3, :n] = shift
-    return table

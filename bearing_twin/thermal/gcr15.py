@@ -24,6 +24,7 @@ __all__ = [
     'TEMPERATURES',
     'Beta0',
     'alpha',
+    'beta0',
     'check_temperature',
     'friction',
     'hardness',
@@ -96,6 +97,26 @@ def friction(temperature: float) -> float:
     return float(np.interp(check_temperature(temperature), TEMPERATURES, FRICTION_TABLE))
 
 
+def beta0(
+    rise: float, alpha: float, hardness: float, friction: float, weights: tuple[float, ...]
+) -> float:
+    """Return the paper's factor on stiffness and defect depth, without any check.
+
+    Parameters
+    ----------
+    rise
+        T - T0, K.
+    alpha, hardness, friction
+        Values at T: 1/K, HRC, dimensionless.
+    weights
+        Weight of expansion (0 or 1), of hardness and friction over their reference values, and
+        these reference values.
+    """
+    expansion, delta_h, delta_mu, h0, mu0 = weights
+    change = delta_h * (hardness - h0) / h0 + delta_mu * (friction - mu0) / mu0
+    return 1.0 + expansion * alpha * rise + change
+
+
 @dataclass(frozen=True, kw_only=True)
 class Beta0:
     """The paper's factor on stiffness K_b and defect depth C_d, each term switchable.
@@ -164,14 +185,22 @@ class Beta0:
 
     def at(self, temperature: float) -> float:
         """Return beta0 at ``temperature`` in degC, 20 to 110."""
-        value = 1.0
-        if self.expansion:
-            rise = temperature - self.reference_temperature
-            value += alpha(temperature, self.alpha_unit) * rise
-        if self.hardness:
-            change = hardness(temperature) - self.reference_hardness
-            value += self.delta_h * change / self.reference_hardness
-        if self.friction:
-            change = friction(temperature) - self.reference_friction
-            value += self.delta_mu * change / self.reference_friction
-        return value
+        rise = temperature - self.reference_temperature
+        return beta0(
+            rise,
+            alpha(temperature, self.alpha_unit),
+            hardness(temperature),
+            friction(temperature),
+            self.weights,
+        )
+
+    @property
+    def weights(self) -> tuple[float, float, float, float, float]:
+        """Weights as :func:`beta0` takes them; 0 for a term that is switched off."""
+        return (
+            float(self.expansion),
+            self.delta_h if self.hardness else 0.0,
+            self.delta_mu if self.friction else 0.0,
+            self.reference_hardness,
+            self.reference_friction,
+        )

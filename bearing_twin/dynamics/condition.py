@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What the twin knows about its bearing at one instant."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from bearing_twin.bearing import fault_frequencies
+from bearing_twin.dynamics import kernel, laws
+
+if TYPE_CHECKING:
+    from bearing_twin.dynamics.parameters import TwinParameters
+
+__all__ = ['Condition', 'condition']
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Condition:
+    """State of the twin at the end of a block; NaN where the thermal mode has no such value."""
+
+    alpha: float
+    """Instantaneous thermal expansion coefficient of table 1, 1/K."""
+    hardness: float
+    """Rockwell hardness of table 2, HRC."""
+    friction: float
+    """Average friction coefficient of table 3, dimensionless."""
+    beta0: float
+    """The paper's factor on stiffness and defect depth; 1 in the physical mode."""
+    k_b: float
+    """Hertz coefficient, N/m^1.5."""
+    c_d: float
+    """Greatest defect depth in use, the paper's C_d, m; 0 without a defect."""
+    radial_clearance: float
+    """Half the radial internal clearance, m."""
+    slip: float
+    """Cage slip, dimensionless."""
+    inner_ring_temperature: float
+    """degC."""
+    outer_ring_temperature: float
+    """degC."""
+    viscosity: float
+    """Kinematic viscosity at the rings' mean temperature, m^2/s."""
+    kappa: float
+    """Viscosity ratio of ISO 281."""
+    friction_moment: float
+    """N m."""
+    life_hours: float
+    """Modified rating life L10mh of ISO 281, h."""
+    shaft_hz: float
+    """Shaft speed, Hz."""
+    bpfo: float
+    """Expected ball pass frequency, outer race, slip included, Hz."""
+    bpfi: float
+    """Expected ball pass frequency, inner race, slip included, Hz."""
+    bsf: float
+    """Expected ball spin frequency, slip included, Hz."""
+    ftf: float
+    """Expected cage frequency, slip included, Hz."""
+    shaft_angle: float
+    """rad, 0 to 2 pi, from +x."""
+    cage_angle: float
+    """rad, 0 to 2 pi, position of ball 0 from +x."""
+    ball_angle: float
+    """rad, 0 to 2 pi, spin of the balls."""
+    inner_x: float
+    """Displacement of the inner ring against the outer ring, m."""
+    inner_y: float
+    """m."""
+    ball_force: npt.NDArray[np.float32]
+    """Contact force of each ball, N."""
+
+
+def condition(
+    parameters: TwinParameters,
+    values: FloatArray,
+    state: FloatArray,
+    const: FloatArray,
+    defects: FloatArray,
+    balls: FloatArray,
+) -> Condition:
+    """Put together the condition from what `laws.evaluate` gave and the state of motion."""
+    n_balls = parameters.bearing.n_balls
+    hz, slip = float(values[laws.SHAFT_HZ]), float(values[laws.SLIP])
+    cage, shaft, spin = 2.0 * math.pi * state[kernel.CAGE : kernel.SPIN + 1]
+    deepest = max((defect.depth for defect in parameters.defects), default=0.0)
+    return Condition(
+        alpha=float(values[laws.ALPHA]),
+        hardness=float(values[laws.HARDNESS]),
+        friction=float(values[laws.FRICTION]),
+        beta0=float(values[laws.BETA0]),
+        k_b=float(values[laws.K_B]),
+        c_d=float(values[laws.DEPTH]) * deepest,
+        radial_clearance=float(values[laws.CLEARANCE]),
+        slip=slip,
+        inner_ring_temperature=float(values[laws.INNER]),
+        outer_ring_temperature=float(values[laws.OUTER]),
+        viscosity=float(values[laws.VISCOSITY]),
+        kappa=float(values[laws.KAPPA]),
+        friction_moment=float(values[laws.MOMENT]),
+        life_hours=float(values[laws.LIFE]),
+        shaft_hz=hz,
+        **fault_frequencies(parameters.bearing, hz, slip)._asdict(),
+        shaft_angle=float(shaft),
+        cage_angle=float(cage),
+        ball_angle=float(spin),
+        inner_x=float(state[0] - state[2]),
+        inner_y=float(state[1] - state[3]),
+        ball_force=kernel.ball_forces(state, const, defects, balls, values, n_balls),
+    )

@@ -1,0 +1,157 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""From temperatures and speed to the quantities that the equations of motion take, compiled.
+
+The laws themselves live in `bearing_twin.thermal` as plain functions; here they are put together
+for one bearing, in a form that a fleet evaluates a thousand times a block.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numba as nb
+import numpy as np
+import numpy.typing as npt
+
+from bearing_twin.dynamics.statics import spring_position
+from bearing_twin.thermal import friction, gcr15, life, lubricant, rings
+
+if TYPE_CHECKING:
+    from bearing_twin.dynamics.parameters import TwinParameters
+
+__all__ = ['CONDITION_SIZE', 'evaluate', 'inner_temperature', 'law_table']
+
+FloatArray = npt.NDArray[np.float64]
+
+# What `evaluate` gives. The first six are what the kernel ramps.
+K_B, DEPTH, CLEARANCE, SHAFT_HZ, SLIP, SPRING = range(6)
+INPUTS = 6
+ALPHA, HARDNESS, FRICTION, BETA0, INNER, OUTER, VISCOSITY, KAPPA, MOMENT, LIFE = range(6, 16)
+CONDITION_SIZE = 16
+
+# What it takes: one row of constants a bearing.
+(
+    PHYSICAL, K_B0, CLEARANCE0, LOAD, COMPLIANCE, N_BALLS, SLIP_MODEL, SLIP0, ALPHA_UNIT, EXPANDS,
+    DELTA_H, DELTA_MU, T0, H0, MU0, D_PITCH, D_BALL, ASTM_A, ASTM_B, REPLENISHMENT, BOUNDARY,
+    FILM, CONTAMINATION, ROLLING, SLIDING, RATING, LIMIT, CAPACITY, RING_TO_RING, RING_TO_SHAFT,
+    AMBIENT, SHAFT_RATIO,
+) = range(32)  # fmt: skip
+LAW_SIZE = 32
+
+SLIP_MODELS = ('none', 'constant', 'mu_proportional')
+
+_viscosity = nb.njit(cache=True)(lubricant.viscosity)
+_rated_viscosity = nb.njit(cache=True)(lubricant.rated_viscosity)
+_sliding_friction = nb.njit(cache=True)(friction.sliding_friction)
+_friction_moment = nb.njit(cache=True)(friction.friction_moment)
+_power_loss = nb.njit(cache=True)(friction.power_loss)
+_clearance_change = nb.njit(cache=True)(rings.clearance_change)
+_relative_modulus = nb.njit(cache=True)(rings.relative_modulus)
+_inner_ring_target = nb.njit(cache=True)(rings.inner_ring_target)
+_inner_ring_step = nb.njit(cache=True)(rings.inner_ring_step)
+_beta0 = nb.njit(cache=True)(gcr15.beta0)
+_life_factor = nb.njit(cache=True)(life.life_factor)
+_life_hours = nb.njit(cache=True)(life.life_hours)
+
+
+def law_table(p: TwinParameters) -> FloatArray:
+    """Return the row of constants that :func:`evaluate` takes."""
+    row = np.zeros(LAW_SIZE)
+    row[PHYSICAL] = p.thermal_mode == 'physical'
+    row[K_B0], row[CLEARANCE0], row[LOAD] = p.k_b0, p.clearance, p.load
+    row[COMPLIANCE] = 1.0 / p.inner_stiffness + 1.0 / p.outer_stiffness
+    row[N_BALLS], row[D_PITCH], row[D_BALL] = (
+        p.bearing.n_balls,
+        p.bearing.d_pitch,
+        p.bearing.d_ball,
+    )
+    row[SLIP_MODEL], row[SLIP0] = SLIP_MODELS.index(p.slip_model), p.slip
+    row[ALPHA_UNIT], row[T0] = p.beta0.alpha_unit, p.beta0.reference_temperature
+    row[[EXPANDS, DELTA_H, DELTA_MU, H0, MU0]] = p.beta0.weights
+    oil, network = p.lubricant, p.network
+    row[[ASTM_A, ASTM_B]] = oil.astm_constants
+    row[REPLENISHMENT], row[CONTAMINATION] = oil.replenishment, oil.contamination
+    row[BOUNDARY], row[FILM] = oil.boundary_friction, oil.film_friction
+    row[[ROLLING, SLIDING]] = friction.SERIES[p.friction_series]
+    row[RATING] = p.dynamic_rating or life.dynamic_rating(p.bearing)
+    row[LIMIT] = p.fatigue_limit or life.fatigue_limit(p.bearing)
+    row[CAPACITY] = network.inner_capacity
+    row[RING_TO_RING], row[RING_TO_SHAFT] = network.ring_to_ring, network.ring_to_shaft
+    row[AMBIENT], row[SHAFT_RATIO] = network.ambient, network.shaft_ratio
+    return row
+
+
+@nb.njit(cache=True)
+def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatArray) -> None:
+    """Fill ``out`` (CONDITION_SIZE) for ring temperatures in degC and a shaft speed in Hz.
+
+    In the paper's mode ``inner`` is not used and what the paper has no quantity for is NaN.
+    """
+    alpha = np.interp(outer, gcr15.TEMPERATURES, gcr15.EXPANSION_TABLE) * law[ALPHA_UNIT]
+    hardness = np.interp(outer, gcr15.TEMPERATURES, gcr15.HARDNESS_TABLE)
+    mu = np.interp(outer, gcr15.TEMPERATURES, gcr15.FRICTION_TABLE)
+    slip = law[SLIP0] if law[SLIP_MODEL] == 1.0 else 0.0
+    if law[SLIP_MODEL] == 2.0:
+        slip = law[SLIP0] * mu / law[MU0]
+    out[ALPHA], out[HARDNESS], out[FRICTION] = alpha, hardness, mu
+    out[SHAFT_HZ], out[SLIP] = hz, slip
+    if law[PHYSICAL] == 0.0:
+        weights = (law[EXPANDS], law[DELTA_H], law[DELTA_MU], law[H0], law[MU0])
+        factor = _beta0(outer - law[T0], alpha, hardness, mu, weights)
+        out[K_B], out[DEPTH], out[BETA0] = factor * law[K_B0], factor, factor
+        out[CLEARANCE] = law[CLEARANCE0]
+        for i in range(INNER, CONDITION_SIZE):
+            out[i] = math.nan
+    else:
+        out[DEPTH] = out[BETA0] = 1.0
+        out[K_B] = law[K_B0] * _relative_modulus(0.5 * (inner + outer))
+        out[CLEARANCE] = law[CLEARANCE0] + _clearance_change(
+            inner, outer, law[T0], law[D_PITCH], law[D_BALL]
+        )
+        out[INNER], out[OUTER] = inner, outer
+        _lubricate(law, outer, inner, hz, out)
+    out[SPRING] = spring_position(
+        law[LOAD], out[K_B], out[CLEARANCE], law[COMPLIANCE], int(law[N_BALLS])
+    )
+
+
+@nb.njit(cache=True)
+def _lubricate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatArray) -> None:
+    """Viscosity between the rings' temperatures, kappa, friction moment and life."""
+    rpm = 60.0 * hz
+    nu = _viscosity(0.5 * (inner + outer), law[ASTM_A], law[ASTM_B])
+    mu = _sliding_friction(rpm, nu, law[D_PITCH], law[BOUNDARY], law[FILM])
+    kappa = nu / _rated_viscosity(rpm, law[D_PITCH])
+    out[VISCOSITY], out[KAPPA] = nu, kappa
+    out[MOMENT] = _friction_moment(
+        rpm, nu, law[LOAD], law[D_PITCH], law[D_BALL], law[ROLLING], law[SLIDING],
+        law[REPLENISHMENT], mu,
+    )  # fmt: skip
+    factor = _life_factor(kappa, law[CONTAMINATION] * law[LIMIT] / law[LOAD])
+    out[LIFE] = _life_hours(factor, law[LOAD], rpm, law[RATING])
+
+
+@nb.njit(cache=True)
+def inner_temperature(
+    law: FloatArray, outer: float, inner: float, hz: float, duration: float
+) -> float:
+    """Inner ring temperature after ``duration`` s, degC; the steady state if it is infinite."""
+    out = np.zeros(CONDITION_SIZE)
+    start = inner if duration < math.inf else outer
+    for _ in range(1 if duration < math.inf else 30):
+        _lubricate(law, outer, start, hz, out)
+        shaft = law[AMBIENT] + law[SHAFT_RATIO] * (outer - law[AMBIENT])
+        target = _inner_ring_target(
+            outer, shaft, _power_loss(out[MOMENT], 60.0 * hz), law[RING_TO_RING],
+            law[RING_TO_SHAFT],
+        )  # fmt: skip
+        start = (
+            _inner_ring_step(
+                inner, target, duration, law[CAPACITY], law[RING_TO_RING], law[RING_TO_SHAFT]
+            )
+            if duration < math.inf
+            else target
+        )
+    return start

@@ -1,0 +1,150 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Temperatures of the two rings, and the clearance that they leave.
+
+Plain functions of floats, so that the simulator can compile them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from bearing_twin.errors import BearingTwinError
+
+__all__ = [
+    'EXPANSION_STEEL',
+    'ThermalNetwork',
+    'clearance_change',
+    'inner_ring_step',
+    'inner_ring_target',
+    'relative_modulus',
+]
+
+EXPANSION_STEEL = 12e-6
+"""Linear thermal expansion coefficient of 100Cr6/GCr15, 1/K."""
+
+
+def clearance_change(
+    inner: float, outer: float, reference: float, d_pitch: float, d_ball: float
+) -> float:
+    """Change of the radial clearance (half the diametral one) against uniform ``reference``, m.
+
+    ``dG_r = alpha [(D_p + d)(T_o - T0) - (D_p - d)(T_i - T0) - 2 d (T_b - T0)]`` is diametral;
+    the balls are taken midway between the rings. Harris and Kotzalas, Essential Concepts of
+    Bearing Technology, chapter 3.
+    """
+    balls = 0.5 * (inner + outer)
+    diametral = EXPANSION_STEEL * (
+        (d_pitch + d_ball) * (outer - reference)
+        - (d_pitch - d_ball) * (inner - reference)
+        - 2.0 * d_ball * (balls - reference)
+    )
+    return 0.5 * diametral
+
+
+def relative_modulus(temperature: float) -> float:
+    """Young's modulus of bearing steel over its value at 20 degC: it falls by 3e-4 per kelvin."""
+    return 1.0 - 3e-4 * (temperature - 20.0)
+
+
+def inner_ring_target(
+    outer: float, shaft: float, power: float, ring_to_ring: float, ring_to_shaft: float
+) -> float:
+    """Inner ring temperature in the steady state, degC, for the outer ring and shaft given."""
+    flow = 0.5 * power + ring_to_ring * outer + ring_to_shaft * shaft
+    return flow / (ring_to_ring + ring_to_shaft)
+
+
+def inner_ring_step(
+    inner: float,
+    target: float,
+    duration: float,
+    capacity: float,
+    ring_to_ring: float,
+    ring_to_shaft: float,
+) -> float:
+    """Inner ring temperature after ``duration`` seconds towards ``target``, degC; exact.
+
+    The node's balance is ``C_i dT_i/dt = P/2 - G_io (T_i - T_o) - G_is (T_i - T_sh)``.
+    """
+    decay = math.exp(-duration * (ring_to_ring + ring_to_shaft) / capacity)
+    return target + (inner - target) * decay
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThermalNetwork:
+    """Two nodes, inner and outer ring, of which the outer is measured.
+
+    ::
+
+        C_i dT_i/dt = P/2 - G_io (T_i - T_o) - G_is (T_i - T_sh)
+        C_o dT_o/dt = P/2 + G_io (T_i - T_o) - G_oa (T_o - T_a)
+
+    Parameters
+    ----------
+    inner_capacity, outer_capacity
+        Heat capacities C_i, C_o, J/K, 0.1 to 1e6. Defaults: rings of a 6307, 0.17 and 0.24 kg.
+    ring_to_ring, ring_to_shaft, ring_to_ambient
+        Conductances G_io, G_is, G_oa, W/K, 1e-3 to 1e4.
+    ambient
+        Temperature of the surroundings T_a, degC, -40 to 110.
+    shaft_ratio
+        Rise of the shaft over ambient by the rise of the outer ring, 0 to 2: above 1 where heat
+        comes in along the shaft (motor, pump, turbine), below 1 where the housing is heated.
+    """
+
+    inner_capacity: float = 80.0
+    outer_capacity: float = 110.0
+    ring_to_ring: float = 2.0
+    ring_to_shaft: float = 8.0
+    ring_to_ambient: float = 4.0
+    ambient: float = 20.0
+    shaft_ratio: float = 1.1
+
+    def __post_init__(self) -> None:
+        for name, low, high, unit in (
+            ('inner_capacity', 0.1, 1e6, 'J/K'),
+            ('outer_capacity', 0.1, 1e6, 'J/K'),
+            ('ring_to_ring', 1e-3, 1e4, 'W/K'),
+            ('ring_to_shaft', 1e-3, 1e4, 'W/K'),
+            ('ring_to_ambient', 1e-3, 1e4, 'W/K'),
+            ('ambient', -40.0, 110.0, 'degC'),
+            ('shaft_ratio', 0.0, 2.0, '(dimensionless)'),
+        ):
+            value = getattr(self, name)
+            if not low <= value <= high:
+                msg = f'{name}={value} is outside {low:g}..{high:g} {unit}'
+                raise BearingTwinError(msg)
+
+    def shaft(self, outer: float) -> float:
+        """Shaft temperature, degC, at the outer ring temperature ``outer``."""
+        return self.ambient + self.shaft_ratio * (outer - self.ambient)
+
+    def unexplained_heat(self, inner: float, outer: float, rate: float, power: float) -> float:
+        """Heat that must enter the outer ring from outside to explain the sensor, W.
+
+        Far from zero where the bearing's own friction should set the temperature, it says that
+        the sensor, the friction or the surroundings are not what the twin takes them for.
+
+        Parameters
+        ----------
+        inner, outer
+            Ring temperatures, degC.
+        rate
+            dT_o/dt, K/s.
+        power
+            Heat of friction, W.
+        """
+        exchanged = self.ring_to_ring * (inner - outer) - self.ring_to_ambient * (
+            outer - self.ambient
+        )
+        return self.outer_capacity * rate - 0.5 * power - exchanged
+
+    def self_heated(self, power: float) -> tuple[float, float]:
+        """Steady ring temperatures (inner, outer), degC, from friction alone, shaft at ambient."""
+        total = self.ring_to_ring + self.ring_to_shaft
+        outer_loss = self.ring_to_ambient + self.ring_to_ring * self.ring_to_shaft / total
+        outer = 0.5 * power * (1.0 + self.ring_to_ring / total) / outer_loss
+        inner = (0.5 * power + self.ring_to_ring * outer) / total
+        return self.ambient + inner, self.ambient + outer
