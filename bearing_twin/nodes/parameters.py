@@ -129,6 +129,11 @@ class ParameterSet:
         """All values in force."""
         return dict(self._values)
 
+    @property
+    def specs(self) -> tuple[Spec, ...]:
+        """The table."""
+        return tuple(self._specs.values())
+
     def _validate(self, values: Mapping[str, Any]) -> None:
         for name, spec in self._specs.items():
             if spec.choices and values[name] not in spec.choices:

@@ -1,0 +1,33 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The documented topics, parameters and services are those that the nodes have."""
+
+import difflib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+DOCUMENT = Path(__file__).parents[2] / 'docs' / 'nodes.md'
+
+
+@pytest.mark.ros
+def test_documented_tables_are_what_the_nodes_have(tmp_path):
+    made = tmp_path / 'nodes.md'
+    subprocess.run(
+        [sys.executable, '-m', 'bearing_twin.nodes.tables', str(made)],
+        env={**os.environ, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'OFF'},
+        check=True,
+        timeout=120,
+    )
+    difference = difflib.unified_diff(
+        DOCUMENT.read_text(encoding='utf-8').splitlines(),
+        made.read_text(encoding='utf-8').splitlines(),
+        'docs/nodes.md',
+        'the nodes',
+        n=0,
+        lineterm='',
+    )
+    assert not list(difference), "run 'python -m bearing_twin.nodes.tables docs/nodes.md'"
