@@ -16,6 +16,7 @@ _RANGES: dict[str, tuple[float, float, str]] = {
     'update_interval': (0.05, 3600.0, 's'),
     'memory': (0.25, 600.0, 's'),
     'speed_tolerance': (0.0, 0.1, 'as a fraction of the speed'),
+    'measured_speed_tolerance': (0.0, 0.1, 'as a fraction of the speed'),
     'baseline_windows': (1.0, 1e6, 'windows'),
     'hold_updates': (1.0, 1000.0, 'updates'),
 }
@@ -39,6 +40,8 @@ class DiagnosisSettings:
     """Span over which windows are averaged, s; at least the window."""
     speed_tolerance: float = 0.02
     """Relative tolerance of the given shaft speed: 2 % is a nameplate against the real slip."""
+    measured_speed_tolerance: float = 0.002
+    """The same where the speed is measured along with the samples, as by an encoder."""
     unit: str = ''
     """Unit of the signal where the data do not say: ``'m/s^2'``, ``'g'`` or empty (unknown)."""
     power_group: int = 0

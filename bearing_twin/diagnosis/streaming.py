@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -59,6 +60,7 @@ class StreamingDiagnoser:
         self._rate = math.nan
         self._unit = ''
         self._temperature = math.nan
+        self._speed_measured = False
         self._clear(0)
 
     @property
@@ -86,6 +88,7 @@ class StreamingDiagnoser:
         sample_rate: float,
         shaft_hz: float,
         *,
+        speed_measured: bool = False,
         temperature: float = math.nan,
         unit: str = '',
     ) -> list[Diagnosis]:
@@ -101,6 +104,9 @@ class StreamingDiagnoser:
             Hz.
         shaft_hz
             Shaft speed during the block, Hz; NaN if unknown.
+        speed_measured
+            Whether that speed was measured along with the samples; the search around it is then
+            as narrow as ``measured_speed_tolerance``.
         temperature
             Bearing temperature, degC; NaN if unknown.
         unit
@@ -132,6 +138,7 @@ class StreamingDiagnoser:
                 text = f'window restarted: index went back from {self._next} to {first_sample}'
             self._restart(first_sample, f'{text} before sample {first_sample}')
         self._temperature, self._unit = temperature, unit
+        self._speed_measured = speed_measured
         found = []
         interval = max(round(self._settings.update_interval * sample_rate), 1)
         while len(block):
@@ -219,8 +226,11 @@ class StreamingDiagnoser:
         signal = x
         if float(np.ptp(speeds)) > _STEADY * mean_hz:
             signal, mean_hz = resample_to_angle(x, self._rate, speeds)
+        settings = self._settings
+        if self._speed_measured:
+            settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
         window = analyse_window(
-            signal, self._rate, self._bearing, mean_hz, self._settings, unit=self._unit
+            signal, self._rate, self._bearing, mean_hz, settings, unit=self._unit
         )
         # Only windows that do not overlap this one, nor one another, add evidence.
         oldest = self._next - round(self._settings.memory * self._rate)

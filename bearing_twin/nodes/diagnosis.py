@@ -181,12 +181,15 @@ class DiagnosisNode(ManagedNode):
         stamp = stamp_ns(message.header.stamp)
         if block.first_sample >= self._checkpoint_due:
             self._publish_checkpoint(block, stamp)
-        shaft_hz = self._shaft.hz if math.isnan(block.shaft_hz) else block.shaft_hz
+        # The source knows best; then a joint; the parameter is but a nameplate.
+        carried = not math.isnan(block.shaft_hz)
+        shaft_hz = block.shaft_hz if carried else self._shaft.hz
         for result in self._diagnoser.push(
             block.first_sample,
             block.samples,
             block.sample_rate,
             shaft_hz,
+            speed_measured=carried or self._shaft.measured,
             temperature=self._temperature,
             unit=block.unit,
         ):

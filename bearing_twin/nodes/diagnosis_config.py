@@ -44,7 +44,14 @@ SPECS = (
     Spec(
         name='speed_tolerance',
         default=0.02,
-        description='Relative uncertainty of the shaft speed, within which it is refined.',
+        description='Uncertainty of the parameter shaft_hz, as a fraction of the speed.',
+        low=0.0,
+        high=0.1,
+    ),
+    Spec(
+        name='measured_speed_tolerance',
+        default=0.002,
+        description='Uncertainty of a speed that comes with the samples or from a joint.',
         low=0.0,
         high=0.1,
     ),
@@ -190,6 +197,7 @@ def build_settings(values: Mapping[str, Any]) -> DiagnosisSettings:
         window=values['window'],
         update_interval=values['update_interval'],
         speed_tolerance=values['speed_tolerance'],
+        measured_speed_tolerance=values['measured_speed_tolerance'],
         memory=values['memory'],
         unit=values['unit'],
         power_group=values['power_group'],
