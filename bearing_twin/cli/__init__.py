@@ -24,6 +24,8 @@ __all__ = ['COMMANDS', 'main']
 
 COMMANDS = {
     'demo': 'run twin, diagnosis and recorder on a temperature recording and show the result',
+    'info': 'show what is inside a recording and how sound it is',
+    'recover': 'save what is complete in a torn recording',
     'schedule': 'write the temperature schedule of the paper as a recording',
 }
 """Name and one-line help of every sub-command."""

@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""``bearing-twin recover``: save what is complete in a torn recording."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bearing_twin.recording.recover import recover
+
+if TYPE_CHECKING:
+    import argparse
+
+__all__ = ['configure', 'run']
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument('recording', type=Path, help='MCAP file or bag folder; it is not changed')
+    parser.add_argument(
+        '-o',
+        '--output',
+        type=Path,
+        help='recording to make; never overwritten (default: NAME_recovered beside it)',
+    )
+    parser.add_argument('--json', action='store_true', help='print the result as JSON')
+
+
+def run(args: argparse.Namespace) -> int:
+    """Recover; status 0 if anything was saved."""
+    source: Path = args.recording
+    target = args.output or source.with_name(f'{source.stem}_recovered{source.suffix}')
+    report = recover(source, target)
+    if args.json:
+        print(json.dumps({**asdict(report), 'duration': report.duration}, default=str))
+        return 0 if report.kept else 1
+    print(f'kept    {report.kept} messages over {report.duration:.3f} s in {target}')
+    for topic, count in sorted(report.topics.items()):
+        print(f'        {count:8d}  {topic}')
+    if not report.losses:
+        print('lost    nothing')
+    for loss in report.losses:
+        print(f'lost    {loss}')
+    if report.lost_bytes:
+        print(f'        {report.lost_bytes} of {report.size} bytes after the last complete chunk')
+    return 0 if report.kept else 1

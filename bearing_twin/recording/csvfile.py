@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Columns of numbers in text files, as loggers and spreadsheets write them."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ['read_csv']
+
+HEAD = 100
+"""Lines in which the numbers must begin."""
+MOST_COLUMNS = 1000
+TIME = re.compile(r'(?:t|time|timestamp|zeit)\b', re.IGNORECASE)
+SAID = re.compile(r'(fs|sample_?rate|rpm|unit|label|bearing_name)\s*[=:,;]\s*([^,;\s]+)', re.I)
+UNIT = re.compile(r'[\[(](m/s\^?2|m/s²|g)[\])]')
+
+
+def read_csv(path: Path) -> dict[str, Any]:
+    """Read the columns of a text file by name, or by ``c0``, ``c1``, ... without a heading.
+
+    A column of times in seconds becomes ``fs``; ``fs = ...``, ``rpm = ...`` before the numbers and
+    a unit in brackets in a heading are taken as well.
+
+    Raises
+    ------
+    BearingTwinError
+        If there are no columns of numbers.
+    """
+    try:
+        text = path.read_text(encoding='utf-8-sig', errors='replace')
+    except OSError as error:
+        msg = f'{path} cannot be read: {error.strerror}'
+        raise BearingTwinError(msg) from None
+    head = text[:100_000].splitlines()[:HEAD]
+    start, separator = _first_numbers(head)
+    if start < 0:
+        msg = f'{path} has no line of numbers among its first {HEAD} lines'
+        raise BearingTwinError(msg)
+    if separator != ',':
+        # A comma is then a decimal comma.
+        text = text.replace(',', '.')
+    table = _table(path, text, start, separator)
+    names = _names(head[:start], separator, table.shape[1])
+    found: dict[str, Any] = {}
+    for line in head[:start]:
+        found |= {key.lower(): _value(value) for key, value in SAID.findall(line)}
+        if unit := UNIT.search(line):
+            found['unit'] = np.array(unit[1])
+    for name, column in zip(names, table.T, strict=True):
+        if TIME.match(name) and column.size > 1:
+            step = float(np.median(np.diff(column)))
+            found.setdefault('fs', np.array(1.0 / step if step > 0.0 else np.nan))
+        else:
+            found[name] = np.ascontiguousarray(column)
+    return found
+
+
+def _fields(line: str, separator: str) -> list[str]:
+    return line.split() if separator == ' ' else line.rstrip('\r\n').split(separator)
+
+
+def _first_numbers(head: list[str]) -> tuple[int, str]:
+    """Return the first line that has numbers only, and what separates them."""
+    for index, line in enumerate(head):
+        for separator in ('\t', ';', ',', ' '):
+            fields = [field.strip() for field in _fields(line, separator)]
+            if separator in ('\t', ';') and len(fields) < 2:
+                continue
+            if separator != ',':
+                fields = [field.replace(',', '.') for field in fields]
+            if fields and len(fields) <= MOST_COLUMNS and all(map(_is_number, fields)):
+                return index, separator
+    return -1, ''
+
+
+def _is_number(field: str) -> bool:
+    try:
+        float(field)
+    except ValueError:
+        return False
+    return True
+
+
+def _table(path: Path, text: str, start: int, separator: str) -> Any:
+    lines = text.splitlines()[start:]
+    delimiter = None if separator == ' ' else separator
+    try:
+        table = np.loadtxt(lines, delimiter=delimiter, ndmin=2, comments='#')
+    except (ValueError, MemoryError) as error:
+        msg = (
+            f'{path}: after line {start} not every line has the same columns of numbers ({error})'
+        )
+        raise BearingTwinError(msg) from None
+    return table
+
+
+def _names(before: list[str], separator: str, count: int) -> list[str]:
+    default = [f'c{index}' for index in range(count)]
+    if not before:
+        return default
+    fields = [field.strip().strip('"\'') for field in _fields(before[-1].lstrip('# '), separator)]
+    named = len(fields) == count and len(set(fields)) == count and all(fields)
+    return fields if named else default
+
+
+def _value(text: str) -> Any:
+    return np.array(float(text)) if _is_number(text) else np.array(text)

@@ -1,0 +1,242 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Vibration signals from files of other people: npz, mat, wav, csv, and MCAP recordings.
+
+Nothing in a file is executed (npz and mat are read without pickle), nothing it claims is believed
+before memory is spent on it: reading takes at most about three times ``LARGEST_FILE``.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.csvfile import read_csv
+from bearing_twin.recording.matfile import read_mat
+from bearing_twin.recording.mcapsignal import read_vibration_topic
+from bearing_twin.recording.npz import read_npz
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+__all__ = ['LARGEST_FILE', 'MOST_SAMPLES', 'Signal', 'read_signal']
+
+LARGEST_FILE = 1024 * 1024 * 1024
+"""Largest npz, mat, wav or csv file, bytes. MCAP files are read in pieces and have no limit."""
+MOST_SAMPLES = 100_000_000
+"""Longest signal, samples (65 min at 25.6 kHz)."""
+
+RATES = ('fs', 'sample_rate', 'sampling_rate', 'samplerate', 'sr', 'rate', 'freq')
+SPEEDS = {'shaft_hz': 1.0, 'rpm': 1.0 / 60.0, 'speed_rpm': 1.0 / 60.0}
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One channel of vibration without gaps, and what its file says about it."""
+
+    x: NDArray[np.float64]
+    """Samples, shape (n,)."""
+    sample_rate: float
+    """Hz."""
+    shaft_hz: float
+    """NaN where the file does not say."""
+    unit: str
+    """``'m/s^2'``, ``'g'``, or '' where the file does not say."""
+    bearing_name: str
+    temperature: float
+    """degC; NaN where the file does not say."""
+    label: str
+    """What the file says is wrong with the bearing; ''."""
+    source: str
+    """File, channel and what was chosen in it."""
+
+
+def read_signal(
+    path: Path, *, channel: str | None = None, sample_rate: float | None = None
+) -> Signal:
+    """Read one vibration channel of a file.
+
+    =========  ====================================================================================
+    ``.npz``   array ``x`` (or the longest one), ``fs``, ``rpm``, ``bearing_name``, ``label``; of a
+               two-dimensional array the channel is the row
+    ``.mat``   MATLAB up to version 7: the longest numeric vector or the one named, variables and
+               struct fields alike; ``fs``/``sr``, ``rpm`` and CWRU's ``X123RPM``
+    ``.wav``   the channel is its number from 0; full scale is 1
+    ``.csv``   comma, semicolon, tab or blanks; a column ``time`` gives the sample rate
+    ``.mcap``  a file or a bag folder; ``TOPIC``, ``TOPIC:y`` or ``y``; ours, Imu, Accel,
+               Vector3 and Float arrays
+    =========  ====================================================================================
+
+    Parameters
+    ----------
+    path
+        The file.
+    channel
+        Which channel, named as above; None: the only one, or the longest.
+    sample_rate
+        Hz; for files that do not say it, and against what they say.
+
+    Raises
+    ------
+    BearingTwinError
+        If the file cannot be read, holds no such channel, or its sample rate is not known.
+    """
+    if path.is_dir() or path.suffix == '.mcap':
+        found = read_vibration_topic(path, channel, most=MOST_SAMPLES)
+    else:
+        found = _read_file(path, channel)
+    rate = sample_rate or _number(found, RATES)
+    if not (math.isfinite(rate) and 1.0 <= rate <= 1e8):
+        msg = f'{path} does not say its sample rate (found {rate:g}); give it in Hz'
+        raise BearingTwinError(msg)
+    x = _vector(found['x'], path)
+    speeds = (_number(found, (name,)) * factor for name, factor in SPEEDS.items())
+    shaft_hz = next((speed for speed in speeds if speed >= 0.0), math.nan)
+    return Signal(
+        x=x,
+        sample_rate=rate,
+        shaft_hz=shaft_hz,
+        unit=_unit(found),
+        bearing_name=_text(found, 'bearing_name'),
+        temperature=_number(found, ('temperature', 'temp_C')),
+        label=_text(found, 'label'),
+        source=f'{path}{found.get("where", "")}',
+    )
+
+
+def _read_file(path: Path, channel: str | None) -> dict[str, Any]:
+    readers = {'.npz': _from_npz, '.mat': _from_mat, '.wav': _from_wav, '.csv': _from_csv}
+    kind = path.suffix.lower()
+    reader = readers.get('.csv' if kind in ('.txt', '.tsv') else kind)
+    if reader is None:
+        msg = f'{path}: files ending in {", ".join(readers)} and .mcap are read'
+        raise BearingTwinError(msg)
+    try:
+        size = path.stat().st_size
+    except OSError as error:
+        msg = f'{path} cannot be read: {error.strerror}'
+        raise BearingTwinError(msg) from None
+    if size > LARGEST_FILE:
+        msg = f'{path} has {size} bytes; at most {LARGEST_FILE}: cut it into pieces'
+        raise BearingTwinError(msg)
+    return reader(path, channel)
+
+
+def _from_npz(path: Path, channel: str | None) -> dict[str, Any]:
+    return _choose(read_npz(path), path, channel)
+
+
+def _from_mat(path: Path, channel: str | None) -> dict[str, Any]:
+    return _choose(read_mat(path), path, channel)
+
+
+def _from_csv(path: Path, channel: str | None) -> dict[str, Any]:
+    return _choose(read_csv(path), path, channel)
+
+
+def _from_wav(path: Path, channel: str | None) -> dict[str, Any]:
+    # Loaded when needed: scipy takes a second.
+    from scipy.io import wavfile
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore')
+            rate, samples = wavfile.read(BytesIO(path.read_bytes()))
+        scale = 1.0
+        if samples.dtype.kind in 'iu':
+            scale = float(2 ** (8 * samples.dtype.itemsize - 1))
+        offset = 128.0 if samples.dtype == np.uint8 else 0.0
+        table = samples.reshape(samples.shape[0], -1)
+    except Exception as error:
+        # The bytes come from outside: scipy raises many kinds on damaged ones.
+        msg = f'{path} cannot be read as .wav ({type(error).__name__}: {error})'
+        raise BearingTwinError(msg) from None
+    index = _index(channel or '0', table.shape[1], f'{path}: channel')
+    x = (table[:, index].astype(np.float64) - offset) / scale
+    return {'x': x, 'fs': rate, 'where': f', channel {index}'}
+
+
+def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[str, Any]:
+    """Pick the signal among the arrays of a file and keep the rest as what is said about it."""
+    numeric = {
+        name: array
+        for name, array in arrays.items()
+        if isinstance(array, np.ndarray) and array.dtype.kind in 'fiu' and array.size > 1
+    }
+    name, row = channel, ''
+    if channel is not None and channel not in numeric:
+        name, _, row = channel.rpartition(':')
+        if channel.isdecimal():
+            name, row = '', channel
+    if not name:
+        candidates = [key for key in numeric if key.lower() not in ('t', 'time', 'time_s', 't_s')]
+        longest = max(candidates, key=lambda key: numeric[key].size, default='')
+        name = next((key for key in ('x', 'vibration', 'acceleration') if key in numeric), longest)
+    if name not in numeric:
+        names = ', '.join(sorted(numeric)[:20]) or 'no numeric array at all'
+        msg = f'{path} has no channel {channel!r}; it has {names}'
+        raise BearingTwinError(msg)
+    x = numeric[name]
+    where = f', {name}'
+    if x.ndim > 1 and max(x.shape) == x.size:
+        x = x.ravel()
+    if x.ndim == 2:
+        if not row:
+            msg = (
+                f'{path}: {name} has {x.shape[0]} rows of {x.shape[1]} samples; choose one of '
+                f"0..{x.shape[0] - 1} as channel, e.g. '{name}:0'"
+            )
+            raise BearingTwinError(msg)
+        index = _index(row, x.shape[0], f'{path}: row')
+        x, where = x[index], f', {name} row {index}'
+    elif x.ndim > 2 or row:
+        msg = f'{path}: {name} has {x.ndim} dimensions, which channel {channel!r} does not fit'
+        raise BearingTwinError(msg)
+    said = {key: value for key, value in arrays.items() if key != name}
+    return {**said, 'x': x, 'where': where}
+
+
+def _index(text: str, count: int, what: str) -> int:
+    if not text.isdecimal() or int(text) >= count:
+        msg = f"{what} '{text}' does not exist; there are 0..{count - 1}"
+        raise BearingTwinError(msg)
+    return int(text)
+
+
+def _vector(values: Any, path: Path) -> NDArray[np.float64]:
+    x = np.ascontiguousarray(values, dtype=np.float64)
+    if not 1 <= x.size <= MOST_SAMPLES:
+        msg = f'{path}: the signal has {x.size} samples; 1..{MOST_SAMPLES} are read'
+        raise BearingTwinError(msg)
+    return x
+
+
+def _number(found: Mapping[str, Any], names: tuple[str, ...]) -> float:
+    """Return the first finite scalar under one of ``names`` (any case); NaN if there is none."""
+    folded = {key.lower(): value for key, value in found.items()}
+    for name in names:
+        value = np.asarray(folded.get(name.lower(), math.nan))
+        if value.size == 1 and value.dtype.kind in 'fiu' and np.isfinite(value.item()):
+            return float(value.item())
+    return math.nan
+
+
+def _text(found: Mapping[str, Any], name: str) -> str:
+    value = np.asarray(found.get(name, ''))
+    return str(value.item())[:200] if value.size == 1 and value.dtype.kind in 'US' else ''
+
+
+def _unit(found: Mapping[str, Any]) -> str:
+    unit = _text(found, 'unit')
+    if not unit and '(g)' in _text(found, 'sensor'):
+        unit = 'g'
+    return {'m/s2': 'm/s^2', 'm/s²': 'm/s^2', 'm/s^2': 'm/s^2', 'g': 'g'}.get(unit, '')

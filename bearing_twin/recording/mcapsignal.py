@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A vibration signal out of a recording: ours, or anybody's with a topic that can be one."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.reader import read_messages, recording_info
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from bearing_twin.recording.reader import RecordedMessage, TopicInfo
+
+__all__ = ['read_vibration_topic']
+
+VIBRATION = 'bearing_twin_msgs/msg/Vibration'
+SINGLE: dict[str, Callable[[Any], Any]] = {
+    'sensor_msgs/msg/Imu': lambda m: m.linear_acceleration,
+    'geometry_msgs/msg/AccelStamped': lambda m: m.accel.linear,
+    'geometry_msgs/msg/AccelWithCovarianceStamped': lambda m: m.accel.accel.linear,
+    'geometry_msgs/msg/Vector3Stamped': lambda m: m.vector,
+}
+"""Types with one stamped sample a message, and where its three axes are."""
+ARRAYS = (
+    'std_msgs/msg/Float32MultiArray',
+    'std_msgs/msg/Float64MultiArray',
+    'std_msgs/msg/Int16MultiArray',
+    'std_msgs/msg/Int32MultiArray',
+)
+"""Types with a block of samples and no rate."""
+AXES = ('x', 'y', 'z')
+SETTLED = 0.05
+"""Part by which the times between single samples may scatter (interquartile, of the median)."""
+
+
+def read_vibration_topic(path: Path, channel: str | None, *, most: int) -> dict[str, Any]:
+    """Read the longest stretch without a gap of one topic.
+
+    Parameters
+    ----------
+    path
+        File or bag folder.
+    channel
+        ``TOPIC``, ``TOPIC:AXIS`` or ``AXIS``; None: the only topic that can be a vibration, and of
+        ours the axis y (the direction of the load).
+    most
+        Most samples to read.
+
+    Raises
+    ------
+    BearingTwinError
+        If there is no such topic, several and none named, or the signal is too long.
+    """
+    info = recording_info(path)
+    topic, axis = _topic(path, info.topics, channel)
+    type_name = info.topics[topic].type_name
+    blocks = _Blocks(path, most)
+    messages = read_messages(path, topics=(topic,))
+    if type_name == VIBRATION:
+        found = _from_vibration(messages, axis, blocks)
+    elif type_name in SINGLE:
+        found = _from_single(messages, axis, blocks, SINGLE[type_name])
+    else:
+        for message in messages:
+            blocks.add(np.asarray(message.decode().data, dtype=np.float64))
+        found = {}
+    return {**found, 'x': blocks.longest(), 'where': f', {topic}{":" + axis if axis else ""}'}
+
+
+class _Blocks:
+    """Collect blocks; keep the longest run of those without a gap between them."""
+
+    def __init__(self, path: Path, most: int) -> None:
+        self._path = path
+        self._most = most
+        self._runs: list[list[NDArray[np.float64]]] = [[]]
+        self._sizes = [0]
+
+    def add(self, samples: NDArray[np.float64]) -> None:
+        self._runs[-1].append(samples)
+        self._sizes[-1] += samples.size
+        if sum(self._sizes) > self._most:
+            msg = f'{self._path} holds more than {self._most} samples; read a section of it'
+            raise BearingTwinError(msg)
+
+    def gap(self) -> None:
+        """Begin a new run; only the longest finished one is kept."""
+        longest = max(range(len(self._sizes)), key=self._sizes.__getitem__)
+        self._runs = [self._runs[longest], []]
+        self._sizes = [self._sizes[longest], 0]
+
+    def longest(self) -> NDArray[np.float64]:
+        """Return the longest run."""
+        self.gap()
+        if not self._sizes[0]:
+            msg = f'{self._path} holds no samples on this channel'
+            raise BearingTwinError(msg)
+        return np.concatenate(self._runs[0])
+
+
+def _topic(path: Path, topics: dict[str, TopicInfo], channel: str | None) -> tuple[str, str]:
+    fitting = [
+        name
+        for name, topic in topics.items()
+        if topic.count and topic.type_name in (VIBRATION, *SINGLE, *ARRAYS)
+    ]
+    topic, axis = channel or '', ''
+    if topic not in fitting:
+        topic, _, axis = topic.rpartition(':')
+        if axis and axis not in AXES:
+            topic, axis = channel or '', ''
+    if not topic and len(fitting) > 1:
+        # Our own recordings also hold other arrays; the vibration is meant.
+        fitting = [name for name in fitting if topics[name].type_name == VIBRATION] or fitting
+    if topic in fitting:
+        return topic, axis
+    if not topic and len(fitting) == 1:
+        return fitting[0], axis
+    has = f'it has {", ".join(fitting)}' if fitting else 'it has none that could be one'
+    msg = f'{path}: name the vibration topic ({channel!r} was asked for); {has}'
+    raise BearingTwinError(msg)
+
+
+def _from_vibration(messages: Any, axis: str, blocks: _Blocks) -> dict[str, Any]:
+    expected: int | None = None
+    found: dict[str, Any] = {}
+    speeds: list[float] = []
+    for message in messages:
+        block = message.decode()
+        x, y = np.asarray(block.x), np.asarray(block.y)
+        samples = {'x': x, 'y': y, '': y if y.size else x}.get(axis, x[:0])
+        rate = float(block.sample_rate)
+        if found and rate != found['fs']:
+            msg = f'the sample rate changes from {found["fs"]:g} to {rate:g} Hz'
+            raise BearingTwinError(msg)
+        found = {'fs': rate, 'unit': np.array(str(block.unit))}
+        if expected is not None and int(block.first_sample) != expected:
+            blocks.gap()
+        expected = int(block.first_sample) + samples.size
+        speeds.append(float(block.shaft_hz))
+        blocks.add(samples.astype(np.float64))
+    return {**found, 'shaft_hz': np.mean(speeds) if speeds else math.nan}
+
+
+def _from_single(
+    messages: Any, axis: str, blocks: _Blocks, vector: Callable[[Any], Any]
+) -> dict[str, Any]:
+    times, samples = [], []
+    message: RecordedMessage
+    for message in messages:
+        decoded = message.decode()
+        stamp = decoded.header.stamp
+        times.append(stamp.sec * 1_000_000_000 + stamp.nanosec)
+        samples.append(float(getattr(vector(decoded), axis or 'z')))
+    steps = np.diff(np.array(times, dtype=np.int64)) / 1e9
+    if steps.size < 2:
+        msg = 'fewer than three samples: no sample rate can be told'
+        raise BearingTwinError(msg)
+    low, middle, high = np.percentile(steps, [25, 50, 75])
+    if middle <= 0.0 or high - low > SETTLED * middle:
+        msg = f'the samples are not equally spaced ({low:g}..{high:g} s): this is no waveform'
+        raise BearingTwinError(msg)
+    begin = 0
+    values = np.array(samples)
+    for gap in np.flatnonzero(np.abs(steps - middle) > 0.5 * middle):
+        blocks.add(values[begin : gap + 1])
+        blocks.gap()
+        begin = int(gap) + 1
+    blocks.add(values[begin:])
+    return {'fs': 1.0 / middle, 'unit': np.array('m/s^2')}
