@@ -35,6 +35,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help='take a measured temperature (arrays temp_t_s, temp_C) instead of 20..110 degC',
     )
     parser.add_argument(
+        '--until', type=float, metavar='S', help='take the measured temperature up to this time'
+    )
+    parser.add_argument(
+        '--every', type=float, metavar='S', help='take one measured reading in this many seconds'
+    )
+    parser.add_argument(
         '--duration', type=float, default=40.0, help='time from 20 to 110 degC in s (default 40)'
     )
     parser.add_argument('--topic', default='/temperature', help='default /temperature')
@@ -43,7 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the recording."""
     if args.from_npz:
-        times, temperatures = load_trend(args.from_npz)
+        times, temperatures = load_trend(args.from_npz, until=args.until, every=args.every)
         source = f'measured, {args.from_npz.name}'
     else:
         times, temperatures = paper_schedule(args.duration)

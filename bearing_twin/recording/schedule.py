@@ -48,8 +48,19 @@ def paper_schedule(
     return times, 20.0 + 90.0 * times / times[-1]
 
 
-def load_trend(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def load_trend(
+    path: Path, *, until: float | None = None, every: float | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Read a measured temperature from an ``.npz`` file with ``temp_t_s`` and ``temp_C``.
+
+    Parameters
+    ----------
+    path
+        The file.
+    until
+        Time up to which it is taken, s from its start; None: all.
+    every
+        Least time between two readings that are taken, s; None: all.
 
     Raises
     ------
@@ -70,7 +81,17 @@ def load_trend(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     if not np.all(np.isfinite(times)) or np.any(np.diff(times) < 0):
         msg = f'{path}: temp_t_s does not rise'
         raise BearingTwinError(msg)
-    return times - times[0], temperatures
+    times = times - times[0]
+    taken = np.ones(times.size, dtype=bool) if until is None else times <= until
+    if every is not None:
+        if every <= 0.0:
+            msg = f'every={every} s: give a positive time'
+            raise BearingTwinError(msg)
+        taken &= np.diff(np.floor(times / every), prepend=-1.0) > 0.0
+    if np.count_nonzero(taken) < 2:
+        msg = f'{path}: fewer than two readings with {until=} s and {every=} s; take more'
+        raise BearingTwinError(msg)
+    return times[taken], temperatures[taken]
 
 
 def write_temperature_recording(

@@ -25,7 +25,9 @@ def test_demo_on_the_warm_up_of_a_real_machine(tmp_path, data_dir):
     """The measured 43..110 degC of a test rig (FEMTO Bearing2_5), its first 80 minutes in 24 s."""
     recording = tmp_path / 'warm_up.mcap'
     trend = data_dir / 'femto' / 'femto_Bearing2_5_trend.npz'
-    made = bearing_twin('schedule', recording, '--from', trend, '--every', 10, '--until', 4800)
+    made = bearing_twin(
+        'schedule', '-o', recording, '--from-npz', trend, '--every', 10, '--until', 4800
+    )
     assert made.returncode == 0, made.stderr
 
     ran = bearing_twin(
