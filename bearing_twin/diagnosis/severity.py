@@ -71,7 +71,7 @@ def measure_severity(
     mean_square = float(square.mean())
     rms = math.sqrt(mean_square)
     peak = float(max(x.max(), -x.min()))
-    kurtosis = float(np.dot(square, square)) / len(x) / mean_square**2
+    kurtosis = float(np.square(square).mean()) / mean_square**2
     bin_hz = sample_rate / len(x)
     power = 2.0 * (spectrum.real.astype(np.float64) ** 2 + spectrum.imag.astype(np.float64) ** 2)
 
