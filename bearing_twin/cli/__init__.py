@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ['COMMANDS', 'main']
 
 COMMANDS = {
+    'bench': 'measure on this machine what the project promises',
     'demo': 'run twin, diagnosis and recorder on a temperature recording and show the result',
     'info': 'show what is inside a recording and how sound it is',
     'recover': 'save what is complete in a torn recording',

@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Live run with the real processes: what one bearing costs and how punctual its blocks are."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes.convert import stamp_ns
+from bearing_twin.nodes.launching import NodeProcesses, local_environment
+from bearing_twin.recording.reader import read_messages
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ['live_run']
+
+START_TIMEOUT = 90.0
+SETTLE = 3.0
+"""Time after which discovery and the first, short windows are over, s."""
+NODES = ('twin', 'diagnosis', 'recorder')
+
+
+def live_run(seconds: float) -> dict[str, float]:
+    """Run twin, diagnosis and recorder (MCAP and Rerun, served and filed) for one bearing.
+
+    Parameters
+    ----------
+    seconds
+        Time measured.
+
+    Returns
+    -------
+    dict
+        ``core_share``: CPU time of all processes over wall time (1 is one core), and of each;
+        ``late_blocks``: blocks later than one block period; ``dropped_blocks``;
+        ``lateness_p50_ms``, ``_p99_ms``, ``_max_ms``: of publishing against the deadline;
+        ``delivery_p99_ms``, ``_max_ms``: from a block's last sample to the recorder having it;
+        ``lost_blocks``: published in that time but not in the recording.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        domain = 1 + os.getpid() % 100
+        environment = local_environment(domain)
+        with NodeProcesses(folder / 'logs', environment) as nodes:
+            nodes.start(
+                'recorder',
+                {
+                    'output': str(folder / 'bag'),
+                    'rerun_file': str(folder / 'view.rrd'),
+                    'rerun_port': 20000 + os.getpid() % 10000,
+                },
+            )
+            nodes.start('diagnosis', {})
+            nodes.start('twin', {'defect': 'inner'})
+            _wait_for(lambda: _size(folder / 'bag') > 100_000, nodes)
+            time.sleep(SETTLE)
+            began, cpu = time.time_ns(), {node: _cpu(nodes.pid(node)) for node in NODES}
+            time.sleep(seconds)
+            ended = time.time_ns()
+            share = {
+                node: (_cpu(nodes.pid(node)) - cpu[node]) / (ended - began) * 1e9 for node in NODES
+            }
+            nodes.check()
+            for node in ('twin', 'diagnosis', 'recorder'):
+                nodes.end(node)
+        return {
+            'core_share': sum(share.values()),
+            **{f'core_share_{node}': value for node, value in share.items()},
+            **_punctuality(folder / 'bag', began, ended),
+        }
+
+
+def _wait_for(ready: Callable[[], bool], nodes: NodeProcesses) -> None:
+    deadline = time.monotonic() + START_TIMEOUT
+    while not ready():
+        nodes.check()
+        if time.monotonic() > deadline:
+            msg = f'the nodes recorded nothing within {START_TIMEOUT:g} s'
+            raise BearingTwinError(msg)
+        time.sleep(0.2)
+
+
+def _size(folder: Path) -> int:
+    return sum(path.stat().st_size for path in folder.glob('*.mcap'))
+
+
+def _cpu(pid: int) -> float:
+    """CPU time of a process with all its threads, s."""
+    fields = Path(f'/proc/{pid}/stat').read_text().rsplit(')', 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
+
+
+def _punctuality(bag: Path, began: int, ended: int) -> dict[str, float]:
+    lateness, delivery, indices = [], [], []
+    period, dropped = 0.0, 0
+    for message in read_messages(bag):
+        if not began <= message.log_time <= ended:
+            continue
+        if message.topic == '/vibration':
+            block = message.decode()
+            period = block.y.size / block.sample_rate
+            taken = stamp_ns(block.header.stamp) * 1e-9 + period
+            delivery.append(message.log_time * 1e-9 - taken)
+            indices.append(int(block.first_sample) // block.y.size)
+        elif message.topic == '/twin_state':
+            state = message.decode()
+            lateness.append(state.lateness)
+            dropped = state.blocks_dropped
+    if not lateness or not delivery:
+        msg = 'the recording of the live run holds no block'
+        raise BearingTwinError(msg)
+    late = np.array(lateness)
+    return {
+        'blocks': float(len(late)),
+        'late_blocks': float((late > period).sum()),
+        'dropped_blocks': float(dropped),
+        'lost_blocks': float(indices[-1] - indices[0] + 1 - len(indices)),
+        'lateness_p50_ms': 1e3 * float(np.percentile(late, 50)),
+        'lateness_p99_ms': 1e3 * float(np.percentile(late, 99)),
+        'lateness_max_ms': 1e3 * float(late.max()),
+        'delivery_p99_ms': 1e3 * float(np.percentile(delivery, 99)),
+        'delivery_max_ms': 1e3 * float(np.max(delivery)),
+    }

@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""``bearing-twin bench``: measure on this machine what the project promises."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import platform
+from typing import TYPE_CHECKING
+
+from bearing_twin import __version__
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    import argparse
+
+__all__ = ['BENCHES', 'configure', 'run']
+
+BENCHES = {
+    'kernel': 'bearing seconds per core second of the equations of motion',
+    'diagnosis': 'time per verdict and per record',
+    'offline': 'recordings and sweeps faster than real time',
+    'view': 'Rerun recordings',
+    'live': 'bearings that one core carries live, with and without DDS',
+}
+"""Modules of ``bearing_twin.bench``; each has ``measure() -> dict[str, float]``."""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument(
+        'names',
+        nargs='*',
+        metavar='NAME',
+        help='what to measure (default: all but --live): '
+        + '; '.join(f'{name}: {text}' for name, text in BENCHES.items()),
+    )
+    parser.add_argument(
+        '--live',
+        action='store_true',
+        help='run twin, diagnosis, recorder and Rerun as processes: core share and lateness',
+    )
+    parser.add_argument(
+        '--seconds', type=float, default=60.0, help='length of the live run (default 60)'
+    )
+    parser.add_argument('--json', action='store_true', help='print the figures as JSON')
+
+
+def run(args: argparse.Namespace) -> int:
+    """Measure and print; figures depend on what else the machine does."""
+    unknown = [name for name in args.names if name not in BENCHES]
+    if unknown:
+        msg = f'there is no bench {", ".join(unknown)}; there are {", ".join(BENCHES)}'
+        raise BearingTwinError(msg)
+    if not args.seconds >= 5.0:
+        msg = f'--seconds {args.seconds:g} is too short to measure a live run: at least 5'
+        raise BearingTwinError(msg)
+    figures: dict[str, float] = {}
+    names = args.names or ([] if args.live else list(BENCHES))
+    for name in names:
+        _say(args, f'{name}: {BENCHES[name]} ...')
+        figures |= importlib.import_module(f'bearing_twin.bench.{name}').measure()
+    if args.live:
+        _say(args, f'live run of {args.seconds:g} s ...')
+        from bearing_twin.bench.end_to_end import live_run
+
+        figures |= live_run(args.seconds)
+    if args.json:
+        print(json.dumps({**figures, **_machine()}))
+        return 0
+    width = max(map(len, figures), default=0)
+    for name, value in figures.items():
+        print(f'{name:<{width}}  {value:.6g}')
+    print(', '.join(f'{key} {value}' for key, value in _machine().items()))
+    return 0
+
+
+def _say(args: argparse.Namespace, text: str) -> None:
+    if not args.json:
+        print(text, flush=True)
+
+
+def _machine() -> dict[str, object]:
+    """Return what the figures depend on besides the code."""
+    return {
+        'bearing_twin': __version__,
+        'python': platform.python_version(),
+        'cores': os.cpu_count() or 0,
+        'load_average': round(os.getloadavg()[0], 2),
+    }
