@@ -27,7 +27,9 @@ COMMANDS = {
     'demo': 'run twin, diagnosis and recorder on a temperature recording and show the result',
     'info': 'show what is inside a recording and how sound it is',
     'recover': 'save what is complete in a torn recording',
+    'replay': 'publish a recording again, or run it offline through twin and diagnosis',
     'schedule': 'write the temperature schedule of the paper as a recording',
+    'verify': 're-run a recording of twin and diagnosis and compare it byte by byte',
 }
 """Name and one-line help of every sub-command."""
 

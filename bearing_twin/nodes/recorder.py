@@ -36,6 +36,8 @@ __all__ = ['EXPECTED', 'RecorderNode', 'main']
 DISCOVERY_PERIOD = 0.25
 
 EXPECTED: dict[str, tuple[str, QoSProfile]] = {
+    'temperature': ('sensor_msgs/msg/Temperature', RESULT),
+    'joint_states': ('sensor_msgs/msg/JointState', RESULT),
     'vibration': ('bearing_twin_msgs/msg/Vibration', STREAM),
     'twin_state': ('bearing_twin_msgs/msg/TwinState', STREAM),
     'twin_checkpoint': ('bearing_twin_msgs/msg/Checkpoint', CHECKPOINT),
@@ -43,8 +45,12 @@ EXPECTED: dict[str, tuple[str, QoSProfile]] = {
     'diagnosis_checkpoint': ('bearing_twin_msgs/msg/Checkpoint', CHECKPOINT),
     'envelope_spectrum': ('bearing_twin_msgs/msg/Spectrum', RESULT),
     'spectrum': ('bearing_twin_msgs/msg/Spectrum', RESULT),
+    'features': ('std_msgs/msg/Float64MultiArray', RESULT),
 }
-"""Our own topics, subscribed to before anybody publishes them, so that no first block is lost."""
+"""Our own topics, subscribed to before anybody publishes them, so that no first block is lost.
+
+A publisher that offers less than this is found at once and subscribed to as it offers.
+"""
 
 
 class RecorderNode(ManagedNode):

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from rosbags.interfaces.typing import Typesdict
 
-__all__ = ['MessageSchema', 'message_schema', 'store_from_text']
+__all__ = ['MessageSchema', 'canonical_cdr', 'message_schema', 'store_from_text']
 
 SEPARATOR = '=' * 80 + '\n'
 
@@ -89,6 +89,26 @@ def store_from_text(type_name: str, text: str) -> Typestore:
         msg = f'the schema of {type_name} cannot be read ({type(error).__name__}: {error})'
         raise BearingTwinError(msg) from None
     return store
+
+
+def canonical_cdr(type_name: str, text: str, cdr: bytes) -> bytes:
+    """Return a serialised message with the padding between its fields set to zero.
+
+    CDR aligns numbers to their size. Fast CDR leaves the bytes in between as they happen to be in
+    memory, so that equal messages differ there; they carry nothing.
+
+    Raises
+    ------
+    BearingTwinError
+        If schema or message are damaged.
+    """
+    store = store_from_text(type_name, text)
+    try:
+        return bytes(store.serialize_cdr(store.deserialize_cdr(cdr, type_name), type_name))
+    except Exception as error:
+        # rosbags raises many kinds on damaged bytes.
+        msg = f'a {type_name} is damaged ({type(error).__name__}: {error})'
+        raise BearingTwinError(msg) from None
 
 
 def _joined(parts: list[str]) -> Iterator[str]:

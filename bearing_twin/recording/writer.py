@@ -137,7 +137,8 @@ class RecordingWriter:
     def size(self) -> int:
         """Bytes of the recording so far, those still in memory included."""
         finished = sum(file.size for file in self._finished)
-        return finished + sum(file.size for file in (*self._ending, self._file))
+        unfinished = self._ending if self._closed else (*self._ending, self._file)
+        return finished + sum(file.size for file in unfinished)
 
     def write(
         self,

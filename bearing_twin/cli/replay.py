@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""``bearing-twin replay``: a recording onto ROS again, or offline through twin and diagnosis."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import yaml
+
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    import argparse
+
+__all__ = ['configure', 'run']
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument('recording', type=Path, help='MCAP file or bag folder')
+    live = parser.add_argument_group('live (the default): publish its topics')
+    live.add_argument('-r', '--rate', type=float, default=1.0, help='pace (default 1)')
+    live.add_argument('-l', '--loop', action='store_true', help='start again at the end')
+    live.add_argument('--start-offset', type=float, default=0.0, help='skip this many seconds')
+    live.add_argument('--duration', type=float, default=0.0, help='play this many seconds')
+    live.add_argument('--topics', nargs='+', default=[], help='topics to play (default all)')
+    live.add_argument(
+        '--remap', nargs='+', default=[], metavar='A:=B', help='publish topic A under the name B'
+    )
+    live.add_argument('--clock', type=float, default=0.0, metavar='HZ', help='publish /clock')
+    live.add_argument('-p', '--start-paused', action='store_true', help='wait for ~/resume')
+    offline = parser.add_argument_group('offline: through twin and diagnosis without DDS')
+    offline.add_argument('--offline', action='store_true', help='write a new recording')
+    offline.add_argument('-o', '--output', type=Path, help='recording to make')
+    for node in ('twin', 'diagnosis'):
+        offline.add_argument(
+            f'--{node}',
+            action='append',
+            default=[],
+            metavar='NAME=VALUE',
+            help=f'parameter of the {node}; may be given several times',
+        )
+    offline.add_argument('--json', action='store_true', help='print the result as JSON')
+
+
+def run(args: argparse.Namespace) -> int:
+    """Replay; status 0 if everything was."""
+    return _offline(args) if args.offline else _live(args)
+
+
+def _live(args: argparse.Namespace) -> int:
+    from bearing_twin.nodes.replay import main
+
+    parameters = {
+        'recording': str(args.recording),
+        'rate': args.rate,
+        'loop': args.loop,
+        'start_offset': args.start_offset,
+        'duration': args.duration,
+        'topics': args.topics or [''],
+        'remap': args.remap or [''],
+        'clock_rate': args.clock,
+        'start_paused': args.start_paused,
+    }
+    words = ['--ros-args']
+    for name, value in parameters.items():
+        # JSON is YAML, and quotes every string.
+        words += ['-p', f'{name}:={json.dumps(value)}']
+    return main(words)
+
+
+def _offline(args: argparse.Namespace) -> int:
+    from bearing_twin.nodes.offline_run import run_offline
+
+    if args.output is None:
+        msg = 'an offline replay writes a new recording: name it with -o'
+        raise BearingTwinError(msg)
+    began = time.perf_counter()
+    report = run_offline(
+        args.recording,
+        args.output,
+        twin=_parameters(args.twin),
+        diagnosis=_parameters(args.diagnosis),
+        progress=_show if sys.stderr.isatty() else None,
+    )
+    took = time.perf_counter() - began
+    if args.json:
+        print(json.dumps({**asdict(report), 'seconds': took}, default=str))
+        return 0
+    verdicts = ', '.join(f'{name} {count}' for name, count in report.verdicts.items())
+    print(f'{report.target}: {report.blocks} blocks over {report.duration:.1f} s; {verdicts}')
+    print(f'took {took:.2f} s, {report.duration / took:.0f} times real time')
+    return 0
+
+
+def _parameters(words: list[str]) -> dict[str, Any]:
+    values = {}
+    for word in words:
+        name, separator, text = word.partition('=')
+        if not separator:
+            msg = f'{word!r} does not read NAME=VALUE'
+            raise BearingTwinError(msg)
+        try:
+            values[name] = yaml.safe_load(text)
+        except yaml.YAMLError as error:
+            msg = f'{word!r} cannot be read: {error}'
+            raise BearingTwinError(msg) from None
+    return values
+
+
+def _show(part: float) -> None:
+    print(f'\r{100.0 * part:3.0f} %', end='', file=sys.stderr, flush=True)
