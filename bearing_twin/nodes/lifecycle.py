@@ -144,6 +144,9 @@ class ManagedNode(LifecycleNode):
             self.get_logger().error(str(error))
             return TransitionCallbackReturn.FAILURE
         except Exception:
+            if not self.context.ok():
+                # An interrupt can strike anywhere, in the compiler too: no defect of ours.
+                return TransitionCallbackReturn.FAILURE
             # rclpy would swallow it: a defect of ours must be seen where it happened.
             self.get_logger().fatal(traceback.format_exc())
             return TransitionCallbackReturn.ERROR
