@@ -1,62 +1,27 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Diagnosis node: vibration in, verdict and envelope spectrum out."""
+"""Diagnosis node: vibration in, verdict and spectra out."""
 
 from __future__ import annotations
 
-import math
 import sys
-import time
 from typing import TYPE_CHECKING, Any
 
-import yaml
-from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
-from sensor_msgs.msg import JointState, Temperature
-from std_msgs.msg import Float64MultiArray
 from std_srvs.srv import Trigger
 
-from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.convert import (
-    checkpoint_message,
-    diagnosis_message,
-    features_message,
-    spectrum_message,
-    stamp_ns,
-)
-from bearing_twin.nodes.diagnosis_config import (
-    SPECS,
-    build_bearing,
-    build_diagnoser,
-    build_settings,
-    nominal_speed,
-)
-from bearing_twin.nodes.diagnosis_health import input_status, verdict_status
+from bearing_twin.nodes.diagnosis_asset import DiagnosisAsset
+from bearing_twin.nodes.diagnosis_config import SPECS, build_bearing, build_settings
 from bearing_twin.nodes.health import Health
 from bearing_twin.nodes.lifecycle import ManagedNode, run
-from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, RESULT, STREAM
-from bearing_twin.nodes.shaft import ShaftSpeed
-from bearing_twin.nodes.statefile import StateFolder
-from bearing_twin.nodes.vibration_input import GapCounter, SourceLock, read_vibration
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rclpy.subscription import MessageInfo
-
-    from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
-    from bearing_twin.nodes.health import Status
-    from bearing_twin.nodes.vibration_input import VibrationBlock
-
 __all__ = ['DiagnosisNode', 'main']
-
-NANO = 1_000_000_000
 
 
 class DiagnosisNode(ManagedNode):
-    """Diagnose the vibration that arrives; from the twin or from a real accelerometer.
-
-    Verdicts are triggered by the samples, not by a clock: the same blocks give the same verdicts.
-    """
+    """Diagnose the vibration that arrives; from the twin or from a real accelerometer."""
 
     def __init__(self) -> None:
         super().__init__('diagnosis', SPECS)
@@ -67,211 +32,38 @@ class DiagnosisNode(ManagedNode):
         build_settings(values)
 
     def setup(self) -> None:
-        """Build and warm the chain; create publishers and subscriptions."""
+        """Build the chain; create publishers and the service."""
         p = self.parameters
-        self._bearing = build_bearing(p.values)
-        self._diagnoser = build_diagnoser(p.values)
-        self._states = StateFolder(p['state_directory'])
-        self._load_state()
-        self._shaft = ShaftSpeed(nominal=nominal_speed(p.values), joint=p['joint'])
-        self._sources = SourceLock()
-        self._gaps = GapCounter()
-        self._temperature = math.nan
-        self._blocks = 0
-        self._refused = 0
-        self._problem = ''
-        self._arrived = math.nan
-        self._latest: DiagnosisResult | None = None
-        self._checkpoint_due = -math.inf
-        self._verdict = self.create_lifecycle_publisher(
-            Diagnosis, 'diagnosis', RESULT, qos_overriding_options=OVERRIDES
-        )
-        self._spectrum = self.create_lifecycle_publisher(
-            Spectrum, 'spectrum', RESULT, qos_overriding_options=OVERRIDES
-        )
-        self._envelope = self.create_lifecycle_publisher(
-            Spectrum, 'envelope_spectrum', RESULT, qos_overriding_options=OVERRIDES
-        )
-        self._features = self.create_lifecycle_publisher(Float64MultiArray, 'features', RESULT)
-        self._checkpoint = self.create_lifecycle_publisher(
-            Checkpoint, 'diagnosis_checkpoint', CHECKPOINT
-        )
+        self._asset = DiagnosisAsset(self, p)
         self._reset = self.create_service(Trigger, '~/reset', self._on_reset)
         self._health = Health(self, p['hardware_id'] or self.get_namespace())
-        self._health.add('vibration input', self._input_status)
-        self._health.add(f'bearing {self._bearing.name}', self._verdict_status)
+        self._health.add('vibration input', self._asset.input_status)
+        self._health.add('bearing', self._asset.verdict_status)
 
     def start(self) -> None:
         """Listen."""
-        self._inputs = [
-            self.create_subscription(
-                Vibration,
-                'vibration',
-                self._on_vibration,
-                STREAM,
-                qos_overriding_options=OVERRIDES,
-            ),
-            self.create_subscription(
-                Temperature,
-                'temperature',
-                self._on_temperature,
-                MEASUREMENT,
-                qos_overriding_options=OVERRIDES,
-            ),
-        ]
-        if self.parameters['joint']:
-            self._inputs.append(
-                self.create_subscription(
-                    JointState,
-                    'joint_states',
-                    self._on_joints,
-                    MEASUREMENT,
-                    qos_overriding_options=OVERRIDES,
-                )
-            )
-        self.get_logger().info(f'diagnosing bearing {self._bearing.name}')
+        self._asset.listen()
+        self.get_logger().info(f'diagnosing bearing {self._asset.bearing}')
 
     def stop(self) -> None:
         """Stop listening and keep what was learnt."""
-        for subscription in self._inputs:
-            self.destroy_subscription(subscription)
-        self._keep_state()
+        self._asset.stop()
 
     def teardown(self) -> None:
         """Destroy what setup created."""
         self._health.destroy()
         self.destroy_service(self._reset)
-        for publisher in (
-            self._verdict,
-            self._spectrum,
-            self._envelope,
-            self._features,
-            self._checkpoint,
-        ):
-            self.destroy_publisher(publisher)
+        self._asset.destroy()
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; the window restarts where the bearing has changed."""
-        self._bearing = build_bearing(values)
-        self._shaft.set_nominal(nominal_speed(values))
-        self._diagnoser.reconfigure(bearing=self._bearing, settings=build_settings(values))
-        self._checkpoint_due = -math.inf
-
-    def _on_temperature(self, message: Temperature) -> None:
-        self._temperature = message.temperature
-
-    def _on_joints(self, message: JointState) -> None:
-        self._shaft.offer(message.name, message.velocity, now=time.monotonic())
-
-    def _on_vibration(self, message: Vibration, info: MessageInfo) -> None:
-        now = time.monotonic()
-        if not self._sources.accept(info['publisher_gid'], now):
-            return
-        try:
-            block = read_vibration(message, self.parameters['axis'])
-        except BearingTwinError as error:
-            self._refused += 1
-            self._problem = str(error)
-            self.get_logger().warning(f'block refused: {error}', throttle_duration_sec=10.0)
-            return
-        self._blocks += 1
-        self._gaps.count(block.first_sample, block.samples.size)
-        self._problem = ''
-        self._arrived = now
-        stamp = stamp_ns(message.header.stamp)
-        if block.first_sample >= self._checkpoint_due:
-            self._publish_checkpoint(block, stamp)
-        # The source knows best; then a joint; the parameter is but a nameplate.
-        carried = not math.isnan(block.shaft_hz)
-        shaft_hz = block.shaft_hz if carried else self._shaft.hz
-        for result in self._diagnoser.push(
-            block.first_sample,
-            block.samples,
-            block.sample_rate,
-            shaft_hz,
-            speed_measured=carried or self._shaft.measured,
-            temperature=self._temperature,
-            unit=block.unit,
-        ):
-            offset = round((result.first_sample - block.first_sample) * NANO / block.sample_rate)
-            self._publish_result(result, stamp + offset, message.header.frame_id)
-
-    def _publish_result(self, result: DiagnosisResult, stamp: int, frame_id: str) -> None:
-        if self._latest is None or self._latest.fault_code != result.fault_code:
-            self.get_logger().info(
-                f'{result.result} (confidence {result.confidence:.2f}, {result.fault_code})'
-            )
-        self._latest = result
-        verdict = diagnosis_message(
-            result, stamp=stamp, frame_id=frame_id, bearing=self._bearing.name
-        )
-        self._verdict.publish(verdict)
-        self._features.publish(features_message(verdict))
-        self._spectrum.publish(
-            spectrum_message(result.spectrum, result, stamp=stamp, frame_id=frame_id)
-        )
-        self._envelope.publish(
-            spectrum_message(result.envelope_spectrum, result, stamp=stamp, frame_id=frame_id)
-        )
-
-    def _publish_checkpoint(self, block: VibrationBlock, stamp: int) -> None:
-        p = self.parameters
-        self._checkpoint_due = block.first_sample + p['checkpoint_period'] * block.sample_rate
-        self._checkpoint.publish(
-            checkpoint_message(
-                stamp=stamp,
-                first_sample=block.first_sample,
-                node=self.get_fully_qualified_name(),
-                kind='diagnosis',
-                configuration=yaml.safe_dump(p.values),
-                state=self._diagnoser.save(),
-            )
-        )
-        self._keep_state()
-
-    def _load_state(self) -> None:
-        name = self.parameters['state_name']
-        if not name or not self._states.path(name).exists():
-            return
-        try:
-            self._diagnoser.load(self._states.load(name))
-        except BearingTwinError as error:
-            # A baseline that cannot be read must not keep the machine without a diagnosis.
-            self.get_logger().error(f'{error}; a new baseline is learnt')
-        else:
-            self.get_logger().info(f'baseline and trend loaded from {self._states.path(name)}')
-
-    def _keep_state(self) -> None:
-        name = self.parameters['state_name']
-        if not name:
-            return
-        try:
-            self._states.replace(name, self._diagnoser.save())
-        except BearingTwinError as error:
-            self.get_logger().error(str(error), throttle_duration_sec=60.0)
+        self._asset.apply(values)
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._diagnoser = build_diagnoser(self.parameters.values)
-        self._checkpoint_due = -math.inf
-        self._latest = None
+        self._asset.reset()
         response.success = True
         response.message = 'window, baseline and trend start anew'
         return response
-
-    def _input_status(self) -> Status:
-        now = time.monotonic()
-        return input_status(
-            age=now - self._arrived,
-            blocks=self._blocks,
-            refused=self._refused,
-            problem=self._problem,
-            ignored=self._sources.ignored,
-            gaps=self._gaps,
-            shaft_problem=self._shaft.problem(now),
-        )
-
-    def _verdict_status(self) -> Status:
-        return verdict_status(self._latest, self._bearing.name)
 
 
 def main(args: list[str] | None = None) -> int:

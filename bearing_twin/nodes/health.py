@@ -55,16 +55,26 @@ class Health:
     def __init__(self, node: Node, hardware_id: str) -> None:
         self.hardware_id = hardware_id
         self._node = node
-        self._tasks: dict[str, Callable[[], Status]] = {}
+        self._tasks: dict[str, tuple[Callable[[], Status], str]] = {}
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', RESULT)
         # The wall clock: a paused /clock must not silence a node.
         self._timer = node.create_timer(
             1.0, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
 
-    def add(self, part: str, task: Callable[[], Status]) -> None:
-        """Add a part of the node; ``task`` returns its status when asked."""
-        self._tasks[part] = task
+    def add(self, part: str, task: Callable[[], Status], *, hardware_id: str = '') -> None:
+        """Add a part of the node.
+
+        Parameters
+        ----------
+        part
+            Its name.
+        task
+            Returns its status when asked.
+        hardware_id
+            Asset that it speaks of; '' for that of the node.
+        """
+        self._tasks[part] = (task, hardware_id or self.hardware_id)
 
     def destroy(self) -> None:
         """Stop publishing."""
@@ -76,14 +86,14 @@ class Health:
         array = DiagnosticArray()
         array.header.stamp = self._node.get_clock().now().to_msg()
         name = self._node.get_fully_qualified_name().lstrip('/')
-        for part, task in self._tasks.items():
+        for part, (task, hardware_id) in self._tasks.items():
             level, message, values = task()
             array.status.append(
                 DiagnosticStatus(
                     level=level.value,
                     name=f'{name}: {part}',
                     message=message,
-                    hardware_id=self.hardware_id,
+                    hardware_id=hardware_id,
                     values=[KeyValue(key=k, value=_text(v)) for k, v in values.items()],
                 )
             )

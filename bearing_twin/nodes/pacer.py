@@ -16,6 +16,9 @@ __all__ = ['Due', 'LatenessReport', 'Pacer']
 
 NANO = 1_000_000_000
 
+RECENT = 1500
+"""Blocks that statistics speak of: a minute at 25 blocks/s."""
+
 STEP_TOLERANCE = 50_000_000
 """Difference of the two clocks above which the stamps are anchored anew, ns."""
 
@@ -37,6 +40,8 @@ class LatenessReport:
     published: int
     late: int
     dropped: int
+    recently_dropped: int
+    """Among as many blocks as the percentiles speak of."""
     clock_steps: int
     p50: float
     p99: float
@@ -81,7 +86,8 @@ class Pacer:
         self.late = 0
         self.dropped = 0
         self.clock_steps = 0
-        self._recent: deque[float] = deque(maxlen=1500)
+        self._recent: deque[float] = deque(maxlen=RECENT)
+        self._drops: deque[tuple[int, int]] = deque()
         self._tick_anchor: int | None = None
         self._time_anchor = 0
         self._anchor_sample = 0
@@ -128,6 +134,7 @@ class Pacer:
         if count > self.catch_up:
             skipped = count - self.catch_up
             self.dropped += skipped
+            self._drops.append((self.published, skipped))
             self.next_sample += skipped * self.block
             count = self.catch_up
         blocks = []
@@ -142,14 +149,24 @@ class Pacer:
             self._recent.append(lateness)
         return blocks
 
+    def phase(self, ticks: int) -> float:
+        """Return the part of the current period that is over, 0 to 1."""
+        if self._tick_anchor is None:
+            return 0.0
+        begun = self._tick_anchor + self._offset(self.next_sample)
+        return min(max((ticks - begun) / NANO / self.period, 0.0), 1.0)
+
     def report(self) -> LatenessReport:
-        """Return counts and the lateness of the last 1500 blocks (a minute at 25 blocks/s)."""
+        """Return counts and the lateness of the last 1500 blocks."""
         recent = np.array(self._recent) if self._recent else np.array([np.nan])
         p50, p99 = np.percentile(recent, [50, 99])
+        while self._drops and self._drops[0][0] < self.published - RECENT:
+            self._drops.popleft()
         return LatenessReport(
             self.published,
             self.late,
             self.dropped,
+            sum(skipped for _, skipped in self._drops),
             self.clock_steps,
             float(p50),
             float(p99),

@@ -83,11 +83,17 @@ class ParameterSet:
         Called with all values after a change has been accepted.
     locked
         Returns whether parameters with ``running=False`` are locked now.
+    prefix
+        Put before the names: '' or ``ASSET.``, where a node hosts several.
+    given
+        Defaults that replace those of the table, such as those of a file of assets.
+    inherited
+        Values that are not parameters here but belong to :attr:`values`.
 
     Raises
     ------
     BearingTwinError
-        If a start value has the wrong type or is refused.
+        If a start value is unknown, has the wrong type or is refused.
     """
 
     def __init__(
@@ -98,27 +104,45 @@ class ParameterSet:
         check: Callable[[Mapping[str, Any]], None],
         apply: Callable[[Mapping[str, Any]], None],
         locked: Callable[[], bool],
+        prefix: str = '',
+        given: Mapping[str, Any] | None = None,
+        inherited: Mapping[str, Any] | None = None,
     ) -> None:
         self._specs = {spec.name: spec for spec in specs}
         self._check = check
         self._apply = apply
         self._locked = locked
-        self._values: dict[str, Any] = {}
+        self._prefix = prefix
+        self._values: dict[str, Any] = dict(inherited or {})
+        given = given or {}
+        unknown = [name for name in given if name not in self._specs]
+        if unknown:
+            msg = f'there is no parameter {", ".join(unknown)}; there are {", ".join(self._specs)}'
+            raise BearingTwinError(msg)
         for spec in self._specs.values():
-            try:
-                declared = node.declare_parameter(spec.name, spec.default, spec.descriptor())
-            except InvalidParameterTypeException as error:
-                kind = type(spec.default).__name__
-                hint = ' (write a decimal point, e.g. 5.0)' if kind == 'float' else ''
-                msg = f'parameter {spec.name} must be of type {kind}{hint}: {error}'
-                raise BearingTwinError(msg) from None
-            except Exception as error:
-                msg = f'parameter {spec.name}: {error}'
-                raise BearingTwinError(msg) from None
-            self._values[spec.name] = declared.value
+            default = given.get(spec.name, spec.default)
+            if isinstance(spec.default, float) and type(default) is int:
+                default = float(default)
+            self._values[spec.name] = self._declare(node, spec, default)
         self._validate(self._values)
         node.add_on_set_parameters_callback(self._on_set)
         node.add_post_set_parameters_callback(self._after_set)
+
+    def _declare(self, node: Node, spec: Spec, default: Any) -> Any:
+        name = self._prefix + spec.name
+        kind = type(spec.default).__name__
+        hint = ' (write a decimal point, e.g. 5.0)' if kind == 'float' else ''
+        if type(default) is not type(spec.default):
+            msg = f'parameter {name}={default!r} must be of type {kind}{hint}'
+            raise BearingTwinError(msg)
+        try:
+            return node.declare_parameter(name, default, spec.descriptor()).value
+        except InvalidParameterTypeException as error:
+            msg = f'parameter {name} must be of type {kind}{hint}: {error}'
+            raise BearingTwinError(msg) from None
+        except Exception as error:
+            msg = f'parameter {name}: {error}'
+            raise BearingTwinError(msg) from None
 
     def __getitem__(self, name: str) -> Any:
         """Return the value in force."""
@@ -141,8 +165,14 @@ class ParameterSet:
                 raise BearingTwinError(msg)
         self._check(values)
 
+    def _ours(self, parameters: list[Parameter[Any]]) -> dict[str, Any]:
+        named = {p.name: p.value for p in parameters}
+        return {n: named[self._prefix + n] for n in self._specs if self._prefix + n in named}
+
     def _on_set(self, parameters: list[Parameter[Any]]) -> SetParametersResult:
-        ours = {p.name: p.value for p in parameters if p.name in self._specs}
+        ours = self._ours(parameters)
+        if not ours:
+            return SetParametersResult(successful=True)
         fixed = [
             name
             for name, value in ours.items()
@@ -161,7 +191,7 @@ class ParameterSet:
         return SetParametersResult(successful=True)
 
     def _after_set(self, parameters: list[Parameter[Any]]) -> None:
-        ours = {p.name: p.value for p in parameters if p.name in self._specs}
+        ours = self._ours(parameters)
         if ours:
             self._values.update(ours)
             self._apply(self._values)

@@ -155,23 +155,6 @@ SPECS = (
         running=False,
     ),
     Spec(
-        name='catch_up_blocks',
-        default=5,
-        description='Most blocks published at once after being late; older ones are dropped.',
-        low=1,
-        high=100,
-        running=False,
-    ),
-    Spec(
-        name='late_after',
-        default=0.02,
-        description='Lateness above which a block counts as late.',
-        unit='s',
-        low=0.001,
-        high=10.0,
-        running=False,
-    ),
-    Spec(
         name='checkpoint_period',
         default=10.0,
         description='Time between checkpoints, from which a recording can be re-run.',

@@ -89,12 +89,14 @@ class GapCounter:
         """Times the index went back: the source was restarted."""
         self._next: int | None = None
 
-    def count(self, first_sample: int, samples: int) -> None:
-        """Take note of one block."""
+    def count(self, first_sample: int, samples: int) -> bool:
+        """Take note of one block; return whether the source has been restarted."""
+        restarted = self._next is not None and first_sample < self._next
         if self._next is not None:
             self.lost += max(0, first_sample - self._next)
-            self.restarts += first_sample < self._next
+            self.restarts += restarted
         self._next = first_sample + samples
+        return restarted
 
 
 class SourceLock:

@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The cycle of a publishing node: a timer, the deadlines, and what became of them."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+
+from bearing_twin.nodes import realtime
+from bearing_twin.nodes.timing import CycleStatistics
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from bearing_twin.nodes.health import Status
+    from bearing_twin.nodes.lifecycle import ManagedNode
+    from bearing_twin.nodes.pacer import Due
+    from bearing_twin.nodes.parameters import ParameterSet
+
+__all__ = ['BlockCycle']
+
+NANO = 1_000_000_000
+STILL_AFTER = 1.0
+
+
+class BlockCycle:
+    """Call ``publish`` for each block that is due.
+
+    Real time is paced by the steady clock, which nobody sets; with ``use_sim_time`` by /clock.
+
+    Parameters
+    ----------
+    node
+        The node.
+    parameters
+        Its parameters, with those of :mod:`bearing_twin.nodes.realtime`.
+    publish
+        Computes and publishes a block.
+    slots
+        Wake-ups a period; more than one lets a node spread its publishing.
+    between
+        Called at every wake-up with the part of the period that is over, 0 to 1.
+
+    Raises
+    ------
+    BearingTwinError
+        If priority or memory locking are asked for and refused.
+    """
+
+    def __init__(
+        self,
+        node: ManagedNode,
+        parameters: ParameterSet,
+        publish: Callable[[Due], None],
+        *,
+        slots: int = 1,
+        between: Callable[[float], None] | None = None,
+    ) -> None:
+        self._node = node
+        self._parameters = parameters
+        self._publish = publish
+        self._slots = slots
+        self._between = between
+        self._pacer = realtime.build_pacer(parameters.values)
+        self._statistics = CycleStatistics()
+        self._began = 0.0
+        self._woken = time.monotonic()
+        if parameters['lock_memory']:
+            realtime.lock_memory()
+        self._scheduling = realtime.raise_priority(parameters['priority'])
+
+    @property
+    def period(self) -> float:
+        """Time between blocks, s."""
+        return self._pacer.period
+
+    def start(self) -> None:
+        """Let the first block begin now."""
+        simulated = self._node.get_parameter('use_sim_time').value
+        self._ticks = (
+            self._node.get_clock() if simulated else Clock(clock_type=ClockType.STEADY_TIME)
+        )
+        self._pacer.anchor(ticks=self._ticks.now().nanoseconds, time=self._now())
+        self._timer = self._node.create_timer(
+            self.period / self._slots, self._on_timer, clock=self._ticks
+        )
+
+    def stop(self) -> None:
+        """Publish no more blocks."""
+        self._node.destroy_timer(self._timer)
+
+    def fields(self, due: Due) -> dict[str, float]:
+        """Return the real-time fields of the state message for the block being published."""
+        return {
+            'blocks_published': self._pacer.published,
+            'blocks_late': self._pacer.late,
+            'blocks_dropped': self._pacer.dropped,
+            'lateness': due.lateness,
+            'execution_time': time.perf_counter() - self._began,
+        }
+
+    def status(self) -> Status:
+        """Status of the deadlines for /diagnostics."""
+        return realtime.status(
+            self._pacer.report(),
+            self._statistics,
+            self._parameters.values,
+            period=self.period,
+            scheduling=self._scheduling,
+            active=self._node.active,
+            still=time.monotonic() - self._woken > STILL_AFTER + self.period,
+        )
+
+    def _now(self) -> int:
+        return self._node.get_clock().now().nanoseconds
+
+    def _on_timer(self) -> None:
+        self._woken = time.monotonic()
+        ticks = self._ticks.now().nanoseconds
+        for due in self._pacer.due(ticks=ticks, time=self._now()):
+            self._began = time.perf_counter()
+            self._publish(due)
+            self._statistics.add(ticks / NANO, time.perf_counter() - self._began)
+        if self._between is not None:
+            self._between(self._pacer.phase(self._ticks.now().nanoseconds))

@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Periodicity and execution time of a cycle, as controller_manager reports them. No ROS."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import NamedTuple
+
+import numpy as np
+
+__all__ = ['CycleStatistics', 'Spread']
+
+KEPT = 1500
+
+
+class Spread(NamedTuple):
+    """Statistics of one quantity; NaN before it has been seen."""
+
+    mean: float
+    low: float
+    high: float
+    std: float
+
+    def scaled(self, factor: float) -> Spread:
+        """Return it in another unit."""
+        return Spread(*(factor * value for value in self))
+
+    def text(self, digits: int = 2) -> str:
+        """Return it in the way of ros2_control: average [min - max], standard deviation."""
+        return (
+            f'{self.mean:.{digits}f} [{self.low:.{digits}f} - {self.high:.{digits}f}], '
+            f'std dev {self.std:.{digits}f}'
+        )
+
+
+class CycleStatistics:
+    """Collect when cycles began and how long they took, over the last 1500 of them."""
+
+    def __init__(self) -> None:
+        self._began = math.nan
+        self._intervals: deque[float] = deque(maxlen=KEPT)
+        self._durations: deque[float] = deque(maxlen=KEPT)
+
+    def add(self, began: float, duration: float) -> None:
+        """Take note of one cycle.
+
+        Parameters
+        ----------
+        began
+            When it began on the clock that paces the cycles, s.
+        duration
+            How long it took, s.
+        """
+        if began > self._began:
+            self._intervals.append(began - self._began)
+        self._began = began
+        self._durations.append(duration)
+
+    @property
+    def periodicity(self) -> Spread:
+        """Rate of the cycles, Hz."""
+        return _spread(1.0 / np.array(self._intervals))
+
+    @property
+    def execution_time(self) -> Spread:
+        """Duration of the cycles, s."""
+        return _spread(np.array(self._durations))
+
+
+def _spread(values: np.ndarray) -> Spread:
+    if not values.size:
+        return Spread(math.nan, math.nan, math.nan, math.nan)
+    return Spread(
+        float(values.mean()), float(values.min()), float(values.max()), float(values.std())
+    )

@@ -1,0 +1,170 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""One twin as a node sees it: its topics, its inputs, its messages. A node hosts one or many."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import yaml
+from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration
+from sensor_msgs.msg import JointState, Temperature
+
+from bearing_twin.nodes.convert import (
+    checkpoint_message,
+    stamp_ns,
+    twin_state_message,
+    vibration_message,
+)
+from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, STREAM
+from bearing_twin.nodes.shaft import ShaftSpeed
+from bearing_twin.nodes.twin_health import temperature_status
+from bearing_twin.thermal.gate import TemperatureGate
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from bearing_twin.dynamics.simulator import Block
+    from bearing_twin.nodes.health import Status
+    from bearing_twin.nodes.lifecycle import ManagedNode
+    from bearing_twin.nodes.pacer import Due
+    from bearing_twin.nodes.parameters import ParameterSet
+    from bearing_twin.thermal.gate import GatedTemperature
+
+__all__ = ['TwinAsset']
+
+FASTEST_SHAFT = 100.0
+
+
+class TwinAsset:
+    """Topics, inputs and messages of one twin.
+
+    Parameters
+    ----------
+    node
+        The node that hosts it.
+    parameters
+        Its parameters.
+    prefix
+        Put before its topics: '' or ``NAMESPACE/``.
+    """
+
+    def __init__(self, node: ManagedNode, parameters: ParameterSet, *, prefix: str = '') -> None:
+        p = parameters
+        self.parameters = p
+        self._node = node
+        self._path = node.get_fully_qualified_name()
+        if prefix:
+            self._path = f'{node.get_namespace().rstrip("/")}/{prefix}twin'
+        self._gate = TemperatureGate(
+            start=p['start_temperature'], timeout=p['temperature_timeout']
+        )
+        self._shaft = ShaftSpeed(nominal=p['shaft_hz'], joint=p['joint'], highest=FASTEST_SHAFT)
+        self._checkpoint_due = 0
+        self._vibration = node.create_lifecycle_publisher(
+            Vibration, f'{prefix}vibration', STREAM, qos_overriding_options=OVERRIDES
+        )
+        self._state = node.create_lifecycle_publisher(
+            TwinState, f'{prefix}twin_state', STREAM, qos_overriding_options=OVERRIDES
+        )
+        self._checkpoint = node.create_lifecycle_publisher(
+            Checkpoint, f'{prefix}twin_checkpoint', CHECKPOINT
+        )
+        self._inputs = [
+            node.create_subscription(
+                Temperature,
+                f'{prefix}temperature',
+                self._on_temperature,
+                MEASUREMENT,
+                qos_overriding_options=OVERRIDES,
+            )
+        ]
+        if p['joint']:
+            self._inputs.append(
+                node.create_subscription(
+                    JointState,
+                    f'{prefix}joint_states',
+                    self._on_joints,
+                    MEASUREMENT,
+                    qos_overriding_options=OVERRIDES,
+                )
+            )
+
+    def destroy(self) -> None:
+        """Give up the topics."""
+        for publisher in (self._vibration, self._state, self._checkpoint):
+            self._node.destroy_publisher(publisher)
+        for subscription in self._inputs:
+            self._node.destroy_subscription(subscription)
+
+    def apply(self, values: Mapping[str, Any]) -> None:
+        """Take changed parameters."""
+        self._gate.timeout = values['temperature_timeout']
+        self._shaft.set_nominal(values['shaft_hz'])
+        self.ask_checkpoint()
+
+    def ask_checkpoint(self) -> None:
+        """Let a checkpoint precede the next block, since the state does not follow from before."""
+        self._checkpoint_due = 0
+
+    def inputs(self) -> tuple[GatedTemperature, float]:
+        """Return temperature and shaft speed (Hz) for the block to be computed now."""
+        return self._gate.at(time.monotonic()), self._shaft.hz
+
+    def checkpoint(self, due: Due, save: Callable[[], bytes]) -> None:
+        """Publish a checkpoint if it is time; call before computing the block ``due``."""
+        if due.first_sample < self._checkpoint_due:
+            return
+        p = self.parameters
+        self._checkpoint_due = due.first_sample + round(p['checkpoint_period'] * p['sample_rate'])
+        self._checkpoint.publish(
+            checkpoint_message(
+                stamp=due.stamp,
+                first_sample=due.first_sample,
+                node=self._path,
+                kind='twin',
+                configuration=yaml.safe_dump(p.values),
+                state=save(),
+            )
+        )
+
+    def publish_vibration(self, block: Block, due: Due) -> Vibration:
+        """Publish the samples of a block and return the message."""
+        p = self.parameters
+        message = vibration_message(
+            block, due=due, sample_rate=p['sample_rate'], frame_id=p['frame_id']
+        )
+        self._vibration.publish(message)
+        return message
+
+    def publish_state(
+        self, block: Block, due: Due, temperature: GatedTemperature, **realtime: float
+    ) -> None:
+        """Publish the state after a block; ``realtime`` are the message's fields of that name."""
+        p = self.parameters
+        message = twin_state_message(
+            block,
+            due=due,
+            frame_id=p['frame_id'],
+            temperature=temperature,
+            bearing=p['bearing'],
+            thermal_mode=p['thermal_mode'],
+            defect=p['defect'],
+        )
+        for name, value in realtime.items():
+            setattr(message, name, value)
+        self._state.publish(message)
+
+    def status(self) -> Status:
+        """Status of the inputs for /diagnostics."""
+        now = time.monotonic()
+        return temperature_status(self._gate.at(now), self._shaft.problem(now))
+
+    def _on_temperature(self, message: Temperature) -> None:
+        self._gate.offer(
+            message.temperature, stamp=stamp_ns(message.header.stamp), now=time.monotonic()
+        )
+
+    def _on_joints(self, message: JointState) -> None:
+        self._shaft.offer(message.name, message.velocity, now=time.monotonic())
