@@ -26,6 +26,7 @@ COMMANDS = {
     'bench': 'measure on this machine what the project promises',
     'demo': 'run twin, diagnosis and recorder on a temperature recording and show the result',
     'info': 'show what is inside a recording and how sound it is',
+    'paper': 'recompute every figure and claim of the seed paper and judge it',
     'recover': 'save what is complete in a torn recording',
     'replay': 'publish a recording again, or run it offline through twin and diagnosis',
     'schedule': 'write the temperature schedule of the paper as a recording',

@@ -1,3 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """The seed paper, recomputed and judged."""
+
+from bearing_twin.paper.claims import Claim
+from bearing_twin.paper.recompute import recompute
+from bearing_twin.paper.report import claims_table, summary_line
+from bearing_twin.paper.verdicts import VERDICTS, Verdict
+
+__all__ = ['VERDICTS', 'Claim', 'Verdict', 'claims_table', 'recompute', 'summary_line']

@@ -1,0 +1,162 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Claims about tables 1 to 3 and the factor beta0."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.stats import kendalltau
+
+from bearing_twin.paper import equations, settings
+from bearing_twin.paper.claims import Claim
+from bearing_twin.paper.claims_trend import COLD, HOT
+from bearing_twin.paper.verdicts import all_settings, within
+from bearing_twin.thermal import gcr15
+
+__all__ = ['material_claims']
+
+STEEL_EXPANSION = 12e-6
+"""Linear expansion of 100Cr6, the European name of GCr15, 1/K (general engineering value)."""
+
+
+def material_claims() -> list[Claim]:
+    """Judge sections 3.1 to 3.4 on the tables and on beta0."""
+    return [*_table_claims(), *_hardness_claims(), *_beta_claims()]
+
+
+def _trend(table: gcr15.FloatArray, sign: int) -> dict[str, bool]:
+    tau = float(kendalltau(gcr15.TEMPERATURES, table).statistic)
+    return {
+        'overall (rank correlation)': sign * tau > 0.0,
+        'at every step': bool(np.all(sign * np.diff(table) > 0.0)),
+    }
+
+
+def _table_claims() -> list[Claim]:
+    tables = (
+        ('1', 'expansion coefficient', gcr15.EXPANSION_TABLE, +1, 'figure 5'),
+        ('2', 'hardness', gcr15.HARDNESS_TABLE, -1, 'figure 12'),
+        ('3', 'friction coefficient', gcr15.FRICTION_TABLE, +1, 'figure 19'),
+    )
+    claims = [
+        Claim(
+            id=f'table-{number}-trend',
+            where=f'table {number}, {figure}',
+            claim=f'{name}: overall {"upward" if sign > 0 else "downward"} trend',
+            paper_value='upward' if sign > 0 else 'downward',
+            our_value={
+                'kendall_tau': float(kendalltau(gcr15.TEMPERATURES, table).statistic),
+                'steps_the_other_way': int((sign * np.diff(table) < 0).sum()),
+            },
+            verdict=all_settings(_trend(table, sign)),
+            why='Rule: sign of the rank correlation with temperature, and of every step of 10 K.',
+        )
+        for number, name, table, sign, figure in tables
+    ]
+    units = {'10^5/K, as printed': 1e5, '10^-5/K': 1e-5, '10^-6/K': 1e-6}
+    values = {name: 1.0 + equations.expansion_term(HOT, unit) for name, unit in units.items()}
+    claims.append(
+        Claim(
+            id='table-1-unit',
+            where='table 1',
+            claim='unit of the expansion coefficient, 10^5 K^-1',
+            paper_value='10^5 K^-1',
+            our_value={f'beta0(110), {name}': value for name, value in values.items()},
+            verdict=all_settings(
+                {
+                    name: gcr15.BETA0_LOW <= value <= gcr15.BETA0_HIGH
+                    for name, value in values.items()
+                }
+            ),
+            why=(
+                f'Rule: beta0 within {gcr15.BETA0_LOW} to {gcr15.BETA0_HIGH} at 110 degC. '
+                'Reading taken: 10^-5, the lost minus sign (selectable: 10^-6).'
+            ),
+        )
+    )
+    middle = float(np.median(gcr15.EXPANSION_TABLE))
+    ratios = {name: middle * unit / STEEL_EXPANSION for name, unit in list(units.items())[1:]}
+    claims.append(
+        Claim(
+            id='table-1-magnitude',
+            where='table 1',
+            claim='table 1 is the expansion coefficient of GCr15 bearing steel',
+            paper_value=STEEL_EXPANSION,
+            our_value={f'median over steel, {name}': ratio for name, ratio in ratios.items()},
+            verdict=all_settings({name: 0.5 < ratio < 2.0 for name, ratio in ratios.items()}),
+            why='Rule: median of the table within a factor 2 of 12e-6/K.',
+        )
+    )
+    return claims
+
+
+def _hardness_claims() -> list[Claim]:
+    rise = gcr15.hardness(HOT) - gcr15.hardness(COLD)
+    tau = float(kendalltau(gcr15.HARDNESS_TABLE, gcr15.FRICTION_TABLE).statistic)
+    beta = equations.beta0('hardness', COLD)
+    return [
+        Claim(
+            id='hardness-increases',
+            where='sections 3.2 and 3.3: "the increase in temperature causes the hardness value H '
+            'of the rolling bearing to increase"',
+            claim='hardness increases with temperature',
+            paper_value='increases',
+            our_value=rise,
+            verdict=all_settings({'table 2': rise > 0.0}),
+            why=(
+                'Rule: H(110) - H(20) of table 2 in HRC. The sentence is repeated in section 3.3, '
+                'where it should speak of friction.'
+            ),
+        ),
+        Claim(
+            id='table-3-called-hardness',
+            where='section 3.3, before table 3',
+            claim='table 3 is "a data table of the change of hardness value", trend upward',
+            paper_value='hardness',
+            our_value={'kendall_tau_with_table_2': tau},
+            verdict=all_settings({'tables 2 and 3 go together': tau > 0.0}),
+            why='Rule: rank correlation of tables 2 and 3. Table 3 is the friction coefficient.',
+        ),
+        Claim(
+            id='initial-hardness',
+            where='section 3.2',
+            claim='the initial hardness H0 is 63.6 HRC',
+            paper_value=63.6,
+            our_value={'H(20)': gcr15.hardness(COLD), 'beta0(20), hardness': beta},
+            verdict=within(63.6, gcr15.hardness(COLD), 0.05),
+            why=(
+                'Rule: equal to table 2 at the initial temperature of 20 degC. It is the value of '
+                '40 and 50 degC; therefore beta0 is not 1 at the reference temperature.'
+            ),
+        ),
+    ]
+
+
+def _beta_claims() -> list[Claim]:
+    literal, strain = equations.expansion_term(HOT), equations.alpha_strain(HOT)
+    stiffness = 1.0 + literal
+    steel = 1.0 + settings.STIFFNESS_SLOPE_STEEL * (HOT - COLD)
+    return [
+        Claim(
+            id='expansion-is-a-strain',
+            where='equations 13 and 14',
+            claim='alpha (T - T0) with the instantaneous coefficient is the expansion',
+            paper_value=literal,
+            our_value=strain,
+            verdict=within(literal, strain, 0.05 * literal),
+            why=(
+                'Rule: equal to the integral of alpha from 20 to 110 degC to 5 %. An '
+                'instantaneous coefficient has to be integrated; and a strain changes lengths, '
+                'not a stiffness.'
+            ),
+        ),
+        Claim(
+            id='stiffness-rises',
+            where='equation 14',
+            claim='stiffness rises with temperature through expansion',
+            paper_value=stiffness,
+            our_value=steel,
+            verdict=all_settings({"Young's modulus of steel": (steel - 1.0) * literal > 0.0}),
+            why="Rule: same direction as Young's modulus of steel, -3e-4/K.",
+        ),
+    ]

@@ -1,0 +1,356 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Claims about the equations: dimensions, signs, brackets, solver, and what is missing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq
+
+from bearing_twin.dynamics import preset
+from bearing_twin.paper import equations, settings
+from bearing_twin.paper.claims import Claim, percent
+from bearing_twin.paper.claims_trend import COLD, HOT
+from bearing_twin.paper.verdicts import all_settings, same_direction, within
+
+if TYPE_CHECKING:
+    from bearing_twin.dynamics import TwinParameters
+    from bearing_twin.paper.study import Study
+
+__all__ = ['circulation', 'model_claims', 'static_position', 'system_matrix', 'unclosed']
+
+_Law = Callable[..., tuple[float, float]]
+Dimension = tuple[float, float, float, float]
+
+# Exponents of kg, m, s, A.
+LENGTH: Dimension = (0, 1, 0, 0)
+DAMPING: Dimension = (1, 0, -1, 0)
+ACCELERATION: Dimension = (0, 1, -2, 0)
+VOLT: Dimension = (1, 2, -3, -1)
+
+EQUATION_25 = (
+    'F_X = sum K_b0 [1 + a (T - T0) + Dh (H - H0)/H0 + h (mu - mu0)/mu0] '
+    '{[(x_in - x_out) cos t + (y_in - y_out) sin t - c_r - b C_d0 x '
+    '[1 + a (T - T0) + Dh (H - H0)/H0 + h (mu - mu0)/mu0] }^1.5 cos t'
+)
+"""Brackets as printed."""
+RK4_LIMIT = 2.78
+"""Extent of the stability region of RK4 along both axes, |h lambda|."""
+SAMPLE_RATE = 25600.0
+
+
+def model_claims(study: Study) -> list[Claim]:
+    """Judge equations 5 to 8 and 16 to 25, the solver and the completeness of the description."""
+    return [
+        *_geometry_claims(),
+        *_dimension_claims(),
+        *_resultant_claims(),
+        _friction_equation(),
+        _brackets(),
+        _solver(),
+        _absolute(study),
+    ]
+
+
+def unclosed(text: str) -> int:
+    """Count brackets of ``text`` that have no partner."""
+    partner = {')': '(', ']': '[', '}': '{'}
+    open_ones: list[str] = []
+    lost = 0
+    for character in text:
+        if character in '([{':
+            open_ones.append(character)
+        elif character in partner:
+            if partner[character] not in open_ones:
+                lost += 1
+                continue
+            while open_ones.pop() != partner[character]:
+                lost += 1
+    return lost + len(open_ones)
+
+
+def static_position(parameters: TwinParameters) -> float:
+    """Vertical displacement of the inner ring at which the balls carry the load, m.
+
+    One ball stands in the load direction, so that there is no horizontal force.
+    """
+    theta = equations.ball_angles(parameters.bearing.n_balls, -math.pi / 2)
+
+    def excess(y: float) -> float:
+        _, f_y = equations.total_force(0.0, y, theta, parameters.clearance, parameters.k_b0)
+        return -f_y - parameters.load
+
+    return float(brentq(excess, -1e-3, 0.0, xtol=1e-15))
+
+
+def system_matrix(parameters: TwinParameters) -> npt.NDArray[np.float64]:
+    """State matrix (8, 8) of the model linearised at static equilibrium, contact loaded."""
+    p = parameters
+    theta = equations.ball_angles(p.bearing.n_balls, -math.pi / 2)
+    y = static_position(p)
+    delta = equations.deformation_eq8(0.0, y, theta, p.clearance)
+    slope = 1.5 * p.k_b0 * np.sqrt(np.maximum(delta, 0.0))
+    loaded = np.where(delta > 0.0, p.contact_damping, 0.0)
+    mass = np.diag([p.inner_mass, p.inner_mass, p.outer_mass, p.outer_mass])
+    normals = np.array([np.cos(theta), np.sin(theta)])
+    contact_k, contact_c = ((normals * row) @ normals.T for row in (slope, loaded))
+    coupling = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    stiffness = np.kron(coupling, contact_k) + np.diag(
+        [p.inner_stiffness] * 2 + [p.outer_stiffness] * 2
+    )
+    damping = np.kron(coupling, contact_c) + np.diag([p.inner_damping] * 2 + [p.outer_damping] * 2)
+    inverse = np.linalg.inv(mass)
+    return np.block([[np.zeros((4, 4)), np.eye(4)], [-inverse @ stiffness, -inverse @ damping]])
+
+
+def circulation(*, as_printed: bool) -> float:
+    """Skew part of the contact stiffness over its size; 0 if the forces have a potential.
+
+    Equation 7 as printed, or equation 8 as read, for `extended` at static equilibrium plus a
+    sideways displacement of 2 um, with the balls a tenth of a spacing off the load direction.
+    """
+    p = preset('extended', bearing=settings.BEARING)
+    theta = equations.ball_angles(p.bearing.n_balls, -math.pi / 2 + 0.1 * math.tau / 8)
+    law: _Law = equations.forces_as_printed if as_printed else equations.total_force
+    at, step = (2e-6, static_position(p)), 1e-9
+    jacobian = np.empty((2, 2))
+    for column, (dx, dy) in enumerate(((step, 0.0), (0.0, step))):
+        after = law(at[0] + dx, at[1] + dy, theta, p.clearance, p.k_b0)
+        before = law(at[0] - dx, at[1] - dy, theta, p.clearance, p.k_b0)
+        jacobian[:, column] = np.subtract(after, before) / (2.0 * step)
+    return float(abs(jacobian[0, 1] - jacobian[1, 0]) / np.linalg.norm(jacobian))
+
+
+def _geometry_claims() -> list[Claim]:
+    p = preset('extended', bearing=settings.BEARING)
+    y = static_position(p)
+    theta = equations.ball_angles(p.bearing.n_balls, -math.pi / 2)
+    delta = equations.deformation_eq8(0.0, y, theta, p.clearance)
+    with np.errstate(invalid='ignore'):
+        printed = p.k_b0 * delta**1.5
+    read = equations.ball_forces(delta, p.k_b0)
+    undefined = int(np.isnan(printed).sum())
+    turned = math.pi / 2 - theta
+    same = np.allclose(
+        equations.deformation_eq5(1e-6, y, turned, p.clearance),
+        equations.deformation_eq8(1e-6, y, theta, p.clearance),
+        rtol=1e-12,
+    )
+    mixed = np.allclose(
+        equations.deformation_eq5(1e-6, y, theta, p.clearance),
+        equations.deformation_eq8(1e-6, y, theta, p.clearance),
+    )
+    skew = {'as printed': circulation(as_printed=True), 'as read': circulation(as_printed=False)}
+    return [
+        Claim(
+            id='angle-convention',
+            where='equations 5 and 6 against 7 and 8',
+            claim='x sin(theta) + y cos(theta) and x cos(theta) + y sin(theta) are both delta_i',
+            paper_value='same symbol delta_i',
+            our_value={'same theta': mixed, 'theta counted from the vertical in equation 5': same},
+            verdict=all_settings({'same theta': mixed, 'theta from the vertical': same}),
+            why='Rule: equal for all balls. Reading taken: equation 8, theta from +x.',
+        ),
+        Claim(
+            id='projection-of-forces',
+            where='equation 7',
+            claim='components F_X and F_Y of the contact forces',
+            paper_value='elastic forces',
+            our_value=skew,
+            verdict=all_settings({name: value < 1e-6 for name, value in skew.items()}),
+            why=(
+                'Rule: elastic forces have a potential, so dF_X/dy = dF_Y/dx (skew part of the '
+                'stiffness over its norm below 1e-6). Equation 7 uses another deformation in '
+                'each component and projects F_X with sin; such a bearing creates energy.'
+            ),
+        ),
+        Claim(
+            id='unloaded-balls',
+            where='equations 6 to 8',
+            claim='no contact force outside the load zone',
+            paper_value=0.0,
+            our_value={'as printed, undefined forces': undefined, 'of balls': len(theta)},
+            verdict=all_settings(
+                {
+                    'as printed': undefined == 0,
+                    'with max(delta, 0)': bool(np.all(read[delta <= 0.0] == 0.0)),
+                }
+            ),
+            why=(
+                'Rule: force 0 where delta <= 0, `extended` at rest. The text says so, the '
+                'equations do not: delta^1.5 of a negative number is not real.'
+            ),
+        ),
+    ]
+
+
+def _dimension_claims() -> list[Claim]:
+    return [
+        Claim(
+            id='c-d-is-a-depth',
+            where='equation 8, section 3 first paragraph',
+            claim="'friction damping C_d' is subtracted from the clearance",
+            paper_value='damping, N s/m',
+            our_value='length, m',
+            verdict=all_settings(
+                {
+                    reading: dimension == LENGTH
+                    for reading, dimension in (
+                        ('C_d a damping', DAMPING),
+                        ('C_d the depth of the spall, b its switch', LENGTH),
+                    )
+                }
+            ),
+            why=(
+                'Rule: only like dimensions are subtracted. Equation 8 is the published defect '
+                'model with depth C_d and switch beta (Feng; Sawalhi and Randall; Mishra 2017). '
+                "Section 3 also calls K_b, a stiffness, 'friction damping'."
+            ),
+        ),
+        Claim(
+            id='amplitude-in-volts',
+            where='sections 3.1 to 3.4, waterfall figures',
+            claim="the axis 'amplitude V' shows acceleration",
+            paper_value='V',
+            our_value='m/s^2',
+            verdict=all_settings(
+                {
+                    unit: dimension == ACCELERATION
+                    for unit, dimension in (('V', VOLT), ('m/s^2', (0, 1, -2, 0)))
+                }
+            ),
+            why='Rule: unit has the dimension of an acceleration. No sensitivity is given.',
+        ),
+    ]
+
+
+def _resultant_claims() -> list[Claim]:
+    f_x, f_y = 3.0, 4.0
+    p = preset('extended', bearing=settings.BEARING)
+    housing, rotor = p.outer_mass, p.inner_mass
+    angles = {'pi/2': math.pi / 2, 'pi/3': math.pi / 3, '0': 0.0}
+    values = {name: equations.resultant_as_printed(f_x, f_y, a) for name, a in angles.items()}
+    return [
+        Claim(
+            id='resultant-angle',
+            where='equations 16 and 17',
+            claim="'different values are used' for the angle between F_x and F_y",
+            paper_value='different angles',
+            our_value=values,
+            verdict=all_settings(
+                {name: math.isclose(v, math.hypot(f_x, f_y)) for name, v in values.items()}
+            ),
+            why=(
+                'Rule: resultant of F_x = 3 N, F_y = 4 N is 5 N. The components are at right '
+                'angles, so only pi/2 is right.'
+            ),
+        ),
+        Claim(
+            id='acceleration-from-mass',
+            where='equation 19',
+            claim='a = F/m with the system mass m',
+            paper_value=settings.SYSTEM_MASS,
+            our_value={'housing_kg': housing, 'rotor_kg': rotor},
+            verdict=within(settings.SYSTEM_MASS, housing, 0.01 * housing),
+            why=(
+                'Rule: mass within 1 % of ours; none is given. Here the acceleration is that of '
+                'the housing in the equations of motion.'
+            ),
+        ),
+    ]
+
+
+def _friction_equation() -> Claim:
+    ratio = settings.FORMULA_RATIOS['C_d0/approach=0.7']
+    printed = (
+        equations.friction_force_as_printed(HOT, ratio)
+        / equations.friction_force_as_printed(COLD, ratio)
+        - 1.0
+    )
+    cold, hot = (equations.beta0('friction', t) for t in (COLD, HOT))
+    read = float(
+        equations.static_force(hot, hot, ratio) / equations.static_force(cold, cold, ratio) - 1.0
+    )
+    return Claim(
+        id='friction-equation',
+        where='equations 22 and 23',
+        claim='with the friction factor the force decreases with temperature',
+        paper_value='decreases',
+        our_value={'as printed': percent(printed), 'friction factor in both': percent(read)},
+        verdict=all_settings(
+            {
+                'as printed': same_direction(-1, printed, 0.0),
+                'friction factor in both': same_direction(-1, read, 0.0),
+            }
+        ),
+        why=(
+            'Rule: sign of F(110)/F(20) - 1 at C_d0/approach = 0.7. Equation 23 has the hardness '
+            'factor inside C_d, pasted from equation 21, and the weight of friction is printed '
+            'as h, the hardness. Reading taken: weight delta_mu, and one factor in both places.'
+        ),
+    )
+
+
+def _brackets() -> Claim:
+    count = unclosed(EQUATION_25)
+    return Claim(
+        id='brackets-of-equation-25',
+        where='equation 25',
+        claim='the combined force',
+        paper_value=0,
+        our_value=count,
+        verdict=within(0, count, 0),
+        why=(
+            'Rule: every bracket has a partner. Reading taken: K_b0 beta0 [x cos + y sin - c_r - '
+            'b C_d0 beta0]^1.5.'
+        ),
+    )
+
+
+def _solver() -> Claim:
+    values = np.linalg.eigvals(system_matrix(preset('extended', bearing=settings.BEARING)))
+    decay = np.abs(values.real)
+    radius = float(np.abs(values).max())
+    largest_step = RK4_LIMIT / radius
+    return Claim(
+        id='stiff-solver',
+        where='section 2 (2)',
+        claim="ode15s, a solver for stiff systems, is used 'for rigid and non-stiff ODEs'",
+        paper_value='ode15s',
+        our_value={
+            'fastest_mode_hz': radius / math.tau,
+            'decay_ratio': float(decay.max() / decay.min()),
+            'rk4_stable_below_us': largest_step * 1e6,
+            'sample_us': 1e6 / SAMPLE_RATE,
+        },
+        verdict=all_settings(
+            {'explicit step limited by stability': largest_step < 1.0 / SAMPLE_RATE}
+        ),
+        why=(
+            'Rule: stiff if stability forbids explicit RK4 one step per sample of 25.6 kHz. '
+            "'Rigid' stands for stiff; this model is not."
+        ),
+    )
+
+
+def _absolute(study: Study) -> Claim:
+    missing = sorted(settings.REQUIRED - settings.DISCLOSED)
+    ours = {name: study.trends[name, 'all'][0].amplitude for name in settings.PRESET_NAMES}
+    stated = settings.AMPLITUDE_AT_20
+    return Claim(
+        id='absolute-amplitudes',
+        where='figures 4, 9, 16, 23, 28',
+        claim='amplitudes of the simulated signals',
+        paper_value=stated,
+        our_value={f'{name}, m/s^2': value for name, value in ours.items()},
+        verdict=within(stated, ours['extended'], 0.1 * ours['extended']),
+        why=(
+            'Rule: amplitude within 10 %. The text gives none, nor does it give '
+            f'{", ".join(missing)}, or any equation of motion: we take cited presets.'
+        ),
+    )

@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Figures 9, 16, 23, 28 (waterfalls) and 10, 17, 24, 29 (peaks over temperature)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from bearing_twin.paper import settings
+from bearing_twin.paper.figures_style import (
+    COLOURS,
+    TEMPERATURE_LABEL,
+    label,
+    new_figure,
+    temperature_colour,
+)
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+    from matplotlib.figure import Figure
+
+    from bearing_twin.paper.study import Study
+
+__all__ = ['peaks', 'waterfall']
+
+_COLUMNS = 900
+
+
+def _outline(
+    time: npt.NDArray[np.float64], values: npt.NDArray[np.float32]
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float32]]:
+    """Keep the least and greatest sample of each column of the picture."""
+    size = len(values) // _COLUMNS
+    rows = values[: size * _COLUMNS].reshape(_COLUMNS, size)
+    both = np.stack([rows.min(axis=1), rows.max(axis=1)], axis=1).ravel()
+    return np.repeat(time[: size * _COLUMNS : size], 2), both
+
+
+def waterfall(study: Study, *, number: int, factor: settings.Factor) -> Figure:
+    """Draw the time signals at the ten temperatures."""
+    figure = new_figure(
+        f'Figure {number}. Time-domain waterfall: {settings.FACTOR_TEXT[factor]}',
+        width=13.0,
+        height=5.4,
+    )
+    # The automatic layout leaves half of a 3-D panel empty.
+    figure.set_layout_engine('none')
+    figure.subplots_adjust(left=0.0, right=0.97, bottom=0.03, top=0.92, wspace=0.06)
+    nodes = settings.TEMPERATURE_NODES
+    for column, name in enumerate(settings.PRESET_NAMES, start=1):
+        axes = figure.add_subplot(1, 2, column, projection='3d')
+        top = 0.0
+        for temperature, point in reversed(
+            list(zip(nodes, study.trends[name, factor], strict=True))
+        ):
+            time, values = _outline(point.time, point.acceleration - point.acceleration.mean())
+            fraction = (temperature - nodes[0]) / (nodes[-1] - nodes[0])
+            axes.plot(
+                time, np.full(len(time), temperature), values,
+                color=temperature_colour(fraction), linewidth=0.35,
+            )  # fmt: skip
+            top = max(top, float(np.abs(values).max()))
+        axes.set_xlim(0.0, settings.DURATION)
+        axes.set_ylim(nodes[0], nodes[-1])
+        axes.set_zlim(-1.25 * top, 1.25 * top)
+        axes.set_yticks(nodes[::3])
+        axes.set_xlabel('time t / s', labelpad=9)
+        axes.set_ylabel(TEMPERATURE_LABEL, labelpad=9)
+        axes.set_zlabel('acceleration a / m s⁻²', labelpad=7)
+        axes.view_init(elev=32, azim=-66)
+        axes.set_box_aspect((1.7, 1.5, 0.62), zoom=1.12)
+        change = 100.0 * study.change(name, factor)
+        axes.set_title(f'{name}: impact amplitude {change:+.1f} % from 20 to 110 °C', fontsize=10)
+        for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+            axis.pane.set_facecolor((0.97, 0.97, 0.97, 1.0))
+    return figure
+
+
+def peaks(study: Study, *, number: int, factor: settings.Factor) -> Figure:
+    """Draw the heights of the four peaks and the impact amplitude over temperature."""
+    figure = new_figure(
+        f'Figure {number}. Peak acceleration over temperature: {settings.FACTOR_TEXT[factor]}'
+    )
+    nodes = settings.TEMPERATURE_NODES
+    for axes, name in zip(figure.subplots(1, 2), settings.PRESET_NAMES, strict=True):
+        heights = np.array([point.peak_heights for point in study.trends[name, factor]])
+        for k, instant in enumerate(settings.PEAK_TIMES):
+            axes.plot(
+                nodes, heights[:, k], 'o-', color=COLOURS[k], markersize=4, linewidth=1.3,
+                label=f't = {instant} s',
+            )  # fmt: skip
+        axes.plot(
+            nodes, study.amplitudes(name, factor), 's--', color='black', markersize=4,
+            linewidth=1.3, label='impact amplitude A',
+        )  # fmt: skip
+        change = 100.0 * study.change(name, factor)
+        label(axes, f'{name}: A {change:+.1f} %', TEMPERATURE_LABEL, 'acceleration |a| / m s⁻²')
+        axes.set_xticks(nodes)
+        low, high = axes.get_ylim()
+        axes.set_ylim(low, high + 0.28 * (high - low))
+        axes.legend(fontsize=8, ncols=3, frameon=False, loc='upper center')
+    return figure

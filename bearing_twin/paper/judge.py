@@ -1,0 +1,28 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""All claims, judged."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bearing_twin.paper.claims_frequency import frequency_claims
+from bearing_twin.paper.claims_material import material_claims
+from bearing_twin.paper.claims_model import model_claims
+from bearing_twin.paper.claims_trend import trend_claims
+
+if TYPE_CHECKING:
+    from bearing_twin.paper.claims import Claim
+    from bearing_twin.paper.study import Study
+
+__all__ = ['judge']
+
+
+def judge(study: Study) -> list[Claim]:
+    """Return every claim with its verdict, in the order of the report."""
+    return [
+        *frequency_claims(study),
+        *trend_claims(study),
+        *material_claims(),
+        *model_claims(study),
+    ]

@@ -1,0 +1,290 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The numerical study: which simulations are run, and what is kept of each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from bearing_twin.bearing import fault_frequencies
+from bearing_twin.paper import measures, settings
+from bearing_twin.paper.runs import RunSpec, in_parallel, simulate
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+__all__ = [
+    'FaultPoint',
+    'FrequencyPoint',
+    'Grid',
+    'Study',
+    'TrendPoint',
+    'run_study',
+]
+
+FloatArray = npt.NDArray[np.float64]
+
+STARTS = 8
+"""Starts over one beat of f_in against 5 f_r, to see how much the start decides the amplitude."""
+FREQUENCY_SECONDS = 12.0
+"""Long enough to separate f_in from 5 f_r, 0.66 Hz away without and 0.18 Hz with slip."""
+FREQUENCY_RATE = 25600.0
+SMALL_DELTA_MU = 0.001
+"""A weight of friction that the paper allows just as well as `settings.DELTA_MU`."""
+CLEARANCE_COLD, CLEARANCE_HOT = 5e-6, 1.9e-6
+"""Radial clearance with rings of one temperature, and with the inner ring 9 K hotter, m."""
+GRID_LOADS = (500.0, 1000.0, 2000.0, 4000.0)
+GRID_WIDTHS = (0.4e-3, 0.8e-3, 1.2e-3, 1.6e-3, 2.0e-3, 2.4e-3, 2.8e-3, 3.2e-3, 4.0e-3, 4.8e-3)
+GRID_DEPTHS = (15e-6, 40e-6, 60e-6)
+GRID_CLEARANCES = (0.0, 5e-6)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrendPoint:
+    """One preset, factor and temperature."""
+
+    time: FloatArray
+    """s, 0 to 0.7."""
+    acceleration: npt.NDArray[np.float32]
+    """m/s^2."""
+    amplitude: float
+    """Of the record from t = 0, m/s^2; see `measures.amplitude`."""
+    by_start: FloatArray
+    """Amplitude of records of 0.7 s from `STARTS` starts, m/s^2."""
+    peak_times: FloatArray
+    """Times of the peaks next to `settings.PEAK_TIMES`, s."""
+    peak_heights: FloatArray
+    """Heights of these peaks, m/s^2."""
+    clearance: float
+    """Radial clearance in the run, m."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrequencyPoint:
+    """One preset, slip model and temperature; all three factors act."""
+
+    prescribed: float
+    """Ball-pass frequency that the kinematics give, Hz."""
+    line: float
+    """Envelope line of a record of `FREQUENCY_SECONDS`, Hz."""
+    line_short: float
+    """Envelope line of its first 0.7 s, Hz."""
+    envelope: tuple[FloatArray, FloatArray]
+    """Envelope spectrum of the record up to 500 Hz: Hz, m/s^2."""
+    acceleration: tuple[FloatArray, FloatArray]
+    """Acceleration spectrum of its first 0.7 s up to 3 kHz: Hz, m/s^2."""
+    contrast: float
+    """Height of the f_in line over the floor of the envelope spectrum."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FaultPoint:
+    """Envelope lines with a defect in one place."""
+
+    contrasts: Mapping[str, float]
+    """Height over the floor of the lines f_in, f_out, f_b, 2 f_b, f_c."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Grid:
+    """d ln(amplitude) / d ln(beta0) over loads, widths, depths and clearances."""
+
+    specs: tuple[RunSpec, ...]
+    """The cold run of each point."""
+    slopes: FloatArray
+    """Shape (points,)."""
+
+    @property
+    def falling(self) -> float:
+        """Fraction of the points in which the amplitude falls with beta0."""
+        return float(np.mean(self.slopes < 0.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Everything that was simulated."""
+
+    trends: Mapping[tuple[str, str], tuple[TrendPoint, ...]]
+    """By preset and factor, one point a temperature."""
+    frequencies: Mapping[tuple[str, str, float], FrequencyPoint]
+    """By preset, slip model and temperature."""
+    faults: Mapping[str, FaultPoint]
+    """By place of the defect."""
+    clearance: Mapping[str, tuple[float, float]]
+    """Amplitude with the cold and the hot clearance, by preset, m/s^2."""
+    small_mu: Mapping[tuple[str, str], float]
+    """Relative change of the amplitude from 20 to 110 degC with `SMALL_DELTA_MU`, by preset and
+    factor."""
+    grid: Grid
+
+    def amplitudes(self, preset: str, factor: str) -> FloatArray:
+        """Amplitude at each temperature, m/s^2, shape (10,)."""
+        return np.array([point.amplitude for point in self.trends[preset, factor]])
+
+    def change(self, preset: str, factor: str) -> float:
+        """Relative change of the amplitude from 20 to 110 degC."""
+        first, *_, last = self.amplitudes(preset, factor)
+        return float(last / first - 1.0)
+
+    def changes_by_start(self, preset: str, factor: str) -> FloatArray:
+        """Relative change of the amplitude by start of the record, shape (STARTS,)."""
+        points = self.trends[preset, factor]
+        return points[-1].by_start / points[0].by_start - 1.0
+
+    def peak_change(self, preset: str, factor: str) -> float:
+        """Relative change of the mean height of the four peaks from 20 to 110 degC."""
+        points = self.trends[preset, factor]
+        return float(points[-1].peak_heights.mean() / points[0].peak_heights.mean() - 1.0)
+
+
+def run_study(*, processes: int = 2, quiet: bool = False) -> Study:
+    """Run every simulation, with a progress bar unless ``quiet``."""
+    nodes = settings.TEMPERATURE_NODES
+    names, factors = settings.PRESET_NAMES, settings.FACTORS
+    cold, hot = nodes[0], nodes[-1]
+    trend_keys = [(p, f, t) for p in names for f in factors for t in nodes]
+    trend_specs = [
+        RunSpec(preset=p, factor=f, temperature=t, seconds=settings.DURATION + _beat())
+        for p, f, t in trend_keys
+    ]
+    frequency_keys = [(p, s, t) for p in names for s in ('none', 'mu_proportional') for t in nodes]
+    frequency_specs = [
+        RunSpec(
+            preset=p, factor='all', temperature=t, slip_model=s, seconds=FREQUENCY_SECONDS,
+            rate=FREQUENCY_RATE,
+        )
+        for p, s, t in frequency_keys
+    ]  # fmt: skip
+    fault_keys = ['inner', 'outer', 'ball', 'cage']
+    fault_specs = [
+        RunSpec(
+            preset='incipient', factor=None, temperature=cold, defect=place,
+            seconds=FREQUENCY_SECONDS, rate=FREQUENCY_RATE,
+        )
+        for place in fault_keys
+    ]  # fmt: skip
+    clearance_specs = [
+        RunSpec(preset=p, factor=None, temperature=cold, clearance=c)
+        for p in names
+        for c in (CLEARANCE_COLD, CLEARANCE_HOT)
+    ]
+    mu_keys = [(p, f) for p in names for f in factors[:3]]
+    mu_specs = [
+        RunSpec(preset=p, factor=f, temperature=t, delta_mu=SMALL_DELTA_MU)
+        for p, f in mu_keys
+        for t in (cold, hot)
+    ]
+    grid_specs = [
+        RunSpec(
+            preset='extended', factor='friction', temperature=t, load=w, width=b, depth=h,
+            clearance=c, seconds=_beat(), rate=FREQUENCY_RATE,
+        )
+        for w in GRID_LOADS for b in GRID_WIDTHS for h in GRID_DEPTHS for c in GRID_CLEARANCES
+        for t in (cold, hot)
+    ]  # fmt: skip
+    groups: list[tuple[Callable[[RunSpec], object], list[RunSpec]]] = [
+        (trend_point, trend_specs),
+        (frequency_point, frequency_specs),
+        (fault_point, fault_specs),
+        (only_amplitude, clearance_specs + mu_specs + grid_specs),
+    ]
+    jobs = [(work, spec) for work, specs in groups for spec in specs]
+    done = iter(in_parallel(_do, jobs, processes=processes, text='simulations', quiet=quiet))
+    trend = {key: next(done) for key in trend_keys}
+    frequency = {key: next(done) for key in frequency_keys}
+    fault = {key: next(done) for key in fault_keys}
+    clearance = {name: (float(next(done)), float(next(done))) for name in names}
+    small: dict[tuple[str, str], float] = {}
+    for mu_key in mu_keys:
+        first, last = float(next(done)), float(next(done))
+        small[mu_key] = last / first - 1.0
+    pairs = np.array([float(value) for value in done]).reshape(-1, 2)
+    beta_hot = settings.factor_of('friction').at(hot)
+    slopes = np.log(pairs[:, 1] / pairs[:, 0]) / np.log(beta_hot)
+    return Study(
+        trends={(p, f): tuple(trend[p, f, t] for t in nodes) for p in names for f in factors},
+        frequencies=frequency,
+        faults=fault,
+        clearance=clearance,
+        small_mu=small,
+        grid=Grid(specs=tuple(grid_specs[::2]), slopes=slopes),
+    )
+
+
+def _do(job):  # type: ignore[no-untyped-def]
+    work, spec = job
+    return work(spec)
+
+
+def _beat() -> float:
+    """Period after which impacts fall on the same shaft angle again, s."""
+    bpfi = fault_frequencies(settings.BEARING, settings.SHAFT_HZ).bpfi
+    return 1.0 / (5.0 * settings.SHAFT_HZ - bpfi)
+
+
+def trend_point(spec: RunSpec) -> TrendPoint:
+    """Simulate one temperature of a trend."""
+    record = simulate(spec)
+    size = round(settings.DURATION * record.rate)
+    offsets = np.linspace(0, len(record.time) - size, STARTS).astype(int)
+    by_start = np.array(
+        [
+            measures.amplitude(record.acceleration[k : k + size], record.rate, record.bpfi)
+            for k in offsets
+        ]
+    )
+    time, acceleration = record.time[:size], record.acceleration[:size]
+    peaks = [
+        measures.peak_near(time, acceleration, instant, 0.4 / record.bpfi)
+        for instant in settings.PEAK_TIMES
+    ]
+    times, heights = np.array(peaks).T
+    return TrendPoint(
+        time=time,
+        acceleration=acceleration.astype(np.float32),
+        amplitude=float(by_start[0]),
+        by_start=by_start,
+        peak_times=times,
+        peak_heights=heights,
+        clearance=record.clearance,
+    )
+
+
+def frequency_point(spec: RunSpec) -> FrequencyPoint:
+    """Simulate one temperature of the frequency shift."""
+    record = simulate(spec)
+    short = record.acceleration[: round(settings.DURATION * record.rate)]
+    frequency, envelope = measures.envelope_spectrum(record.acceleration, record.rate)
+    low = frequency <= 500.0
+    wide, acceleration = measures.spectrum(short, record.rate)
+    return FrequencyPoint(
+        prescribed=record.bpfi,
+        line=measures.line_frequency(record.acceleration, record.rate, record.bpfi),
+        line_short=measures.line_frequency(short, record.rate, record.bpfi),
+        envelope=(frequency[low], envelope[low]),
+        acceleration=(wide[wide <= 3000.0], acceleration[wide <= 3000.0]),
+        contrast=measures.line_contrast(frequency, envelope, record.bpfi),
+    )
+
+
+def fault_point(spec: RunSpec) -> FaultPoint:
+    """Simulate a defect in one place and measure the candidate lines."""
+    record = simulate(spec)
+    bpfo, bpfi, bsf, ftf = fault_frequencies(settings.BEARING, settings.SHAFT_HZ)
+    lines = {'f_in': bpfi, 'f_out': bpfo, 'f_b': bsf, '2 f_b': 2.0 * bsf, 'f_c': ftf}
+    frequency, envelope = measures.envelope_spectrum(record.acceleration, record.rate)
+    return FaultPoint(
+        contrasts={
+            name: measures.line_contrast(frequency, envelope, line) for name, line in lines.items()
+        }
+    )
+
+
+def only_amplitude(spec: RunSpec) -> float:
+    """Simulate and return the impact amplitude, m/s^2."""
+    record = simulate(spec)
+    return measures.amplitude(record.acceleration, record.rate, record.bpfi)

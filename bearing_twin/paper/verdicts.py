@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Verdicts on claims, each a function of numbers and a stated rule."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = [
+    'CONTRADICTED',
+    'NOT_CHECKABLE',
+    'REPRODUCED',
+    'UNDER_SETTINGS',
+    'VERDICTS',
+    'Verdict',
+    'all_settings',
+    'same_direction',
+    'share',
+    'within',
+]
+
+Verdict = Literal[
+    'reproduced', 'reproduced_only_under_stated_settings', 'contradicted', 'not_checkable'
+]
+REPRODUCED: Verdict = 'reproduced'
+UNDER_SETTINGS: Verdict = 'reproduced_only_under_stated_settings'
+CONTRADICTED: Verdict = 'contradicted'
+NOT_CHECKABLE: Verdict = 'not_checkable'
+VERDICTS: tuple[Verdict, ...] = (REPRODUCED, UNDER_SETTINGS, CONTRADICTED, NOT_CHECKABLE)
+
+
+def within(paper: float | None, ours: float | None, tolerance: float) -> Verdict:
+    """Judge one number: reproduced if ``|ours - paper| <= tolerance``.
+
+    Not checkable where either is missing (None).
+    """
+    if paper is None or ours is None:
+        return NOT_CHECKABLE
+    return REPRODUCED if abs(ours - paper) <= tolerance else CONTRADICTED
+
+
+def all_settings(holds: Mapping[str, bool]) -> Verdict:
+    """Judge a statement tested under several settings or readings.
+
+    Reproduced if it holds under all of them, contradicted if under none, otherwise reproduced
+    only under stated settings; not checkable if nothing could be tested.
+    """
+    if not holds:
+        return NOT_CHECKABLE
+    if all(holds.values()):
+        return REPRODUCED
+    return UNDER_SETTINGS if any(holds.values()) else CONTRADICTED
+
+
+def share(fraction: float, *, tolerance: float = 0.05) -> Verdict:
+    """Judge a general statement by the fraction of a grid of settings in which it holds.
+
+    Reproduced from ``1 - tolerance`` on, contradicted up to ``tolerance``.
+    """
+    if math.isnan(fraction):
+        return NOT_CHECKABLE
+    if fraction >= 1.0 - tolerance:
+        return REPRODUCED
+    return CONTRADICTED if fraction <= tolerance else UNDER_SETTINGS
+
+
+def same_direction(stated: int, change: float, resolution: float) -> bool:
+    """Whether a relative ``change`` goes the ``stated`` way (+1, -1), beyond ``resolution``."""
+    return stated * change > resolution
