@@ -129,14 +129,19 @@ class TwinRun:
 
     def block(
         self, due: Due, length: int, temperature: GatedTemperature, shaft_hz: float
-    ) -> Iterator[Output]:
-        """Advance by ``length`` samples; yield vibration and state as the node publishes them."""
+    ) -> tuple[Any, tuple[Output, Output]]:
+        """Advance by ``length`` samples.
+
+        Returns
+        -------
+        message, outputs
+            The vibration message; it and the twin's state as the node publishes them.
+        """
         values = self.values
         block = self._simulator.advance(length, temperature.used, shaft_hz)
         vibration = vibration_message(
             block, due=due, sample_rate=values['sample_rate'], frame_id=values['frame_id']
         )
-        yield _output('/vibration', vibration)
         state = twin_state_message(
             block,
             due=due,
@@ -148,7 +153,7 @@ class TwinRun:
         )
         # How long it took and how late it was says nothing here, and would differ each time.
         state.blocks_published = due.first_sample // length + 1
-        yield _output('/twin_state', state)
+        return vibration, (_output('/vibration', vibration), _output('/twin_state', state))
 
 
 class DiagnosisRun:

@@ -6,13 +6,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
-
-from bearing_twin_msgs.msg import Vibration
-from rclpy.serialization import deserialize_message
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes import diagnosis_config, twin_config
+from bearing_twin.nodes.ahead import ahead
 from bearing_twin.nodes.offline import DiagnosisRun, Output, TwinRun
 from bearing_twin.nodes.pacer import Due
 from bearing_twin.nodes.shaft import ShaftSpeed
@@ -23,7 +21,7 @@ from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.thermal.gate import TemperatureGate
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
     from pathlib import Path
 
     from bearing_twin.nodes.parameters import Spec
@@ -34,6 +32,8 @@ __all__ = ['OfflineReport', 'run_offline']
 NANO = 1_000_000_000
 TEMPERATURE = 'sensor_msgs/msg/Temperature'
 JOINTS = 'sensor_msgs/msg/JointState'
+AHEAD = 200
+"""Blocks that the twin may be ahead of the diagnosis."""
 
 
 @dataclass
@@ -41,7 +41,7 @@ class OfflineReport:
     """What an offline run has made."""
 
     target: Path
-    duration: float = 0.0
+    duration: float
     """Recorded time covered, s."""
     blocks: int = 0
     verdicts: dict[str, int] = field(default_factory=dict)
@@ -84,21 +84,22 @@ def run_offline(
     if not any(info.topics[t].type_name == TEMPERATURE and info.topics[t].count for t in topics):
         msg = f'{source} holds no {TEMPERATURE}; an offline run needs it'
         raise BearingTwinError(msg)
-    run = _Run(_values(twin_config.SPECS, twin), _values(diagnosis_config.SPECS, diagnosis))
-    run.report.target = target
+    twin_values = _values(twin_config.SPECS, twin)
+    diagnosis_values = _values(diagnosis_config.SPECS, diagnosis)
+    report = OfflineReport(target, info.duration)
+    twin_side = _TwinSide(twin_values, diagnosis_values['joint'], info.start)
     with RecordingWriter(target) as writer:
         writer.metadata('bearing_twin.source', {'source': source.name, 'mode': 'offline'})
-        run.begin(writer, info.start)
+        diagnosis_side = _DiagnosisSide(diagnosis_values, writer, report)
         reported = info.start
-        for message in read_messages(source, topics=topics):
-            run.blocks_until(message.log_time)
-            run.take(message)
-            if progress is not None and message.log_time - reported > NANO:
-                reported = message.log_time
+        messages = read_messages(source, topics=topics)
+        # The kernel lets go of the interpreter: twin and diagnosis have a core each.
+        for item in ahead(twin_side.run(messages, info.end), depth=AHEAD):
+            diagnosis_side.take(item)
+            if progress is not None and isinstance(item, _Block) and item.now - reported > NANO:
+                reported = item.now
                 progress((reported - info.start) / max(1, info.end - info.start))
-        run.blocks_until(info.end)
-    run.report.duration = info.duration
-    return run.report
+    return report
 
 
 def _values(specs: tuple[Spec, ...], given: Mapping[str, Any] | None) -> dict[str, Any]:
@@ -120,46 +121,46 @@ def _values(specs: tuple[Spec, ...], given: Mapping[str, Any] | None) -> dict[st
     return values
 
 
-class _Run:
-    """Twin and diagnosis on one time line."""
+class _Block(NamedTuple):
+    """One block of the twin, and what the diagnosis needs with it."""
 
-    def __init__(self, twin: dict[str, Any], diagnosis: dict[str, Any]) -> None:
-        self.report = OfflineReport(None)  # type: ignore[arg-type]
-        self._twin = TwinRun(twin)
-        self._diagnosis = DiagnosisRun(diagnosis)
+    now: int
+    message: Any
+    outputs: tuple[Output, ...]
+    temperature: float
+    joint_hz: float
+    measured: bool
+
+
+class _TwinSide:
+    """The inputs and the twin on one time line."""
+
+    def __init__(self, twin: dict[str, Any], joint: str, start: int) -> None:
+        self._run = TwinRun(twin)
         self._gate = TemperatureGate(
             start=twin['start_temperature'], timeout=twin['temperature_timeout']
         )
         self._shaft = ShaftSpeed(nominal=twin['shaft_hz'], joint=twin['joint'], highest=100.0)
-        self._speed = ShaftSpeed(nominal=math.nan, joint=diagnosis['joint'])
+        self._speed = ShaftSpeed(nominal=math.nan, joint=joint)
         self._temperature = math.nan
-        self._next_sample = 0
-        self._twin_checkpoint = 0
-        self._diagnosis_checkpoint = 0
-
-    def begin(self, writer: RecordingWriter, start: int) -> None:
-        """Let sample 0 be taken at ``start`` (ns)."""
-        self._writer = writer
         self._start = start
-        self._qos = sensor_qos()
+        self._next_sample = 0
+        self._checkpoint_due = 0
 
-    def take(self, message: RecordedMessage) -> None:
-        """Take one input, and copy it."""
-        channel = message.channel
-        schema = MessageSchema(channel.type_name, channel.schema, channel.type_hash)
-        self._writer.write(
-            channel.topic,
-            channel.type_name,
-            message.cdr,
-            log_time=message.log_time,
-            publish_time=message.publish_time,
-            qos=channel.qos,
-            schema=schema,
-        )
-        self.report.inputs += 1
+    def run(
+        self, messages: Iterable[RecordedMessage], end: int
+    ) -> Iterator[RecordedMessage | _Block]:
+        """Yield inputs and blocks in their order; the last block ends before ``end`` (ns)."""
+        for message in messages:
+            yield from self._blocks_until(message.log_time)
+            yield message
+            self._take(message)
+        yield from self._blocks_until(end)
+
+    def _take(self, message: RecordedMessage) -> None:
         decoded = message.decode()
         now = message.log_time / NANO
-        if channel.type_name == TEMPERATURE:
+        if message.type_name == TEMPERATURE:
             stamp = decoded.header.stamp.sec * NANO + decoded.header.stamp.nanosec
             self._gate.offer(decoded.temperature, stamp=stamp, now=now)
             self._temperature = decoded.temperature
@@ -167,42 +168,85 @@ class _Run:
             self._shaft.offer(decoded.name, decoded.velocity, now=now)
             self._speed.offer(decoded.name, decoded.velocity, now=now)
 
-    def blocks_until(self, time: int) -> None:
-        """Compute every block whose last sample has been taken before ``time`` (ns)."""
-        length = self._twin.values['block_size']
-        rate = self._twin.values['sample_rate']
+    def _blocks_until(self, time: int) -> Iterator[_Block]:
+        """Yield every block whose last sample has been taken before ``time`` (ns)."""
+        length = self._run.values['block_size']
+        rate = self._run.values['sample_rate']
         while True:
-            due = self._start + round((self._next_sample + length) * NANO / rate)
-            if due > time:
+            now = self._start + round((self._next_sample + length) * NANO / rate)
+            if now > time:
                 return
             stamp = self._start + round(self._next_sample * NANO / rate)
-            self._block(Due(self._next_sample, stamp, 0.0), length, due)
+            yield self._block(Due(self._next_sample, stamp, 0.0), length, now)
             self._next_sample += length
 
-    def _block(self, due: Due, length: int, now: int) -> None:
-        twin, diagnosis = self._twin, self._diagnosis
-        if due.first_sample >= self._twin_checkpoint:
-            period = twin.values['checkpoint_period'] * twin.values['sample_rate']
-            self._twin_checkpoint = due.first_sample + round(period)
-            self._write(twin.checkpoint(due), now)
-        self.report.blocks += 1
-        temperature = self._gate.at(now / NANO)
-        vibration, state = twin.block(due, length, temperature, self._shaft.hz)
-        self._write(vibration, now)
-        self._write(state, now)
-        message = deserialize_message(vibration.cdr, Vibration)
-        if due.first_sample >= self._diagnosis_checkpoint:
-            period = diagnosis.values['checkpoint_period'] * twin.values['sample_rate']
-            self._diagnosis_checkpoint = due.first_sample + round(period)
-            self._write(diagnosis.checkpoint(message), now)
-        for output in diagnosis.push(
+    def _block(self, due: Due, length: int, now: int) -> _Block:
+        run = self._run
+        checkpoint: tuple[Output, ...] = ()
+        if due.first_sample >= self._checkpoint_due:
+            period = run.values['checkpoint_period'] * run.values['sample_rate']
+            self._checkpoint_due = due.first_sample + round(period)
+            checkpoint = (run.checkpoint(due),)
+        message, outputs = run.block(due, length, self._gate.at(now / NANO), self._shaft.hz)
+        return _Block(
+            now,
             message,
-            temperature=self._temperature,
-            joint_hz=self._speed.hz,
-            measured=self._speed.measured,
+            (*checkpoint, *outputs),
+            self._temperature,
+            self._speed.hz,
+            self._speed.measured,
+        )
+
+
+class _DiagnosisSide:
+    """The diagnosis and the new recording."""
+
+    def __init__(
+        self, diagnosis: dict[str, Any], writer: RecordingWriter, report: OfflineReport
+    ) -> None:
+        self._run = DiagnosisRun(diagnosis)
+        self._writer = writer
+        self._report = report
+        self._qos = sensor_qos()
+        self._checkpoint_due = 0
+
+    def take(self, item: RecordedMessage | _Block) -> None:
+        """Copy an input, or work on a block."""
+        if isinstance(item, _Block):
+            self._work(item)
+        else:
+            self._copy(item)
+
+    def _copy(self, message: RecordedMessage) -> None:
+        channel = message.channel
+        self._writer.write(
+            channel.topic,
+            channel.type_name,
+            message.cdr,
+            log_time=message.log_time,
+            publish_time=message.publish_time,
+            qos=channel.qos,
+            schema=MessageSchema(channel.type_name, channel.schema, channel.type_hash),
+        )
+        self._report.inputs += 1
+
+    def _work(self, block: _Block) -> None:
+        for output in block.outputs:
+            self._write(output, block.now)
+        message = block.message
+        if message.first_sample >= self._checkpoint_due:
+            period = self._run.values['checkpoint_period'] * message.sample_rate
+            self._checkpoint_due = message.first_sample + round(period)
+            self._write(self._run.checkpoint(message), block.now)
+        for output in self._run.push(
+            message,
+            temperature=block.temperature,
+            joint_hz=block.joint_hz,
+            measured=block.measured,
         ):
-            self._write(output, now)
-        self.report.verdicts = dict(diagnosis.counts)
+            self._write(output, block.now)
+        self._report.blocks += 1
+        self._report.verdicts = dict(self._run.counts)
 
     def _write(self, output: Output, time: int) -> None:
         self._writer.write(

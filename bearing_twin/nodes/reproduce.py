@@ -192,7 +192,7 @@ class _TwinCheck:
         used = GatedTemperature(
             float(state.temperature_used), math.nan, math.nan, TemperatureStatus.OK
         )
-        again, _ = self._run.block(
+        _, (again, _) = self._run.block(
             Due(first, stamp, 0.0), int(state.sample_count), used, float(state.shaft_hz)
         )
         self._agreement.compare(message, again.cdr, f'{self._topic} at sample {first}')
