@@ -1,0 +1,255 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Recordings as others see them, and as we read them back."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from mcap.reader import make_reader
+from mcap.writer import Writer
+from mcap_ros2.reader import read_ros2_messages
+from recording_samples import (
+    NANO,
+    PERIOD,
+    QOS,
+    START,
+    TEMPERATURE,
+    VIBRATION,
+    temperature_cdr,
+    vibration_cdr,
+    write_blocks,
+)
+from rosbags.highlevel import AnyReader
+from rosbags.rosbag2 import Reader
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+
+
+@pytest.mark.parametrize('name', ['run', 'run.mcap'])
+@pytest.mark.parametrize('compression', ['zstd', 'lz4', 'none'])
+def test_round_trip(tmp_path: Path, name: str, compression: str) -> None:
+    path = tmp_path / name
+    written = write_blocks(path, 30, WriterOptions(compression=compression))
+    messages = list(read_messages(path, topics=['/vibration']))
+    assert [m.cdr for m in messages] == written
+    assert [m.log_time for m in messages] == [START + i * PERIOD for i in range(30)]
+    assert all(m.publish_time == m.log_time - 5 for m in messages)
+    block = messages[7].decode()
+    assert block.first_sample == 7 * 1024
+    np.testing.assert_array_equal(block.y, 2.0 * block.x)
+    assert block.header.frame_id == 'sensor'
+
+
+def test_rosbags_opens_the_folder_and_the_file(tmp_path: Path) -> None:
+    written = write_blocks(tmp_path / 'run', 30)
+    with Reader(tmp_path / 'run') as reader:
+        assert reader.message_count == 60
+        assert reader.duration == 29 * PERIOD + 1 + 1
+        connection = next(c for c in reader.connections if c.topic == '/vibration')
+        assert connection.ext.offered_qos_profiles[0].depth == 50
+        assert connection.ext.offered_qos_profiles[0].reliability.name == 'RELIABLE'
+        assert [raw for _, _, raw in reader.messages(connections=[connection])] == written
+    with AnyReader([tmp_path / 'run']) as reader:
+        connection = next(c for c in reader.connections if c.topic == '/temperature')
+        values = [
+            reader.deserialize(raw, connection.msgtype).temperature
+            for _, _, raw in reader.messages(connections=[connection])
+        ]
+    assert values == [20.0 + i for i in range(30)]
+
+
+def test_mcap_ros2_support_decodes_every_message(tmp_path: Path) -> None:
+    write_blocks(tmp_path / 'run.mcap', 5)
+    decoded = list(read_ros2_messages(str(tmp_path / 'run.mcap'), topics=['/vibration']))
+    assert [m.ros_msg.first_sample for m in decoded] == [1024 * i for i in range(5)]
+    assert decoded[3].ros_msg.y[5] == pytest.approx(2.0 * decoded[3].ros_msg.x[5])
+
+
+def test_what_rosbag2_looks_for(tmp_path: Path) -> None:
+    write_blocks(tmp_path / 'run', 30)
+    with (tmp_path / 'run' / 'run_0.mcap').open('rb') as file:
+        reader = make_reader(file, validate_crcs=True)
+        assert reader.get_header().profile == 'ros2'
+        summary = reader.get_summary()
+        assert summary is not None and summary.statistics is not None
+        assert summary.statistics.message_count == 60
+        channel = next(c for c in summary.channels.values() if c.topic == '/vibration')
+        schema = summary.schemas[channel.schema_id]
+        assert channel.message_encoding == 'cdr'
+        assert (schema.name, schema.encoding) == (VIBRATION, 'ros2msg')
+        assert b'MSG: std_msgs/Header' in schema.data
+        assert channel.metadata['topic_type_hash'].startswith('RIHS01_')
+        records = {record.name: record.metadata for record in reader.iter_metadata()}
+        assert sum(1 for _ in reader.iter_messages()) == 60
+    inside = yaml.safe_load(records['rosbag2']['serialized_metadata'])
+    outside = yaml.safe_load((tmp_path / 'run' / 'metadata.yaml').read_text())
+    assert outside == {'rosbag2_bagfile_information': inside}
+    assert inside['version'] == 9
+    assert inside['relative_file_paths'] == ['run_0.mcap']
+
+
+def test_info_agrees_with_what_was_written(tmp_path: Path) -> None:
+    write_blocks(tmp_path / 'run', 30)
+    info = recording_info(tmp_path / 'run')
+    assert (info.count, info.finished, info.problems) == (60, True, [])
+    assert info.duration == pytest.approx(29 * PERIOD / NANO, abs=1e-6)
+    assert info.topics['/vibration'].count == 30
+    assert info.metadata['bearing_twin.test'] == {'key': 'value'}
+    assert info.attachments == {'note.txt': 8}
+
+
+def test_a_split_recording_reads_as_one(tmp_path: Path) -> None:
+    written = write_blocks(tmp_path / 'run', 130, WriterOptions(split_duration=0.4), flush_each=1)
+    files = sorted((tmp_path / 'run').glob('*.mcap'))
+    assert len(files) == 13
+    messages = list(read_messages(tmp_path / 'run', topics=['/vibration']))
+    assert [m.cdr for m in messages] == written
+    with Reader(tmp_path / 'run') as reader:
+        assert reader.message_count == 260
+    for file in files:
+        # Each file stands alone.
+        assert recording_info(file).attachments == {'note.txt': 8}
+
+
+def test_split_by_size(tmp_path: Path) -> None:
+    options = WriterOptions(split_size=100_000, compression='none')
+    write_blocks(tmp_path / 'run', 60, options, flush_each=1)
+    sizes = [f.stat().st_size for f in (tmp_path / 'run').glob('*.mcap')]
+    assert len(sizes) > 3
+    # One block, and index and end of the file, may go beyond.
+    assert max(sizes) < 100_000 + 20_000
+
+
+def test_time_section(tmp_path: Path) -> None:
+    write_blocks(tmp_path / 'run', 50)
+    start, end = START + 10 * PERIOD, START + 20 * PERIOD
+    found = [m.log_time for m in read_messages(tmp_path / 'run', start=start, end=end)]
+    assert min(found) == start
+    assert max(found) == end - PERIOD + 1
+    assert len(found) == 20
+
+
+def test_messages_out_of_order_come_in_order(tmp_path: Path) -> None:
+    times = [5, 1, 9, 3, 7, 2, 8, 0, 6, 4]
+    with RecordingWriter(tmp_path / 'run.mcap') as writer:
+        for time in times:
+            cdr = temperature_cdr(time, float(time))
+            writer.write('/t', TEMPERATURE, cdr, log_time=time, publish_time=time)
+            if time % 2:
+                writer.flush()
+    found = [m.decode().temperature for m in read_messages(tmp_path / 'run.mcap')]
+    assert found == sorted(float(t) for t in times)
+
+
+def test_files_without_chunks_and_without_summary_are_read(tmp_path: Path) -> None:
+    path = tmp_path / 'plain.mcap'
+    with path.open('wb') as file:
+        writer = Writer(file, use_chunking=False, use_statistics=False, use_summary_offsets=False)
+        writer.start(profile='ros2')
+        schema = writer.register_schema(TEMPERATURE, 'ros2msg', b'float64 temperature\n')
+        channel = writer.register_channel('/t', 'cdr', schema)
+        for time in range(5):
+            data = struct.pack('<4xd', float(time))
+            data = b'\x00\x01\x00\x00' + data[4:]
+            writer.add_message(channel, time, data, time)
+        writer.finish()
+    messages = list(read_messages(path))
+    assert [m.decode().temperature for m in messages] == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert recording_info(path).count == 5
+
+
+def test_nothing_is_overwritten(tmp_path: Path) -> None:
+    write_blocks(tmp_path / 'run', 1)
+    before = (tmp_path / 'run' / 'run_0.mcap').read_bytes()
+    with pytest.raises(BearingTwinError, match='is not overwritten'):
+        RecordingWriter(tmp_path / 'run')
+    (tmp_path / 'file.mcap').write_bytes(b'mine')
+    with pytest.raises(BearingTwinError, match='is not overwritten'):
+        RecordingWriter(tmp_path / 'file.mcap')
+    assert (tmp_path / 'run' / 'run_0.mcap').read_bytes() == before
+    assert (tmp_path / 'file.mcap').read_bytes() == b'mine'
+
+
+def test_storage_limit_stops(tmp_path: Path) -> None:
+    limit = 200_000
+    with RecordingWriter(tmp_path / 'run', WriterOptions(storage_limit=limit)) as writer:
+        for index in range(100):
+            writer.write('/v', VIBRATION, vibration_cdr(index), log_time=index, publish_time=index)
+            writer.flush()
+        assert 'storage limit' in writer.stopped
+        assert writer.written + writer.dropped == 100
+        assert writer.written > 10
+    assert sum(f.stat().st_size for f in (tmp_path / 'run').iterdir()) < limit + 40_000
+    assert recording_info(tmp_path / 'run').count == writer.written
+
+
+def test_storage_limit_deletes_its_own_oldest_files_only(tmp_path: Path) -> None:
+    options = WriterOptions(
+        storage_limit=200_000, split_size=50_000, delete_oldest=True, compression='none'
+    )
+    with RecordingWriter(tmp_path / 'run', options) as writer:
+        (tmp_path / 'run' / 'other.txt').write_text('not ours')
+        for index in range(200):
+            writer.write('/v', VIBRATION, vibration_cdr(index), log_time=index, publish_time=index)
+            writer.flush()
+        assert writer.dropped == 0
+        assert writer.deleted_files > 0
+    assert (tmp_path / 'run' / 'other.txt').exists()
+    messages = list(read_messages(tmp_path / 'run'))
+    assert messages[-1].decode().first_sample == 199 * 1024
+    assert messages[0].decode().first_sample > 0
+    with Reader(tmp_path / 'run') as reader:
+        assert reader.message_count == len(messages)
+
+
+@pytest.mark.parametrize(
+    ('options', 'name', 'text'),
+    [
+        (WriterOptions(split_size=1), 'a.mcap', 'cannot be split'),
+        (WriterOptions(delete_oldest=True), 'a', 'needs a storage limit'),
+        (WriterOptions(compression='rar'), 'a', 'is not one of'),
+    ],
+)
+def test_options_that_do_not_fit(
+    tmp_path: Path, options: WriterOptions, name: str, text: str
+) -> None:
+    with pytest.raises(BearingTwinError, match=text):
+        RecordingWriter(tmp_path / name, options)
+    assert not (tmp_path / name).exists()
+
+
+def test_unknown_types_and_impossible_times_are_refused(tmp_path: Path) -> None:
+    with RecordingWriter(tmp_path / 'run.mcap') as writer:
+        with pytest.raises(BearingTwinError, match='not installed'):
+            writer.write('/a', 'no_such/msg/Type', b'', log_time=0, publish_time=0)
+        with pytest.raises(BearingTwinError, match='no message type'):
+            writer.write('/a', '../../etc/passwd', b'', log_time=0, publish_time=0)
+        with pytest.raises(BearingTwinError, match='log_time=-1'):
+            writer.write('/a', TEMPERATURE, b'', log_time=-1, publish_time=0)
+
+
+def test_health_finds_what_is_missing(tmp_path: Path) -> None:
+    with RecordingWriter(tmp_path / 'run.mcap') as writer:
+        for index in [0, 1, 2, 5, 6, 4, 7]:
+            time = START + index * PERIOD
+            cdr = vibration_cdr(index)
+            writer.write('/vibration', VIBRATION, cdr, log_time=time, publish_time=time, qos=QOS)
+    health = recording_health(tmp_path / 'run.mcap')
+    topic = health.topics['/vibration']
+    # 2 -> 5 leaves out two blocks, 6 -> 4 goes back, 4 -> 7 leaves out two again.
+    assert (topic.gaps, topic.samples_missing, topic.restarts) == (2, 4 * 1024, 1)
+    assert topic.backwards == 1
+    assert topic.longest_gap == pytest.approx(3 * PERIOD / NANO)
+    assert len(health.problems) == 3
+    write_blocks(tmp_path / 'sound', 20)
+    sound = recording_health(tmp_path / 'sound')
+    assert sound.problems == []
+    assert sound.topics['/vibration'].worst_stamp_error < 1e-9
