@@ -13,6 +13,9 @@ from setuptools import find_packages, setup
 
 HERE = Path(__file__).resolve().parent
 NAME = 'bearing_twin'
+PIP = {'bdist_wheel', 'dist_info', 'editable_wheel'}
+"""Commands that pip runs and colcon does not."""
+
 NODES = ('adapter', 'diagnosis', 'fleet', 'recorder', 'replay', 'twin')
 
 EXECUTABLE = """#!/bin/sh
@@ -36,7 +39,7 @@ def requirements() -> list[str]:
 
 def executables() -> list[tuple[str, list[str]]]:
     """Return the executables of lib/bearing_twin for pip; colcon puts console_scripts there."""
-    if not {'bdist_wheel', 'install_data'} & set(sys.argv):
+    if not {*PIP, 'install_data'} & set(sys.argv):
         return []
     folder = Path('build') / 'executables'
     folder.mkdir(parents=True, exist_ok=True)
@@ -46,6 +49,13 @@ def executables() -> list[tuple[str, list[str]]]:
         path.write_text(EXECUTABLE.format(module=module))
         path.chmod(0o755)
     return [(f'lib/{NAME}', [str(folder / name) for name in modules])]
+
+
+def scripts() -> list[str]:
+    """Return the nodes as console scripts for colcon: not into a venv's bin, under such names."""
+    if PIP & set(sys.argv):
+        return []
+    return [f'{node} = {NAME}.nodes.{node}:main' for node in NODES]
 
 
 def shared(folder: str) -> tuple[str, list[str]]:
@@ -77,7 +87,7 @@ setup(
     entry_points={
         'console_scripts': [
             'bearing-twin = bearing_twin.cli:main',
-            *(f'{node} = {NAME}.nodes.{node}:main' for node in NODES),
+            *scripts(),
         ]
     },
 )
