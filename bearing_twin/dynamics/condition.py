@@ -89,7 +89,7 @@ def condition(
     """Put together the condition from what `laws.evaluate` gave and the state of motion."""
     n_balls = parameters.bearing.n_balls
     hz, slip = float(values[laws.SHAFT_HZ]), float(values[laws.SLIP])
-    cage, shaft, spin = 2.0 * math.pi * state[kernel.CAGE : kernel.SPIN + 1]
+    cage, shaft, spin = 2.0 * math.pi * (state[kernel.CAGE : kernel.SPIN + 1] % 1.0)
     deepest = max((defect.depth for defect in parameters.defects), default=0.0)
     return Condition(
         alpha=float(values[laws.ALPHA]),

@@ -56,22 +56,23 @@ DEFECT_SIZE = 8
 # Rows of the ball table: cos and sin in the cage, undersize (m), displacement (turns).
 BALL_COS, BALL_SIN, UNDERSIZE, SHIFT = range(4)
 
-# Rows of a ball's place at one step: direction, gap to close (m) and its rate (m/s).
-COS, SIN, GAP, GAP_RATE = range(4)
-
 LANES = 8
 """Balls are padded to a multiple of this, so that the compiler can use vector instructions."""
-WALK_EVERY = 16
-"""Output samples over which one step of the cage's random walk is spread."""
-REFRESH_EVERY = 64
-"""Output samples after which the rotated sines are computed anew."""
+CHUNK = 32
+"""Output samples, on a fixed grid, over which the cage's random walk holds its speed. At each
+grid point the phases are wrapped and the rotated sines are computed anew."""
 
-_CHUNK = 64
 _TWO_PI = 2.0 * math.pi
 _FAST = {'contract', 'reassoc', 'nsz', 'arcp', 'nnan', 'ninf'}
 
+# Columns of what is prescribed at one step.
+TURNING, STIFF, FOOT, PULL = range(4)  # PULL and the next three: unbalance and its rate
+TABLE_SIZE = 7
+# Rows of a ball at one step: gap to close (m), its rate (m/s), direction.
+GAP, GAP_RATE, COS, SIN = range(4)
 
-@nb.njit(cache=True, inline='always', fastmath=_FAST)
+
+@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
 def path(profile, half, depth, curvature, along):  # type: ignore[no-untyped-def]
     """How far a ball sinks at a distance from the centre of a defect, m, and its slope there."""
     edge = half - abs(along)
@@ -96,23 +97,17 @@ def path(profile, half, depth, curvature, along):  # type: ignore[no-untyped-def
     return 0.5 * depth * (1.0 - math.cos(angle)), inward * slope
 
 
-@nb.njit(cache=True, fastmath=_FAST)
-def _place(
-    n_balls, phases, rates, c0, s0, clearance, factor, const, defects, balls, out
-):  # type: ignore[no-untyped-def]
-    """Fill ``out`` (4, padded) for phases and rates (cage, shaft, spin) in turns and turns/s."""
-    for j in range(out.shape[1]):
-        out[COS, j] = c0 * balls[BALL_COS, j] - s0 * balls[BALL_SIN, j]
-        out[SIN, j] = s0 * balls[BALL_COS, j] + c0 * balls[BALL_SIN, j]
-        out[GAP, j] = clearance + balls[UNDERSIZE, j]
-        out[GAP_RATE, j] = 0.0
-    cage, shaft, spin = phases
+@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
+def _spoil(n_balls, phases, rates, factor, const, defects, balls, gaps, step):
+    # type: ignore[no-untyped-def]
+    """Add to ``gaps[step]`` what the defects take away, m, and its rate, m/s.
+
+    ``phases`` and ``rates`` are those of cage, shaft and ball spin, turns and turns/s.
+    """
     for i in range(defects.shape[0]):
         place = defects[i, PLACE]
-        if place == 3.0:
-            continue
         if place == 2.0:
-            phase = 2.0 * (spin - defects[i, ANGLE])
+            phase = 2.0 * (phases[2] - defects[i, ANGLE])
             nearest = math.floor(phase + 0.5)
             metres = math.pi * const[D_BALL]
             along = 0.5 * (phase - nearest) * metres
@@ -121,10 +116,10 @@ def _place(
             inside = nearest - 2.0 * math.floor(0.5 * nearest) == 0.0
         else:
             inside = place == 0.0
-            phase = cage - defects[i, ANGLE]
+            phase = phases[0] - defects[i, ANGLE]
             speed = rates[0]
             if inside:
-                phase -= shaft
+                phase -= phases[1]
                 speed -= rates[1]
             nearest = math.floor(phase * n_balls + 0.5)
             ball = int(-nearest) % n_balls
@@ -137,150 +132,149 @@ def _place(
             depth, slope = path(
                 defects[i, PROFILE], half, defects[i, FULL_DEPTH], curvature, along
             )
-            out[GAP, ball] += factor * depth
-            out[GAP_RATE, ball] += factor * slope * speed
+            gaps[step, GAP, ball] += factor * depth
+            gaps[step, GAP_RATE, ball] += factor * slope * speed
 
 
-@nb.njit(cache=True, inline='always', fastmath=_FAST)
-def _contact(place, x, y, vx, vy, ax, ay, turning, kb, cb):  # type: ignore[no-untyped-def]
-    """Force of the balls on the outer ring, N, and its time derivative, N/s.
-
-    ``turning`` is the speed of the cage, rad/s.
-    """
+@nb.njit(
+    cache=True,
+    inline='always',
+    fastmath={'contract', 'nsz', 'arcp', 'nnan', 'ninf'},
+    error_model='numpy',
+)
+def _contact(table, gaps, i, x, y, vx, vy, ax, ay, cb):  # type: ignore[no-untyped-def]
+    """Force of the balls on the outer ring, N, and its time derivative, N/s."""
+    turning, kb = table[i, TURNING], table[i, STIFF]
     fx = 0.0
     fy = 0.0
     gx = 0.0
     gy = 0.0
-    for j in range(place.shape[1]):
-        c = place[COS, j]
-        s = place[SIN, j]
-        delta = x * c + y * s - place[GAP, j]
-        closed = delta if delta > 0.0 else 0.0
-        root = math.sqrt(closed)
-        v = vx * c + vy * s
-        stiff = kb * root
-        force = stiff * closed + cb * v
-        rate = 1.5 * stiff * (v + turning * (y * c - x * s) - place[GAP_RATE, j]) + cb * (
-            ax * c + ay * s + turning * (vy * c - vx * s)
-        )
-        loaded = (delta > 0.0) & (force > 0.0)
-        force = force if loaded else 0.0
-        rate = rate if loaded else 0.0
-        fx += force * c
-        fy += force * s
-        gx += rate * c
-        gy += rate * s
+    for k in range(gaps.shape[2]):
+        c, s = gaps[i, COS, k], gaps[i, SIN, k]
+        delta = x * c + y * s - gaps[i, GAP, k]
+        if delta > 0.0:
+            v = vx * c + vy * s
+            stiff = kb * math.sqrt(delta)
+            force = stiff * delta + cb * v
+            if force > 0.0:
+                rate = 1.5 * stiff * (
+                    v + turning * (y * c - x * s) - gaps[i, GAP_RATE, k]
+                ) + cb * (ax * c + ay * s + turning * (vy * c - vx * s))
+                fx += force * c
+                fy += force * s
+                gx += rate * c
+                gy += rate * s
     return fx, fy, gx - turning * fy, gy + turning * fx
 
 
-@nb.njit(cache=True, inline='always', fastmath=_FAST)
-def _motion(place, q, v, a, turning, kb, y0, pull, const):  # type: ignore[no-untyped-def]
+@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
+def _motion(table, gaps, i, q, v, a, const):  # type: ignore[no-untyped-def]
     """Acceleration and jerk of both rings."""
     fx, fy, gx, gy = _contact(
-        place, q[0] - q[2], q[1] - q[3], v[0] - v[2], v[1] - v[3], a[0] - a[2], a[1] - a[3],
-        turning, kb, const[CB],
+        table, gaps, i, q[0] - q[2], q[1] - q[3], v[0] - v[2], v[1] - v[3], a[0] - a[2],
+        a[1] - a[3], const[CB],
     )  # fmt: skip
     ki, ci, ko, co = const[KI], const[CI], const[KO], const[CO]
     light, heavy = 1.0 / const[MI], 1.0 / const[MO]
     return (
         (
-            (pull[0] - fx - ki * q[0] - ci * v[0]) * light,
-            (pull[1] - fy - ki * (q[1] - y0) - ci * v[1]) * light,
+            (table[i, PULL] - fx - ki * q[0] - ci * v[0]) * light,
+            (table[i, PULL + 1] - fy - ki * (q[1] - table[i, FOOT]) - ci * v[1]) * light,
             (fx - ko * q[2] - co * v[2]) * heavy,
             (fy - ko * q[3] - co * v[3]) * heavy,
         ),
         (
-            (pull[2] - gx - ki * v[0] - ci * a[0]) * light,
-            (pull[3] - gy - ki * v[1] - ci * a[1]) * light,
+            (table[i, PULL + 2] - gx - ki * v[0] - ci * a[0]) * light,
+            (table[i, PULL + 3] - gy - ki * v[1] - ci * a[1]) * light,
             (gx - ko * v[2] - co * a[2]) * heavy,
             (gy - ko * v[3] - co * a[3]) * heavy,
         ),
     )
 
 
-@nb.njit(cache=True, inline='always', fastmath=_FAST)
-def _input(ramp, drift, quantity, steps, since_tick):  # type: ignore[no-untyped-def]
-    """Ramp over the block plus the drift of the inner ring's temperature since its last tick."""
-    slope = (ramp[1, quantity] - ramp[0, quantity]) * steps
-    return ramp[0, quantity] + slope + (drift[0, quantity] + drift[1, quantity] * since_tick)
+@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
+def _prescribe(table, i, omega, stiff, foot, sines, turning, unbalance):  # type: ignore[no-untyped-def]
+    """Fill one row of the table of what is prescribed; ``sines`` of the shaft."""
+    pull = unbalance * omega * omega
+    table[i, TURNING], table[i, STIFF], table[i, FOOT] = _TWO_PI * turning, stiff, foot
+    table[i, PULL], table[i, PULL + 1] = pull * sines[0], pull * sines[1]
+    table[i, PULL + 2], table[i, PULL + 3] = -pull * omega * sines[1], pull * omega * sines[0]
 
 
-@nb.njit(cache=True, fastmath=_FAST)
-def _turn(
-    state, const, defects, balls, ramp, drift, n_balls, seed, sample, part, oversample, done,
-    share, since_tick, tables, places,
-):  # type: ignore[no-untyped-def]
-    """Turn shaft, cage and balls through a chunk of steps; what moves is prescribed, not felt.
+@nb.njit(cache=True, fastmath=_FAST, error_model='numpy')
+def _turn(state, const, defects, balls, base, step, n_balls, walk, begin, table, gaps):
+    # type: ignore[no-untyped-def]
+    """Turn shaft, cage and balls through a chunk of steps: this motion is prescribed, not felt.
 
-    Fills ``places`` (steps, 4, balls) and ``tables`` (steps, 7): cage speed in rad/s, K_b, y_i0,
-    pull of the unbalance along x and y and its derivative.
+    Fills the rows ``begin`` onwards of ``table`` and ``gaps``. The inputs at the end of step i
+    are ``base + (i + 1) step``; i counts from the grid point, whatever ``begin`` is.
     """
     h = const[STEP]
-    walk = const[JITTER] * normal_pair(sample // WALK_EVERY, WALK, seed)[0]
-    for i in range(places.shape[0]):
-        if part == 0 and sample % WALK_EVERY == 0:
-            # Spread over its interval: the ball angle stays smooth, and the scheme its order.
-            walk = const[JITTER] * normal_pair(sample // WALK_EVERY, WALK, seed)[0]
-        middle, end = (done + i + 0.5) * share, (done + i + 1.0) * share
-        hz = _input(ramp, drift, SHAFT_HZ, middle, since_tick + i + 0.5)
-        slip = _input(ramp, drift, SLIP, middle, since_tick + i + 0.5)
-        carried = hz * (1.0 - slip)
-        turning = const[FTF_ORDER] * carried + walk * math.sqrt(hz)
+    cage, shaft, spin = state[CAGE], state[SHAFT], state[SPIN]
+    c, s = state[CAGE_COS], state[CAGE_SIN]
+    cs, ss = state[SHAFT_COS], state[SHAFT_SIN]
+    wander = walk * math.sqrt(base[SHAFT_HZ])
+    for i in range(table.shape[0]):
+        middle, end = begin + i + 0.5, begin + i + 1.0
+        hz = base[SHAFT_HZ] + step[SHAFT_HZ] * middle
+        carried = hz * (1.0 - (base[SLIP] + step[SLIP] * middle))
+        turning = const[FTF_ORDER] * carried + wander
         rolling = const[SPIN_ORDER] * carried
-        cage = state[CAGE] + h * turning
-        shaft = state[SHAFT] + h * hz
-        spin = state[SPIN] + h * rolling
-        cage -= math.floor(cage)
-        shaft -= math.floor(shaft)
-        spin -= math.floor(spin)
-        state[CAGE], state[SHAFT], state[SPIN] = cage, shaft, spin
-        part += 1
-        if part == oversample:
-            part = 0
-            sample += 1
-        if part == 0 and sample % REFRESH_EVERY == 0:
-            state[CAGE_COS], state[CAGE_SIN] = math.cos(_TWO_PI * cage), math.sin(_TWO_PI * cage)
-            state[SHAFT_COS] = math.cos(_TWO_PI * shaft)
-            state[SHAFT_SIN] = math.sin(_TWO_PI * shaft)
-        else:
-            _rotate(state, CAGE_COS, _TWO_PI * h * turning)
-            _rotate(state, SHAFT_COS, _TWO_PI * h * hz)
-        now = since_tick + i + 1.0
-        omega = _TWO_PI * _input(ramp, drift, SHAFT_HZ, end, now)
-        pull = const[UNBALANCE] * omega * omega
-        tables[i, 0] = _TWO_PI * turning
-        tables[i, 1] = _input(ramp, drift, K_B, end, now)
-        tables[i, 2] = _input(ramp, drift, SPRING, end, now)
-        tables[i, 3] = pull * state[SHAFT_COS]
-        tables[i, 4] = pull * state[SHAFT_SIN]
-        tables[i, 5] = -pull * omega * state[SHAFT_SIN]
-        tables[i, 6] = pull * omega * state[SHAFT_COS]
-        _place(
-            n_balls, (cage, shaft, spin), (turning, hz, rolling), state[CAGE_COS],
-            state[CAGE_SIN], _input(ramp, drift, CLEARANCE, end, now),
-            _input(ramp, drift, DEPTH, end, now), const, defects, balls, places[i],
+        cage += h * turning
+        shaft += h * hz
+        spin += h * rolling
+        c, s = _rotate(c, s, _TWO_PI * h * turning)
+        cs, ss = _rotate(cs, ss, _TWO_PI * h * hz)
+        clearance = base[CLEARANCE] + step[CLEARANCE] * end
+        for group in range(0, balls.shape[1], LANES):
+            for lane in range(LANES):
+                k = group + lane
+                gaps[i, GAP, k] = clearance + balls[UNDERSIZE, k]
+                gaps[i, GAP_RATE, k] = 0.0
+                gaps[i, COS, k] = c * balls[BALL_COS, k] - s * balls[BALL_SIN, k]
+                gaps[i, SIN, k] = s * balls[BALL_COS, k] + c * balls[BALL_SIN, k]
+        _spoil(
+            n_balls, (cage, shaft, spin), (turning, hz, rolling),
+            base[DEPTH] + step[DEPTH] * end, const, defects, balls, gaps, i,
         )  # fmt: skip
+        omega = _TWO_PI * (base[SHAFT_HZ] + step[SHAFT_HZ] * end)
+        _prescribe(
+            table, i, omega, base[K_B] + step[K_B] * end, base[SPRING] + step[SPRING] * end,
+            (cs, ss), turning, const[UNBALANCE],
+        )  # fmt: skip
+    state[CAGE], state[SHAFT], state[SPIN] = cage, shaft, spin
+    state[CAGE_COS], state[CAGE_SIN] = c, s
+    state[SHAFT_COS], state[SHAFT_SIN] = cs, ss
 
 
-@nb.njit(cache=True, inline='always', fastmath=_FAST)
-def _rotate(state, at, angle):  # type: ignore[no-untyped-def]
-    """Rotate the pair (cos, sin) at index ``at`` by a small angle, up to 0.07 rad, rounded once."""
+@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
+def _rotate(c, s, angle):  # type: ignore[no-untyped-def]
+    """Rotate (cos, sin) by a small angle, up to 0.07 rad."""
     square = angle * angle
-    c = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0)))
-    s = angle * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0))))
-    c0, s0 = state[at], state[at + 1]
-    state[at] = c0 * c - s0 * s
-    state[at + 1] = s0 * c + c0 * s
+    cd = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0)))
+    sd = angle * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0)))
+    return c * cd - s * sd, s * cd + c * sd
 
 
-@nb.njit(cache=True, inline='always', fastmath=_FAST)
+@nb.njit(cache=True)
+def _refresh(state):  # type: ignore[no-untyped-def]
+    """Wrap the phases to 0..1 and compute the sines that follow from them."""
+    for at in (CAGE, SHAFT, SPIN):
+        state[at] -= math.floor(state[at])
+    state[CAGE_COS] = math.cos(_TWO_PI * state[CAGE])
+    state[CAGE_SIN] = math.sin(_TWO_PI * state[CAGE])
+    state[SHAFT_COS] = math.cos(_TWO_PI * state[SHAFT])
+    state[SHAFT_SIN] = math.sin(_TWO_PI * state[SHAFT])
+
+
+@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
 def _taylor(h, a, b):  # type: ignore[no-untyped-def]
     return (a[0] + h * b[0], a[1] + h * b[1], a[2] + h * b[2], a[3] + h * b[3])
 
 
-@nb.njit(cache=True, fastmath=_FAST)
-def _integrate(state, const, tables, places, resonator, raw):  # type: ignore[no-untyped-def]
-    """Advance both rings and the sensor through the steps of ``places``."""
+@nb.njit(cache=True, fastmath={'contract', 'nsz', 'arcp', 'nnan', 'ninf'}, error_model='numpy')
+def _integrate(state, const, table, gaps, resonator, left, up):  # type: ignore[no-untyped-def]
+    """Advance both rings and the sensor through the rows of ``table``."""
     h = const[STEP]
     third, half, twelfth = h / 3.0, 0.5 * h, h * h / 12.0
     q = (state[0], state[1], state[2], state[3])
@@ -288,15 +282,11 @@ def _integrate(state, const, tables, places, resonator, raw):  # type: ignore[no
     a = (state[8], state[9], state[10], state[11])
     j = (state[12], state[13], state[14], state[15])
     zx, wx, zy, wy = state[23], state[24], state[25], state[26]
-    for i in range(places.shape[0]):
-        row = tables[i]
-        pull = (row[3], row[4], row[5], row[6])
+    for i in range(table.shape[0]):
         ahead = _taylor(h, a, j)
         faster = _taylor(h, v, _taylor(half, a, j))
         further = _taylor(h, q, _taylor(half, v, _taylor(third, a, j)))
-        a1, j1 = _motion(
-            places[i], further, faster, ahead, row[0], row[1], row[2], pull, const
-        )
+        a1, j1 = _motion(table, gaps, i, further, faster, ahead, const)
         v1 = (
             v[0] + half * (a[0] + a1[0]) + twelfth * (j[0] - j1[0]),
             v[1] + half * (a[1] + a1[1]) + twelfth * (j[1] - j1[1]),
@@ -323,18 +313,31 @@ def _integrate(state, const, tables, places, resonator, raw):  # type: ignore[no
             resonator[1, 0] * zy + resonator[1, 1] * wy
             + (resonator[2, 1] * a[3] + resonator[3, 1] * my + resonator[4, 1] * a1[3]),
         )  # fmt: skip
-        raw[0, i] = resonator[5, 0] * zx + resonator[5, 1] * wx + resonator[6, 0] * a1[2]
-        raw[1, i] = resonator[5, 0] * zy + resonator[5, 1] * wy + resonator[6, 0] * a1[3]
+        left[i] = resonator[5, 0] * zx + resonator[5, 1] * wx + resonator[6, 0] * a1[2]
+        up[i] = resonator[5, 0] * zy + resonator[5, 1] * wy + resonator[6, 0] * a1[3]
         v, a, j = v1, a1, j1
     for i in range(4):
         state[Q + i], state[V + i], state[A + i], state[J + i] = q[i], v[i], a[i], j[i]
     state[23], state[24], state[25], state[26] = zx, wx, zy, wy
 
 
-@nb.njit(cache=True, fastmath=_FAST)
+@nb.njit(cache=True, fastmath=_FAST, error_model='numpy')
 def advance(
-    state, history, const, defects, balls, ramp, drift, resonator, taps, n_balls, seed, first,
-    since_tick, oversample, out,
+    state,
+    history,
+    const,
+    defects,
+    balls,
+    ramp,
+    drift,
+    resonator,
+    taps,
+    n_balls,
+    seed,
+    first,
+    since_tick,
+    oversample,
+    out,
 ):  # type: ignore[no-untyped-def]
     """Advance one bearing by ``out.shape[1]`` output samples.
 
@@ -363,71 +366,139 @@ def advance(
     """
     n = out.shape[1]
     memory = history.shape[1]
-    steps = n * oversample
-    raw = np.empty((2, memory + steps))
+    # Everything between two grid points stays in the fastest cache.
+    raw = np.empty((2, memory + CHUNK * oversample))
+    table = np.empty((CHUNK * oversample, TABLE_SIZE))
+    gaps = np.empty((CHUNK * oversample, 4, balls.shape[1]))
     raw[:, :memory] = history
-    places = np.empty((_CHUNK, 4, balls.shape[1]))
-    tables = np.empty((_CHUNK, 7))
-    per_step = drift.copy()
-    per_step[1] /= oversample
-    for done in range(0, steps, _CHUNK):
-        count = min(_CHUNK, steps - done)
+    done = 0
+    while done < n:
+        within = (first + done) % CHUNK
+        count = min(CHUNK - within, n - done)
+        if within == 0:
+            _refresh(state)
+        walk = const[JITTER] * normal_pair((first + done) // CHUNK, WALK, seed)[0]
+        base, step = _inputs(ramp, drift, n, oversample, done - within, since_tick)
+        rows = count * oversample
         _turn(
-            state, const, defects, balls, ramp, per_step, n_balls, seed,
-            first + done // oversample, done % oversample, oversample, done, 1.0 / steps,
-            since_tick * oversample + done, tables, places[:count],
+            state, const, defects, balls, base, step, n_balls, walk,
+            float(within * oversample), table[:rows], gaps[:rows],
         )  # fmt: skip
         _integrate(
-            state, const, tables, places[:count], resonator, raw[:, memory + done :]
-        )
-    history[:, :] = raw[:, steps:]
-    noise = const[NOISE_STD]
-    for k in range(n):
+            state, const, table[:rows], gaps[:rows], resonator,
+            raw[0, memory : memory + rows], raw[1, memory : memory + rows],
+        )  # fmt: skip
+        _decimate(raw, taps, oversample, out[:, done : done + count])
+        for i in range(memory):
+            raw[0, i] = raw[0, rows + i]
+            raw[1, i] = raw[1, rows + i]
+        done += count
+    history[:, :] = raw[:, :memory]
+    _add_noise(const[NOISE_STD], seed, first, out)
+
+
+@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
+def _inputs(ramp, drift, n, oversample, at, since_tick):  # type: ignore[no-untyped-def]
+    """Inputs at a grid point, ``at`` samples into the block, and their growth per step.
+
+    Relative to the grid, so that held inputs give the same bits in every block.
+    """
+    return (
+        (
+            _input(ramp, drift, n, 0, at, since_tick),
+            _input(ramp, drift, n, 1, at, since_tick),
+            _input(ramp, drift, n, 2, at, since_tick),
+            _input(ramp, drift, n, 3, at, since_tick),
+            _input(ramp, drift, n, 4, at, since_tick),
+            _input(ramp, drift, n, 5, at, since_tick),
+        ),
+        (
+            ((ramp[1, 0] - ramp[0, 0]) / n + drift[1, 0]) / oversample,
+            ((ramp[1, 1] - ramp[0, 1]) / n + drift[1, 1]) / oversample,
+            ((ramp[1, 2] - ramp[0, 2]) / n + drift[1, 2]) / oversample,
+            ((ramp[1, 3] - ramp[0, 3]) / n + drift[1, 3]) / oversample,
+            ((ramp[1, 4] - ramp[0, 4]) / n + drift[1, 4]) / oversample,
+            ((ramp[1, 5] - ramp[0, 5]) / n + drift[1, 5]) / oversample,
+        ),
+    )
+
+
+@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
+def _input(ramp, drift, n, i, at, since_tick):  # type: ignore[no-untyped-def]
+    slope = (ramp[1, i] - ramp[0, i]) / n
+    return ramp[0, i] + slope * at + (drift[0, i] + drift[1, i] * (since_tick + at))
+
+
+@nb.njit(cache=True, fastmath=_FAST, error_model='numpy')
+def _decimate(raw, taps, oversample, out):  # type: ignore[no-untyped-def]
+    for k in range(out.shape[1]):
         at = k * oversample
+        left, up = raw[0, at : at + taps.shape[0]], raw[1, at : at + taps.shape[0]]
         x = 0.0
         y = 0.0
         for i in range(taps.shape[0]):
-            x += taps[i] * raw[0, at + i]
-            y += taps[i] * raw[1, at + i]
-        pair = normal_pair(first + k, NOISE, seed)
-        out[0, k] = x + noise * pair[0]
-        out[1, k] = y + noise * pair[1]
+            x += taps[i] * left[i]
+            y += taps[i] * up[i]
+        out[0, k] = x
+        out[1, k] = y
 
 
-@nb.njit(cache=True, fastmath=_FAST)
+@nb.njit(cache=True, fastmath=_FAST, error_model='numpy')
+def _add_noise(level, seed, first, out):  # type: ignore[no-untyped-def]
+    """Add white noise; whole chunks of the grid are drawn, so that all samples are alike."""
+    x, y = np.empty(CHUNK, np.float32), np.empty(CHUNK, np.float32)
+    level = np.float32(level)
+    key = np.uint64(seed)
+    origin = first - first % CHUNK
+    while origin < first + out.shape[1]:
+        for i in range(CHUNK):
+            pair = normal_pair(origin + i, NOISE, key)
+            x[i] = level * pair[0]
+            y[i] = level * pair[1]
+        begin = max(first - origin, 0)
+        end = min(first + out.shape[1] - origin, CHUNK)
+        for i in range(begin, end):
+            out[0, origin + i - first] += x[i]
+            out[1, origin + i - first] += y[i]
+        origin += CHUNK
+
+
+@nb.njit(cache=True, fastmath=_FAST, error_model='numpy')
+def _instant(state, const, defects, balls, values, n_balls):  # type: ignore[no-untyped-def]
+    """Row and gaps at the present phases and inputs, without the cage's walk."""
+    table, gaps = np.empty((1, TABLE_SIZE)), np.zeros((1, 4, balls.shape[1]))
+    c, s = state[CAGE_COS], state[CAGE_SIN]
+    gaps[0, GAP] = values[CLEARANCE] + balls[UNDERSIZE]
+    gaps[0, COS] = c * balls[BALL_COS] - s * balls[BALL_SIN]
+    gaps[0, SIN] = s * balls[BALL_COS] + c * balls[BALL_SIN]
+    hz = values[SHAFT_HZ]
+    carried = hz * (1.0 - values[SLIP])
+    turning = const[FTF_ORDER] * carried
+    _spoil(
+        n_balls, (state[CAGE], state[SHAFT], state[SPIN]),
+        (turning, hz, const[SPIN_ORDER] * carried), values[DEPTH], const, defects, balls, gaps, 0,
+    )  # fmt: skip
+    sines = (state[SHAFT_COS], state[SHAFT_SIN])
+    _prescribe(
+        table, 0, _TWO_PI * hz, values[K_B], values[SPRING], sines, turning, const[UNBALANCE]
+    )
+    return table, gaps
+
+
+@nb.njit(cache=True, fastmath=_FAST, error_model='numpy')
 def start(state, const, defects, balls, values, n_balls):  # type: ignore[no-untyped-def]
     """Set sines, acceleration and jerk of ``state`` from its phases, positions and velocities.
 
     To be called where a trajectory begins and where parameters change; ``values`` are the inputs.
     """
-    cage, shaft, spin = state[CAGE], state[SHAFT], state[SPIN]
-    state[CAGE_COS], state[CAGE_SIN] = math.cos(_TWO_PI * cage), math.sin(_TWO_PI * cage)
-    state[SHAFT_COS], state[SHAFT_SIN] = math.cos(_TWO_PI * shaft), math.sin(_TWO_PI * shaft)
-    place = np.empty((4, balls.shape[1]))
-    hz = values[SHAFT_HZ]
-    carried = hz * (1.0 - values[SLIP])
-    turning = const[FTF_ORDER] * carried
-    _place(
-        n_balls, (cage, shaft, spin), (turning, hz, const[SPIN_ORDER] * carried),
-        state[CAGE_COS], state[CAGE_SIN], values[CLEARANCE], values[DEPTH], const, defects,
-        balls, place,
-    )  # fmt: skip
-    omega = _TWO_PI * hz
-    force = const[UNBALANCE] * omega * omega
-    pull = (
-        force * state[SHAFT_COS],
-        force * state[SHAFT_SIN],
-        -force * omega * state[SHAFT_SIN],
-        force * omega * state[SHAFT_COS],
-    )
+    _refresh(state)
+    table, gaps = _instant(state, const, defects, balls, values, n_balls)
     q = (state[0], state[1], state[2], state[3])
     v = (state[4], state[5], state[6], state[7])
     a = (0.0, 0.0, 0.0, 0.0)
     j = a
     for _ in range(2):  # the jerk of the contact damping takes the acceleration found first
-        a, j = _motion(
-            place, q, v, a, _TWO_PI * turning, values[K_B], values[SPRING], pull, const
-        )
+        a, j = _motion(table, gaps, 0, q, v, a, const)
     for i in range(4):
         state[A + i], state[J + i] = a[i], j[i]
 
@@ -435,17 +506,13 @@ def start(state, const, defects, balls, values, n_balls):  # type: ignore[no-unt
 @nb.njit(cache=True)
 def ball_forces(state, const, defects, balls, values, n_balls):  # type: ignore[no-untyped-def]
     """Contact force of each ball, N, float32[n_balls], at the present state and inputs."""
-    place = np.empty((4, balls.shape[1]))
-    _place(
-        n_balls, (state[CAGE], state[SHAFT], state[SPIN]), (0.0, 0.0, 0.0), state[CAGE_COS],
-        state[CAGE_SIN], values[CLEARANCE], values[DEPTH], const, defects, balls, place,
-    )  # fmt: skip
+    table, gaps = _instant(state, const, defects, balls, values, n_balls)
     forces = np.zeros(n_balls, dtype=np.float32)
     x, y = state[0] - state[2], state[1] - state[3]
     vx, vy = state[4] - state[6], state[5] - state[7]
     for j in range(n_balls):
-        c, s = place[COS, j], place[SIN, j]
-        delta = x * c + y * s - place[GAP, j]
+        c, s = gaps[0, COS, j], gaps[0, SIN, j]
+        delta = x * c + y * s - gaps[0, GAP, j]
         if delta > 0.0:
             forces[j] = max(values[K_B] * delta**1.5 + const[CB] * (vx * c + vy * s), 0.0)
     return forces

@@ -183,7 +183,9 @@ class TwinParameters:
         if self.fatigue_limit is not None:
             check_range('fatigue_limit', self.fatigue_limit, 1.0, 1e7, 'N')
         if self.friction_series not in SERIES:
-            msg = f'friction_series {self.friction_series!r} is unknown; choose {", ".join(SERIES)}'
+            msg = (
+                f'friction_series {self.friction_series!r} is unknown; choose {", ".join(SERIES)}'
+            )
             raise BearingTwinError(msg)
         if self.resonance_hz != 0.0:
             check_range('resonance_hz', self.resonance_hz, 500.0, 11000.0, 'Hz, or 0 for none')

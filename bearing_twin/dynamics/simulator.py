@@ -258,7 +258,7 @@ class Simulator:
         values = np.frombuffer(body, dtype='<f8').astype(float)
         phases = values[kernel.CAGE : kernel.SPIN + 1]
         bounded = np.isfinite(values).all() and np.abs(values).max() < 1e15
-        if not (bounded and (phases >= 0.0).all() and (phases <= 1.0).all()):
+        if not (bounded and (phases >= 0.0).all() and (phases < 2.0).all()):
             msg = 'saved state holds values that no simulation reaches; start without it'
             raise BearingTwinError(msg)
         if not 0 <= next_sample < 2**62:

@@ -26,7 +26,7 @@ def constants(p: TwinParameters, sample_rate: float, oversample: int) -> FloatAr
     """Return the constants of one bearing, float64[kernel.CONST_SIZE].
 
     The cage's walk has the variance per impact of ``(2 pi jitter / Z)^2 rad^2``, as a speed that
-    is held for `kernel.WALK_EVERY` samples, over the root of the shaft speed.
+    is held for `kernel.CHUNK` samples, over the root of the shaft speed.
     """
     orders = fault_orders(p.bearing)
     spread = p.jitter / p.bearing.n_balls
@@ -43,7 +43,7 @@ def constants(p: TwinParameters, sample_rate: float, oversample: int) -> FloatAr
     )
     const[kernel.CB], const[kernel.UNBALANCE] = p.contact_damping, p.unbalance
     const[kernel.FTF_ORDER], const[kernel.SPIN_ORDER] = orders.ftf, orders.bsf
-    const[kernel.JITTER] = spread * math.sqrt(orders.bpfi * sample_rate / kernel.WALK_EVERY)
+    const[kernel.JITTER] = spread * math.sqrt(orders.bpfi * sample_rate / kernel.CHUNK)
     const[kernel.NOISE_STD] = p.noise
     const[kernel.STEP] = 1.0 / (sample_rate * oversample)
     const[kernel.D_BALL] = p.bearing.d_ball
@@ -53,10 +53,11 @@ def constants(p: TwinParameters, sample_rate: float, oversample: int) -> FloatAr
 
 
 def defect_table(p: TwinParameters) -> FloatArray:
-    """Return one row a defect, float64[n, kernel.DEFECT_SIZE]."""
+    """Return one row a spall, float64[n, kernel.DEFECT_SIZE]; a worn cage has none."""
     d, pitch = p.bearing.d_ball, p.bearing.d_pitch
-    table = np.zeros((len(p.defects), kernel.DEFECT_SIZE))
-    for row, defect in zip(table, p.defects, strict=True):
+    spalls = [defect for defect in p.defects if defect.place != 'cage']
+    table = np.zeros((len(spalls), kernel.DEFECT_SIZE))
+    for row, defect in zip(table, spalls, strict=True):
         row[kernel.PLACE] = PLACES.index(defect.place)
         row[kernel.PROFILE] = PROFILES.index(defect.profile)
         row[kernel.HALF], row[kernel.FULL_DEPTH] = 0.5 * defect.width, defect.depth
