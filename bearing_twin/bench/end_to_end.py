@@ -8,7 +8,6 @@ import os
 import tempfile
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,12 +16,11 @@ from bearing_twin.nodes.convert import stamp_ns
 from bearing_twin.nodes.launching import NodeProcesses, local_environment
 from bearing_twin.recording.reader import read_messages
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-__all__ = ['live_run']
+__all__ = ['cpu_seconds', 'live_run', 'wait_for']
 
 START_TIMEOUT = 90.0
+RECORDED = 100_000
+"""Size of a recording that holds blocks, bytes."""
 SETTLE = 3.0
 """Time after which discovery and the first, short windows are over, s."""
 NODES = ('twin', 'diagnosis', 'recorder')
@@ -60,13 +58,14 @@ def live_run(seconds: float) -> dict[str, float]:
             )
             nodes.start('diagnosis', {})
             nodes.start('twin', {'defect': 'inner'})
-            _wait_for(lambda: _size(folder / 'bag') > 100_000, nodes)
+            wait_for(folder / 'bag', nodes)
             time.sleep(SETTLE)
-            began, cpu = time.time_ns(), {node: _cpu(nodes.pid(node)) for node in NODES}
+            began, cpu = time.time_ns(), {node: cpu_seconds(nodes.pid(node)) for node in NODES}
             time.sleep(seconds)
             ended = time.time_ns()
             share = {
-                node: (_cpu(nodes.pid(node)) - cpu[node]) / (ended - began) * 1e9 for node in NODES
+                node: (cpu_seconds(nodes.pid(node)) - cpu[node]) / (ended - began) * 1e9
+                for node in NODES
             }
             nodes.check()
             for node in ('twin', 'diagnosis', 'recorder'):
@@ -78,9 +77,16 @@ def live_run(seconds: float) -> dict[str, float]:
         }
 
 
-def _wait_for(ready: Callable[[], bool], nodes: NodeProcesses) -> None:
+def wait_for(bag: Path, nodes: NodeProcesses) -> None:
+    """Wait until a recording grows.
+
+    Raises
+    ------
+    BearingTwinError
+        If a process ends or nothing is recorded.
+    """
     deadline = time.monotonic() + START_TIMEOUT
-    while not ready():
+    while sum(path.stat().st_size for path in bag.glob('*.mcap')) < RECORDED:
         nodes.check()
         if time.monotonic() > deadline:
             msg = f'the nodes recorded nothing within {START_TIMEOUT:g} s'
@@ -88,11 +94,7 @@ def _wait_for(ready: Callable[[], bool], nodes: NodeProcesses) -> None:
         time.sleep(0.2)
 
 
-def _size(folder: Path) -> int:
-    return sum(path.stat().st_size for path in folder.glob('*.mcap'))
-
-
-def _cpu(pid: int) -> float:
+def cpu_seconds(pid: int) -> float:
     """CPU time of a process with all its threads, s."""
     fields = Path(f'/proc/{pid}/stat').read_text().rsplit(')', 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')

@@ -68,6 +68,8 @@ class BlockCycle:
         self._pacer = realtime.build_pacer(parameters.values)
         self._statistics = CycleStatistics()
         self._began = 0.0
+        self._busy = 0.0
+        self._cycle_began = 0
         self._woken = time.monotonic()
         if parameters['lock_memory']:
             realtime.lock_memory()
@@ -122,8 +124,16 @@ class BlockCycle:
         self._woken = time.monotonic()
         ticks = self._ticks.now().nanoseconds
         for due in self._pacer.due(ticks=ticks, time=self._now()):
+            self._finish_cycle(ticks)
             self._began = time.perf_counter()
             self._publish(due)
-            self._statistics.add(ticks / NANO, time.perf_counter() - self._began)
+            self._busy += time.perf_counter() - self._began
         if self._between is not None:
+            began = time.perf_counter()
             self._between(self._pacer.phase(self._ticks.now().nanoseconds))
+            self._busy += time.perf_counter() - began
+
+    def _finish_cycle(self, ticks: int) -> None:
+        if self._busy:
+            self._statistics.add(self._cycle_began / NANO, self._busy)
+        self._cycle_began, self._busy = ticks, 0.0

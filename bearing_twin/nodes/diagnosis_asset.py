@@ -8,7 +8,6 @@ import math
 import time
 from typing import TYPE_CHECKING, Any
 
-import yaml
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
 from sensor_msgs.msg import JointState, Temperature
 from std_msgs.msg import Float64MultiArray
@@ -36,7 +35,8 @@ from bearing_twin.nodes.vibration_input import GapCounter, SourceLock, read_vibr
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rclpy.subscription import MessageInfo
+    from rclpy.qos import QoSProfile
+    from rclpy.subscription import MessageInfo, Subscription
 
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
     from bearing_twin.nodes.health import Status
@@ -107,37 +107,21 @@ class DiagnosisAsset:
         """Name of the bearing."""
         return self._bearing.name
 
-    def listen(self, *, vibration: bool = True) -> None:
-        """Subscribe; without ``vibration`` the blocks are handed to :meth:`take`."""
-        self._inputs = [
-            self._node.create_subscription(
-                Temperature,
-                f'{self._prefix}temperature',
-                self._on_temperature,
-                MEASUREMENT,
-                qos_overriding_options=OVERRIDES,
-            )
-        ]
-        if vibration:
-            self._inputs.append(
-                self._node.create_subscription(
-                    Vibration,
-                    f'{self._prefix}vibration',
-                    self._on_vibration,
-                    STREAM,
-                    qos_overriding_options=OVERRIDES,
-                )
-            )
+    def listen(self, *, sensors: bool = True) -> None:
+        """Subscribe; without ``sensors`` blocks and temperature are handed to :meth:`take`."""
+        self._inputs: list[Subscription[Any]] = []
+        if sensors:
+            self._subscribe(Vibration, 'vibration', self._on_vibration, STREAM)
+            self._subscribe(Temperature, 'temperature', self._on_temperature, MEASUREMENT)
         if self.parameters['joint']:
-            self._inputs.append(
-                self._node.create_subscription(
-                    JointState,
-                    f'{self._prefix}joint_states',
-                    self._on_joints,
-                    MEASUREMENT,
-                    qos_overriding_options=OVERRIDES,
-                )
+            self._subscribe(JointState, 'joint_states', self._on_joints, MEASUREMENT)
+
+    def _subscribe(self, kind: Any, topic: str, callback: Any, qos: QoSProfile) -> None:
+        self._inputs.append(
+            self._node.create_subscription(
+                kind, f'{self._prefix}{topic}', callback, qos, qos_overriding_options=OVERRIDES
             )
+        )
 
     def stop(self) -> None:
         """Stop listening and keep what was learnt."""
@@ -177,10 +161,18 @@ class DiagnosisAsset:
 
     def _on_vibration(self, message: Vibration, info: MessageInfo) -> None:
         if self._sources.accept(info['publisher_gid'], time.monotonic()):
-            self.take(message)
+            self.take(message, self._temperature)
 
-    def take(self, message: Vibration) -> None:
-        """Diagnose one block and publish the verdict, if one is due."""
+    def take(self, message: Vibration, temperature: float) -> None:
+        """Diagnose one block and publish the verdict, if one is due.
+
+        Parameters
+        ----------
+        message
+            The block.
+        temperature
+            Temperature of the bearing, degC; NaN where it is not known.
+        """
         try:
             block = read_vibration(message, self.parameters['axis'])
         except BearingTwinError as error:
@@ -205,7 +197,7 @@ class DiagnosisAsset:
             block.sample_rate,
             shaft_hz,
             speed_measured=carried or self._shaft.measured,
-            temperature=self._temperature,
+            temperature=temperature,
             unit=block.unit,
         ):
             offset = round((result.first_sample - block.first_sample) * NANO / block.sample_rate)
@@ -239,7 +231,7 @@ class DiagnosisAsset:
                 first_sample=block.first_sample,
                 node=self._path,
                 kind='diagnosis',
-                configuration=yaml.safe_dump(p.values),
+                configuration=p.text,
                 state=self._diagnoser.save(),
             )
         )

@@ -28,6 +28,7 @@ AUTOSTART = Spec(
     default=True,
     description='Configure and activate at start; false leaves that to a lifecycle manager.',
     running=False,
+    read_only=True,
 )
 
 

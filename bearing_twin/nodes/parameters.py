@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import yaml
 from rcl_interfaces.msg import (
     FloatingPointRange,
     IntegerRange,
@@ -44,6 +45,8 @@ class Spec:
     choices: tuple[str, ...] = ()
     running: bool = True
     """Whether it can be changed while the node is active; else in state 'unconfigured' only."""
+    read_only: bool = False
+    """Whether it can be set at start only."""
 
     def descriptor(self) -> ParameterDescriptor:
         """Return what ``ros2 param describe`` shows."""
@@ -52,9 +55,9 @@ class Spec:
             text += f' [{self.unit}]'
         if self.choices:
             text += f' One of: {", ".join(self.choices)}.'
-        if not self.running:
+        if not self.running and not self.read_only:
             text += ' Can be changed only while the node is not configured.'
-        descriptor = ParameterDescriptor(description=text)
+        descriptor = ParameterDescriptor(description=text, read_only=self.read_only)
         if self.low is None or self.high is None:
             return descriptor
         if isinstance(self.default, float):
@@ -113,6 +116,7 @@ class ParameterSet:
         self._apply = apply
         self._locked = locked
         self._prefix = prefix
+        self._text = ''
         self._values: dict[str, Any] = dict(inherited or {})
         given = given or {}
         unknown = [name for name in given if name not in self._specs]
@@ -154,6 +158,13 @@ class ParameterSet:
         return dict(self._values)
 
     @property
+    def text(self) -> str:
+        """All values in force as YAML."""
+        if not self._text:
+            self._text = yaml.safe_dump(self._values)
+        return self._text
+
+    @property
     def specs(self) -> tuple[Spec, ...]:
         """The table."""
         return tuple(self._specs.values())
@@ -193,5 +204,6 @@ class ParameterSet:
     def _after_set(self, parameters: list[Parameter[Any]]) -> None:
         ours = self._ours(parameters)
         if ours:
+            self._text = ''
             self._values.update(ours)
             self._apply(self._values)

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = ['document', 'main']
 
-NODES = ('twin', 'diagnosis', 'recorder', 'replay', 'adapter')
+NODES = ('twin', 'diagnosis', 'recorder', 'replay', 'adapter', 'fleet')
 
 INTRODUCTION = """\
 # Nodes
@@ -51,6 +51,10 @@ A change of parameters is checked as a whole and taken as a whole or not at all.
 "running" says no, the parameter can be changed only while the node is not configured.
 
 `joint_states` is subscribed to where the parameter `joint` names a joint.
+
+The fleet has the topics of a twin and a diagnosis for each asset, under its name (ASSET below),
+and their parameters as `ASSET.twin.NAME` and `ASSET.diagnosis.NAME`, besides those listed. A
+diagnosis whose twin is not hosted listens to `ASSET/vibration` and `ASSET/temperature`.
 """
 
 TOPICS = {
@@ -157,6 +161,8 @@ def _needed(name: str, folder: Path) -> list[dict[str, str]]:
         ]
     if name == 'adapter':
         return [{'sample_rate': '25600.0'}, {'source': 'imu'}]
+    if name == 'fleet':
+        return [{'names': '[ASSET]'}]
     return [{'joint': 'shaft'}]
 
 
@@ -175,6 +181,7 @@ def _topics(node: ManagedNode) -> set[Row]:
             if topic.startswith(own) or topic in EVERY_NODE or (direction, topic) == CLOCK_IN:
                 continue
             name = topic.lstrip('/')
+            meaning = TOPICS[name.removeprefix('ASSET/')]
             mark = ' \\*' if any(key.startswith(f'{topic}.') for key in overrides) else ''
             rows.add(
                 (
@@ -182,7 +189,7 @@ def _topics(node: ManagedNode) -> set[Row]:
                     direction,
                     f'`{_type_name(end.msg_type)}`',
                     _qos(end.qos_profile) + mark,
-                    TOPICS[name],
+                    meaning,
                 )
             )
     return rows
@@ -228,7 +235,7 @@ def _parameters(specs: Iterable[Spec]) -> list[str]:
                 f'`{_default(spec.default)}`',
                 spec.unit,
                 limits,
-                'yes' if spec.running else 'no',
+                'yes' if spec.running else 'at start only' if spec.read_only else 'no',
                 spec.description.replace('|', '\\|'),
             )
         )

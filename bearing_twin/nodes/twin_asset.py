@@ -7,7 +7,6 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
-import yaml
 from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration
 from sensor_msgs.msg import JointState, Temperature
 
@@ -48,9 +47,19 @@ class TwinAsset:
         Its parameters.
     prefix
         Put before its topics: '' or ``NAMESPACE/``.
+    stagger
+        Part of the checkpoint period after which the second checkpoint comes, so that those of
+        many twins do not coincide.
     """
 
-    def __init__(self, node: ManagedNode, parameters: ParameterSet, *, prefix: str = '') -> None:
+    def __init__(
+        self,
+        node: ManagedNode,
+        parameters: ParameterSet,
+        *,
+        prefix: str = '',
+        stagger: float = 1.0,
+    ) -> None:
         p = parameters
         self.parameters = p
         self._node = node
@@ -62,6 +71,7 @@ class TwinAsset:
         )
         self._shaft = ShaftSpeed(nominal=p['shaft_hz'], joint=p['joint'], highest=FASTEST_SHAFT)
         self._checkpoint_due = 0
+        self._stagger = stagger
         self._vibration = node.create_lifecycle_publisher(
             Vibration, f'{prefix}vibration', STREAM, qos_overriding_options=OVERRIDES
         )
@@ -117,14 +127,15 @@ class TwinAsset:
         if due.first_sample < self._checkpoint_due:
             return
         p = self.parameters
-        self._checkpoint_due = due.first_sample + round(p['checkpoint_period'] * p['sample_rate'])
+        wait = p['checkpoint_period'] * p['sample_rate'] * self._stagger
+        self._checkpoint_due, self._stagger = due.first_sample + round(wait), 1.0
         self._checkpoint.publish(
             checkpoint_message(
                 stamp=due.stamp,
                 first_sample=due.first_sample,
                 node=self._path,
                 kind='twin',
-                configuration=yaml.safe_dump(p.values),
+                configuration=p.text,
                 state=save(),
             )
         )

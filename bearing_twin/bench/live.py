@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""How many bearings at 25.6 kHz one core carries live, with DDS publishing and without."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+from bearing_twin.bench.end_to_end import cpu_seconds, wait_for
+from bearing_twin.nodes.launching import NodeProcesses, local_environment
+from bearing_twin.nodes.twin_config import SPECS, build_simulator
+
+__all__ = ['measure']
+
+FEW, MANY = 2, 10
+"""Bearings of the two runs whose difference is the cost of one bearing."""
+SETTLE, MEASURED = 4.0, 8.0
+BLOCKS = 500
+
+
+def measure() -> dict[str, float]:
+    """Measure what one bearing costs.
+
+    Returns
+    -------
+    dict
+        ``live_bearings_per_core``: twins of a fleet that one core carries with vibration and state
+        published over DDS to a recorder in another process; ``..._with_diagnosis``: with a
+        diagnosis each in the same process; ``..._without_dds``: the equations of motion alone.
+        ``live_share_per_bearing`` and ``live_share_of_the_process`` are the two parts of the
+        first: of a core, for each bearing and for the process as such.
+    """
+    per_twin, process = _cost(diagnosis=False)
+    per_both, _ = _cost(diagnosis=True)
+    without = _advance_share()
+    return {
+        'live_bearings_per_core': (1.0 - process) / per_twin,
+        'live_bearings_per_core_with_diagnosis': (1.0 - process) / per_both,
+        'live_bearings_per_core_without_dds': 1.0 / without,
+        'live_share_per_bearing': per_twin,
+        'live_share_of_the_process': process,
+    }
+
+
+def _advance_share() -> float:
+    """CPU time of one twin's equations of motion over real time."""
+    values: dict[str, Any] = {spec.name: spec.default for spec in SPECS}
+    values['defect'] = 'inner'
+    simulator = build_simulator(values)
+    size = values['block_size']
+    simulator.advance(size, 20.0, 25.4)
+    began = time.process_time()
+    for _ in range(BLOCKS):
+        simulator.advance(size, 20.0, 25.4)
+    spent = time.process_time() - began
+    return float(spent * values['sample_rate'] / (BLOCKS * size))
+
+
+def _cost(*, diagnosis: bool) -> tuple[float, float]:
+    """Share of a core for each bearing, and for the process as such."""
+    few, many = (_fleet_share(count, diagnosis=diagnosis) for count in (FEW, MANY))
+    per_bearing = (many - few) / (MANY - FEW)
+    return per_bearing, few - FEW * per_bearing
+
+
+def _fleet_share(count: int, *, diagnosis: bool) -> float:
+    """Share of a core of a fleet of ``count``."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        parts = 'twin: {defect: inner}' + (', diagnosis: {}' if diagnosis else '')
+        assets = '\n'.join(f'  bearing_{k}: {{{parts}}}' for k in range(count))
+        (folder / 'assets.yaml').write_text(f'assets:\n{assets}\n')
+        environment = local_environment(1 + os.getpid() % 100)
+        with NodeProcesses(folder / 'logs', environment) as nodes:
+            nodes.start('recorder', {'output': str(folder / 'bag')})
+            nodes.start('fleet', {'assets_file': str(folder / 'assets.yaml')})
+            wait_for(folder / 'bag', nodes)
+            time.sleep(SETTLE)
+            began, cpu = time.monotonic(), cpu_seconds(nodes.pid('fleet'))
+            time.sleep(MEASURED)
+            share = (cpu_seconds(nodes.pid('fleet')) - cpu) / (time.monotonic() - began)
+            nodes.check()
+            return share

@@ -1,0 +1,125 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters of the fleet node, and the file of assets that it reads."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes import diagnosis_config, realtime, twin_config
+from bearing_twin.nodes.parameters import Spec
+
+__all__ = ['DIAGNOSIS_SPECS', 'SHARED', 'SPECS', 'TWIN_SPECS', 'Asset', 'read_assets']
+
+SHARED = ('sample_rate', 'block_size')
+"""Parameters that are one for all twins of a fleet: their blocks are computed together."""
+
+TWIN_SPECS = tuple(spec for spec in twin_config.SPECS if spec.name not in SHARED)
+DIAGNOSIS_SPECS = diagnosis_config.SPECS
+
+SPECS = (
+    Spec(
+        name='assets_file',
+        default='',
+        description='YAML file of the assets; see config/fleet.yaml.',
+        running=False,
+        read_only=True,
+    ),
+    Spec(
+        name='names',
+        default=[''],
+        description='Namespaces of assets with a twin and a diagnosis each, where no file is.',
+        running=False,
+        read_only=True,
+    ),
+    *(replace(spec, read_only=True) for spec in twin_config.SPECS if spec.name in SHARED),
+    Spec(
+        name='slots',
+        default=4,
+        description='Wake-ups a block period over which the publishing is spread.',
+        low=1,
+        high=40,
+        running=False,
+    ),
+    *realtime.SPECS,
+)
+
+NAME = re.compile(r'[A-Za-z]\w*(/[A-Za-z]\w*)*')
+PARTS = ('twin', 'diagnosis')
+
+
+@dataclass(frozen=True)
+class Asset:
+    """One bearing of the fleet; None where the fleet does not host that part."""
+
+    name: str
+    """Namespace of its topics, relative to the node's."""
+    twin: dict[str, Any] | None = field(default_factory=dict)
+    """Parameters of its twin that differ from the defaults."""
+    diagnosis: dict[str, Any] | None = field(default_factory=dict)
+
+
+def read_assets(path: str, names: list[str]) -> list[Asset]:
+    """Return the assets of a file, or of a list of names where ``path`` is ''.
+
+    The file holds, with either part left out where it is not wanted::
+
+        assets:
+          line3/pump_7:
+            twin: {bearing: '6307', defect: inner}
+            diagnosis: {bearing: '6307'}
+
+    Raises
+    ------
+    BearingTwinError
+        If there is none, the file cannot be read, or a name is no ROS namespace.
+    """
+    if not path:
+        assets = [Asset(name) for name in names if name]
+    else:
+        assets = [_asset(path, name, parts) for name, parts in _table(path).items()]
+    if not assets:
+        msg = 'no assets: give a file (assets_file:=FILE) or names (names:="[bearing_1]")'
+        raise BearingTwinError(msg)
+    for asset in assets:
+        if not NAME.fullmatch(asset.name):
+            msg = f"asset '{asset.name}' is no ROS namespace: letters, digits, _, parts split by /"
+            raise BearingTwinError(msg)
+    return assets
+
+
+def _table(path: str) -> dict[Any, Any]:
+    try:
+        content = yaml.safe_load(Path(path).read_text(encoding='utf-8'))
+    except OSError as error:
+        msg = f'{path} cannot be read: {error.strerror}'
+        raise BearingTwinError(msg) from None
+    except (UnicodeDecodeError, yaml.YAMLError) as error:
+        msg = f'{path} is no YAML: {error}'
+        raise BearingTwinError(msg) from None
+    table = content.get('assets') if isinstance(content, dict) else None
+    if not isinstance(table, dict):
+        msg = f"{path} has no table 'assets' of names and their twin and diagnosis"
+        raise BearingTwinError(msg)
+    return table
+
+
+def _asset(path: str, name: Any, parts: Any) -> Asset:
+    parts = {part: {} for part in PARTS} if parts is None else parts
+    unknown = sorted(set(parts) - set(PARTS)) if isinstance(parts, dict) else ['no table']
+    if unknown or not parts:
+        msg = f"{path}: asset '{name}' may have twin and diagnosis, not {', '.join(unknown)}"
+        raise BearingTwinError(msg)
+    chosen: dict[str, dict[str, Any] | None] = dict.fromkeys(PARTS)
+    for part, values in parts.items():
+        if not isinstance(values or {}, dict):
+            msg = f"{path}: asset '{name}': {part} must be a table of parameters"
+            raise BearingTwinError(msg)
+        chosen[part] = dict(values or {})
+    return Asset(str(name), chosen['twin'], chosen['diagnosis'])
