@@ -248,6 +248,8 @@ def in_file_order(
                 yield from messages
             if raw.opcode == Opcode.FOOTER:
                 return
+        msg = 'the recording was not finished: its end is missing'
+        raise UnfinishedRecording(msg, size)
     except UnfinishedRecording as error:
         if damaged is None:
             raise

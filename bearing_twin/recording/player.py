@@ -104,7 +104,7 @@ class Player:
         """Log time before which it ends, ns."""
         self._rate = self._checked(rate)
         self._clock: float | None = None
-        self._position = float(self.start)
+        self._elapsed = 0.0
         self._messages: Iterator[RecordedMessage] = iter(())
         self._next: RecordedMessage | None = None
         self._rewind()
@@ -129,12 +129,12 @@ class Player:
     @property
     def position(self) -> int:
         """Recorded time reached, ns."""
-        return int(self._position)
+        return self.start + int(self._elapsed)
 
     @property
     def fraction(self) -> float:
         """Part of the section that has been played, 0..1."""
-        return min(1.0, (self._position - self.start) / max(1, self.end - self.start))
+        return min(1.0, self._elapsed / (self.end - self.start))
 
     def topics(self) -> dict[str, TopicInfo]:
         """Return the topics that are played."""
@@ -153,7 +153,7 @@ class Player:
         self._advance(now)
         while not self.paused and self._next is not None:
             message = self._next
-            if message.log_time > self._position:
+            if message.log_time - self.start > self._elapsed:
                 return
             self._fetch()
             self.played += 1
@@ -168,13 +168,13 @@ class Player:
         self._advance(now)
         if self.paused or self._next is None:
             return math.inf
-        return max(0.0, (self._next.log_time - self._position) / NANO / self._rate)
+        return max(0.0, (self._next.log_time - self.start - self._elapsed) / NANO / self._rate)
 
     def step(self) -> RecordedMessage | None:
         """Give out the next message whatever the clock says; None at the end."""
         message = self._next
         if message is not None:
-            self._position = max(self._position, float(message.log_time))
+            self._elapsed = max(self._elapsed, float(message.log_time - self.start))
             self._fetch()
             self.played += 1
             if self._next is None and self.loop:
@@ -183,9 +183,9 @@ class Player:
 
     def _advance(self, now: float) -> None:
         if self._clock is not None and not self.paused:
-            self._position += max(0.0, now - self._clock) * self._rate * NANO
+            self._elapsed += max(0.0, now - self._clock) * self._rate * NANO
             if not self.loop:
-                self._position = min(self._position, float(self.end))
+                self._elapsed = min(self._elapsed, float(self.end - self.start))
         self._clock = now
 
     def _fetch(self) -> None:
@@ -194,7 +194,7 @@ class Player:
     def _rewind(self) -> None:
         if self._next is None and self.played:
             self.loops += 1
-        self._position = float(self.start)
+        self._elapsed = 0.0
         self._messages = read_messages(
             self.path, topics=self._topics, start=self.start, end=self.end
         )

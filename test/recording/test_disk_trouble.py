@@ -1,0 +1,143 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A disk that is full, read-only or gone: nothing is raised, memory is bounded, it goes on."""
+
+from __future__ import annotations
+
+import resource
+import shutil
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import pytest
+from recording_samples import START, VIBRATION, vibration_cdr
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.recover import recover
+from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+SIZE = len(vibration_cdr(0))
+
+
+@contextmanager
+def file_size_limit(size: int) -> Iterator[None]:
+    """Let the kernel refuse to make files larger than ``size`` bytes, as a full disk would."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def put(writer: RecordingWriter, index: int) -> None:
+    writer.write(
+        '/vibration',
+        VIBRATION,
+        vibration_cdr(index),
+        log_time=START + index,
+        publish_time=START + index,
+    )
+    writer.flush()
+
+
+def first_samples(path: Path) -> list[int]:
+    return [m.decode().first_sample // 1024 for m in read_messages(path)]
+
+
+def test_full_disk_loses_nothing_while_memory_lasts(tmp_path: Path) -> None:
+    options = WriterOptions(compression='none')
+    with RecordingWriter(tmp_path / 'run', options) as writer:
+        with file_size_limit(100_000):
+            for index in range(40):
+                put(writer, index)
+            assert 'File too large' in writer.problem
+            torn = (tmp_path / 'run' / 'run_0.mcap').read_bytes()
+            assert len(torn) == 100_000
+        for index in range(40, 50):
+            put(writer, index)
+        assert writer.problem == ''
+        assert writer.dropped == 0
+    assert first_samples(tmp_path / 'run') == list(range(50))
+
+
+def test_full_disk_drops_and_counts_when_memory_is_full(tmp_path: Path) -> None:
+    options = WriterOptions(compression='none', cache_size=10 * SIZE)
+    with RecordingWriter(tmp_path / 'run', options) as writer:
+        with file_size_limit(100_000):
+            for index in range(60):
+                put(writer, index)
+            dropped = writer.dropped
+            assert dropped > 20
+        writer.flush()
+        for index in range(60, 70):
+            put(writer, index)
+        assert writer.dropped == dropped
+    found = first_samples(tmp_path / 'run')
+    assert len(found) == 70 - dropped
+    assert found == sorted(found)
+    # What came first after the disk filled up is kept, in one piece.
+    assert found[: 60 - dropped] == list(range(60 - dropped))
+
+
+def test_disk_that_stays_full_leaves_a_file_to_recover(tmp_path: Path) -> None:
+    writer = RecordingWriter(tmp_path / 'run', WriterOptions(compression='none'))
+    with file_size_limit(100_000):
+        for index in range(30):
+            put(writer, index)
+        with pytest.raises(BearingTwinError, match=r'could not be finished.*recover'):
+            writer.close()
+    assert not recording_info(tmp_path / 'run').finished
+    # The lock goes with the process; here the descriptor is still open.
+    del writer
+    report = recover_copy(tmp_path)
+    assert report == list(range(len(report)))
+    assert len(report) >= 100_000 // (SIZE + 300) - 1
+
+
+def recover_copy(folder: Path) -> list[int]:
+    shutil.copy(folder / 'run' / 'run_0.mcap', folder / 'torn.mcap')
+    recover(folder / 'torn.mcap', folder / 'saved.mcap')
+    return first_samples(folder / 'saved.mcap')
+
+
+def test_folder_that_is_removed_is_made_again(tmp_path: Path) -> None:
+    with RecordingWriter(tmp_path / 'run', WriterOptions(compression='none')) as writer:
+        for index in range(5):
+            put(writer, index)
+        shutil.rmtree(tmp_path / 'run')
+        put(writer, 5)
+        assert 'was removed' in writer.problem
+        for index in range(6, 12):
+            put(writer, index)
+        assert writer.problem == ''
+    # Only what the removed file held is lost; that is the nature of removing it.
+    assert first_samples(tmp_path / 'run') == list(range(6, 12))
+
+
+def test_folder_whose_parent_is_gone_waits(tmp_path: Path) -> None:
+    disk = tmp_path / 'disk'
+    with RecordingWriter(disk / 'run', WriterOptions(compression='none')) as writer:
+        put(writer, 0)
+        shutil.rmtree(disk)
+        for index in range(1, 5):
+            put(writer, index)
+        assert writer.problem
+        assert not disk.exists()
+        disk.mkdir()
+        put(writer, 5)
+        assert writer.problem == ''
+    assert first_samples(disk / 'run') == [2, 3, 4, 5]
+
+
+def test_place_that_cannot_be_written_is_refused_at_once(tmp_path: Path) -> None:
+    (tmp_path / 'file').write_text('')
+    with pytest.raises(BearingTwinError, match='cannot be made'):
+        RecordingWriter(tmp_path / 'file' / 'run')
+    with pytest.raises(BearingTwinError, match='cannot be made'):
+        RecordingWriter(tmp_path / ('x' * 300))

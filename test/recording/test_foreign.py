@@ -1,0 +1,272 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Signals of other people's files."""
+
+from __future__ import annotations
+
+import math
+import pickle
+import zipfile
+import zlib
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from recording_samples import (
+    BLOCK,
+    NANO,
+    PERIOD,
+    RATE,
+    START,
+    VIBRATION,
+    header,
+    store,
+    vibration_cdr,
+    write_blocks,
+)
+from scipy.io import loadmat, savemat, wavfile
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.foreign import read_signal
+from bearing_twin.recording.writer import RecordingWriter
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+X = np.random.default_rng(1).normal(size=5000)
+IMU = 'sensor_msgs/msg/Imu'
+
+
+def test_npz_of_the_real_recordings(data_dir: Path) -> None:
+    path = data_dir / 'cwru' / 'cwru_0130_DE.npz'
+    signal = read_signal(path)
+    with np.load(path) as arrays:
+        np.testing.assert_array_equal(signal.x, arrays['x'].astype(float))
+        assert signal.sample_rate == arrays['fs']
+        assert signal.shaft_hz == pytest.approx(arrays['rpm'] / 60.0)
+    assert signal.label == 'outer'
+    assert signal.bearing_name.startswith('SKF 6205')
+    assert math.isnan(signal.temperature)
+
+
+def test_npz_with_snapshots_needs_a_row(data_dir: Path) -> None:
+    path = data_dir / 'femto' / 'femto_Bearing3_1_H.npz'
+    with pytest.raises(BearingTwinError, match='choose one'):
+        read_signal(path)
+    with np.load(path) as arrays:
+        np.testing.assert_array_equal(read_signal(path, channel='5').x, arrays['x'][5])
+        np.testing.assert_array_equal(read_signal(path, channel='x:7').x, arrays['x'][7])
+
+
+def test_mat_as_cwru_gives_it(tmp_path: Path) -> None:
+    path = tmp_path / '130.mat'
+    variables = {'X130_DE_time': X[:, None], 'X130_FE_time': X[:100, None], 'X130RPM': 1796.0}
+    for compress in (False, True):
+        savemat(path, variables, do_compression=compress)
+        with pytest.raises(BearingTwinError, match='does not say its sample rate'):
+            read_signal(path)
+        signal = read_signal(path, sample_rate=12000.0)
+        np.testing.assert_array_equal(signal.x, X)
+        assert signal.shaft_hz == pytest.approx(1796.0 / 60.0)
+        other = read_signal(path, channel='FE_time', sample_rate=12000.0)
+        np.testing.assert_array_equal(other.x, X[:100])
+
+
+def test_mat_as_mfpt_gives_it(tmp_path: Path) -> None:
+    path = tmp_path / 'bearing.mat'
+    savemat(path, {'bearing': {'sr': 48828.0, 'rate': 25.0, 'load': 200.0, 'gs': X[:, None]}})
+    signal = read_signal(path)
+    np.testing.assert_array_equal(signal.x, X)
+    assert signal.sample_rate == 48828.0
+
+
+def test_mat_of_version_4(tmp_path: Path) -> None:
+    path = tmp_path / 'old.mat'
+    savemat(path, {'x': X, 'fs': 8000.0}, format='4')
+    np.testing.assert_array_equal(read_signal(path).x, X)
+
+
+@pytest.mark.parametrize(
+    ('dtype', 'scale'),
+    [(np.int16, 2.0**15), (np.int32, 2.0**31), (np.float32, 1.0), (np.uint8, 2.0**7)],
+)
+def test_wav(tmp_path: Path, dtype: Any, scale: float) -> None:
+    path = tmp_path / 'a.wav'
+    offset = 128 if dtype is np.uint8 else 0
+    table = (np.clip(0.2 * X.reshape(-1, 2), -0.99, 0.99) * scale + offset).astype(dtype)
+    wavfile.write(path, 20000, table)
+    signal = read_signal(path, channel='1')
+    assert signal.sample_rate == 20000.0
+    np.testing.assert_allclose(signal.x, (table[:, 1].astype(float) - offset) / scale)
+    with pytest.raises(BearingTwinError, match='does not exist'):
+        read_signal(path, channel='2')
+
+
+@pytest.mark.parametrize(
+    'text',
+    [
+        'time,acc [m/s^2],other\n{rows:,}',
+        'fs = 1000\nrpm = 1500\nacc [m/s^2],other,third\n{rows:,}',
+        'time;acc [m/s^2];other\n{rows:;}',
+        'time\tacc [m/s^2]\tother\r\n{rows:\t}',
+        '# time acc[m/s^2] other\n{rows: }',
+    ],
+)
+def test_csv(tmp_path: Path, text: str) -> None:
+    separator = text[text.index('{rows:') + 6]
+    columns = np.column_stack([np.arange(500) / 1000.0, X[:500], X[500:1000]])
+    lines = [separator.join(f'{v:.9g}' for v in row) for row in columns]
+    if separator == ';':
+        lines = [line.replace('.', ',') for line in lines]
+    path = tmp_path / 'a.csv'
+    path.write_text(text[: text.index('{')] + '\n'.join(lines))
+    first = 'acc [m/s^2]' if separator != ' ' else 'acc[m/s^2]'
+    index = 0 if text.startswith('fs') else 1
+    signal = read_signal(path, channel=first if index else 'acc [m/s^2]')
+    np.testing.assert_allclose(signal.x, columns[:, index], rtol=1e-8)
+    assert signal.sample_rate == pytest.approx(1000.0)
+    assert signal.unit == 'm/s^2'
+    if text.startswith('fs'):
+        assert signal.shaft_hz == 25.0
+
+
+def test_csv_without_any_heading(tmp_path: Path) -> None:
+    path = tmp_path / 'a.csv'
+    path.write_text('\n'.join(f'{v:.9g}' for v in X[:300]))
+    signal = read_signal(path, sample_rate=5000.0)
+    np.testing.assert_allclose(signal.x, X[:300], rtol=1e-8)
+
+
+def test_our_own_recording(tmp_path: Path) -> None:
+    write_blocks(tmp_path / 'run', 40)
+    signal = read_signal(tmp_path / 'run')
+    expected = 2.0 * np.sin(0.01 * np.arange(40 * BLOCK)).astype(np.float32)
+    np.testing.assert_array_equal(signal.x, expected.astype(np.float32))
+    assert (signal.sample_rate, signal.shaft_hz, signal.unit) == (RATE, 25.0, 'm/s^2')
+    x = read_signal(tmp_path / 'run', channel='/vibration:x')
+    np.testing.assert_array_equal(2.0 * x.x, signal.x)
+    with pytest.raises(BearingTwinError, match='name the vibration topic'):
+        read_signal(tmp_path / 'run', channel='/temperature')
+
+
+def test_the_longest_stretch_without_a_gap_is_taken(tmp_path: Path) -> None:
+    with RecordingWriter(tmp_path / 'run.mcap') as writer:
+        for index in [*range(5), *range(10, 22), *range(30, 34)]:
+            time = START + index * PERIOD
+            cdr = vibration_cdr(index)
+            writer.write('/vibration', VIBRATION, cdr, log_time=time, publish_time=time)
+    signal = read_signal(tmp_path / 'run.mcap')
+    expected = 2.0 * np.sin(0.01 * np.arange(10 * BLOCK, 22 * BLOCK)).astype(np.float32)
+    np.testing.assert_array_equal(signal.x, expected)
+
+
+def write_imu(path: Path, times: np.ndarray) -> None:
+    types = store(IMU)
+    vector = types.types['geometry_msgs/msg/Vector3']
+    zero, nine = vector(x=0.0, y=0.0, z=0.0), np.zeros(9)
+    with RecordingWriter(path) as writer:
+        for k, second in enumerate(times):
+            ns = START + round(second * NANO)
+            message = types.types[IMU](
+                header=header(types, ns),
+                orientation=types.types['geometry_msgs/msg/Quaternion'](
+                    x=0.0, y=0.0, z=0.0, w=1.0
+                ),
+                orientation_covariance=nine,
+                angular_velocity=zero,
+                angular_velocity_covariance=nine,
+                linear_acceleration=vector(x=0.0, y=float(k), z=float(X[k])),
+                linear_acceleration_covariance=nine,
+            )
+            cdr = bytes(types.serialize_cdr(message, IMU))
+            writer.write('/imu', IMU, cdr, log_time=ns, publish_time=ns)
+
+
+def test_imu_of_anybody(tmp_path: Path) -> None:
+    write_imu(tmp_path / 'imu.mcap', np.arange(400) / 800.0)
+    signal = read_signal(tmp_path / 'imu.mcap')
+    assert signal.sample_rate == pytest.approx(800.0, rel=1e-6)
+    np.testing.assert_array_equal(signal.x, X[:400])
+    y = read_signal(tmp_path / 'imu.mcap', channel='y')
+    np.testing.assert_array_equal(y.x, np.arange(400.0))
+    times = np.cumsum(np.random.default_rng(2).uniform(0.0001, 0.01, 400))
+    write_imu(tmp_path / 'irregular.mcap', times)
+    with pytest.raises(BearingTwinError, match='not equally spaced'):
+        read_signal(tmp_path / 'irregular.mcap')
+
+
+class Evil:
+    """Makes a file when it is unpickled."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+
+    def __reduce__(self) -> Any:
+        return (open, (self.path, 'w'))
+
+
+def test_objects_in_npz_are_never_loaded(tmp_path: Path) -> None:
+    made, path = tmp_path / 'made', tmp_path / 'a.npz'
+    np.savez(path, x=np.array([Evil(str(made))] * 3, dtype=object), fs=1000.0)
+    with pytest.raises(BearingTwinError, match='Python objects'):
+        read_signal(path)
+    with zipfile.ZipFile(path, 'w') as archive:
+        archive.writestr('x.npy', pickle.dumps(Evil(str(made))))
+    with pytest.raises(BearingTwinError, match='cannot be read as'):
+        read_signal(path)
+    assert not made.exists()
+
+
+def npy(shape: str, payload: bytes = b'') -> bytes:
+    head = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + '\n'
+    return b'\x93NUMPY\x01\x00' + len(head).to_bytes(2, 'little') + head.encode() + payload
+
+
+@pytest.mark.parametrize('shape', ['(100000000000,)', '(1000000, 1000000)', '(-5,)', '(2**70,)'])
+def test_npz_that_claims_more_than_it_has(tmp_path: Path, shape: str) -> None:
+    path = tmp_path / 'a.npz'
+    with zipfile.ZipFile(path, 'w') as archive:
+        archive.writestr('x.npy', npy(shape, bytes(80)))
+    with pytest.raises(BearingTwinError):
+        read_signal(path, sample_rate=1000.0)
+
+
+def test_mat_that_unpacks_to_too_much_or_nests_too_deeply(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    head = b'MATLAB 5.0 MAT-file'.ljust(124) + b'\x00\x01IM'
+    path = tmp_path / 'a.mat'
+    bomb = zlib.compress(bytes(50_000_000))
+    path.write_bytes(head + np.array([15, len(bomb)], '<u4').tobytes() + bomb)
+    monkeypatch.setattr('bearing_twin.recording.matfile.MOST_UNPACKED', 10_000_000)
+    with pytest.raises(BearingTwinError, match='would unpack to more than'):
+        read_signal(path)
+    # A cell in a cell in a cell ...: header of 40 bytes (flags, dimensions, empty name) each.
+    deep = b''
+    for _ in range(3000):
+        flags = np.array([6, 8, 1, 0], '<u4').tobytes()
+        rest = np.array([5, 8, 1, 1, 1, 0], '<u4').tobytes()
+        body = flags + rest + deep
+        deep = np.array([14, len(body)], '<u4').tobytes() + body
+    path.write_bytes(head + deep)
+    with pytest.raises(BearingTwinError, match='nests more than'):
+        read_signal(path)
+
+
+def test_a_struct_in_a_struct_is_not_too_deep(tmp_path: Path) -> None:
+    value: Any = {'gs': X}
+    for level in range(8):
+        value = {f'level{level}': value, 'sr': 1000.0}
+    savemat(tmp_path / 'a.mat', value)
+    assert loadmat(tmp_path / 'a.mat')
+    np.testing.assert_array_equal(read_signal(tmp_path / 'a.mat').x, X)
+
+
+def test_other_endings_and_missing_files(tmp_path: Path) -> None:
+    (tmp_path / 'a.xlsx').write_bytes(BytesIO(b'PK').read())
+    with pytest.raises(BearingTwinError, match=r'files ending in .npz'):
+        read_signal(tmp_path / 'a.xlsx')
+    for name in ('a.npz', 'a.mat', 'a.wav', 'a.csv', 'a.mcap'):
+        with pytest.raises(BearingTwinError):
+            read_signal(tmp_path / name)
