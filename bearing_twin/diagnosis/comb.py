@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from bearing_twin.diagnosis.spectra import local_floor
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -16,7 +18,14 @@ if TYPE_CHECKING:
 
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
 
-__all__ = ['HARMONICS', 'CombScores', 'OrderSpectra', 'accumulate', 'comb_scores', 'order_spectra']
+__all__ = [
+    "HARMONICS",
+    "CombScores",
+    "OrderSpectra",
+    "accumulate",
+    "comb_scores",
+    "order_spectra",
+]
 
 HARMONICS = 4
 """Teeth of a comb. Fault lines fade after a few harmonics, and each empty tooth costs power."""
@@ -40,7 +49,13 @@ class OrderSpectra:
     logs: NDArray[np.float32]
     """(K, W B): mean of log(1 + power / floor)."""
     excess: NDArray[np.float32]
-    """(K, B): relative power above the floor, of the amplitude-preserving whitening."""
+    """(K, 2 B): relative power above the floor, lines kept and lines capped."""
+    direct: NDArray[np.float32]
+    """(K,): mean of log(1 + power / floor) of the spectrum itself."""
+    carrier: NDArray[np.float32]
+    """(B,): lower edge of each band, orders."""
+    given: float = 1.0
+    """Shaft speed handed in over the refined one, on which the orders rest."""
     weight: float = 1.0
     """Number of independent windows in the mean."""
 
@@ -51,10 +66,10 @@ class OrderSpectra:
 
     def silenced(self, orders: Iterable[float], half_width: float) -> OrderSpectra:
         """Copy in which the bins within ``half_width`` orders of ``orders`` say nothing."""
-        logs, excess = self.logs.copy(), self.excess.copy()
+        logs, excess, direct = self.logs.copy(), self.excess.copy(), self.direct.copy()
         hidden = self.near(orders, half_width)
-        logs[hidden], excess[hidden] = NEUTRAL, 0.0
-        return OrderSpectra(self.step, logs, excess, self.weight)
+        logs[hidden], excess[hidden], direct[hidden] = NEUTRAL, 0.0, NEUTRAL
+        return replace(self, logs=logs, excess=excess, direct=direct)
 
     def near(self, orders: Iterable[float], half_width: float) -> NDArray[np.bool_]:
         """(K,) mask of the bins within ``half_width`` orders of any of ``orders``."""
@@ -65,14 +80,52 @@ class OrderSpectra:
             mask[max(first, 0) : max(last + 1, 0)] = True
         return mask
 
+    def at_given_speed(self) -> OrderSpectra:
+        """The same over orders of the speed handed in."""
+        return replace(
+            self,
+            step=self.step / self.given,
+            carrier=self.carrier / self.given,
+            given=1.0,
+        )
 
-def order_spectra(spectra: EnvelopeSpectra, shaft_hz: float) -> OrderSpectra:
-    """Put the envelope spectra of one window over orders of ``shaft_hz``."""
+
+def order_spectra(
+    spectra: EnvelopeSpectra,
+    power: NDArray[np.float32],
+    edges: Sequence[float],
+    shaft_hz: float,
+    given_hz: float,
+) -> OrderSpectra:
+    """Put the spectra of one window over orders of ``shaft_hz``.
+
+    Parameters
+    ----------
+    spectra
+        Squared envelope spectra.
+    power
+        Power spectrum of the signal itself, bin k at k bin_hz.
+    edges
+        Lower edge of each band, Hz.
+    shaft_hz, given_hz
+        Shaft speed refined and handed in, Hz.
+    """
     whitenings, bands, count = spectra.power.shape
     logs = np.log1p(spectra.power / spectra.floor).reshape(whitenings * bands, count)
-    excess = np.maximum(spectra.power[0] - spectra.floor[0], 0.0)
+    excess = np.maximum(spectra.power[:2] - spectra.floor[:2], 0.0).reshape(
+        2 * bands, count
+    )
+    direct = np.full(count, NEUTRAL, dtype=np.float32)
+    low = power[1 : count + 1]
+    width = max(int(4.0 * shaft_hz / spectra.bin_hz), 32)
+    direct[: len(low)] = np.log1p(low / local_floor(low, width))
     return OrderSpectra(
-        spectra.bin_hz / shaft_hz, np.ascontiguousarray(logs.T), np.ascontiguousarray(excess.T)
+        spectra.bin_hz / shaft_hz,
+        np.ascontiguousarray(logs.T),
+        np.ascontiguousarray(excess.T),
+        direct,
+        np.asarray(edges, dtype=np.float32) / np.float32(shaft_hz),
+        given_hz / shaft_hz,
     )
 
 
@@ -84,12 +137,14 @@ def accumulate(windows: Sequence[OrderSpectra]) -> OrderSpectra:
     orders = newest.step * np.arange(1, len(newest.logs) + 1)
     total = sum(window.weight for window in windows)
     logs, excess = np.zeros_like(newest.logs), np.zeros_like(newest.excess)
+    direct = np.zeros_like(newest.direct)
     for window in windows:
         rows = window.rows(orders)
         share = np.float32(window.weight / total)
         logs += share * window.logs[rows]
         excess += share * window.excess[rows]
-    return OrderSpectra(newest.step, logs, excess, total)
+        direct += share * window.direct[rows]
+    return replace(newest, logs=logs, excess=excess, direct=direct, weight=total)
 
 
 @dataclass(frozen=True)
@@ -127,7 +182,9 @@ def _teeth(spectra: OrderSpectra, grid: NDArray[np.float64]) -> NDArray[np.float
     return total
 
 
-def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) -> CombScores:
+def comb_scores(
+    spectra: OrderSpectra, highest_order: float, whitenings: int
+) -> CombScores:
     """Score every comb whose fundamental lies between 0.3 orders and ``highest_order``.
 
     The score of a comb is the sum of log(1 + power / floor) over its teeth. Each band is
@@ -150,7 +207,9 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
     return CombScores(grid, z, center, spread, best_center, best_spread, whitenings)
 
 
-def _quantiles(values: NDArray[np.floating]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _quantiles(
+    values: NDArray[np.floating],
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Median and 84 % quantile along the first axis."""
     middle, upper = len(values) // 2, int(0.8413 * len(values))
     ordered = np.partition(values, (middle, upper), axis=0)

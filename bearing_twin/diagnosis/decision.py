@@ -5,13 +5,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bearing_twin.bearing import fault_orders
-from bearing_twin.diagnosis.comb import HARMONICS, CombScores, OrderSpectra, comb_scores
+from bearing_twin.diagnosis.comb import HARMONICS, OrderSpectra, comb_scores
 from bearing_twin.diagnosis.gate import CAGE_TURNS
 from bearing_twin.diagnosis.result import FAMILIES
 from bearing_twin.diagnosis.spectra import WHITENINGS
@@ -23,14 +23,16 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.shaft import ShaftSpeed
 
 __all__ = [
-    'INDEX_FAULT',
-    'INDEX_SUSPECT',
-    'SLIP',
-    'Z_CAGE',
-    'Z_FAULT',
-    'Candidate',
-    'Verdict',
-    'decide',
+    "INDEX_FAULT",
+    "INDEX_SUSPECT",
+    "SLIP",
+    "Z_CAGE",
+    "Z_FAULT",
+    "Candidate",
+    "Judge",
+    "Verdict",
+    "decide",
+    "family_order",
 ]
 
 Z_FAULT = 5.5
@@ -48,17 +50,32 @@ INDEX_SUSPECT = 0.3
 SLIP = (-0.015, 0.06)
 """Cage slip looked for. Below zero: a contact angle that the geometry does not know of."""
 
+JOINT_SLIP = 0.008
+"""Two faults of one bearing share one cage: their slips agree to this much."""
+
+CARRIER = 12.0
+"""Multiples of the outer race's frequency above which its carriers count."""
+
+RIVAL = 1.4
+"""Two faults that explain each other away are told apart from this ratio of evidence on."""
+
+BLURRED = 0.9
+"""Sidebands over teeth above which a comb may itself be a sideband of another fault."""
+
 _SLIP_COST = 0.02
-_SIDEBANDS = (-2, -1, 0, 1, 2)
+_STEADY = 0.004
+_SIDEBANDS = 4
+_RACES = ("inner", "outer")
+_UNTESTED = 1.0
 
 
 def family_order(family: str, orders: FaultFrequencies) -> float:
     """Order of the impacts of a family: a ball strikes twice a spin."""
     return {
-        'inner': orders.bpfi,
-        'outer': orders.bpfo,
-        'ball': 2.0 * orders.bsf,
-        'cage': orders.ftf,
+        "inner": orders.bpfi,
+        "outer": orders.bpfo,
+        "ball": 2.0 * orders.bsf,
+        "cage": orders.ftf,
     }[family]
 
 
@@ -70,14 +87,32 @@ class Candidate:
     order: float
     """Measured fundamental, multiples of the shaft speed."""
     slip: float
+    """Cage slip that explains it."""
     z: float
     """Score less the cost of an unlikely slip."""
     index: float
     """Modulation index."""
     band: int
     """Number of the band in the tree."""
-    teeth: tuple[float, ...]
-    """Orders of the teeth that may speak."""
+    teeth: int
+    """Number of teeth that do not hide behind a shaft harmonic."""
+    sidebands: float
+    """Mean amplitude of the shaft sidebands over that of the teeth."""
+
+    @property
+    def evidence(self) -> float:
+        """What faults that claim the same lines are compared by.
+
+        The sidebands of a race fault are weaker than its teeth, so a comb that stands beside
+        stronger lines is more likely a sideband itself.
+        """
+        return self.z * self.index / max(self.sidebands, 0.25)
+
+    def __str__(self) -> str:
+        return (
+            f"{self.family}: comb at {self.order:.3f} orders, z {self.z:.1f}, "
+            f"modulation index {self.index:.2f}"
+        )
 
 
 @dataclass(frozen=True)
@@ -90,65 +125,166 @@ class Verdict:
     confidence: float
     reasons: tuple[str, ...]
     candidates: dict[str, Candidate]
-    strongest: Candidate | None = field(default=None)
+    strongest: Candidate | None = None
+
+    @property
+    def evidence(self) -> float:
+        """Evidence of the strongest family; 0 without any."""
+        return self.strongest.evidence if self.strongest else 0.0
 
 
-def _lines(candidate: Candidate, orders: FaultFrequencies, top: float) -> list[float]:
-    """Orders of all lines that a fault of this family explains, sidebands included."""
-    gap = {'inner': 1.0, 'outer': 1.0, 'ball': orders.ftf, 'cage': 0.0}[candidate.family]
-    sides = _SIDEBANDS if gap else (0,)
-    count = int(top / candidate.order) + 1
-    return [h * candidate.order + k * gap for h in range(1, count + 1) for k in sides]
+class Judge:
+    """Scores the families of one bearing in the envelope spectra of one window."""
+
+    def __init__(
+        self, spectra: OrderSpectra, bearing: Bearing, speed: ShaftSpeed
+    ) -> None:
+        self.orders = fault_orders(bearing)
+        self._slipped = fault_orders(bearing, SLIP[1])
+        self._uncertainty = speed.uncertainty
+        self.top = len(spectra.logs) * spectra.step
+        shaft = np.arange(1.0, self.top + 1.0)
+        self._silent = spectra.near(shaft, 1.25 * spectra.step)
+        self.spectra = spectra.silenced(shaft, 1.25 * spectra.step)
+        self._all = spectra
+        highest = 1.08 * max(family_order(name, self.orders) for name in FAMILIES)
+        self._scores = comb_scores(self.spectra, highest, len(WHITENINGS))
+
+    def best(
+        self, family: str, spectra: OrderSpectra, slips: tuple[float, float] = SLIP
+    ) -> Candidate:
+        """Best comb of a family within a range of slip."""
+        order = family_order(family, self.orders)
+        slope = (family_order(family, self._slipped) - order) / SLIP[1]
+        ends = sorted(order + slope * slip for slip in slips)
+        slack = self._uncertainty * order
+        first = int(np.searchsorted(self._scores.grid, ends[0] - slack))
+        last = int(np.searchsorted(self._scores.grid, ends[1] + slack))
+        first = min(first, len(self._scores.grid) - 1)
+        grid = self._scores.grid[first : max(last, first + 1)]
+        z, bands = self._scores.judge(spectra, grid)
+        # What the uncertainty of the speed may explain is no slip and costs nothing.
+        away = np.maximum(np.abs(grid - order) - slack, 0.0) * np.sign(grid - order)
+        slip = away / slope
+        z = z - (slip / _SLIP_COST) ** 2
+        at = int(np.argmax(z))
+        found = float(grid[at])
+        index, band = modulation_index(spectra, found, bands[at, 0], family)
+        teeth = found * np.arange(1, HARMONICS + 1)
+        alive = int((~self._silent[spectra.rows(teeth)]).sum())
+        tested = family in _RACES and z[at] >= Z_FAULT
+        sidebands = sideband_ratio(spectra, found, band) if tested else _UNTESTED
+        return Candidate(
+            family, found, float(slip[at]), float(z[at]), index, band, alive, sidebands
+        )
+
+    def hidden(self, family: str) -> Candidate | None:
+        """Comb of a family that shows, but whose teeth hide behind the shaft's harmonics."""
+        order = family_order(family, self.orders)
+        slack = self._uncertainty * order + 1.25 * self._all.step
+        if abs(order - round(order)) > slack:
+            return None
+        found = self.best(family, self._all, (0.0, 0.0))
+        return found if found.z >= Z_FAULT and found.index >= INDEX_FAULT else None
+
+    def without(self, candidate: Candidate) -> OrderSpectra:
+        """Spectra without the lines that a fault explains: its harmonics and their sidebands.
+
+        A race fault is modulated at the shaft's speed, a ball fault at the cage's.
+        """
+        gap = {"inner": 1.0, "outer": 1.0, "ball": self.orders.ftf, "cage": 0.0}
+        reach = range(-_SIDEBANDS, _SIDEBANDS + 1) if gap[candidate.family] else (0,)
+        count = int(self.top / candidate.order) + 1
+        lines = [
+            harmonic * candidate.order + side * gap[candidate.family]
+            for harmonic in range(1, count + 1)
+            for side in reach
+        ]
+        return self.spectra.silenced(lines, 2.0 * self.spectra.step)
+
+    def joint_slips(self, primary: Candidate) -> tuple[float, float]:
+        """Slip that another fault of the same bearing may have, given the primary one's."""
+        if self._uncertainty > _STEADY or primary.family == "cage":
+            return SLIP
+        return primary.slip - JOINT_SLIP, primary.slip + JOINT_SLIP
 
 
-def _index(
-    spectra: OrderSpectra, order: float, band_scores: NDArray[np.float32]
+def modulation_index(
+    spectra: OrderSpectra, order: float, band_scores: NDArray[np.float32], family: str
 ) -> tuple[float, int]:
-    """Modulation index, the largest of the bands in which the comb shows, and that band."""
-    power = np.zeros(spectra.excess.shape[1])
+    """Modulation index of a comb, the largest of the bands that show it, and that band.
+
+    Root of the sum over harmonics of the squared relative amplitudes of the squared envelope,
+    noise floor taken off: m for an envelope 1 + m cos. It is taken from the spectrum with capped
+    lines, so that steady lines beating with one another do not count. The cage's, whose pulses
+    are slow and smooth, is taken with lines kept. A healthy bearing forces its housing at the
+    outer race's frequency and its low multiples (variable compliance); for that family the index
+    counts only in bands that begin above ``CARRIER`` multiples.
+    """
+    bands = len(spectra.carrier)
+    lines = slice(0, bands) if family == "cage" else slice(bands, None)
+    power = np.zeros(bands)
     for harmonic in range(1, HARMONICS + 1):
         row = int(spectra.rows([harmonic * order])[0])
         # A line spreads over three bins of the Hann window, whose noise bandwidth is 1.5 bins.
-        power += spectra.excess[max(row - 1, 0) : row + 2].sum(axis=0) / 1.5
+        power += spectra.excess[max(row - 1, 0) : row + 2, lines].sum(axis=0) / 1.5
+    if family == "outer":
+        # Half of the range stays in any case, for low sample rates.
+        limit = min(CARRIER * order, 0.5 * float(spectra.carrier.max()))
+        power[spectra.carrier < limit] = 0.0
     index = 2.0 * np.sqrt(power)
     shown = band_scores >= min(3.0, float(band_scores.max()))
     band = int(np.argmax(np.where(shown, index, -1.0)))
     return float(index[band]), band
 
 
-def _candidate(
-    family: str,
-    bearing: Bearing,
-    spectra: OrderSpectra,
-    scores: CombScores,
-    uncertainty: float,
-    silent: NDArray[np.bool_],
-) -> Candidate:
-    slips = np.array([SLIP[0], 0.0, SLIP[1]])
-    ends = [family_order(family, fault_orders(bearing, float(slip))) for slip in slips]
-    low, high = min(ends) * (1.0 - uncertainty), max(ends) * (1.0 + uncertainty)
-    first, last = np.searchsorted(scores.grid, (low, high))
-    grid = scores.grid[first : max(last, first + 1)]
-    z, bands = scores.judge(spectra, grid)
-    # Position within the window as slip; what the speed's uncertainty may explain costs nothing.
-    away = grid / ends[1] - 1.0
-    away = np.sign(away) * np.maximum(np.abs(away) - uncertainty, 0.0)
-    slip = away * ends[1] / (ends[2] - ends[1]) * SLIP[1]
-    z = z - (slip / _SLIP_COST) ** 2
-    best = int(np.argmax(z))
-    order = float(grid[best])
-    teeth = [h * order for h in range(1, HARMONICS + 1)]
-    alive = tuple(
-        tooth for tooth, row in zip(teeth, spectra.rows(teeth), strict=True) if not silent[row]
+def sideband_ratio(spectra: OrderSpectra, order: float, band: int) -> float:
+    """Amplitude of the lines one and two orders beside the teeth of a comb over the teeth's."""
+    teeth = order * np.arange(1, HARMONICS + 1)
+    lines = spectra.excess[:, len(spectra.carrier) + band]
+
+    def power(orders: NDArray[np.floating]) -> float:
+        rows = spectra.rows(orders)
+        around = [
+            lines[np.clip(rows + shift, 0, len(lines) - 1)] for shift in (-1, 0, 1)
+        ]
+        return float(np.mean(np.sum(around, axis=0)))
+
+    beside = np.mean([power(teeth + side) for side in (-2, -1, 1, 2)])
+    return float(np.sqrt(beside / max(power(teeth), 1e-30)))
+
+
+def cage_shakes(judge: Judge, order: float) -> bool:
+    """Whether the signal itself, not only its envelope, repeats with the cage.
+
+    A worn cage or a displaced ball changes the forces once a cage turn, which shows as lines at
+    multiples of the cage frequency. A damaged ball strikes with a strength that varies with the
+    cage's position: only the envelope repeats.
+    """
+    spectra = judge.spectra
+    # Below the ball pass order, which is a multiple of the cage's and shows in good bearings too.
+    teeth = np.arange(1, 7)
+
+    def comb(grid: NDArray[np.float64]) -> NDArray[np.float64]:
+        rows = spectra.rows(np.outer(grid, teeth).ravel())
+        return (
+            spectra.direct[rows].reshape(len(grid), -1).mean(axis=1, dtype=np.float64)
+        )
+
+    step = spectra.step / (2 * teeth[-1])
+    beside = order * np.concatenate(
+        (np.arange(0.80, 0.96, 0.0005), np.arange(1.04, 1.2, 0.0005))
     )
-    index, band = _index(spectra, order, bands[best, 0])
-    return Candidate(family, order, float(slip[best]), float(z[best]), index, band, alive)
+    null = comb(beside)
+    center, upper = np.quantile(null, (0.5, 0.8413))
+    found = comb(order + step * np.arange(-6, 7)).max()
+    return bool(found >= center + Z_FAULT * max(upper - center, 1e-3))
 
 
 def decide(
     spectra: OrderSpectra, bearing: Bearing, speed: ShaftSpeed, revolutions: float
 ) -> Verdict:
-    """Judge the envelope spectra of a window.
+    """Judge the envelope spectra of a window, or of several averaged.
 
     Parameters
     ----------
@@ -159,72 +295,126 @@ def decide(
     speed
         Refined shaft speed.
     revolutions
-        Shaft turns in one window.
+        Shaft turns in all windows together.
     """
-    orders = fault_orders(bearing)
-    top = float(len(spectra.logs)) * spectra.step
-    shaft = np.arange(1.0, top + 1.0)
-    width = 1.25 * spectra.step
-    silent = spectra.near(shaft, width)
-    quiet = spectra.silenced(shaft, width)
-    highest = max(family_order(name, orders) for name in FAMILIES) * 1.08
-    scores = comb_scores(quiet, highest, len(WHITENINGS))
-
-    def best_of(family: str, within: OrderSpectra) -> Candidate:
-        return _candidate(family, bearing, within, scores, speed.uncertainty, silent)
-
-    def without(candidate: Candidate, within: OrderSpectra) -> OrderSpectra:
-        return within.silenced(_lines(candidate, orders, top), 2.0 * spectra.step)
-
-    candidates = {family: best_of(family, quiet) for family in FAMILIES}
+    judge = Judge(spectra, bearing, speed)
+    candidates = {family: judge.best(family, judge.spectra) for family in FAMILIES}
     strong = [
         c
         for c in candidates.values()
-        if c.z >= (Z_CAGE if c.family == 'cage' else Z_FAULT)
+        if c.z >= (Z_CAGE if c.family == "cage" else Z_FAULT)
         and c.index >= INDEX_SUSPECT
-        and len(c.teeth) >= 2
-        and (c.family != 'cage' or revolutions * orders.ftf >= CAGE_TURNS)
+        and c.teeth >= 2
     ]
-    races = [c for c in strong if c.family != 'cage'] or strong
     # One comb in the windows of two families belongs to the likelier slip.
-    races = [
+    strong = [
         c
-        for c in races
-        if all(o.z <= c.z for o in races if abs(o.order - c.order) < 2.0 * spectra.step)
+        for c in strong
+        if all(
+            o.z <= c.z for o in strong if abs(o.order - c.order) < 2.0 * spectra.step
+        )
     ]
-    if not races:
+    others = [c for c in strong if c.family != "cage"]
+    if strong and (not others or all(c.index < INDEX_FAULT for c in others)):
+        cage = next((c for c in strong if c.family == "cage"), None)
+        if cage is not None and cage.index >= INDEX_FAULT:
+            return _judge_cage(judge, cage, candidates, revolutions)
+    strong = others
+    hidden = [
+        c for c in (judge.hidden(family) for family in FAMILIES[:3]) if c is not None
+    ]
+    if not strong and hidden:
+        text = (
+            f"{hidden[0].family} order {hidden[0].order:.3f} and shaft order "
+            f"{round(hidden[0].order)} coincide within the resolution of this window: the lines "
+            "there belong to either; a longer window or an exact speed may part them"
+        )
+        return Verdict(
+            'ambiguous', 'suspect', tuple(c.family for c in hidden), 0.5,
+            (str(hidden[0]), text), candidates, hidden[0],
+        )  # fmt: skip
+    if not strong:
         largest = max(c.z for c in candidates.values())
         confidence = 1.0 / (1.0 + math.exp(min(largest, 20.0) - Z_FAULT))
-        return Verdict('healthy', 'ok', (), 0.5 + 0.5 * confidence, (), candidates)
-    # Explaining away: the primary fault is the one that survives when any other is taken out.
-    residual = {
-        c.family: min(
-            [c.z] + [best_of(c.family, without(o, quiet)).z for o in races if o is not c]
+        return Verdict("healthy", "ok", (), 0.5 + 0.5 * confidence, (), candidates)
+    primary = max(strong, key=lambda c: c.evidence)
+    rest = judge.without(primary)
+    rivals = [
+        c
+        for c in strong
+        if c is not primary
+        and min(c.index, primary.index) >= INDEX_FAULT
+        and (c.evidence * RIVAL > primary.evidence or primary.sidebands > BLURRED)
+        and judge.best(c.family, rest).z < Z_FAULT
+        and judge.best(primary.family, judge.without(c)).z < Z_FAULT
+    ]
+    if rivals:
+        both = (primary, *rivals)
+        text = (
+            f"{primary.family} at {primary.order:.3f} and {rivals[0].family} at "
+            f"{rivals[0].order:.3f} orders explain the same lines, one as sidebands of the other; "
+            "a longer window or an exact speed may part them"
         )
-        for c in races
-    }
-    primary = max(races, key=lambda c: residual[c.family])
-    rest = without(primary, quiet)
+        return Verdict(
+            'ambiguous', 'fault', tuple(c.family for c in both), 0.5,
+            (*map(str, both), text), candidates, primary,
+        )  # fmt: skip
     found: list[Candidate] = [primary]
     weak: list[Candidate] = []
-    for other in races:
-        if other is primary:
-            continue
-        again = best_of(other.family, rest)
-        if again.z >= Z_FAULT and len(again.teeth) >= 2:
-            (found if again.index >= INDEX_FAULT else weak).append(again)
+    for other in strong:
+        if other is not primary:
+            again = judge.best(other.family, rest, judge.joint_slips(primary))
+            if again.z >= Z_FAULT and again.teeth >= 2:
+                (found if again.index >= INDEX_FAULT else weak).append(again)
     faults = tuple(c.family for c in found if c.index >= INDEX_FAULT)
-    margin = primary.z - max([c.z for c in weak], default=0.0)
+    margin = primary.z - max((c.z for c in weak), default=0.0)
     confidence = 1.0 - math.exp(-max(margin, 0.0) / Z_FAULT)
-    reasons = [
-        f'{c.family}: comb at {c.order:.3f} orders, z {c.z:.1f}, modulation index {c.index:.2f}'
-        for c in (*found, *weak)
-    ]
+    reasons = [str(c) for c in (*found, *weak)]
+    candidates |= {c.family: c for c in (*found, *weak)}
     if not faults:
-        reasons.append(f'modulation index below {INDEX_FAULT:g}: not an alarm')
+        reasons.append(f"modulation index below {INDEX_FAULT:g}: not an alarm")
         named = tuple(c.family for c in (*found, *weak))
         return Verdict(
-            'suspect', 'suspect', named, confidence, tuple(reasons), candidates, primary
+            "suspect", "suspect", named, confidence, tuple(reasons), candidates, primary
         )
-    candidates = candidates | {c.family: c for c in found}
-    return Verdict(faults[0], 'fault', faults, confidence, tuple(reasons), candidates, primary)
+    return Verdict(
+        faults[0], "fault", faults, confidence, tuple(reasons), candidates, primary
+    )
+
+
+def _judge_cage(
+    judge: Judge, cage: Candidate, candidates: dict[str, Candidate], revolutions: float
+) -> Verdict:
+    """Tell a cage fault from a ball that strikes once a cage turn."""
+    confidence = 1.0 - math.exp(-cage.z / Z_CAGE)
+    turns = revolutions * judge.orders.ftf
+    if not cage_shakes(judge, cage.order):
+        text = (
+            "ball and cage coincide: the envelope repeats with the cage, the signal itself does "
+            "not; a ball strikes once a cage turn, or the cage is damaged"
+        )
+        return Verdict(
+            "ambiguous",
+            "suspect",
+            ("ball", "cage"),
+            confidence,
+            (str(cage), text),
+            candidates,
+            cage,
+        )
+    if turns < CAGE_TURNS:
+        text = (
+            f"{turns:.0f} cage turns: {CAGE_TURNS:g} are needed to call it a cage fault"
+        )
+        return Verdict(
+            "suspect",
+            "suspect",
+            ("cage",),
+            confidence,
+            (str(cage), text),
+            candidates,
+            cage,
+        )
+    return Verdict(
+        "cage", "fault", ("cage",), confidence, (str(cage),), candidates, cage
+    )

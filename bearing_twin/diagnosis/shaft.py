@@ -15,9 +15,10 @@ if TYPE_CHECKING:
 
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
 
-__all__ = ['ShaftSpeed', 'refine_shaft_hz', 'resample_to_angle']
+__all__ = ["ShaftSpeed", "refine_shaft_hz", "resample_to_angle"]
 
 _HARMONICS = 6
+_MARGIN = 3.0
 
 
 class ShaftSpeed(NamedTuple):
@@ -64,7 +65,9 @@ def refine_shaft_hz(
     reach = max(tolerance * given_hz, step)
     near = given_hz + np.arange(-int(reach / step), int(reach / step) + 1) * step
     # The null: combs well away from the shaft and from its simple fractions.
-    beside = given_hz * np.concatenate((np.linspace(0.68, 0.73, 64), np.linspace(1.18, 1.23, 64)))
+    beside = given_hz * np.concatenate(
+        (np.linspace(0.68, 0.73, 64), np.linspace(1.18, 1.23, 64))
+    )
     last = min(int(np.ceil(8.0 * given_hz / bin_hz)), len(power) - 1)
     low = power[1 : last + 1]
     direct = np.log1p(low / local_floor(low, max(int(4.0 * given_hz / bin_hz), 32)))
@@ -73,20 +76,28 @@ def refine_shaft_hz(
     indirect = np.log1p(ratio).mean(axis=(0, 1))
 
     def comb(hertz: NDArray[np.floating]) -> NDArray[np.float64]:
-        total = np.zeros(len(hertz))
+        teeth = np.empty((_HARMONICS, len(hertz)))
         for harmonic in range(1, _HARMONICS + 1):
             index = np.rint(harmonic * hertz / bin_hz).astype(np.intp) - 1
-            total += direct[np.clip(index, 0, len(direct) - 1)]
-            total += 2.0 * indirect[np.clip(index, 0, len(indirect) - 1)]
-        return total
+            teeth[harmonic - 1] = direct[np.clip(index, 0, len(direct) - 1)]
+            teeth[harmonic - 1] += 2.0 * indirect[np.clip(index, 0, len(indirect) - 1)]
+        # A fault order near an integer fakes one harmonic and its double; the shaft has more.
+        teeth.sort(axis=0)
+        return np.asarray(teeth[:-2].sum(axis=0))
 
     null = comb(beside)
     center = float(np.median(null))
     spread = max(float(np.quantile(null, 0.8413)) - center, 1e-3)
     scores = (comb(near) - center) / spread
+    inner = np.abs(near - given_hz) <= bin_hz / _HARMONICS
+    at_given = float(scores[inner].max())
     best = float(scores.max())
     if best < threshold:
         return ShaftSpeed(given_hz, tolerance, best)
+    # Fault lines and their sidebands beside an integer order look like a shaft a little off: the
+    # given speed is left only for harmonics that are clearly better.
+    if best < at_given + _MARGIN:
+        near, scores, best = near[inner], scores[inner], at_given
     # The teeth are bins: a run of equal scores has its middle as the best estimate.
     ties = near[scores >= best - 1e-9]
     shaft_hz = float(ties[np.argmin(np.abs(ties - np.median(ties)))])
@@ -112,7 +123,10 @@ def resample_to_angle(
     -------
     The record over angle, and the mean speed, Hz, at which it would have its old sample rate.
     """
-    angle = np.concatenate(([0.0], np.cumsum(0.5 * (shaft_hz[1:] + shaft_hz[:-1])))) / sample_rate
+    angle = (
+        np.concatenate(([0.0], np.cumsum(0.5 * (shaft_hz[1:] + shaft_hz[:-1]))))
+        / sample_rate
+    )
     mean_hz = float(angle[-1] / (len(x) - 1) * sample_rate)
     even = np.linspace(0.0, angle[-1], len(x))
     time = np.interp(even, angle, np.arange(len(x), dtype=np.float64))
