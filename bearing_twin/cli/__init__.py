@@ -29,6 +29,7 @@ COMMANDS = {
     'paper': 'recompute every figure and claim of the seed paper and judge it',
     'recover': 'save what is complete in a torn recording',
     'replay': 'publish a recording again, or run it offline through twin and diagnosis',
+    'report': 'show a recording on one HTML page, to be mailed and printed',
     'run': 'run a node, as ros2 run does: twin, diagnosis, recorder, replay, adapter, fleet',
     'schedule': 'write the temperature schedule of the paper as a recording',
     'verify': 're-run a recording of twin and diagnosis and compare it byte by byte',

@@ -1,0 +1,48 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""``bearing-twin report``: a recording as one HTML page."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    import argparse
+
+__all__ = ['configure', 'run']
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument('recording', type=Path, help='MCAP file or bag folder')
+    parser.add_argument(
+        '-o', '--output', type=Path, help='page to write (default: NAME.html in this folder)'
+    )
+    parser.add_argument('--json', action='store_true', help='print what was written as JSON')
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the page; return 0."""
+    output: Path = args.output or Path(f'{args.recording.resolve().stem}.html')
+    if output.suffix.lower() not in ('.html', '.htm'):
+        msg = f'{output} is not called .html; a report never overwrites a recording'
+        raise BearingTwinError(msg)
+    # Matplotlib takes a second to load, which a wrong name should not wait for.
+    from bearing_twin.view.report import report_page
+
+    page = report_page(args.recording)
+    try:
+        output.write_text(page, encoding='utf-8')
+    except OSError as error:
+        msg = f'{output} cannot be written: {error.strerror}'
+        raise BearingTwinError(msg) from None
+    size = len(page.encode())
+    if args.json:
+        print(json.dumps({'report': str(output), 'bytes': size}))
+    else:
+        print(f'{output} ({size / 1e6:.1f} MB)')
+    return 0
