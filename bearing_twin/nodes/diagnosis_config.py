@@ -70,7 +70,7 @@ SPECS = (
     ),
     Spec(
         name='window',
-        default=4.0,
+        default=8.0,
         description='Length of the sliding window.',
         unit='s',
         low=1.0,
