@@ -14,7 +14,8 @@ from bearing_twin import __version__
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.view.report_data import collect
-from bearing_twin.view.report_plots import VERDICT_COLOURS, figures
+from bearing_twin.view.report_plots import figures
+from bearing_twin.view.report_svg import VERDICT_COLOURS, pretty
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -150,7 +151,7 @@ def _banner(machine: Machine) -> str:
 
 
 def _evidence(message: Any) -> str:
-    unit = str(message.unit).replace('^2', '²')
+    unit = pretty(message.unit)
     rows = [
         ('Code', str(message.fault_code)),
         ('Faults found', ', '.join(map(str, message.faults)) or 'none'),

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import io
-import re
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -15,6 +13,18 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
+from bearing_twin.view.report_spectra import envelope_spectrum, spectrum
+from bearing_twin.view.report_svg import (
+    BINS,
+    DEFECTS,
+    FAMILY_COLOURS,
+    STYLE,
+    VERDICT_COLOURS,
+    WIDTH,
+    pretty,
+    svg_element,
+)
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
@@ -23,58 +33,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.view.report_data import Machine
 
-__all__ = ['FAMILY_COLOURS', 'VERDICT_COLOURS', 'cursor_lines', 'figures']
-
-FAMILY_COLOURS = {
-    'inner': '#c62828',
-    'outer': '#1565c0',
-    'ball': '#e65100',
-    'cage': '#7b1fa2',
-    'shaft': '#78909c',
-}
-"""Dark enough for white paper; told apart in print by their labels too."""
-
-FAMILY_LABELS = {
-    'inner': 'BPFI',
-    'outer': 'BPFO',
-    'ball': '2×BSF',
-    'cage': 'FTF',
-    'shaft': 'shaft',
-}
-DEFECTS = ('inner', 'outer', 'ball', 'cage')
-"""In the order of the per-family arrays of a Diagnosis."""
-
-VERDICT_COLOURS = {
-    'healthy': '#2e7d32',
-    'inner': '#c62828',
-    'outer': '#ad1457',
-    'ball': '#e65100',
-    'cage': '#7b1fa2',
-    'suspect': '#f9a825',
-    'ambiguous': '#b71c1c',
-    'insufficient': '#757575',
-}
-
-HARMONICS = 4
-BINS = 2400
-"""Most points of a drawn spectrum; of neighbouring bins the highest is kept."""
-STYLE: dict[Any, Any] = {
-    'svg.fonttype': 'none',
-    'font.family': 'sans-serif',
-    'font.size': 9.0,
-    'axes.spines.top': False,
-    'axes.spines.right': False,
-    'axes.grid': True,
-    'grid.color': '#e0e0e0',
-    'grid.linewidth': 0.6,
-    'axes.axisbelow': True,
-    'axes.titlesize': 9.0,
-    'axes.titlelocation': 'left',
-    'legend.frameon': False,
-    'legend.fontsize': 8.0,
-}
-WIDTH = 7.4
-"""Of every picture, inches: fits a printed A4 page."""
+__all__ = ['figures']
 
 
 def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
@@ -89,8 +48,8 @@ def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
     """
     plots: tuple[Callable[[Machine], tuple[str, Figure] | None], ...] = (
         _history,
-        _envelope_spectrum,
-        _spectrum,
+        envelope_spectrum,
+        spectrum,
         _waterfall,
         _trend,
         _model,
@@ -102,50 +61,8 @@ def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
             made = plot(machine)
             if made is not None:
                 caption, figure = made
-                found.append((caption, _svg(figure, f'{prefix}{number}-')))
+                found.append((caption, svg_element(figure, f'{prefix}{number}-')))
     return found
-
-
-def cursor_lines(message: Any, harmonics: int = HARMONICS) -> list[tuple[str, float, bool]]:
-    """Return where the defects strike as (family, frequency in Hz, whether it is a sideband).
-
-    A defect on the inner ring passes the load zone once a turn of the shaft and one on a ball
-    once a turn of the cage, so that their harmonics carry sidebands at that distance (Randall and
-    Antoni, Mechanical Systems and Signal Processing 25, 2011, section 2).
-    """
-    families = (
-        ('shaft', message.shaft_hz, 0.0),
-        ('inner', message.bpfi, message.shaft_hz),
-        ('outer', message.bpfo, 0.0),
-        ('ball', 2.0 * message.bsf, message.ftf),
-        ('cage', message.ftf, 0.0),
-    )
-    lines: list[tuple[str, float, bool]] = []
-    for family, frequency, side in families:
-        if not frequency > 0.0:
-            continue
-        for k in range(1, harmonics + 1):
-            lines.append((family, k * frequency, False))
-            if side > 0.0:
-                lines.append((family, k * frequency - side, True))
-                lines.append((family, k * frequency + side, True))
-    return lines
-
-
-def _svg(figure: Figure, prefix: str) -> str:
-    """Return a figure as an SVG element whose ids all start with ``prefix``."""
-    buffer = io.StringIO()
-    with mpl.rc_context({'svg.hashsalt': prefix}):
-        figure.savefig(buffer, format='svg', metadata={'Date': None, 'Creator': None})
-    text = buffer.getvalue()
-    text = text[text.index('<svg') :]
-    text = re.sub(r'\bid="', f'id="{prefix}', text)
-    text = text.replace('url(#', f'url(#{prefix}').replace('href="#', f'href="#{prefix}')
-    return re.sub(r'<metadata>.*?</metadata>', '', text, flags=re.DOTALL)
-
-
-def _pretty(unit: str) -> str:
-    return str(unit).replace('^2', '²')
 
 
 def _columns(pairs: Sequence[tuple[float, ...]]) -> NDArray[np.float64]:
@@ -223,7 +140,7 @@ def _level(axes: Axes, machine: Machine) -> None:
     time, rms, peak = _thinned(_columns(machine.vibration))
     axes.plot(time, peak, color='#90a4ae', linewidth=0.7, label='peak')
     axes.plot(time, rms, color='#1565c0', linewidth=1.2, label='rms')
-    axes.set_ylabel(_pretty(machine.unit))
+    axes.set_ylabel(pretty(machine.unit))
     axes.set_ylim(bottom=0.0)
     axes.set_title('vibration, block by block')
     axes.legend(ncols=2, loc='lower right', bbox_to_anchor=(1.0, 1.0))
@@ -244,113 +161,6 @@ def _thinned(rows: NDArray[np.float64]) -> NDArray[np.float64]:
         ]
     )
     return thinned
-
-
-def _pooled(
-    frequencies: NDArray[np.float64], values: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return at most BINS points, each the highest of its neighbours and where that lies."""
-    group = -(-values.size // BINS)
-    if group == 1:
-        return frequencies, values
-    edges = np.arange(0, values.size, group)
-    places = [k + int(np.argmax(values[k : k + group])) for k in edges]
-    return frequencies[places], values[places]
-
-
-def _axis_of(message: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    values = np.nan_to_num(np.asarray(message.values, dtype=np.float64))
-    return message.start_hz + np.arange(values.size) * message.bin_hz, values
-
-
-def _envelope_spectrum(machine: Machine) -> tuple[str, Figure] | None:
-    message = machine.spectra.get('squared_envelope_spectrum')
-    if message is None:
-        return None
-    frequencies, values = _axis_of(message)
-    lines = cursor_lines(message)
-    main = [f for _, f, sideband in lines if not sideband]
-    top = min(1.04 * max(main), frequencies[-1]) if main else frequencies[-1]
-    keep = frequencies <= top
-    figure = Figure(figsize=(WIDTH, 2.9), layout='constrained')
-    axes = figure.subplots()
-    height = 1.3 * float(values[keep].max(initial=0.0)) or 1.0
-    _cursors(axes, [line for line in lines if 0.0 < line[1] <= top], height)
-    axes.plot(*_pooled(frequencies[keep], values[keep]), color='#212121', linewidth=0.8)
-    floor = np.asarray(message.floor, dtype=np.float64)
-    if floor.size == values.size:
-        axes.plot(frequencies[keep], floor[keep], color='#9e9e9e', linewidth=0.8)
-    unit = '' if message.unit in ('', '1') else f' [{message.unit}]'
-    axes.set(
-        xlim=(0.0, top), ylim=(0.0, height), xlabel='frequency [Hz]',
-        ylabel=f'squared envelope{unit}',
-    )  # fmt: skip
-    axes.grid(axis='x', visible=False)
-    caption = (
-        'Squared envelope spectrum of the band '
-        f'{message.band_low:.0f} to {message.band_high:.0f} Hz with the expected frequencies of '
-        f'each defect (solid, {HARMONICS} harmonics) and their sidebands (dotted); shaft '
-        f'{message.shaft_hz:.2f} Hz. Grey: local noise floor'
-    )
-    return caption, figure
-
-
-def _cursors(axes: Axes, lines: list[tuple[str, float, bool]], height: float) -> None:
-    numbers = dict.fromkeys(FAMILY_LABELS, 0)
-    for family, frequency, sideband in lines:
-        axes.vlines(
-            frequency,
-            0.0,
-            height * (0.45 if sideband else 0.86),
-            colors=FAMILY_COLOURS[family],
-            linestyles='dotted' if sideband else 'solid',
-            linewidth=0.8,
-            alpha=0.8,
-        )
-        if sideband:
-            continue
-        numbers[family] += 1
-        order = numbers[family]
-        # Cage and shaft harmonics stand close: only the first of them is named.
-        if family in ('cage', 'shaft') and order > 1:
-            continue
-        label = FAMILY_LABELS[family] if order == 1 else f'{order}×'
-        axes.text(
-            frequency,
-            height * (0.88 + 0.05 * (tuple(FAMILY_LABELS).index(family) % 2)),
-            label,
-            color=FAMILY_COLOURS[family],
-            fontsize=7.5,
-            ha='center',
-        )
-
-
-def _spectrum(machine: Machine) -> tuple[str, Figure] | None:
-    message = machine.spectra.get('spectrum')
-    if message is None:
-        return None
-    frequencies, values = _pooled(*_axis_of(message))
-    figure = Figure(figsize=(WIDTH, 2.3), layout='constrained')
-    axes = figure.subplots()
-    peak = float(values.max(initial=0.0)) or 1.0
-    axes.semilogy(
-        frequencies / 1e3, np.maximum(values, 1e-9 * peak), color='#37474f', linewidth=0.6
-    )
-    envelope = machine.spectra.get('squared_envelope_spectrum')
-    if envelope is not None and envelope.band_high > envelope.band_low:
-        axes.axvspan(
-            envelope.band_low / 1e3, envelope.band_high / 1e3, color='#ffb300', alpha=0.2,
-            linewidth=0,
-        )  # fmt: skip
-        caption = 'Amplitude spectrum; shaded: the band that was demodulated'
-    else:
-        caption = 'Amplitude spectrum'
-    floor = max(float(np.median(values)) / 30.0, 1e-6 * peak)
-    axes.set(
-        xlim=(frequencies[0] / 1e3, frequencies[-1] / 1e3), ylim=(floor, 2.0 * peak),
-        xlabel='frequency [kHz]', ylabel=_pretty(message.unit),
-    )  # fmt: skip
-    return caption, figure
 
 
 def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
@@ -381,7 +191,7 @@ def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
     axes.grid(axis='y', visible=False)
     caption = (
         'Waveform over temperature, one strip every 5 K, all to one scale: the largest swing is '
-        f'{peak:.3g} {_pretty(machine.unit)}'
+        f'{peak:.3g} {pretty(machine.unit)}'
     )
     return caption, figure
 
@@ -405,7 +215,7 @@ def _trend(machine: Machine) -> tuple[str, Figure] | None:
     time = _times(items)
     figure = Figure(figsize=(WIDTH, 3.2), layout='constrained')
     (rms, kurtosis), (score, confidence) = figure.subplots(2, 2, sharex=True)
-    unit = _pretty(items[-1][1].unit)
+    unit = pretty(items[-1][1].unit)
     rms.plot(time, _values(items, 'rms'), color='#1565c0', label='rms')
     rms.set(title=f'rms [{unit}]' if unit else 'rms')
     rms.set_ylim(bottom=0.0)
