@@ -1,0 +1,258 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The report: one page that needs nothing else, right about what is in the recording."""
+
+import html
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bearing_twin import cli
+from bearing_twin.bearing import fault_frequencies
+from bearing_twin.bearing.catalogue import find_bearing
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.reader import read_messages
+from bearing_twin.recording.writer import RecordingWriter
+from bearing_twin.view.report import report_page
+from bearing_twin.view.report_data import STRIP_SECONDS, collect
+from bearing_twin.view.report_spectra import cursor_lines
+
+SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
+
+
+@pytest.fixture(scope='module')
+def recording(tmp_path_factory):
+    """Return a recording of twin and diagnosis over the paper's schedule."""
+    pytest.importorskip('bearing_twin_msgs', reason='the message package is not built')
+    from bearing_twin.nodes.offline_run import run_offline
+
+    target = tmp_path_factory.mktemp('report') / 'inner'
+    run_offline(SCHEDULE, target, twin={'defect': 'inner'})
+    return target
+
+
+@pytest.fixture(scope='module')
+def page(recording):
+    """Return the report on it."""
+    return report_page(recording)
+
+
+class Elements(HTMLParser):
+    """Collect tags, ids and references of a page, and check that tags are closed."""
+
+    VOID = frozenset({'meta', 'br', 'link', 'img', 'hr', 'input'})
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.ids, self.references = [], [], []
+        self._open = []
+        self.feed(text)
+        assert not self._open, f'never closed: {self._open}'
+
+    def handle_starttag(self, tag, attrs):
+        self._note(tag, attrs)
+        if tag not in self.VOID:
+            self._open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self._note(tag, attrs)
+
+    def handle_endtag(self, tag):
+        assert self._open.pop() == tag
+
+    def _note(self, tag, attrs):
+        self.tags.append(tag)
+        for name, value in attrs:
+            if name == 'id':
+                self.ids.append(value)
+            elif name in ('src', 'href', 'xlink:href', 'data', 'poster', 'action'):
+                self.references.append(value)
+            self.references += re.findall(r'url\((.*?)\)', value or '')
+
+
+def rewritten(source, target, *, rename=lambda topic: [topic], metadata=None, until=None):
+    """Copy a recording with other topics; return the new one."""
+    with RecordingWriter(target) as writer:
+        for name, values in (metadata or {}).items():
+            writer.metadata(name, values)
+        for message in read_messages(source, end=until):
+            for topic in rename(message.topic):
+                writer.write(
+                    topic,
+                    message.type_name,
+                    message.cdr,
+                    log_time=message.log_time,
+                    publish_time=message.publish_time,
+                )
+    return target
+
+
+def test_the_page_refers_to_nothing_outside_itself(page):
+    elements = Elements(page)
+    assert not {'script', 'link', 'img', 'iframe', 'object', 'base'} & set(elements.tags)
+    assert len(elements.ids) == len(set(elements.ids))
+    assert elements.references, 'the pictures use clip paths, so that there are references'
+    for reference in elements.references:
+        assert reference.startswith('#')
+        assert reference[1:] in elements.ids
+    assert '@import' not in page
+
+
+def test_the_page_names_the_last_verdict_and_shows_every_picture(recording, page):
+    last = [m.decode() for m in read_messages(recording, topics=['/diagnosis'])][-1]
+    assert last.result_name == 'inner'
+    banner = re.search(r'<div class="verdict".*?</div>', page, re.DOTALL).group()
+    assert 'Inner race fault' in banner
+    assert f'{last.fault_hz:.2f} Hz found, {last.fault_hz_expected:.2f} Hz expected' in banner
+    for reason in last.reasons:
+        assert html.escape(reason) in page
+    captions = re.findall(r'<figcaption>(.*?)</figcaption>', page)
+    assert len(captions) == page.count('<figure>') == 6
+    for word in ('Verdict', 'envelope', 'Amplitude', 'Waveform', 'Severity', 'parameters'):
+        assert any(word in caption for caption in captions), word
+
+
+def test_every_picture_draws_something(page):
+    for svg in re.findall(r'<svg.*?</svg>', page, re.DOTALL):
+        points = re.findall(r'[ML] (-?[\d.]+) (-?[\d.]+)', svg)
+        assert len(points) > 100
+        assert 'nan' not in ' '.join(re.findall(r' d="(.*?)"', svg, re.DOTALL))
+
+
+@pytest.mark.parametrize('slip', [0.0, 0.01])
+def test_cursors_stand_at_the_fault_frequencies(slip):
+    shaft = 25.4
+    expected = fault_frequencies(find_bearing('6307'), shaft, slip)
+    lines = cursor_lines(SimpleNamespace(shaft_hz=shaft, **expected._asdict()), harmonics=2)
+    found = {family: [f for name, f, _ in lines if name == family] for family, _, _ in lines}
+    bpfi, strike, ftf = expected.bpfi, 2.0 * expected.bsf, expected.ftf
+    assert found['outer'] == pytest.approx([expected.bpfo, 2.0 * expected.bpfo])
+    assert found['cage'] == pytest.approx([ftf, 2.0 * ftf])
+    assert sorted(found['inner']) == pytest.approx(
+        sorted(k * bpfi + side for k in (1, 2) for side in (-shaft, 0.0, shaft))
+    )
+    assert sorted(found['ball']) == pytest.approx(
+        sorted(k * strike + side for k in (1, 2) for side in (-ftf, 0.0, ftf))
+    )
+    assert [side for name, _, side in lines if name == 'outer'] == [False, False]
+
+
+def test_a_bearing_without_speed_has_no_cursors():
+    still = SimpleNamespace(shaft_hz=np.nan, bpfi=np.nan, bpfo=0.0, bsf=np.nan, ftf=np.nan)
+    assert cursor_lines(still) == []
+
+
+def test_strips_are_pieces_of_the_recorded_waveform_over_the_whole_range(recording):
+    (machine,) = collect(recording).values()
+    whole = np.concatenate([m.decode().y for m in read_messages(recording, topics=['/vibration'])])
+    assert [5.0 * step for step in sorted(machine.strips)] == [*np.arange(20.0, 111.0, 5.0)]
+    for step, strip in machine.strips.items():
+        assert strip.samples.size == round(STRIP_SECONDS * 25600.0)
+        assert strip.temperature == pytest.approx(5.0 * step, abs=0.6)
+        places = np.flatnonzero(whole == strip.samples[0])
+        assert any(
+            np.array_equal(whole[k : k + strip.samples.size], strip.samples) for k in places
+        )
+
+
+def test_the_level_of_the_blocks_is_that_of_all_samples(recording):
+    (machine,) = collect(recording).values()
+    whole = np.concatenate(
+        [m.decode().y for m in read_messages(recording, topics=['/vibration'])]
+    ).astype(np.float64)
+    _, rms, peak = np.array(machine.vibration).T
+    # Blocks are of one length, so that their mean squares have the mean of the whole.
+    assert np.mean(rms**2) == pytest.approx(np.mean(whole**2), rel=1e-9)
+    assert peak.max() == np.abs(whole).max()
+
+
+def test_each_namespace_is_a_machine_of_its_own(recording, tmp_path):
+    end = next(read_messages(recording)).log_time + 8_000_000_000
+    both = rewritten(
+        recording,
+        tmp_path / 'both',
+        rename=lambda topic: [f'/line3/bearing_{k}{topic}' for k in (7, 8)],
+        until=end,
+    )
+    machines = collect(both)
+    assert list(machines) == ['/line3/bearing_7', '/line3/bearing_8']
+    first, second = machines.values()
+    assert first.vibration == second.vibration
+    text = report_page(both)
+    elements = Elements(text)
+    assert len(elements.ids) == len(set(elements.ids))
+    assert 'Machine /line3/bearing_7' in text
+    assert 'Machine /line3/bearing_8' in text
+
+
+def test_what_a_recording_says_is_never_markup(recording, tmp_path):
+    begin = next(read_messages(recording)).log_time
+    evil = '</td><script>alert(1)</script>'
+    target = rewritten(
+        recording,
+        tmp_path / 'evil',
+        metadata={f'bearing_twin.parameters.{evil}': {evil: evil}},
+        until=begin + 6_000_000_000,
+    )
+    text = report_page(target)
+    assert 'script' not in Elements(text).tags
+    assert html.escape(evil) in text
+
+
+def test_a_torn_recording_is_shown_up_to_where_it_breaks_off(recording, tmp_path):
+    (source,) = recording.glob('*.mcap')
+    content = source.read_bytes()
+    torn = tmp_path / 'torn.mcap'
+    torn.write_bytes(content[: len(content) // 2])
+    (whole,) = collect(recording).values()
+    (half,) = collect(torn).values()
+    assert 0.3 < len(half.vibration) / len(whole.vibration) < 0.7
+    assert whole.vibration[: len(half.vibration)] == half.vibration
+    text = report_page(torn)
+    assert 'class="bad"' in text
+    assert 'Sound: nothing missing' not in text
+
+
+def test_vibration_without_a_verdict_makes_no_statement(recording, tmp_path):
+    only = tmp_path / 'only'
+    with RecordingWriter(only) as writer:
+        for message in read_messages(recording, topics=['/vibration']):
+            writer.write(
+                message.topic,
+                message.type_name,
+                message.cdr,
+                log_time=message.log_time,
+                publish_time=message.publish_time,
+            )
+    text = report_page(only)
+    assert 'No diagnosis recorded' in text
+    assert 'Healthy' not in text
+    assert text.count('<figure>') == 2
+
+
+def test_a_recording_without_a_bearing_is_refused(tmp_path, capsys):
+    output = tmp_path / 'x.html'
+    assert cli.main(['report', str(SCHEDULE), '-o', str(output)]) == 1
+    assert 'neither vibration nor diagnosis' in capsys.readouterr().err
+    assert not output.exists()
+    with pytest.raises(BearingTwinError, match='does not exist'):
+        report_page(tmp_path / 'missing.mcap')
+
+
+def test_a_report_never_overwrites_a_recording(tmp_path, capsys):
+    copy = tmp_path / 'copy.mcap'
+    copy.write_bytes(SCHEDULE.read_bytes())
+    assert cli.main(['report', str(copy), '-o', str(copy)]) == 1
+    assert 'not called .html' in capsys.readouterr().err
+    assert copy.read_bytes() == SCHEDULE.read_bytes()
+
+
+def test_the_command_writes_the_page(recording, page, tmp_path, capsys):
+    output = tmp_path / 'report.html'
+    assert cli.main(['report', str(recording), '-o', str(output)]) == 0
+    assert str(output) in capsys.readouterr().out
+    assert output.read_text(encoding='utf-8') == page
