@@ -50,8 +50,8 @@ def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
         _history,
         envelope_spectrum,
         spectrum,
-        _waterfall,
         _trend,
+        _waterfall,
         _model,
     )
     found = []

@@ -51,7 +51,7 @@ VERDICT_COLOURS = {
     'ball': '#e65100',
     'cage': '#7b1fa2',
     'suspect': '#f9a825',
-    'ambiguous': '#b71c1c',
+    'ambiguous': '#6d4c41',
     'insufficient': '#757575',
 }
 
