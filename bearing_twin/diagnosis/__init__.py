@@ -16,14 +16,14 @@ from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.streaming import StreamingDiagnoser
 
 __all__ = [
-    "FAMILIES",
-    "FAULT_CODES",
-    "LEVELS",
-    "RESULTS",
-    "Diagnosis",
-    "DiagnosisSettings",
-    "Severity",
-    "Spectrum",
-    "StreamingDiagnoser",
-    "diagnose_record",
+    'FAMILIES',
+    'FAULT_CODES',
+    'LEVELS',
+    'RESULTS',
+    'Diagnosis',
+    'DiagnosisSettings',
+    'Severity',
+    'Spectrum',
+    'StreamingDiagnoser',
+    'diagnose_record',
 ]

@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
 
 __all__ = [
-    "HARMONICS",
-    "CombScores",
-    "OrderSpectra",
-    "accumulate",
-    "comb_scores",
-    "order_spectra",
+    'HARMONICS',
+    'CombScores',
+    'OrderSpectra',
+    'accumulate',
+    'comb_scores',
+    'order_spectra',
 ]
 
 HARMONICS = 4
@@ -81,7 +81,7 @@ class OrderSpectra:
         return mask
 
     def at_given_speed(self) -> OrderSpectra:
-        """The same over orders of the speed handed in."""
+        """Return the same over orders of the speed handed in."""
         return replace(
             self,
             step=self.step / self.given,
@@ -112,9 +112,7 @@ def order_spectra(
     """
     whitenings, bands, count = spectra.power.shape
     logs = np.log1p(spectra.power / spectra.floor).reshape(whitenings * bands, count)
-    excess = np.maximum(spectra.power[:2] - spectra.floor[:2], 0.0).reshape(
-        2 * bands, count
-    )
+    excess = np.maximum(spectra.power[:2] - spectra.floor[:2], 0.0).reshape(2 * bands, count)
     direct = np.full(count, NEUTRAL, dtype=np.float32)
     low = power[1 : count + 1]
     width = max(int(4.0 * shaft_hz / spectra.bin_hz), 32)
@@ -182,9 +180,7 @@ def _teeth(spectra: OrderSpectra, grid: NDArray[np.float64]) -> NDArray[np.float
     return total
 
 
-def comb_scores(
-    spectra: OrderSpectra, highest_order: float, whitenings: int
-) -> CombScores:
+def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) -> CombScores:
     """Score every comb whose fundamental lies between 0.3 orders and ``highest_order``.
 
     The score of a comb is the sum of log(1 + power / floor) over its teeth. Each band is

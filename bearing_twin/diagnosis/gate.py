@@ -12,7 +12,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["CAGE_TURNS", "SHAFT_TURNS", "check_record"]
+__all__ = ['CAGE_TURNS', 'SHAFT_TURNS', 'check_record']
 
 SHAFT_TURNS = 20.0
 """Least shaft turns in a window for any statement: the comb has then 20 bins a shaft order."""
@@ -41,37 +41,35 @@ def check_record(
         Highest fault order of the bearing.
     """
     if len(x) == 0:
-        return ["the record is empty: give at least a second of vibration"]
+        return ['the record is empty: give at least a second of vibration']
     if not (math.isfinite(sample_rate) and sample_rate > 0.0):
-        return [f"sample rate {sample_rate} Hz: a positive number is needed"]
+        return [f'sample rate {sample_rate} Hz: a positive number is needed']
     bad = len(x) - int(np.isfinite(x).sum())
     if bad:
-        return [
-            f"{bad} of {len(x)} samples are NaN or infinite: repair or leave out that part"
-        ]
+        return [f'{bad} of {len(x)} samples are NaN or infinite: repair or leave out that part']
     low, high = float(x.min()), float(x.max())
     if high - low <= 1e-12 * max(abs(low), abs(high)):
-        return [f"the signal is constant at {low:g}: check sensor and cable"]
+        return [f'the signal is constant at {low:g}: check sensor and cable']
     if not math.isfinite(shaft_hz) or shaft_hz <= 0.0:
-        return ["the shaft speed is unknown: give it (joint_states, rpm or --shaft-hz)"]
+        return ['the shaft speed is unknown: give it (joint_states, rpm or --shaft-hz)']
     reasons = []
     clipped = _clipped_share(x, low, high)
     if clipped > _CLIPPED_SHARE:
         reasons.append(
-            f"{100.0 * clipped:.1f} % of the samples sit at the end of the range: the signal is "
-            f"clipped (limit {100.0 * _CLIPPED_SHARE:g} %); lower the gain"
+            f'{100.0 * clipped:.1f} % of the samples sit at the end of the range: the signal is '
+            f'clipped (limit {100.0 * _CLIPPED_SHARE:g} %); lower the gain'
         )
     turns = len(x) / sample_rate * shaft_hz
     if turns < SHAFT_TURNS:
         reasons.append(
-            f"{turns:.1f} shaft turns: at least {SHAFT_TURNS:g} are needed, "
-            f"{SHAFT_TURNS / shaft_hz:.2f} s at {shaft_hz:g} Hz"
+            f'{turns:.1f} shaft turns: at least {SHAFT_TURNS:g} are needed, '
+            f'{SHAFT_TURNS / shaft_hz:.2f} s at {shaft_hz:g} Hz'
         )
     wanted = 8.0 * highest_order * shaft_hz
     if sample_rate < wanted:
         reasons.append(
-            f"sample rate {sample_rate:g} Hz: at least {wanted:.0f} Hz are needed to demodulate "
-            "four harmonics of the highest fault frequency"
+            f'sample rate {sample_rate:g} Hz: at least {wanted:.0f} Hz are needed to demodulate '
+            'four harmonics of the highest fault frequency'
         )
     return reasons
 

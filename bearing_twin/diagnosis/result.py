@@ -14,33 +14,33 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import FaultFrequencies
 
 __all__ = [
-    "FAMILIES",
-    "FAULT_CODES",
-    "LEVELS",
-    "RESULTS",
-    "Diagnosis",
-    "Severity",
-    "Spectrum",
+    'FAMILIES',
+    'FAULT_CODES',
+    'LEVELS',
+    'RESULTS',
+    'Diagnosis',
+    'Severity',
+    'Spectrum',
 ]
 
-FAMILIES = ("inner", "outer", "ball", "cage")
+FAMILIES = ('inner', 'outer', 'ball', 'cage')
 """Fault families, in the order of every per-family array."""
 
-RESULTS = ("healthy", *FAMILIES, "suspect", "ambiguous", "insufficient")
+RESULTS = ('healthy', *FAMILIES, 'suspect', 'ambiguous', 'insufficient')
 """Every answer a diagnosis can give."""
 
-LEVELS = ("ok", "suspect", "fault", "none")
+LEVELS = ('ok', 'suspect', 'fault', 'none')
 """Every level; ``none`` means that no statement is made."""
 
 FAULT_CODES = {
-    "healthy": "BEARING_OK",
-    "inner": "BEARING_INNER_RACE",
-    "outer": "BEARING_OUTER_RACE",
-    "ball": "BEARING_BALL",
-    "cage": "BEARING_CAGE",
-    "suspect": "BEARING_SUSPECT",
-    "ambiguous": "BEARING_AMBIGUOUS",
-    "insufficient": "BEARING_NO_STATEMENT",
+    'healthy': 'BEARING_OK',
+    'inner': 'BEARING_INNER_RACE',
+    'outer': 'BEARING_OUTER_RACE',
+    'ball': 'BEARING_BALL',
+    'cage': 'BEARING_CAGE',
+    'suspect': 'BEARING_SUSPECT',
+    'ambiguous': 'BEARING_AMBIGUOUS',
+    'insufficient': 'BEARING_NO_STATEMENT',
 }
 """Stable code of every result, for programs that react to it."""
 

@@ -15,25 +15,25 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = [
-    "BANDS_HZ",
-    "ISO_LIMITS",
-    "acceleration_factor",
-    "iso_zone",
-    "measure_severity",
+    'BANDS_HZ',
+    'ISO_LIMITS',
+    'acceleration_factor',
+    'iso_zone',
+    'measure_severity',
 ]
 
 BANDS_HZ = ((10.0, 1000.0), (1000.0, 5000.0), (5000.0, 20000.0))
 """Standard bands of ``band_rms``, Hz; a band beyond half the sample rate counts as empty."""
 
 ISO_LIMITS: dict[tuple[int, str], tuple[float, float, float]] = {
-    (1, "rigid"): (2.3, 4.5, 7.1),
-    (1, "flexible"): (3.5, 7.1, 11.0),
-    (2, "rigid"): (1.4, 2.8, 4.5),
-    (2, "flexible"): (2.3, 4.5, 7.1),
+    (1, 'rigid'): (2.3, 4.5, 7.1),
+    (1, 'flexible'): (3.5, 7.1, 11.0),
+    (2, 'rigid'): (1.4, 2.8, 4.5),
+    (2, 'flexible'): (2.3, 4.5, 7.1),
 }
 """Zone boundaries A/B, B/C, C/D in mm/s of velocity RMS by (group, mounting), ISO 20816-3:2022."""
 
-_FACTORS = {"m/s^2": 1.0, "m/s2": 1.0, "m/s²": 1.0, "g": 9.80665, "mm/s^2": 1e-3}
+_FACTORS = {'m/s^2': 1.0, 'm/s2': 1.0, 'm/s²': 1.0, 'g': 9.80665, 'mm/s^2': 1e-3}
 
 
 def acceleration_factor(unit: str) -> float:
@@ -45,8 +45,8 @@ def iso_zone(velocity_rms: float, power_group: int, mounting: str) -> str:
     """Zone ``'A'``..``'D'`` of ISO 20816-3, or empty where group, mounting or level is unknown."""
     limits = ISO_LIMITS.get((power_group, mounting))
     if limits is None or not math.isfinite(velocity_rms):
-        return ""
-    return "ABCD"[sum(velocity_rms > limit for limit in limits)]
+        return ''
+    return 'ABCD'[sum(velocity_rms > limit for limit in limits)]
 
 
 def measure_severity(
@@ -54,9 +54,9 @@ def measure_severity(
     spectrum: NDArray[np.complex64],
     sample_rate: float,
     *,
-    unit: str = "",
+    unit: str = '',
     power_group: int = 0,
-    mounting: str = "",
+    mounting: str = '',
 ) -> Severity:
     """Numbers of one window; the baseline and the stage are the stream's to add.
 
@@ -79,9 +79,7 @@ def measure_severity(
     peak = float(max(x.max(), -x.min()))
     kurtosis = float(np.square(square).mean()) / mean_square**2
     bin_hz = sample_rate / len(x)
-    power = 2.0 * (
-        spectrum.real.astype(np.float64) ** 2 + spectrum.imag.astype(np.float64) ** 2
-    )
+    power = 2.0 * (spectrum.real.astype(np.float64) ** 2 + spectrum.imag.astype(np.float64) ** 2)
 
     def rows(low: float, high: float) -> slice:
         first = max(math.ceil(low / bin_hz), 1)
@@ -93,9 +91,7 @@ def measure_severity(
     if math.isfinite(factor):
         part = rows(10.0, 1000.0)
         omega = 2.0 * math.pi * bin_hz * np.arange(part.start, part.stop)
-        velocity = (
-            1e3 * factor * math.sqrt(float((power[part] / (omega * omega)).sum()))
-        )
+        velocity = 1e3 * factor * math.sqrt(float((power[part] / (omega * omega)).sum()))
     return Severity(
         rms=rms,
         peak=peak,

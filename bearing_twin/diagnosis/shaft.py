@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
 
-__all__ = ["ShaftSpeed", "refine_shaft_hz", "resample_to_angle"]
+__all__ = ['ShaftSpeed', 'refine_shaft_hz', 'resample_to_angle']
 
 _HARMONICS = 6
 _MARGIN = 3.0
@@ -65,9 +65,7 @@ def refine_shaft_hz(
     reach = max(tolerance * given_hz, step)
     near = given_hz + np.arange(-int(reach / step), int(reach / step) + 1) * step
     # The null: combs well away from the shaft and from its simple fractions.
-    beside = given_hz * np.concatenate(
-        (np.linspace(0.68, 0.73, 64), np.linspace(1.18, 1.23, 64))
-    )
+    beside = given_hz * np.concatenate((np.linspace(0.68, 0.73, 64), np.linspace(1.18, 1.23, 64)))
     last = min(int(np.ceil(8.0 * given_hz / bin_hz)), len(power) - 1)
     low = power[1 : last + 1]
     direct = np.log1p(low / local_floor(low, max(int(4.0 * given_hz / bin_hz), 32)))
@@ -123,10 +121,7 @@ def resample_to_angle(
     -------
     The record over angle, and the mean speed, Hz, at which it would have its old sample rate.
     """
-    angle = (
-        np.concatenate(([0.0], np.cumsum(0.5 * (shaft_hz[1:] + shaft_hz[:-1]))))
-        / sample_rate
-    )
+    angle = np.concatenate(([0.0], np.cumsum(0.5 * (shaft_hz[1:] + shaft_hz[:-1])))) / sample_rate
     mean_hz = float(angle[-1] / (len(x) - 1) * sample_rate)
     even = np.linspace(0.0, angle[-1], len(x))
     time = np.interp(even, angle, np.arange(len(x), dtype=np.float64))

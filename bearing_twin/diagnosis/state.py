@@ -13,30 +13,22 @@ import numpy as np
 
 from bearing_twin.errors import BearingTwinError
 
-__all__ = ["pack", "unpack"]
+__all__ = ['pack', 'unpack']
 
-_MAGIC = b"BTDX"
-_HEADER = struct.Struct("<4sHIIQ")
-_DTYPES = ("float32", "float64", "int64")
+_MAGIC = b'BTDX'
+_HEADER = struct.Struct('<4sHIIQ')
+_DTYPES = ('float32', 'float64', 'int64')
 
 
-def pack(
-    version: int, values: dict[str, Any], arrays: dict[str, np.ndarray[Any, Any]]
-) -> bytes:
+def pack(version: int, values: dict[str, Any], arrays: dict[str, np.ndarray[Any, Any]]) -> bytes:
     """Bytes of JSON-able ``values`` and numeric ``arrays``; :func:`unpack` reverses it."""
-    layout = [
-        (name, str(array.dtype), list(array.shape)) for name, array in arrays.items()
-    ]
-    text = json.dumps({"values": values, "arrays": layout}, sort_keys=True).encode()
-    body = text + b"".join(
-        np.ascontiguousarray(array).tobytes() for array in arrays.values()
-    )
+    layout = [(name, str(array.dtype), list(array.shape)) for name, array in arrays.items()]
+    text = json.dumps({'values': values, 'arrays': layout}, sort_keys=True).encode()
+    body = text + b''.join(np.ascontiguousarray(array).tobytes() for array in arrays.values())
     return _HEADER.pack(_MAGIC, version, zlib.crc32(body), len(text), len(body)) + body
 
 
-def unpack(
-    data: bytes, version: int
-) -> tuple[dict[str, Any], dict[str, np.ndarray[Any, Any]]]:
+def unpack(data: bytes, version: int) -> tuple[dict[str, Any], dict[str, np.ndarray[Any, Any]]]:
     """Read what :func:`pack` wrote.
 
     Raises
@@ -45,30 +37,28 @@ def unpack(
         If the bytes are not a state, are damaged, or are of another version.
     """
     if len(data) < _HEADER.size or data[:4] != _MAGIC:
-        msg = f"{len(data)} bytes are not a saved diagnosis state; give what save() returned"
+        msg = f'{len(data)} bytes are not a saved diagnosis state; give what save() returned'
         raise BearingTwinError(msg)
     _, found, checksum, text_length, length = _HEADER.unpack_from(data)
     body = data[_HEADER.size :]
     if found != version:
-        msg = f"saved state has version {found}, this program reads {version}; start afresh"
+        msg = f'saved state has version {found}, this program reads {version}; start afresh'
         raise BearingTwinError(msg)
     if len(body) != length or text_length > length or zlib.crc32(body) != checksum:
-        msg = (
-            f"saved state is damaged: {len(body)} of {length} bytes; use an intact copy"
-        )
+        msg = f'saved state is damaged: {len(body)} of {length} bytes; use an intact copy'
         raise BearingTwinError(msg)
     try:
         content = json.loads(body[:text_length])
         arrays = {}
         position = text_length
-        for name, dtype, shape in content["arrays"]:
+        for name, dtype, shape in content['arrays']:
             if dtype not in _DTYPES or any(side < 0 for side in shape):
-                raise ValueError(f"array {name} of {dtype} {shape}")
+                raise ValueError(f'array {name} of {dtype} {shape}')
             count = int(np.prod(shape, dtype=object)) if shape else 1
             array = np.frombuffer(body, dtype=dtype, count=count, offset=position)
             arrays[name] = array.reshape(shape).copy()
             position += array.nbytes
-        return content["values"], arrays
+        return content['values'], arrays
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
-        msg = f"saved state cannot be read ({error}); use what save() returned"
+        msg = f'saved state cannot be read ({error}); use what save() returned'
         raise BearingTwinError(msg) from error

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.result import Diagnosis
 
-__all__ = ["StreamingDiagnoser"]
+__all__ = ['StreamingDiagnoser']
 
 _VERSION = 1
 _STEADY = 0.005
@@ -52,15 +52,13 @@ class StreamingDiagnoser:
         See :class:`DiagnosisSettings`.
     """
 
-    def __init__(
-        self, bearing: Bearing, settings: DiagnosisSettings | None = None
-    ) -> None:
+    def __init__(self, bearing: Bearing, settings: DiagnosisSettings | None = None) -> None:
         self._bearing = bearing
         self._settings = settings or DiagnosisSettings()
         self._earlier: deque[tuple[int, OrderSpectra]] = deque()
         self._notes: list[str] = []
         self._rate = math.nan
-        self._unit = ""
+        self._unit = ''
         self._temperature = math.nan
         self._speed_measured = False
         self._clear(0)
@@ -81,7 +79,7 @@ class StreamingDiagnoser:
         """Change geometry or settings; the window starts anew, the baseline stays."""
         self._bearing = bearing or self._bearing
         self._settings = settings or self._settings
-        self._restart(self._next, "window restarted: bearing or settings were changed")
+        self._restart(self._next, 'window restarted: bearing or settings were changed')
 
     def push(
         self,
@@ -92,7 +90,7 @@ class StreamingDiagnoser:
         *,
         speed_measured: bool = False,
         temperature: float = math.nan,
-        unit: str = "",
+        unit: str = '',
     ) -> list[Diagnosis]:
         """Take a block and return the diagnoses that fall due within it, oldest first.
 
@@ -121,26 +119,24 @@ class StreamingDiagnoser:
         """
         block = np.asarray(x, dtype=np.float64)
         if block.ndim != 1:
-            msg = f"x has shape {block.shape}; push one axis as a 1-D array"
+            msg = f'x has shape {block.shape}; push one axis as a 1-D array'
             raise BearingTwinError(msg)
         if not (math.isfinite(sample_rate) and sample_rate > 0.0):
-            msg = f"sample_rate={sample_rate} Hz; a positive number is needed"
+            msg = f'sample_rate={sample_rate} Hz; a positive number is needed'
             raise BearingTwinError(msg)
         if sample_rate != self._rate:
             if math.isfinite(self._rate):
                 self._notes.append(
-                    f"window restarted: sample rate went from {self._rate:g} to {sample_rate:g} Hz"
+                    f'window restarted: sample rate went from {self._rate:g} to {sample_rate:g} Hz'
                 )
             self._rate = sample_rate
             self._clear(first_sample)
         elif first_sample != self._next:
             if first_sample > self._next:
-                text = (
-                    f"window restarted: {first_sample - self._next} samples are missing"
-                )
+                text = f'window restarted: {first_sample - self._next} samples are missing'
             else:
-                text = f"window restarted: index went back from {self._next} to {first_sample}"
-            self._restart(first_sample, f"{text} before sample {first_sample}")
+                text = f'window restarted: index went back from {self._next} to {first_sample}'
+            self._restart(first_sample, f'{text} before sample {first_sample}')
         self._temperature, self._unit = temperature, unit
         self._speed_measured = speed_measured
         found = []
@@ -159,16 +155,14 @@ class StreamingDiagnoser:
         """State worth keeping over a restart of the program."""
         arrays = {}
         for number, (_, orders) in enumerate(self._earlier):
-            arrays[f"logs{number}"] = orders.logs
-            arrays[f"excess{number}"] = orders.excess
-            arrays[f"direct{number}"] = orders.direct
-            arrays[f"carrier{number}"] = orders.carrier
+            arrays[f'logs{number}'] = orders.logs
+            arrays[f'excess{number}'] = orders.excess
+            arrays[f'direct{number}'] = orders.direct
+            arrays[f'carrier{number}'] = orders.carrier
         values = {
-            "sample_rate": self._rate if math.isfinite(self._rate) else None,
-            "next": self._next,
-            "earlier": [
-                (end, orders.step, orders.given) for end, orders in self._earlier
-            ],
+            'sample_rate': self._rate if math.isfinite(self._rate) else None,
+            'next': self._next,
+            'earlier': [(end, orders.step, orders.given) for end, orders in self._earlier],
         }
         return pack(_VERSION, values, arrays)
 
@@ -182,24 +176,24 @@ class StreamingDiagnoser:
         """
         values, arrays = unpack(data, _VERSION)
         try:
-            rate = values["sample_rate"]
+            rate = values['sample_rate']
             earlier = deque(
                 (
                     int(end),
                     OrderSpectra(
                         float(step),
-                        arrays[f"logs{n}"],
-                        arrays[f"excess{n}"],
-                        arrays[f"direct{n}"],
-                        arrays[f"carrier{n}"],
+                        arrays[f'logs{n}'],
+                        arrays[f'excess{n}'],
+                        arrays[f'direct{n}'],
+                        arrays[f'carrier{n}'],
                         float(given),
                     ),
                 )
-                for n, (end, step, given) in enumerate(values["earlier"])
+                for n, (end, step, given) in enumerate(values['earlier'])
             )
-            following = int(values["next"])
+            following = int(values['next'])
         except (KeyError, TypeError, ValueError) as error:
-            msg = f"saved state lacks {error}; use what save() returned"
+            msg = f'saved state lacks {error}; use what save() returned'
             raise BearingTwinError(msg) from error
         self._rate = math.nan if rate is None else float(rate)
         self._clear(following)
@@ -221,23 +215,19 @@ class StreamingDiagnoser:
         while held - len(self._blocks[0][0]) >= wanted:
             held -= len(self._blocks.popleft()[0])
         x = np.concatenate([part for part, _ in self._blocks])[-wanted:]
-        speeds = np.concatenate([np.full(len(part), hz) for part, hz in self._blocks])[
-            -wanted:
-        ]
+        speeds = np.concatenate([np.full(len(part), hz) for part, hz in self._blocks])[-wanted:]
         mean_hz = float(speeds.mean())
         first = self._next - len(x)
         about: dict[str, Any] = {
-            "first_sample": first,
-            "sample_count": len(x),
-            "sample_rate": self._rate,
-            "temperature": self._temperature,
+            'first_sample': first,
+            'sample_count': len(x),
+            'sample_rate': self._rate,
+            'temperature': self._temperature,
         }
         notes, self._notes = self._notes, []
-        reasons = check_record(
-            x, self._rate, mean_hz, highest_fault_order(self._bearing)
-        )
+        reasons = check_record(x, self._rate, mean_hz, highest_fault_order(self._bearing))
         if not reasons and float(speeds.min()) <= 0.0:
-            reasons = ["the shaft stood still or turned backwards within the window"]
+            reasons = ['the shaft stood still or turned backwards within the window']
         if reasons:
             return insufficient(
                 [*notes, *reasons],
@@ -251,9 +241,7 @@ class StreamingDiagnoser:
             signal, mean_hz = resample_to_angle(x, self._rate, speeds)
         settings = self._settings
         if self._speed_measured:
-            settings = replace(
-                settings, speed_tolerance=settings.measured_speed_tolerance
-            )
+            settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
         window = analyse_window(
             signal, self._rate, self._bearing, mean_hz, settings, unit=self._unit
         )
