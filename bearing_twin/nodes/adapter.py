@@ -19,7 +19,7 @@ from bearing_twin.nodes.adapter_config import IMU, SPECS, check_adapter
 from bearing_twin.nodes.convert import floats, stamp_ns, time_message
 from bearing_twin.nodes.health import Health, Level, Status
 from bearing_twin.nodes.lifecycle import ManagedNode, run
-from bearing_twin.nodes.qos import OVERRIDES, SENSOR, STREAM
+from bearing_twin.nodes.qos import OVERRIDES, SENSOR, STREAM, own
 from bearing_twin.nodes.sampling import (
     NANO,
     BlockBuilder,
@@ -70,7 +70,7 @@ class AdapterNode(ManagedNode):
         self._problem = ''
         self._arrived = math.nan
         self._vibration = self.create_lifecycle_publisher(
-            Vibration, 'vibration', STREAM, qos_overriding_options=OVERRIDES
+            Vibration, 'vibration', own(STREAM), qos_overriding_options=OVERRIDES
         )
         self._health = Health(self, p['hardware_id'] or self.get_namespace())
         self._health.add('accelerometer input', self._input_status)
@@ -79,14 +79,14 @@ class AdapterNode(ManagedNode):
         """Listen."""
         if self.parameters['source'] == IMU:
             self._input = self.create_subscription(
-                Imu, 'imu', self._on_imu, SENSOR, qos_overriding_options=OVERRIDES
+                Imu, 'imu', self._on_imu, own(SENSOR), qos_overriding_options=OVERRIDES
             )
         else:
             self._input = self.create_subscription(
                 Float32MultiArray,
                 'samples',
                 self._on_array,
-                SENSOR,
+                own(SENSOR),
                 qos_overriding_options=OVERRIDES,
             )
         self.get_logger().info(f'listening to {self._input.topic_name}')

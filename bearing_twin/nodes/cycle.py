@@ -7,14 +7,17 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-from rclpy.clock import Clock
+from rclpy.clock import Clock, JumpThreshold
 from rclpy.clock_type import ClockType
+from rclpy.duration import Duration
 
 from bearing_twin.nodes import realtime
 from bearing_twin.nodes.timing import CycleStatistics
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from rclpy.clock import JumpHandle, TimeJump
 
     from bearing_twin.nodes.health import Status
     from bearing_twin.nodes.lifecycle import ManagedNode
@@ -25,6 +28,8 @@ __all__ = ['BlockCycle']
 
 NANO = 1_000_000_000
 STILL_AFTER = 1.0
+JUMP = 10.0
+"""Advance of /clock between two of its readings above which it has jumped, s."""
 
 
 class BlockCycle:
@@ -81,11 +86,19 @@ class BlockCycle:
         return self._pacer.period
 
     def start(self) -> None:
-        """Let the first block begin now."""
-        simulated = self._node.get_parameter('use_sim_time').value
-        self._ticks = (
-            self._node.get_clock() if simulated else Clock(clock_type=ClockType.STEADY_TIME)
-        )
+        """Let the first block begin now, or with the first reading of /clock."""
+        self._ticks = Clock(clock_type=ClockType.STEADY_TIME)
+        self._jumps: JumpHandle | None = None
+        if self._node.get_parameter('use_sim_time').value:
+            self._ticks = self._node.get_clock()
+            self._jumps = self._ticks.create_jump_callback(
+                JumpThreshold(
+                    min_forward=Duration(seconds=JUMP),
+                    min_backward=Duration(nanoseconds=-1),
+                    on_clock_change=True,
+                ),
+                post_callback=self._on_jump,
+            )
         self._pacer.anchor(ticks=self._ticks.now().nanoseconds, time=self._now())
         self._timer = self._node.create_timer(
             self.period / self._slots, self._on_timer, clock=self._ticks
@@ -94,6 +107,8 @@ class BlockCycle:
     def stop(self) -> None:
         """Publish no more blocks."""
         self._node.destroy_timer(self._timer)
+        if self._jumps is not None:
+            self._jumps.unregister()
 
     def fields(self, due: Due) -> dict[str, float]:
         """Return the real-time fields of the state message for the block being published."""
@@ -119,6 +134,10 @@ class BlockCycle:
 
     def _now(self) -> int:
         return self._node.get_clock().now().nanoseconds
+
+    def _on_jump(self, _: TimeJump) -> None:
+        # A recording that was sought or begins again: nothing is late, and nothing is dropped.
+        self._pacer.step(ticks=self._ticks.now().nanoseconds, time=self._now())
 
     def _on_timer(self) -> None:
         self._woken = time.monotonic()

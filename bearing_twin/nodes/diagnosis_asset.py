@@ -27,7 +27,7 @@ from bearing_twin.nodes.diagnosis_config import (
     nominal_speed,
 )
 from bearing_twin.nodes.diagnosis_health import input_status, verdict_status
-from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, RESULT, STREAM
+from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, RESULT, STREAM, own
 from bearing_twin.nodes.shaft import ShaftSpeed
 from bearing_twin.nodes.statefile import StateFolder
 from bearing_twin.nodes.vibration_input import GapCounter, SourceLock, read_vibration
@@ -87,13 +87,13 @@ class DiagnosisAsset:
         self._latest: DiagnosisResult | None = None
         self._checkpoint_due = -math.inf
         self._verdict = node.create_lifecycle_publisher(
-            Diagnosis, f'{prefix}diagnosis', RESULT, qos_overriding_options=OVERRIDES
+            Diagnosis, f'{prefix}diagnosis', own(RESULT), qos_overriding_options=OVERRIDES
         )
         self._spectrum = node.create_lifecycle_publisher(
-            Spectrum, f'{prefix}spectrum', RESULT, qos_overriding_options=OVERRIDES
+            Spectrum, f'{prefix}spectrum', own(RESULT), qos_overriding_options=OVERRIDES
         )
         self._envelope = node.create_lifecycle_publisher(
-            Spectrum, f'{prefix}envelope_spectrum', RESULT, qos_overriding_options=OVERRIDES
+            Spectrum, f'{prefix}envelope_spectrum', own(RESULT), qos_overriding_options=OVERRIDES
         )
         self._features = node.create_lifecycle_publisher(
             Float64MultiArray, f'{prefix}features', RESULT
@@ -119,7 +119,11 @@ class DiagnosisAsset:
     def _subscribe(self, kind: Any, topic: str, callback: Any, qos: QoSProfile) -> None:
         self._inputs.append(
             self._node.create_subscription(
-                kind, f'{self._prefix}{topic}', callback, qos, qos_overriding_options=OVERRIDES
+                kind,
+                f'{self._prefix}{topic}',
+                callback,
+                own(qos),
+                qos_overriding_options=OVERRIDES,
             )
         )
 

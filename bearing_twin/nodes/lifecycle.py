@@ -154,6 +154,16 @@ class ManagedNode(LifecycleNode):
         return TransitionCallbackReturn.SUCCESS
 
 
+def _spin(executor: SingleThreadedExecutor, node: ManagedNode) -> None:
+    try:
+        executor.spin()
+    except Exception:
+        if node.context.ok():
+            raise
+        # INT and TERM end the context at once, under the hands of a callback that publishes.
+        raise ExternalShutdownException from None
+
+
 def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int:
     """Run a node until it is told to end; return the exit status.
 
@@ -167,7 +177,7 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
                 node.bring_up()
                 executor = SingleThreadedExecutor()
                 executor.add_node(node)
-                executor.spin()
+                _spin(executor, node)
             finally:
                 if node is not None:
                     node.shut_down()

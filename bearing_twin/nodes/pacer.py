@@ -113,6 +113,11 @@ class Pacer:
         self._time_anchor = time
         self._anchor_sample = self.next_sample
 
+    def step(self, *, ticks: int, time: int) -> None:
+        """Let the next block begin now because the clocks have been set; clocks as above."""
+        self.clock_steps += 1
+        self.anchor(ticks=ticks, time=time)
+
     def due(self, *, ticks: int, time: int) -> list[Due]:
         """Return the blocks to compute now, oldest first; clocks as in :meth:`anchor`."""
         if self._tick_anchor is None:
@@ -121,8 +126,7 @@ class Pacer:
         elapsed = ticks - self._tick_anchor
         if elapsed < self._offset(self.next_sample) - STEP_TOLERANCE:
             # Blocks have been given out for times that lie ahead: the clock was set back.
-            self.clock_steps += 1
-            self.anchor(ticks=ticks, time=time)
+            self.step(ticks=ticks, time=time)
             return []
         drift = (time - self._time_anchor) - elapsed
         if abs(drift) > STEP_TOLERANCE:

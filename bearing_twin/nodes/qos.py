@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+import copy
+
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-__all__ = ['CHECKPOINT', 'MEASUREMENT', 'OVERRIDES', 'RESULT', 'SENSOR', 'STREAM']
+__all__ = ['CHECKPOINT', 'MEASUREMENT', 'OVERRIDES', 'RESULT', 'SENSOR', 'STREAM', 'own']
 
 STREAM = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=50, reliability=ReliabilityPolicy.RELIABLE
@@ -39,3 +41,8 @@ CHECKPOINT = QoSProfile(
 
 OVERRIDES = QoSOverridingOptions.with_default_policies()
 """Lets users set history, depth and reliability as ``qos_overrides.TOPIC.publisher.depth``."""
+
+
+def own(profile: QoSProfile) -> QoSProfile:
+    """Return a copy for one topic: rclpy writes overrides into the profile it is given."""
+    return copy.copy(profile)

@@ -16,7 +16,7 @@ from bearing_twin.nodes.convert import (
     twin_state_message,
     vibration_message,
 )
-from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, STREAM
+from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, STREAM, own
 from bearing_twin.nodes.shaft import ShaftSpeed
 from bearing_twin.nodes.twin_health import temperature_status
 from bearing_twin.thermal.gate import TemperatureGate
@@ -73,10 +73,10 @@ class TwinAsset:
         self._checkpoint_due = 0
         self._stagger = stagger
         self._vibration = node.create_lifecycle_publisher(
-            Vibration, f'{prefix}vibration', STREAM, qos_overriding_options=OVERRIDES
+            Vibration, f'{prefix}vibration', own(STREAM), qos_overriding_options=OVERRIDES
         )
         self._state = node.create_lifecycle_publisher(
-            TwinState, f'{prefix}twin_state', STREAM, qos_overriding_options=OVERRIDES
+            TwinState, f'{prefix}twin_state', own(STREAM), qos_overriding_options=OVERRIDES
         )
         self._checkpoint = node.create_lifecycle_publisher(
             Checkpoint, f'{prefix}twin_checkpoint', CHECKPOINT
@@ -86,7 +86,7 @@ class TwinAsset:
                 Temperature,
                 f'{prefix}temperature',
                 self._on_temperature,
-                MEASUREMENT,
+                own(MEASUREMENT),
                 qos_overriding_options=OVERRIDES,
             )
         ]
@@ -96,7 +96,7 @@ class TwinAsset:
                     JointState,
                     f'{prefix}joint_states',
                     self._on_joints,
-                    MEASUREMENT,
+                    own(MEASUREMENT),
                     qos_overriding_options=OVERRIDES,
                 )
             )

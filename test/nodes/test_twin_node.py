@@ -1,0 +1,226 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The twin as a process over DDS: temperature, parameters, services, time."""
+
+import math
+import signal
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+pytest.importorskip('rclpy')
+
+from bearing_twin_msgs.msg import TwinState, Vibration
+from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
+from builtin_interfaces.msg import Time
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Temperature
+from std_srvs.srv import Trigger
+
+pytestmark = pytest.mark.ros
+
+OK, WARN, ERROR = b'\x00', b'\x01', b'\x02'
+INPUT = 'twin: temperature input'
+
+
+def reading(value, second):
+    message = Temperature(temperature=value)
+    message.header.stamp = Time(sec=second)
+    return message
+
+
+def test_every_state_of_the_temperature_is_seen_and_answered(nodes, probe):
+    nodes.start('twin', {'temperature_timeout': 1.0, 'start_temperature': 30.0})
+    states = probe.collect(TwinState, 'twin_state')
+    blocks = probe.collect(Vibration, 'vibration')
+    probe.watch_diagnostics()
+
+    def expect(status, used, every=None):
+        """Wait for a status on both topics; return the first state that shows it."""
+        found = len(states)
+
+        def shown():
+            return [s for s in states[found:] if s.temperature_status == status]
+
+        probe.until(shown, f'temperature status {status}', every=every)
+        name = next(k[len('TEMPERATURE_') :] for k, v in CONSTANTS.items() if v == status)
+        probe.until(
+            lambda: probe.statuses.get(INPUT, (0, '', {}))[2].get('status') == name,
+            f'{name} on /diagnostics',
+            every=every,
+        )
+        assert probe.statuses[INPUT][0] == (OK if name == 'OK' else WARN)
+        assert states[-1].temperature_used == used
+        return shown()[0]
+
+    waiting = expect(TwinState.TEMPERATURE_WAITING, 30.0)
+    assert math.isnan(waiting.temperature_measured)
+
+    clock = iter(range(1000, 100000))
+
+    def send(value):
+        return lambda: probe.publish('temperature', reading(value, next(clock)))
+
+    warm = expect(TwinState.TEMPERATURE_OK, 60.0, every=send(60.0))
+    assert warm.temperature_measured == 60.0
+    # beta0 of tables 1-3 rises with the temperature, and the stiffness with it.
+    assert warm.beta0 > waiting.beta0
+    assert warm.k_b == pytest.approx(waiting.k_b * warm.beta0 / waiting.beta0, rel=1e-9)
+    stale = expect(TwinState.TEMPERATURE_STALE, 60.0)
+    assert stale.temperature_age > 1.0
+    expect(TwinState.TEMPERATURE_INVALID, 60.0, every=send(math.nan))
+    expect(TwinState.TEMPERATURE_CLAMPED, 110.0, every=send(150.0))
+
+    def older():
+        probe.publish('temperature', reading(40.0, 3))
+
+    expect(TwinState.TEMPERATURE_BACKWARDS, 110.0, every=older)
+
+    # Through all of it the motion never started anew and never became NaN.
+    assert all(a.first_sample + 1024 == b.first_sample for a, b in pairwise(blocks))
+    assert all(np.isfinite(b.y).all() and np.isfinite(b.x).all() for b in blocks)
+    assert nodes.end('twin', by=signal.SIGTERM) == 0
+
+
+CONSTANTS = {
+    name: getattr(TwinState, name)
+    for name in (
+        'TEMPERATURE_OK',
+        'TEMPERATURE_WAITING',
+        'TEMPERATURE_STALE',
+        'TEMPERATURE_INVALID',
+        'TEMPERATURE_CLAMPED',
+        'TEMPERATURE_BACKWARDS',
+    )
+}
+
+
+def test_changes_while_running_are_taken_as_a_whole_or_refused_with_a_reason(
+    nodes, probe, tmp_path
+):
+    nodes.start('twin', {'state_directory': str(tmp_path / 'states')})
+    states = probe.collect(TwinState, 'twin_state')
+    probe.until(lambda: states, 'a state')
+
+    assert probe.set_parameters('twin', defect='outer', defect_width=0.001) == (True, '')
+    probe.until(lambda: states[-1].defect == 'outer', 'the defect')
+    refused = {
+        'there is no place': {'defect': 'shaft', 'load': 500.0},
+        'outside its range': {'jitter': 7.0, 'load': 500.0},
+        'not a number': {'load': math.nan, 'defect': 'none'},
+        'locked while running': {'block_size': 512, 'load': 500.0},
+        'warning above the error': {'lateness.warn': 5.0, 'load': 500.0},
+        'of another type': {'shaft_hz': 'fast', 'load': 500.0},
+    }
+    for why, change in refused.items():
+        accepted, reason = probe.set_parameters('twin', **change)
+        assert not accepted, why
+        assert len(reason) > 20, why
+    assert probe.get_parameters('twin', 'defect', 'load', 'block_size') == ['outer', 0.0, 1024]
+
+    injected = probe.call(InjectDefect, 'twin/inject_defect', place='ball', width=0.0, depth=0.0)
+    assert injected.success, injected.message
+    probe.until(lambda: states[-1].defect == 'ball', 'the injected defect')
+    assert probe.get_parameters('twin', 'defect', 'defect_width') == ['ball', 0.0]
+    wrong = probe.call(InjectDefect, 'twin/inject_defect', place='moon', width=0.0, depth=0.0)
+    assert not wrong.success
+    assert 'moon' in wrong.message
+
+    saved = probe.call(SaveState, 'twin/save_state', path='a')
+    assert saved.success, saved.message
+    assert not probe.call(SaveState, 'twin/save_state', path='a').success
+    assert not probe.call(SaveState, 'twin/save_state', path='../a').success
+    assert not probe.call(LoadState, 'twin/load_state', path='b').success
+    (tmp_path / 'states' / 'junk').write_bytes(b'no state')
+    assert not probe.call(LoadState, 'twin/load_state', path='junk').success
+    assert probe.call(LoadState, 'twin/load_state', path='a').success
+    assert probe.call(Trigger, 'twin/reset').success
+    count = len(states)
+    probe.until(lambda: len(states) > count + 3, 'blocks after the reset')
+    assert all(a.first_sample + 1024 == b.first_sample for a, b in pairwise(states))
+
+
+def test_lifecycle_through_the_services(nodes, probe):
+    nodes.start('twin', {'autostart': False})
+    blocks = probe.collect(Vibration, 'vibration')
+    assert probe.state('twin') == 'unconfigured'
+    assert probe.change_state('twin', 'configure')
+    assert probe.state('twin') == 'inactive'
+    probe.spin(0.5)
+    assert blocks == []
+    assert probe.change_state('twin', 'activate')
+    probe.until(lambda: len(blocks) > 3, 'blocks while active')
+    assert probe.change_state('twin', 'deactivate')
+    probe.spin(0.2)
+    count = len(blocks)
+    probe.spin(0.5)
+    assert len(blocks) == count
+    assert probe.change_state('twin', 'cleanup')
+    assert probe.set_parameters('twin', block_size=512) == (True, '')
+    assert probe.change_state('twin', 'configure')
+    assert probe.change_state('twin', 'activate')
+    probe.until(lambda: len(blocks) > count + 3, 'blocks after a second start')
+    assert len(blocks[-1].y) == 512
+    assert nodes.end('twin', by=signal.SIGTERM) == 0
+
+
+def test_names_and_quality_of_service_can_be_changed_from_outside(nodes, probe):
+    nodes.start(
+        'twin',
+        {
+            'qos_overrides./line3/bearing_7/accel.publisher.reliability': 'best_effort',
+            'qos_overrides./line3/bearing_7/accel.publisher.depth': 7,
+        },
+        ros=('-r', '__ns:=/line3/bearing_7', '-r', '__node:=model', '-r', 'vibration:=accel'),
+    )
+    states = probe.collect(TwinState, '/line3/bearing_7/twin_state')
+    probe.watch_diagnostics()
+    probe.until(lambda: states, 'a state')
+    [info] = probe.node.get_publishers_info_by_topic('/line3/bearing_7/accel')
+    assert info.node_name == 'model'
+    assert info.qos_profile.reliability.name == 'BEST_EFFORT'
+    name = 'line3/bearing_7/model: real time'
+    _, message, values = probe.until(lambda: probe.statuses.get(name), 'the status of real time')
+    assert message
+    assert {'lateness p99 [ms]', 'periodicity [Hz]', 'execution time [us]'} <= values.keys()
+    assert nodes.end('twin', by=signal.SIGINT) == 0
+
+
+def test_simulated_time_stands_still_runs_faster_and_jumps_back(nodes, probe):
+    nodes.start('twin', {'use_sim_time': True})
+    blocks = probe.collect(Vibration, 'vibration')
+    probe.watch_diagnostics()
+
+    def run(begin, end):
+        """Publish /clock from ``begin`` to ``end`` (s) at five times real time."""
+        for tick in range(round(begin * 100), round(end * 100) + 1):
+            probe.publish('/clock', Clock(clock=Time(sec=tick // 100, nanosec=tick % 100 * 10**7)))
+            probe.spin(0.002)
+
+    name = 'twin: real time'
+    probe.until(lambda: name in probe.statuses, 'a status without /clock')
+    assert blocks == []
+    run(100.0, 104.0)
+    probe.spin(0.5)
+    count = len(blocks)
+    # The first reading of /clock anchors the blocks: up to two of the hundred may be missing.
+    assert 90 <= count <= 100
+    stamps = [b.header.stamp.sec + b.header.stamp.nanosec * 1e-9 for b in blocks]
+    assert 99.9 <= stamps[0] <= stamps[-1] <= 104.0
+    assert np.diff(stamps) == pytest.approx(0.04, abs=1e-6)
+
+    probe.until(lambda: 'stands still' in probe.statuses[name][1], 'the standing clock')
+    assert len(blocks) == count
+
+    run(50.0, 52.0)
+    probe.until(lambda: len(blocks) > count + 20, 'blocks after the jump back')
+    after = blocks[count:]
+    assert 49.9 <= after[0].header.stamp.sec <= 52
+    assert all(a.first_sample + 1024 == b.first_sample for a, b in pairwise(blocks))
+    probe.until(
+        lambda: probe.statuses[name][2]['clock steps'] == '2',
+        'the start of /clock and its jump counted',
+    )
+    assert probe.statuses[name][2]['blocks dropped'] == '0'
+    assert nodes.end('twin') == 0
