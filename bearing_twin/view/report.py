@@ -126,7 +126,7 @@ def _banner(machine: Machine) -> str:
         return (
             f'<div class="verdict" style="background:{VERDICT_COLOURS["insufficient"]}">'
             '<b>No diagnosis recorded</b>The recording holds vibration but no verdict; '
-            "'bearing-twin replay' runs it through the diagnosis.</div>"
+            "play it to the diagnosis node with 'bearing-twin replay'.</div>"
         )
     _, last = machine.diagnoses[-1]
     result = str(last.result_name)
