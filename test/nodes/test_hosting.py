@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A real accelerometer through the adapter, and many bearings in one process."""
+
+import signal
+from itertools import pairwise
+
+import pytest
+
+pytest.importorskip('rclpy')
+
+from bearing_twin_msgs.msg import Diagnosis, TwinState, Vibration
+from builtin_interfaces.msg import Time
+from sensor_msgs.msg import Imu
+from std_msgs.msg import Float32MultiArray
+
+from bearing_twin.dynamics import Simulator, preset
+from bearing_twin.nodes.convert import floats
+
+pytestmark = pytest.mark.ros
+
+
+def test_a_foreign_accelerometer_reaches_the_diagnosis(nodes, probe):
+    nodes.start('diagnosis', {'bearing': '6307', 'shaft_hz': 25.4})
+    # The sensor gives g where the bearing moves in m/s^2.
+    nodes.start('adapter', {'sample_rate': 25600.0, 'scale': 9.80665, 'block_size': 2048})
+    blocks = probe.collect(Vibration, 'vibration')
+    verdicts = probe.collect(Diagnosis, 'diagnosis')
+    probe.watch_diagnostics()
+    probe.until(lambda: probe.node.count_subscribers('vibration') == 2, 'the diagnosis')
+    simulator = Simulator(preset('incipient', defect='outer'))
+    sent = 0
+    for _ in range(320):
+        block = simulator.advance(1000, 40.0, 25.4)
+        probe.publish('samples', Float32MultiArray(data=floats(block.y / 9.80665)))
+        sent += 1000
+        probe.spin(0.004)
+    probe.until(lambda: any(v.faults == ['outer'] for v in verdicts), 'the verdict')
+    assert all(a.first_sample + len(a.y) == b.first_sample for a, b in pairwise(blocks))
+    assert blocks[0].unit == 'm/s^2'
+    assert len(blocks[0].x) == 0
+    assert 2048 * len(blocks) > 0.95 * sent
+    name = 'adapter: accelerometer input'
+    probe.until(lambda: probe.statuses.get(name, b'')[1] == 'samples are fresh', 'its status')
+    probe.until(lambda: 'no samples for' in probe.statuses[name][1], 'its silence')
+    assert nodes.end('adapter', by=signal.SIGTERM) == 0
+    assert nodes.end('diagnosis', by=signal.SIGTERM) == 0
+
+
+def test_samples_missing_from_an_imu_are_seen_in_the_index(nodes, probe):
+    nodes.start('adapter', {'source': 'imu', 'channel_y': 2, 'block_size': 64})
+    blocks = probe.collect(Vibration, 'vibration')
+    for k in range(600):
+        if k in (400, 401, 402):
+            continue
+        ns = 1_000_000_000 * 100 + k * 2_000_000
+        message = Imu()
+        message.header.frame_id = 'housing'
+        message.header.stamp = Time(sec=ns // 10**9, nanosec=ns % 10**9)
+        message.linear_acceleration.z = float(k)
+        probe.publish('imu', message, depth=1000)
+        if k % 20 == 0:
+            probe.spin(0.02)
+    probe.until(lambda: len(blocks) >= 5, 'blocks')
+    assert blocks[0].sample_rate == pytest.approx(500.0, rel=1e-3)
+    assert blocks[0].header.frame_id == 'housing'
+    # Each sample carries its own number: index and content tell the same story.
+    offset = blocks[0].y[0] - blocks[0].first_sample
+    for block in blocks:
+        assert [v - block.first_sample - offset for v in (block.y[0], block.y[-1])] == [
+            0,
+            len(block.y) - 1,
+        ]
+    lost = sum(b.first_sample - a.first_sample - len(a.y) for a, b in pairwise(blocks))
+    assert lost == 3
+
+
+def test_one_process_hosts_many_bearings(nodes, probe, tmp_path):
+    (tmp_path / 'assets.yaml').write_text(
+        """
+        assets:
+          pump/left:
+            twin: {defect: inner, start_temperature: 40}
+            diagnosis: {}
+          pump/right:
+            twin: {seed: 1}
+          fan:
+            diagnosis: {bearing: '6205', shaft_hz: 29.9}
+        """
+    )
+    nodes.start('fleet', {'assets_file': str(tmp_path / 'assets.yaml')}, ros=('-r', '__ns:=/p1'))
+    left = probe.collect(TwinState, '/p1/pump/left/twin_state')
+    right = probe.collect(TwinState, '/p1/pump/right/twin_state')
+    samples = probe.collect(Vibration, '/p1/pump/left/vibration')
+    verdicts = probe.collect(Diagnosis, '/p1/pump/left/diagnosis')
+    probe.watch_diagnostics()
+    probe.until(lambda: left and right and verdicts, 'both twins and the verdict')
+    assert (left[-1].defect, left[-1].temperature_used) == ('inner', 40.0)
+    assert (right[-1].defect, right[-1].temperature_used) == ('none', 20.0)
+    assert all(a.first_sample + 1024 == b.first_sample for a, b in pairwise(samples))
+
+    fleet = '/p1/fleet'
+    assert probe.set_parameters(fleet, **{'pump.right.twin.defect': 'ball'}) == (True, '')
+    probe.until(lambda: right[-1].defect == 'ball', 'the defect of the right one')
+    assert left[-1].defect == 'inner'
+    accepted, reason = probe.set_parameters(
+        fleet, **{'pump.right.twin.defect': 'none', 'pump.left.twin.defect': 'moon'}
+    )
+    assert not accepted
+    assert 'moon' in reason
+    assert right[-1].defect == 'ball'
+    parts = {
+        'pump/left temperature input',
+        'pump/left vibration input',
+        'pump/left bearing',
+        'pump/right temperature input',
+        'fan vibration input',
+        'fan bearing',
+        'real time',
+    }
+    probe.until(lambda: probe.statuses.keys() >= {f'p1/fleet: {p}' for p in parts}, 'statuses')
+    assert probe.node.count_subscribers('/p1/fan/vibration') == 1
+    assert nodes.end('fleet', by=signal.SIGTERM) == 0
