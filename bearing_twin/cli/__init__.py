@@ -24,7 +24,9 @@ __all__ = ['COMMANDS', 'main']
 
 COMMANDS = {
     'bench': 'measure on this machine what the project promises',
+    'benchmark': 'score the diagnosis on a folder of labelled records',
     'demo': 'run twin, diagnosis and recorder on a temperature recording and show the result',
+    'diagnose': 'say what is wrong with the bearing in vibration files',
     'info': 'show what is inside a recording and how sound it is',
     'paper': 'recompute every figure and claim of the seed paper and judge it',
     'recover': 'save what is complete in a torn recording',
@@ -33,6 +35,7 @@ COMMANDS = {
     'run': 'run a node, as ros2 run does: twin, diagnosis, recorder, replay, adapter, fleet',
     'schedule': 'write the temperature schedule of the paper as a recording',
     'verify': 're-run a recording of twin and diagnosis and compare it byte by byte',
+    'view': 'show recordings, or what is running, in Rerun',
 }
 """Name and one-line help of every sub-command."""
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rclpy.impl.rcutils_logger import RcutilsLogger
 
     from bearing_twin.recording.writer import RecordingWriter
-    from bearing_twin.view import RerunLogger
+    from bearing_twin.view.logger import RerunLogger
 
 __all__ = ['RecordingWatch']
 
@@ -60,12 +60,12 @@ class RecordingWatch:
         writer.metadata('bearing_twin.recorder', {k: str(v) for k, v in values.items()})
         if values['rerun_file'] or values['rerun_port']:
             # Rerun takes a second to load, which a recorder without it should not wait for.
-            from bearing_twin.view import RerunLogger
+            from bearing_twin.view.logger import RerunLogger
 
             self._rerun = RerunLogger(
-                file=Path(values['rerun_file']) if values['rerun_file'] else None,
-                address=values['rerun_address'],
-                port=values['rerun_port'] or None,
+                recording_id=str(writer.path.absolute()),
+                rrd=Path(values['rerun_file']) if values['rerun_file'] else None,
+                serve=(values['rerun_address'], port) if (port := values['rerun_port']) else None,
             )
 
     def see(self, topic: str, type_name: str, cdr: bytes, received: int) -> None:

@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""``bearing-twin view``: recordings and running twins in Rerun."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.view.opening import draw_recording
+from bearing_twin.view.viewer import HeadlessViewer, live_url, show, show_in_browser
+
+if TYPE_CHECKING:
+    import argparse
+
+__all__ = ['configure', 'run']
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument(
+        'recordings',
+        nargs='*',
+        type=Path,
+        metavar='RECORDING',
+        help='MCAP file, bag folder or .rrd',
+    )
+    parser.add_argument(
+        '--live',
+        nargs='?',
+        const='9876',
+        metavar='SERVER',
+        help='show what a recorder draws now: PORT, ADDRESS:PORT or URL (default 9876)',
+    )
+    parser.add_argument('--web', action='store_true', help='in the browser, without a window')
+    parser.add_argument(
+        '--web-port', type=int, default=9090, help='port of the page (default 9090; 0: any)'
+    )
+    parser.add_argument(
+        '--address',
+        default='127.0.0.1',
+        help='address the page is served at (default 127.0.0.1: this machine only)',
+    )
+    parser.add_argument('--save', type=Path, metavar='RRD', help='keep the Rerun file')
+    parser.add_argument(
+        '--screenshot', type=Path, metavar='PNG', help='write a picture instead of showing it'
+    )
+    parser.add_argument(
+        '--size', default='1800x1100', help='of the picture, WIDTHxHEIGHT (default 1800x1100)'
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Show; status 0 if everything could be drawn."""
+    if bool(args.live) == bool(args.recordings):
+        msg = 'name a recording, or --live for what is running'
+        raise BearingTwinError(msg)
+    with tempfile.TemporaryDirectory(prefix='bearing_twin_view_') as folder:
+        sources = [live_url(args.live)] if args.live else _sources(args, Path(folder))
+        if args.screenshot:
+            return _screenshot(args, sources)
+        if args.web:
+            return show_in_browser(
+                sources,
+                address=args.address,
+                web_port=args.web_port,
+                announce=lambda url: print(f'{url}\nend with Ctrl-C', flush=True),
+            )
+        if args.save:
+            return 0
+        return show(sources)
+
+
+def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
+    (path,) = args.recordings
+    if path.suffix == '.rrd':
+        if not path.is_file():
+            msg = f'{path} does not exist'
+            raise BearingTwinError(msg)
+        return [str(path)]
+    rrd = folder / f'{path.resolve().stem}.rrd'
+    problems = draw_recording(path, rrd, progress=_progress if sys.stderr.isatty() else None)
+    for topic, reason in problems.items():
+        print(f'{topic} is not drawn: {reason}', file=sys.stderr)
+    if args.save:
+        if args.save.exists():
+            msg = f'{args.save} exists and is not overwritten; name another file'
+            raise BearingTwinError(msg)
+        shutil.copyfile(rrd, args.save)
+    return [str(rrd)]
+
+
+def _screenshot(args: argparse.Namespace, sources: list[str]) -> int:
+    size = re.fullmatch(r'(\d{2,5})x(\d{2,5})', args.size)
+    if not size:
+        msg = f'--size {args.size} is not WIDTHxHEIGHT, e.g. 1800x1100'
+        raise BearingTwinError(msg)
+    with HeadlessViewer(sources, size=(int(size[1]), int(size[2]))) as viewer:
+        viewer.wait('ros_time')
+        viewer.screenshot(args.screenshot.absolute())
+    return 0
+
+
+def _progress(part: float) -> None:
+    print(f'\rdrawing {part:4.0%} ', end='\n' if part >= 1.0 else '', file=sys.stderr, flush=True)

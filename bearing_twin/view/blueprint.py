@@ -1,0 +1,248 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""How the views are laid out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import rerun.blueprint as rrb
+
+from bearing_twin.view.bearing3d import MAGNIFIED, SLOWED
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from bearing_twin.view.scene import Scene
+
+__all__ = ['APPLICATION', 'layout']
+
+APPLICATION = 'bearing_twin'
+"""Application id: a blueprint belongs to recordings of the same one."""
+CLOSE = 0.2
+"""Length of the close look at the waveform, s."""
+WIDE = 10.0
+"""Length of the waveform's envelope, s."""
+
+View = rrb.View | rrb.Container
+
+
+def layout(
+    scenes: Mapping[str, Scene], *, timeline: str, side_by_side: bool = False
+) -> rrb.Blueprint:
+    """Return the blueprint for what the scenes hold.
+
+    Parameters
+    ----------
+    scenes
+        By the title they are shown under.
+    timeline
+        Timeline to follow.
+    side_by_side
+        Whether scenes stand beside each other, to be compared, instead of on tabs.
+    """
+    bearings = {title: scene for title, scene in scenes.items() if _is_bearing(scene)}
+    others = {title: scene for title, scene in scenes.items() if scene.contents}
+    shown = bearings or others
+    parts: list[View]
+    if side_by_side:
+        parts = [
+            rrb.Horizontal(*(_narrow(scene, title, timeline) for title, scene in shown.items()))
+        ]
+    elif len(shown) == 1:
+        parts = [_wide(scene, timeline) for scene in shown.values()]
+    else:
+        parts = [rrb.Tabs(*(_wide(scene, timeline, name=title) for title, scene in shown.items()))]
+    foot = _foot(scenes.values(), timeline)
+    root = rrb.Vertical(*parts, foot, row_shares=[8, 1]) if foot else rrb.Vertical(*parts)
+    return rrb.Blueprint(
+        root,
+        rrb.BlueprintPanel(state='collapsed'),
+        rrb.SelectionPanel(state='collapsed'),
+        rrb.TimePanel(state='collapsed', timeline=timeline, play_state='following'),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def _is_bearing(scene: Scene) -> bool:
+    kinds = set(scene.contents.values())
+    return bool(kinds & {'vibration', 'twin_state', 'diagnosis', 'spectrum', 'envelope_spectrum'})
+
+
+def _of(scene: Scene, kind: str) -> list[str]:
+    return [_join(scene.root, name) for name, known in scene.contents.items() if known == kind]
+
+
+def _join(root: str, name: str) -> str:
+    return f'{root}/{name}'.replace('//', '/')
+
+
+def _window(timeline: str, seconds: float) -> rrb.VisibleTimeRange:
+    return rrb.VisibleTimeRange(
+        timeline,
+        start=rrb.TimeRangeBoundary.cursor_relative(seconds=-seconds),
+        end=rrb.TimeRangeBoundary.cursor_relative(),
+    )
+
+
+def _lines(
+    name: str,
+    contents: Sequence[str],
+    *,
+    window: rrb.VisibleTimeRange | None = None,
+) -> rrb.TimeSeriesView:
+    return rrb.TimeSeriesView(
+        origin='/',
+        contents=list(contents),
+        name=name,
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
+        time_ranges=[window] if window else None,
+    )
+
+
+def _verdict(scene: Scene) -> list[View]:
+    views: list[View] = []
+    for path in _of(scene, 'diagnosis'):
+        lanes = [f'{path}/verdict'] + [
+            f'{state}/temperature_status' for state in _of(scene, 'twin_state')
+        ]
+        views.append(
+            rrb.Horizontal(
+                rrb.TextDocumentView(origin=f'{path}/words', name='Verdict'),
+                rrb.StateTimelineView(origin='/', contents=lanes, name='Verdict over time'),
+                column_shares=[1, 2],
+            )
+        )
+    return views
+
+
+def _solid(scene: Scene) -> list[View]:
+    return [
+        rrb.Spatial3DView(
+            origin=f'{path}/bearing',
+            name=f'Bearing: {SLOWED:g} x slower, displacement x {MAGNIFIED:g}, red: defect',
+            eye_controls=rrb.EyeControls3D(
+                position=[25.0, 20.0, 150.0], look_target=[0.0, 0.0, 0.0], eye_up=[0.0, 1.0, 0.0]
+            ),
+            line_grid=False,
+        )
+        for path in _of(scene, 'twin_state')
+    ]
+
+
+def _waveforms(scene: Scene, timeline: str) -> list[View]:
+    views: list[View] = []
+    for path in _of(scene, 'vibration'):
+        views += [
+            _lines(
+                f'Vibration, last {CLOSE:g} s',
+                [f'{path}/samples/**', f'{path}/envelope/y'],
+                window=_window(timeline, CLOSE),
+            ),
+            _lines(
+                f'Vibration, envelope of {WIDE:g} s',
+                [f'{path}/envelope/**'],
+                window=_window(timeline, WIDE),
+            ),
+            rrb.Spatial2DView(origin=f'{path}/spectrogram', name='Spectrogram of the last minute'),
+        ]
+    return views
+
+
+def _waterfalls(scene: Scene) -> list[View]:
+    return [
+        rrb.Spatial3DView(
+            origin=f'{path}/waterfall',
+            name='Waveform over temperature',
+            eye_controls=rrb.EyeControls3D(
+                position=[1.0, -10.0, 8.0], look_target=[5.0, 4.2, 0.0], eye_up=[0.0, 0.0, 1.0]
+            ),
+            line_grid=False,
+        )
+        for path in _of(scene, 'vibration')
+        if _of(scene, 'temperature') or _of(scene, 'twin_state')
+    ]
+
+
+def _spectra(scene: Scene) -> list[View]:
+    names = (
+        ('envelope_spectrum', 'Squared envelope spectrum [over Hz]'),
+        ('spectrum', 'Spectrum [over Hz]'),
+    )
+    return [
+        rrb.BarChartView(origin=path, contents='$origin/**', name=name)
+        for kind, name in names
+        for path in _of(scene, kind)
+    ]
+
+
+def _trends(scene: Scene) -> list[View]:
+    states, diagnoses = _of(scene, 'twin_state'), _of(scene, 'diagnosis')
+    temperatures = [f'{path}/measured' for path in _of(scene, 'temperature')]
+    temperatures += [f'{path}/temperature/**' for path in states]
+    groups = (
+        ('Temperature [°C]', temperatures),
+        ('Contact: beta0, K_b, C_d', [f'{path}/contact/**' for path in states]),
+        ('Severity', [f'{path}/severity/**' for path in diagnoses]),
+        ('Evidence: comb score [sd]', [f'{path}/evidence/**' for path in diagnoses]),
+        ('Real time', [f'{path}/real_time/**' for path in states]),
+    )
+    return [_lines(name, contents) for name, contents in groups if contents]
+
+
+def _numbers(scene: Scene) -> list[View]:
+    """Return views of topics that are not the bearing's."""
+    views: list[View] = []
+    for path in _of(scene, 'numbers'):
+        views.append(_lines(path, [f'{path}/fields/**']))
+        if not _is_bearing(scene):
+            views.append(rrb.BarChartView(origin=f'{path}/arrays', name=f'{path} arrays'))
+    return views
+
+
+def _panels(scene: Scene) -> list[View]:
+    return [
+        rrb.TextDocumentView(origin=f'{path}/parameters', name=path.rsplit('/', 1)[-1])
+        for path in _of(scene, 'checkpoint')
+    ]
+
+
+def _wide(scene: Scene, timeline: str, *, name: str | None = None) -> View:
+    panels = _panels(scene)
+    columns = [
+        [*_solid(scene), *([rrb.Tabs(*panels)] if panels else [])],
+        _waveforms(scene, timeline),
+        [*_spectra(scene), *_waterfalls(scene)],
+        _trends(scene),
+    ]
+    filled = [rrb.Vertical(*column) for column in columns if column]
+    body: list[View] = [*_verdict(scene)]
+    if filled:
+        body.append(rrb.Horizontal(*filled))
+    extra = _numbers(scene)
+    if extra and not _is_bearing(scene):
+        body.append(rrb.Grid(*extra))
+    shares = [1, 5] if len(body) == 2 else None
+    return rrb.Vertical(*body, row_shares=shares, name=name)
+
+
+def _narrow(scene: Scene, title: str, timeline: str) -> View:
+    waves = _waveforms(scene, timeline)[:1]
+    spectra = _spectra(scene)[:1]
+    trends = _trends(scene)[:4]
+    body = [*_verdict(scene), *waves, *spectra, *_waterfalls(scene), rrb.Grid(*trends)]
+    return rrb.Vertical(*body, name=title)
+
+
+def _foot(scenes: Iterable[Scene], timeline: str) -> View | None:
+    logs, lanes = [], []
+    for scene in scenes:
+        logs += [f'{path}/**' for kind in ('log', 'text') for path in _of(scene, kind)]
+        lanes += [f'{path}/**' for path in _of(scene, 'diagnostics')]
+    views: list[View] = []
+    if logs:
+        views.append(rrb.TextLogView(origin='/', contents=logs, name='Log'))
+    if lanes:
+        views.append(rrb.StateTimelineView(origin='/', contents=lanes, name='Health of the nodes'))
+    return rrb.Horizontal(*views) if views else None

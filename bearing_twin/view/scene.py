@@ -1,0 +1,191 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""One bearing as it is drawn: the topics of one namespace."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import rerun as rr
+
+from bearing_twin.view.canvas import Canvas
+from bearing_twin.view.generic import draw_anything
+from bearing_twin.view.lanes import Lane
+from bearing_twin.view.spectra import SpectrumBars
+from bearing_twin.view.style import LANE_LEVELS, LINE
+from bearing_twin.view.twinstate import TwinPicture
+from bearing_twin.view.verdict import VerdictPicture
+from bearing_twin.view.waveform import Waveform
+
+if TYPE_CHECKING:
+    from bearing_twin.bearing.geometry import Bearing
+    from bearing_twin.view.timebase import Timebase
+
+__all__ = ['KINDS', 'Scene', 'namespace_of']
+
+KINDS = {
+    'bearing_twin_msgs/msg/Vibration': 'vibration',
+    'bearing_twin_msgs/msg/TwinState': 'twin_state',
+    'bearing_twin_msgs/msg/Diagnosis': 'diagnosis',
+    'bearing_twin_msgs/msg/Spectrum': 'spectrum',
+    'bearing_twin_msgs/msg/Checkpoint': 'checkpoint',
+    'sensor_msgs/msg/Temperature': 'temperature',
+    'diagnostic_msgs/msg/DiagnosticArray': 'diagnostics',
+    'rcl_interfaces/msg/Log': 'log',
+    'std_msgs/msg/String': 'text',
+}
+"""Kind of picture by message type; every other type is a 'numbers'."""
+
+SILENT = frozenset(
+    {
+        'rcl_interfaces/msg/ParameterEvent',
+        'lifecycle_msgs/msg/TransitionEvent',
+        'rosgraph_msgs/msg/Clock',
+        'tf2_msgs/msg/TFMessage',
+    }
+)
+"""Types that say nothing to the eye."""
+
+LOG_LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'CRITICAL'}
+
+
+def namespace_of(topic: str) -> tuple[str, str]:
+    """Split a topic into the namespace ('' at the top) and its name."""
+    namespace, _, name = topic.rstrip('/').rpartition('/')
+    return namespace.rstrip('/'), name or 'topic'
+
+
+class Scene:
+    """Draw the topics of one namespace."""
+
+    def __init__(
+        self,
+        recording: rr.RecordingStream,
+        root: str,
+        timebase: Timebase,
+        *,
+        bearing: Bearing | None,
+        full: bool,
+    ) -> None:
+        self.root = root
+        self.contents: dict[str, str] = {}
+        """Kind of picture by the name of its topic; grows as topics appear."""
+        self._canvas = Canvas(recording, root, timebase)
+        self._timebase = timebase
+        self._bearing = bearing
+        self._full = full
+        self._pictures: dict[str, Any] = {}
+        self._lanes: dict[str, Lane] = {}
+        self._temperature = math.nan
+
+    def draw(self, name: str, type_name: str, message: Any, received: int) -> None:
+        """Draw a message of a topic; ``received`` in ns."""
+        if type_name in SILENT:
+            return
+        kind = KINDS.get(type_name, 'numbers')
+        time = self._timebase.of(message, received)
+        drawn = getattr(self, f'_draw_{kind}')(name, message, time)
+        if drawn is False:
+            return
+        self.contents.setdefault(name, kind)
+
+    def flush(self) -> None:
+        """Log what is held back."""
+        for picture in self._pictures.values():
+            if isinstance(picture, TwinPicture):
+                picture.flush()
+
+    def _draw_vibration(self, name: str, message: Any, time: int) -> None:
+        picture = self._pictures.get(name)
+        if picture is None:
+            picture = self._pictures[name] = Waveform(self._canvas, name, full=self._full)
+        picture.temperature = self._temperature
+        picture.draw(message, time)
+
+    def _draw_twin_state(self, name: str, message: Any, time: int) -> None:
+        picture = self._pictures.get(name)
+        if picture is None:
+            picture = self._pictures[name] = TwinPicture(self._canvas, name, self._bearing)
+        self._temperature = float(message.temperature_used)
+        picture.draw(message, time)
+
+    def _draw_diagnosis(self, name: str, message: Any, time: int) -> None:
+        picture = self._pictures.get(name)
+        if picture is None:
+            picture = self._pictures[name] = VerdictPicture(self._canvas, name)
+        # The stamp is that of the window's first sample; what it says is known at its end.
+        if message.sample_rate > 0.0:
+            time += round(1e9 * message.sample_count / message.sample_rate)
+        picture.draw(message, time)
+
+    def _draw_spectrum(self, name: str, message: Any, time: int) -> None:
+        picture = self._pictures.get(name)
+        if picture is None:
+            picture = self._pictures[name] = SpectrumBars(self._canvas, name)
+        if message.bin_hz > 0.0:
+            time += round(1e9 / message.bin_hz)
+        picture.draw(message, time)
+        if message.kind == message.SQUARED_ENVELOPE_SPECTRUM:
+            self.contents.setdefault(name, 'envelope_spectrum')
+
+    def _draw_temperature(self, name: str, message: Any, time: int) -> bool:
+        value = float(message.temperature)
+        if not math.isfinite(value):
+            return name in self.contents
+        if not any(isinstance(p, TwinPicture) for p in self._pictures.values()):
+            self._temperature = value
+        variance = float(message.variance)
+        self._canvas.put(
+            f'{name}/measured',
+            time,
+            rr.Measurements(
+                [value],
+                variances=[variance] if variance > 0.0 else None,
+                units=['°C'],
+                names=[f'{name} measured [°C]'],
+                colors=[LINE['measured']],
+                widths=[1.5],
+            ),
+        )
+        return True
+
+    def _draw_checkpoint(self, name: str, message: Any, time: int) -> None:
+        lines = [f'### {message.node}', f'{message.kind}, bearing_twin {message.version}', '']
+        lines += ['| parameter | value |', '|---|---|']
+        for row in str(message.configuration).splitlines():
+            key, _, value = row.partition(':')
+            lines.append(f'| {key.strip()} | {value.strip().strip(chr(39))} |')
+        self._canvas.put(
+            f'{name}/parameters',
+            time,
+            rr.TextDocument('\n'.join(lines), media_type=rr.MediaType.MARKDOWN),
+        )
+
+    def _draw_diagnostics(self, name: str, message: Any, time: int) -> None:
+        for status in message.status:
+            key = f'{name}/{_entity(status.name)}'
+            lane = self._lanes.get(key)
+            if lane is None:
+                lane = self._lanes[key] = Lane(self._canvas, key, LANE_LEVELS)
+            level = status.level
+            lane.set(level[0] if isinstance(level, bytes) else int(level), time)
+
+    def _draw_log(self, name: str, message: Any, time: int) -> None:
+        self._canvas.put(
+            f'{name}/{_entity(message.name)}',
+            time,
+            rr.TextLog(str(message.msg), level=LOG_LEVELS.get(int(message.level), 'INFO')),
+        )
+
+    def _draw_text(self, name: str, message: Any, time: int) -> None:
+        self._canvas.put(f'{name}/text', time, rr.TextLog(str(message.data)))
+
+    def _draw_numbers(self, name: str, message: Any, time: int) -> bool:
+        return draw_anything(self._canvas, name, message, time)
+
+
+def _entity(text: str) -> str:
+    """Return a part of an entity path that stands for any text."""
+    kept = ''.join(c if c.isalnum() or c in '-_.' else '_' for c in text.strip())
+    return '_'.join(filter(None, kept.split('_'))) or 'unnamed'

@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Solid bodies of revolution that a bearing is drawn from. Lengths in mm, axis of the shaft z."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import rerun as rr
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from bearing_twin.bearing.geometry import Bearing
+    from bearing_twin.view.style import Colour
+
+__all__ = ['cage', 'inner_radius', 'inner_ring', 'lathe', 'outer_radius', 'outer_ring', 'width']
+
+TURN = 96
+"""Facets of a turn."""
+MILLI = 1e3
+# The geometry knows balls and pitch circle only. The rest follows the proportions of a
+# deep-groove bearing of the 63 series and is for the eye.
+RING = 0.33
+SHOULDER = 0.27
+WIDTH = 1.5
+CONFORMITY = 0.52
+
+
+def outer_radius(bearing: Bearing) -> float:
+    """Radius of the outer ring's outside, mm."""
+    return MILLI * (0.5 * bearing.d_pitch + (0.5 + RING) * bearing.d_ball)
+
+
+def inner_radius(bearing: Bearing) -> float:
+    """Radius of the bore, mm."""
+    return MILLI * max(
+        0.5 * bearing.d_pitch - (0.5 + RING) * bearing.d_ball, 0.15 * bearing.d_pitch
+    )
+
+
+def width(bearing: Bearing) -> float:
+    """Width of the rings, mm."""
+    return MILLI * WIDTH * bearing.d_ball
+
+
+def outer_ring(bearing: Bearing, colour: Colour) -> rr.Mesh3D:
+    """Return the outer ring with its groove."""
+    return lathe(_ring(bearing, outer_radius(bearing), 1.0), colour)
+
+
+def inner_ring(bearing: Bearing, colour: Colour) -> rr.Mesh3D:
+    """Return the inner ring with its groove."""
+    return lathe(_ring(bearing, inner_radius(bearing), -1.0), colour)
+
+
+def cage(bearing: Bearing, colour: Colour) -> list[rr.Mesh3D]:
+    """Return the two rims of the cage, one on each side of the balls."""
+    pitch, ball = 0.5 * MILLI * bearing.d_pitch, MILLI * bearing.d_ball
+    rims = []
+    for side in (-1.0, 1.0):
+        low, high = sorted((side * 0.50 * ball, side * 0.56 * ball))
+        rims.append(
+            lathe(
+                np.array(
+                    [
+                        [pitch - 0.11 * ball, low],
+                        [pitch + 0.11 * ball, low],
+                        [pitch + 0.11 * ball, high],
+                        [pitch - 0.11 * ball, high],
+                    ]
+                ),
+                colour,
+            )
+        )
+    return rims
+
+
+def lathe(profile: NDArray[np.float64], colour: Colour) -> rr.Mesh3D:
+    """Return the body of a closed profile of (radius, z), shape (n, 2), turned about z.
+
+    The profile runs counter-clockwise in the (radius, z) plane; each of its sides is a facet with
+    a normal of its own.
+    """
+    ends = np.roll(profile, -1, axis=0)
+    side = ends - profile
+    normal = np.stack([side[:, 1], -side[:, 0]], axis=1)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    angles = np.linspace(0.0, 2.0 * np.pi, TURN + 1)
+    turn = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    points, normals, triangles = [], [], []
+    first = 0
+    for begin, end, out in zip(profile, ends, normal, strict=True):
+        for corner in (begin, end):
+            points.append(np.column_stack([corner[0] * turn, np.full(TURN + 1, corner[1])]))
+            normals.append(np.column_stack([out[0] * turn, np.full(TURN + 1, out[1])]))
+        a = first + np.arange(TURN)
+        b = a + TURN + 1
+        triangles += [np.column_stack([a, a + 1, b]), np.column_stack([a + 1, b + 1, b])]
+        first += 2 * (TURN + 1)
+    return rr.Mesh3D(
+        vertex_positions=np.concatenate(points),
+        vertex_normals=np.concatenate(normals),
+        triangle_indices=np.concatenate(triangles),
+        albedo_factor=colour,
+    )
+
+
+def _ring(bearing: Bearing, far: float, sign: float) -> NDArray[np.float64]:
+    """Profile of a ring whose groove faces the balls; sign 1 outer ring, -1 inner ring."""
+    ball, pitch = MILLI * bearing.d_ball, 0.5 * MILLI * bearing.d_pitch
+    half = 0.5 * width(bearing)
+    radius = CONFORMITY * ball
+    centre = pitch - sign * (CONFORMITY - 0.5) * ball
+    shoulder = pitch + sign * SHOULDER * ball
+    opening = np.arccos(np.clip(abs(shoulder - centre) / radius, 0.0, 1.0))
+    angles = np.linspace(opening, -opening, 17)
+    groove = np.column_stack([centre + sign * radius * np.cos(angles), radius * np.sin(angles)])
+    edge = [[far, -half], [far, half], [shoulder, half]]
+    profile = np.concatenate([edge, groove, [[shoulder, -half]]])
+    return profile if sign > 0.0 else profile[::-1]

@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Colours and names that every view shares: one fault family, one colour, everywhere."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+__all__ = ['FAMILIES', 'LANE_LEVELS', 'LINE', 'TEMPERATURE_STATES', 'VERDICTS', 'Family', 'State']
+
+Colour = tuple[int, int, int]
+
+
+class Family(NamedTuple):
+    """A fault family as it is drawn."""
+
+    key: str
+    """Name of its entities."""
+    label: str
+    colour: Colour
+
+
+class State(NamedTuple):
+    """A state of a coloured lane."""
+
+    key: str
+    label: str
+    colour: Colour
+
+
+# Middle lightness throughout: to be told apart on a dark and on a light ground.
+FAMILIES = (
+    Family('inner', 'BPFI', (229, 57, 53)),
+    Family('outer', 'BPFO', (30, 136, 229)),
+    Family('ball', '2 x BSF', (251, 140, 0)),
+    Family('cage', 'FTF', (171, 71, 188)),
+)
+"""In the order of the per-family arrays of a Diagnosis."""
+
+VERDICTS = (
+    State('healthy', 'HEALTHY', (56, 142, 60)),
+    State('inner', 'INNER RACE FAULT', (211, 47, 47)),
+    State('outer', 'OUTER RACE FAULT', (173, 20, 87)),
+    State('ball', 'BALL FAULT', (230, 81, 0)),
+    State('cage', 'CAGE FAULT', (142, 36, 170)),
+    State('suspect', 'SUSPECT', (249, 168, 37)),
+    State('ambiguous', 'FAULT, PLACE UNCERTAIN', (198, 40, 40)),
+    State('insufficient', 'NO STATEMENT', (117, 117, 117)),
+)
+"""By the constants of Diagnosis.result. Green is healthy, grey is none, all else wants a look."""
+
+TEMPERATURE_STATES = (
+    State('ok', 'temperature ok', (56, 142, 60)),
+    State('waiting', 'waiting for a temperature', (117, 117, 117)),
+    State('stale', 'temperature stale', (249, 168, 37)),
+    State('invalid', 'temperature invalid', (211, 47, 47)),
+    State('clamped', 'temperature outside 20..110 °C', (230, 81, 0)),
+    State('backwards', 'temperature stamps run backwards', (211, 47, 47)),
+)
+"""By the constants of TwinState.temperature_status."""
+
+LANE_LEVELS = (
+    State('ok', 'OK', (56, 142, 60)),
+    State('warn', 'WARN', (249, 168, 37)),
+    State('error', 'ERROR', (211, 47, 47)),
+    State('stale', 'STALE', (117, 117, 117)),
+)
+"""By the level of a DiagnosticStatus."""
+
+LINE: dict[str, Colour] = {
+    'vertical': (66, 165, 245),
+    'horizontal': (158, 157, 36),
+    'envelope': (96, 125, 139),
+    'measured': (239, 83, 80),
+    'used': (255, 167, 38),
+    'first': (66, 165, 245),
+    'second': (102, 187, 106),
+    'third': (255, 167, 38),
+    'fourth': (171, 71, 188),
+    'shaft': (120, 144, 156),
+    'ground': (128, 128, 128),
+}
+"""Colours of lines by what they show."""

@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""When a message is drawn: its stamp, unless the stamp belongs to another time altogether."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import rerun as rr
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ['Timebase', 'stamp_of']
+
+FAR = 10_000_000_000
+"""A stamp further than this from its arrival is of another clock, ns."""
+
+
+def stamp_of(message: Any) -> int | None:
+    """Return the stamp of a message in ns, or None where it has none."""
+    header = getattr(message, 'header', None)
+    stamp = getattr(header if header is not None else message, 'stamp', None)
+    seconds = getattr(stamp, 'sec', None)
+    if seconds is None:
+        return None
+    nanoseconds = int(seconds) * 1_000_000_000 + int(getattr(stamp, 'nanosec', 0))
+    return nanoseconds or None
+
+
+class Timebase:
+    """Timeline of one picture.
+
+    Parameters
+    ----------
+    timeline
+        Name of the timeline.
+    zero
+        Time in ns that is drawn as 0, for recordings of different days side by side; None: times
+        are dates.
+
+    Notes
+    -----
+    A replayed sensor keeps the stamps of its own day, while the twin that answers it stamps
+    today. Both have to be in one picture: a stamp that is more than 10 s from its arrival is
+    shifted, by an offset that stays the same for every topic of that day, so that distances
+    between samples stay what they were.
+    """
+
+    def __init__(self, timeline: str = 'ros_time', zero: int | None = None) -> None:
+        self.timeline = timeline
+        self._zero = zero
+        self._offsets: list[int] = []
+
+    def of(self, message: Any, received: int) -> int:
+        """Return the time in ns at which a message is drawn."""
+        stamp = stamp_of(message)
+        if stamp is None:
+            return received
+        distance = received - stamp
+        if abs(distance) <= FAR:
+            return stamp
+        for offset in self._offsets:
+            if abs(distance - offset) <= FAR:
+                return stamp + offset
+        self._offsets.append(distance)
+        return received
+
+    def column(self, times: NDArray[np.int64]) -> rr.TimeColumn:
+        """Return times in ns as a column."""
+        if self._zero is None:
+            return rr.TimeColumn(self.timeline, timestamp=times.astype('datetime64[ns]'))
+        return rr.TimeColumn(
+            self.timeline, duration=(times - self._zero).astype('timedelta64[ns]')
+        )
+
+    def set(self, recording: rr.RecordingStream, time: int) -> None:
+        """Set the time in ns of what the calling thread logs next."""
+        if self._zero is None:
+            recording.set_time(self.timeline, timestamp=np.datetime64(time, 'ns'))
+        else:
+            recording.set_time(self.timeline, duration=np.timedelta64(time - self._zero, 'ns'))

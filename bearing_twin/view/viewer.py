@@ -1,0 +1,251 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The Rerun viewer: in a window, in the browser, or without a display for pictures."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
+
+import rerun_cli
+
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from types import TracebackType
+
+__all__ = ['HeadlessViewer', 'free_port', 'live_url', 'show', 'show_in_browser']
+
+LOOPBACK = '127.0.0.1'
+START_TIMEOUT = 30.0
+LOAD_TIMEOUT = 120.0
+SETTLE = 2.0
+"""Time for views to lay themselves out once data have come, s."""
+
+
+def free_port() -> int:
+    """Return a port of the loopback interface that is free now."""
+    with socket.socket() as probe:
+        probe.bind((LOOPBACK, 0))
+        return int(probe.getsockname()[1])
+
+
+def live_url(text: str) -> str:
+    """Return the URL of a Rerun server from a URL, ADDRESS:PORT or PORT.
+
+    Raises
+    ------
+    BearingTwinError
+        If it is none of these.
+    """
+    if text.startswith(('rerun://', 'rerun+http://', 'rerun+https://')):
+        return text
+    found = re.fullmatch(r'(?:(?P<host>[^:/\s]+|\[[0-9a-fA-F:]+\]):)?(?P<port>\d{1,5})', text)
+    if not found or not 0 < int(found['port']) < 65536:
+        msg = f'{text!r} is no Rerun server; give a port (9876), ADDRESS:PORT or rerun+http://...'
+        raise BearingTwinError(msg)
+    return f'rerun+http://{found["host"] or LOOPBACK}:{found["port"]}/proxy'
+
+
+def show(sources: Sequence[str]) -> int:
+    """Open files or servers in a window; return the viewer's exit status when it is closed."""
+    if sys.platform == 'linux' and not {'DISPLAY', 'WAYLAND_DISPLAY'} & set(os.environ):
+        msg = 'there is no display; use --web for the browser or --screenshot for a picture'
+        raise BearingTwinError(msg)
+    return subprocess.call(
+        [_binary(), '--bind', LOOPBACK, '--port', str(free_port()), *sources], env=_environment()
+    )
+
+
+def show_in_browser(
+    sources: Sequence[str], *, address: str, web_port: int, announce: Callable[[str], None]
+) -> int:
+    """Serve files, or one server, to browsers until interrupted.
+
+    Parameters
+    ----------
+    sources
+        Files, or the URL of one server.
+    address, web_port
+        Where the page is served; port 0: any.
+    announce
+        Called with the address of the page.
+
+    Raises
+    ------
+    BearingTwinError
+        If the port is taken.
+    """
+    port, data_port = web_port or free_port(), free_port()
+    try:
+        with socket.socket() as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind((address, port))
+    except OSError as error:
+        msg = f'{address}:{port} cannot be served ({error.strerror}); choose another --web-port'
+        raise BearingTwinError(msg) from None
+    servers = [source for source in sources if '://' in source]
+    shown = address if address not in ('0.0.0.0', '::') else socket.gethostname()
+    data = servers[0] if servers else f'rerun+http://{shown}:{data_port}/proxy'
+    command = [_binary(), '--serve-web', '--bind', address, '--port', str(data_port)]
+    command += ['--web-viewer-port', str(port), '--server-memory-limit', '75%', *sources]
+    with subprocess.Popen(
+        command, env=_environment(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    ) as server:
+        announce(f'http://{shown}:{port}/?url={quote(data, safe="")}')
+        try:
+            return server.wait()
+        except KeyboardInterrupt:
+            server.terminate()
+            return 0
+
+
+class HeadlessViewer:
+    """A viewer without a display, driven from here.
+
+    Parameters
+    ----------
+    sources
+        Files and servers to open.
+    size
+        Width and height of the window, pixels.
+
+    Raises
+    ------
+    BearingTwinError
+        If there is no Vulkan device, or the viewer does not come up.
+    """
+
+    def __init__(self, sources: Sequence[str], *, size: tuple[int, int] = (1800, 1100)) -> None:
+        from rerun.experimental import ViewerClient
+
+        self._folder = tempfile.TemporaryDirectory(prefix='bearing_twin_view_')
+        port = free_port()
+        environment = _environment() | {'XDG_RUNTIME_DIR': self._folder.name}
+        command = [_binary(), '--headless', '--bind', LOOPBACK, '--port', str(port)]
+        command += ['--window-size', f'{size[0]}x{size[1]}', '--hide-welcome-screen', *sources]
+        self._errors = Path(self._folder.name) / 'stderr'
+        with self._errors.open('wb') as errors:
+            self._process = subprocess.Popen(
+                command, env=environment, stdout=subprocess.DEVNULL, stderr=errors
+            )
+        try:
+            self._client = self._connect(ViewerClient, f'rerun+http://{LOOPBACK}:{port}/proxy')
+        except BaseException:
+            self.close()
+            raise
+
+    def wait(self, timeline: str | None = None) -> None:
+        """Wait until everything has been loaded, and show its end.
+
+        Raises
+        ------
+        BearingTwinError
+            If nothing comes.
+        """
+        deadline = time.monotonic() + LOAD_TIMEOUT
+        before: object = None
+        while True:
+            self._check()
+            state = self._client.get_state()
+            now = [
+                (str(r.store_id), [(t.name, t.end) for t in r.timelines]) for r in state.recordings
+            ]
+            if now and now == before and not state.loading and state.views:
+                break
+            before = now
+            if time.monotonic() > deadline:
+                msg = f'the viewer has loaded nothing within {LOAD_TIMEOUT:g} s'
+                raise BearingTwinError(msg)
+            time.sleep(0.7)
+        if timeline is not None:
+            with contextlib.suppress(RuntimeError):
+                self._client.set_time(timeline, play_state='following')
+        time.sleep(SETTLE)
+
+    def screenshot(self, path: Path) -> None:
+        """Write what the window shows as PNG."""
+        self._client.save_screenshot(str(path))
+
+    @property
+    def client(self) -> Any:
+        """The `ViewerClient` of Rerun."""
+        return self._client
+
+    def close(self) -> None:
+        """End the viewer."""
+        if self._process.poll() is None:
+            self._process.terminate()
+            try:
+                self._process.wait(5.0)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait()
+        self._folder.cleanup()
+
+    def __enter__(self) -> HeadlessViewer:
+        """Return itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """End the viewer."""
+        self.close()
+
+    def _connect(self, client_class: Any, url: str) -> Any:
+        deadline = time.monotonic() + START_TIMEOUT
+        while True:
+            self._check()
+            try:
+                client = client_class.connect(url)
+                client.get_state()
+            except Exception as error:
+                # The bindings raise bare exceptions while the viewer is not listening yet.
+                if time.monotonic() > deadline:
+                    msg = f'the viewer did not answer within {START_TIMEOUT:g} s ({error})'
+                    raise BearingTwinError(msg) from None
+                time.sleep(0.3)
+            else:
+                return client
+
+    def _check(self) -> None:
+        if self._process.poll() is None:
+            return
+        text = self._errors.read_text(errors='replace')
+        if 'adapter' in text:
+            msg = (
+                'no Vulkan device for pictures without a display; on Debian or Ubuntu install '
+                'mesa-vulkan-drivers and libvulkan1'
+            )
+            raise BearingTwinError(msg)
+        last = text.strip().splitlines()[-1:] or ['no message']
+        msg = f'the viewer ended with status {self._process.returncode}: {last[0]}'
+        raise BearingTwinError(msg)
+
+
+def _binary() -> str:
+    """Return the viewer itself; the `rerun` script is a wrapper that outlives its child."""
+    folder = Path(rerun_cli.__file__).parent
+    for name in ('rerun', 'rerun.exe'):
+        if (folder / name).exists():
+            return str(folder / name)
+    msg = f'the Rerun viewer is not in {folder}; reinstall rerun-sdk'
+    raise BearingTwinError(msg)
+
+
+def _environment() -> dict[str, str]:
+    return dict(os.environ)
