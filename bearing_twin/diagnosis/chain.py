@@ -19,7 +19,7 @@ from bearing_twin.diagnosis.comb import (
     order_spectra,
 )
 from bearing_twin.diagnosis.decision import Verdict, decide, family_order
-from bearing_twin.diagnosis.gate import check_record
+from bearing_twin.diagnosis.gate import HEALTHY_TURNS, check_record
 from bearing_twin.diagnosis.result import (
     FAMILIES,
     FAULT_CODES,
@@ -165,7 +165,15 @@ def conclude(
         other = decide(accumulate([w.at_given_speed() for w in windows]), bearing, given, turns)
         if other.evidence > _CLEARER * verdict.evidence:
             verdict, newest = other, replace(newest, speed=given)
-    if partial is not None and verdict.result == 'healthy':
+    if verdict.result == 'healthy' and turns < HEALTHY_TURNS:
+        text = (
+            f'{turns:.0f} shaft turns show strong faults only, and there is none: {HEALTHY_TURNS:g} '
+            f'are needed to call it healthy, {HEALTHY_TURNS / newest.speed.shaft_hz:.1f} s'
+        )
+        verdict = replace(
+            verdict, result='insufficient', level='none', confidence=0.0, reasons=(text,)
+        )
+    elif partial is not None and verdict.result == 'healthy':
         seconds = sample_count / sample_rate
         text = f'{seconds:.2f} s of a window of {partial:g} s: too short to call it healthy'
         verdict = replace(

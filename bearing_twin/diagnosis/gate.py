@@ -12,10 +12,14 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['CAGE_TURNS', 'SHAFT_TURNS', 'check_record']
+__all__ = ['CAGE_TURNS', 'HEALTHY_TURNS', 'SHAFT_TURNS', 'check_record']
 
 SHAFT_TURNS = 20.0
 """Least shaft turns in a window for any statement: the comb has then 20 bins a shaft order."""
+
+HEALTHY_TURNS = 50.0
+"""Least shaft turns, all windows together, to call a bearing healthy; fewer show only strong
+faults (measured: docs/diagnosis.md, detection power)."""
 
 CAGE_TURNS = 40.0
 """Least cage turns in a window for a cage statement."""

@@ -1,0 +1,245 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""``bearing-twin benchmark``: score the diagnosis on a folder of labelled records.
+
+The folder holds an ``index.json``: ``bearings`` (name to n_elements, element_d_mm, pitch_d_mm,
+contact_deg) and ``records`` (id, dataset, file, label, rpm, bearing_name and, where known,
+rpm_nominal, fault_mm and a Smith & Randall grade). Each record is judged whole; no record is used
+to set anything.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+import math
+import os
+from collections import Counter
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from itertools import repeat
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from bearing_twin.bearing import Bearing
+from bearing_twin.diagnosis import FAMILIES, diagnose_record
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.foreign import read_signal
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Iterable
+
+    from bearing_twin.diagnosis import Diagnosis
+
+__all__ = ['OUTCOMES', 'Case', 'Piece', 'configure', 'judge', 'read_cases', 'run', 'score_case']
+
+OUTCOMES = ('correct', 'wrong', 'suspect', 'ambiguous', 'insufficient', 'missed')
+"""Of one piece. A healthy one is ``correct`` if said healthy and ``wrong`` on an alarm."""
+
+WINDOWS = (0.0, 1.0, 2.0, 4.0)
+"""Lengths of the pieces, s; 0: the whole record."""
+
+PIECES = 3
+"""Pieces taken from the beginning of a record, at each length."""
+
+NOMINAL_TOLERANCE = 0.05
+"""Tolerance of a nominal speed; the measured one has the default."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One labelled record."""
+
+    name: str
+    path: str
+    dataset: str
+    label: str
+    grade: str
+    unit: str
+    """The physical bearing: records of one bearing are not independent."""
+    bearing: Bearing
+    speeds: tuple[tuple[str, float], ...]
+    """``('measured', Hz)`` and, where known, ``('nominal', Hz)``."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Piece:
+    """Outcome of one piece of a record."""
+
+    name: str
+    window: float
+    speed: str
+    outcome: str
+    result: str
+    faults: tuple[str, ...]
+    groups: tuple[tuple[str, str], ...]
+    """(kind of group, name), e.g. ``('grade', 'Y1')``."""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument('folder', metavar='DATA_DIR', help='folder with an index.json')
+    parser.add_argument('--json', action='store_true', help='one JSON object a piece')
+    parser.add_argument('--full', action='store_true', help='whole records at measured speed only')
+    parser.add_argument('--jobs', type=int, help='processes (default: one a core)')
+
+
+def read_cases(folder: Path) -> list[Case]:
+    """Labelled records of a folder; those without a label of ours are left out.
+
+    Raises
+    ------
+    BearingTwinError
+        If there is no usable index.json.
+    """
+    try:
+        index = json.loads((folder / 'index.json').read_text('utf-8'))
+        bearings = {
+            name: _bearing(name, entry)
+            for name, entry in index['bearings'].items()
+            if entry.get('n_elements')
+        }
+        unknown = {
+            name for name, entry in index['bearings'].items() if not entry.get('n_elements')
+        }
+        records = [r for r in index['records'] if r.get('label') in (*FAMILIES, 'healthy')]
+        return [_case(folder, record, bearings, unknown) for record in records]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        msg = f'{folder / "index.json"} cannot be used ({error}); see the module for its form'
+        raise BearingTwinError(msg) from error
+
+
+def _bearing(name: str, entry: dict[str, Any]) -> Bearing:
+    return Bearing(
+        name=name,
+        n_balls=int(entry['n_elements']),
+        d_ball=entry['element_d_mm'] / 1e3,
+        d_pitch=entry['pitch_d_mm'] / 1e3,
+        contact_angle=math.radians(entry.get('contact_deg') or 0.0),
+    )
+
+
+def _case(
+    folder: Path, record: dict[str, Any], bearings: dict[str, Bearing], unknown: set[str]
+) -> Case:
+    name, dataset = record['bearing_name'], record['dataset']
+    if name in bearings:
+        bearing = bearings[name]
+    else:
+        # A geometry that nobody published is replaced by its namesake's, and reported apart.
+        close = difflib.get_close_matches(name, bearings, n=1, cutoff=0.0)
+        bearing = bearings[close[0]]
+        if name in unknown:
+            dataset = f'{dataset} (geometry assumed)'
+    parts = (record['label'], record.get('fault_mm'), record.get('or_position'))
+    unit = ' '.join(str(part) for part in (dataset, *parts) if part not in (None, ''))
+    speeds = [('measured', record['rpm'] / 60.0)]
+    if record.get('rpm_nominal'):
+        speeds.append(('nominal', record['rpm_nominal'] / 60.0))
+    return Case(
+        name=record['id'],
+        path=str(folder / record['file']),
+        dataset=dataset,
+        label=record['label'],
+        grade=record.get('sr2015_grade_12kDE') or '',
+        unit=unit,
+        bearing=bearing,
+        speeds=tuple(speeds),
+    )
+
+
+def judge(label: str, diagnosis: Diagnosis) -> str:
+    """Outcome of a diagnosis: wrong if it names a fault that is not there, whatever else."""
+    if diagnosis.result == 'insufficient':
+        return 'insufficient'
+    if label == 'healthy':
+        return 'wrong' if diagnosis.level == 'fault' else _quiet(diagnosis.result)
+    if diagnosis.result == 'healthy':
+        return 'missed'
+    if diagnosis.result in ('suspect', 'ambiguous'):
+        return diagnosis.result
+    return 'correct' if diagnosis.faults == (label,) else 'wrong'
+
+
+def _quiet(result: str) -> str:
+    return 'correct' if result == 'healthy' else result
+
+
+def score_case(case: Case, full: bool = False) -> list[Piece]:
+    """Outcomes of all pieces of a record."""
+    signal = read_signal(Path(case.path))
+    groups = [('data set', case.dataset), ('class', f'{case.dataset} {case.label}')]
+    groups += [('grade', f'{case.dataset} {case.grade}')] if case.grade else []
+    groups += [('bearing', case.unit)]
+    if case.grade in ('Y1', 'Y2'):
+        groups.append(('grade', 'Y1 and Y2 together'))
+    pieces = []
+    for window in WINDOWS[:1] if full else WINDOWS:
+        length = round(window * signal.sample_rate) or len(signal.x)
+        for speed, shaft_hz in case.speeds[:1] if full else case.speeds:
+            for number in range(min(len(signal.x) // length, PIECES)):
+                diagnosis = diagnose_record(
+                    signal.x[number * length : (number + 1) * length],
+                    signal.sample_rate,
+                    case.bearing,
+                    shaft_hz,
+                    speed_tolerance=NOMINAL_TOLERANCE if speed == 'nominal' else None,
+                )
+                pieces.append(
+                    Piece(
+                        name=case.name,
+                        window=window,
+                        speed=speed,
+                        outcome=judge(case.label, diagnosis),
+                        result=diagnosis.result,
+                        faults=diagnosis.faults,
+                        groups=tuple(groups),
+                    )
+                )
+    return pieces
+
+
+def run(args: argparse.Namespace) -> int:
+    """Score all records and print tables in Markdown."""
+    cases = read_cases(Path(args.folder))
+    jobs = min(args.jobs or len(os.sched_getaffinity(0)), max(len(cases), 1))
+    with ProcessPoolExecutor(jobs) as pool:
+        scored = pool.map(score_case, cases, repeat(args.full))
+        pieces = [piece for found in scored for piece in found]
+    if args.json:
+        for piece in pieces:
+            print(json.dumps({**vars(piece), 'groups': dict(piece.groups)}))
+        return 0
+    for kind in ('data set', 'class', 'grade', 'bearing'):
+        whole = [p for p in pieces if p.window == 0.0 and p.speed == 'measured']
+        _table(f'Whole records, measured speed, by {kind}', kind, whole)
+    for speed in ('measured', 'nominal'):
+        for window in WINDOWS:
+            part = [p for p in pieces if p.window == window and p.speed == speed]
+            length = f'{window:g} s windows' if window else 'Whole records'
+            if part and (window or speed != 'measured'):
+                _table(f'{length}, {speed} speed, by class', 'class', part)
+                _table(f'{length}, {speed} speed, by grade', 'grade', part)
+    print('## Whole records, measured speed, not correct\n')
+    for piece in pieces:
+        if piece.window == 0.0 and piece.speed == 'measured' and piece.outcome != 'correct':
+            said = '+'.join(piece.faults) or piece.result
+            label = dict(piece.groups)['class'].rsplit(' ', 1)[-1]
+            print(f'- {piece.name}, {label}: {piece.outcome} ({piece.result}: {said})')
+    return 0
+
+
+def _table(title: str, kind: str, pieces: Iterable[Piece]) -> None:
+    counts: dict[str, Counter[str]] = {}
+    for piece in pieces:
+        for group, name in piece.groups:
+            if group == kind:
+                counts.setdefault(name, Counter())[piece.outcome] += 1
+    print(f'## {title}\n')
+    print(f'| {kind} | pieces | {" | ".join(OUTCOMES)} |')
+    print('|---' * (len(OUTCOMES) + 2) + '|')
+    for name, count in sorted(counts.items()):
+        cells = ' | '.join(str(count[outcome] or '') for outcome in OUTCOMES)
+        print(f'| {name} | {count.total()} | {cells} |')
+    print()
