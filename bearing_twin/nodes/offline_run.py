@@ -15,7 +15,7 @@ from bearing_twin.nodes.offline import DiagnosisRun, Output, TwinRun
 from bearing_twin.nodes.pacer import Due
 from bearing_twin.nodes.shaft import ShaftSpeed
 from bearing_twin.recording.qos import sensor_qos
-from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 from bearing_twin.recording.schema import MessageSchema
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.thermal.gate import TemperatureGate
@@ -158,6 +158,10 @@ class _TwinSide:
         yield from self._blocks_until(end)
 
     def _take(self, message: RecordedMessage) -> None:
+        with known_fields(message.topic, message.type_name):
+            self._offer(message)
+
+    def _offer(self, message: RecordedMessage) -> None:
         decoded = message.decode()
         now = message.log_time / NANO
         if message.type_name == TEMPERATURE:

@@ -19,7 +19,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.convert import stamp_ns
 from bearing_twin.nodes.offline import DiagnosisRun, TwinRun, configuration_values
 from bearing_twin.nodes.pacer import Due
-from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 from bearing_twin.recording.schema import canonical_cdr
 from bearing_twin.thermal.gate import GatedTemperature, TemperatureStatus
 
@@ -105,17 +105,18 @@ def reproduce(path: Path) -> Reproduction:
         namespace, _, name = message.topic.rpartition('/')
         twin = twins.setdefault(namespace, _TwinCheck(namespace, result))
         diagnosis = diagnoses.setdefault(namespace, _DiagnosisCheck(namespace, result))
-        if name == 'twin_checkpoint':
-            twin.checkpoint(message.decode())
-        elif name == 'twin_state':
-            twin.state(message.decode())
-        elif name == 'vibration':
-            twin.vibration(message)
-            diagnosis.vibration(message)
-        elif name == 'diagnosis_checkpoint':
-            diagnosis.checkpoint(message.decode())
-        elif name == 'diagnosis':
-            diagnosis.verdict(message)
+        with known_fields(message.topic, message.type_name):
+            if name == 'vibration':
+                twin.vibration(message)
+                diagnosis.vibration(message)
+            elif name == 'diagnosis':
+                diagnosis.verdict(message)
+            elif name == 'twin_state':
+                twin.state(message.decode())
+            elif name == 'twin_checkpoint':
+                twin.checkpoint(message.decode())
+            elif name == 'diagnosis_checkpoint':
+                diagnosis.checkpoint(message.decode())
     for diagnosis in diagnoses.values():
         diagnosis.finish()
     result.topics = {name: a for name, a in result.topics.items() if a != Agreement()}

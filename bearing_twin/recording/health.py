@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcapfile import open_mcap
 from bearing_twin.recording.messages import Selection, in_file_order
-from bearing_twin.recording.reader import recording_files
+from bearing_twin.recording.reader import known_fields, recording_files
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -115,15 +115,18 @@ class _TopicCheck:
             self._look_at_block(message)
 
     def _look_at_block(self, message: RecordedMessage) -> None:
-        health = self.health
         try:
-            block = message.decode()
+            with known_fields(message.topic, message.type_name):
+                block = message.decode()
+                first, length = int(block.first_sample), max(block.x.size, block.y.size)
+                stamp = block.header.stamp.sec * NANO + block.header.stamp.nanosec
+                self._count_block(first, length, stamp, float(block.sample_rate))
         except BearingTwinError:
-            health.undecodable += 1
-            return
+            self.health.undecodable += 1
+
+    def _count_block(self, first: int, length: int, stamp: int, sample_rate: float) -> None:
+        health = self.health
         health.blocks += 1
-        first, length = int(block.first_sample), max(block.x.size, block.y.size)
-        stamp = block.header.stamp.sec * NANO + block.header.stamp.nanosec
         if self._next_sample is not None:
             missing = first - self._next_sample
             if missing > 0:
@@ -131,8 +134,8 @@ class _TopicCheck:
                 health.samples_missing += missing
             elif missing < 0:
                 health.restarts += 1
-            if missing >= 0 and block.sample_rate > 0:
-                expected = (missing + self._last_length) / block.sample_rate
+            if missing >= 0 and sample_rate > 0:
+                expected = (missing + self._last_length) / sample_rate
                 error = abs((stamp - self._last_stamp) / NANO - expected)
                 health.worst_stamp_error = max(health.worst_stamp_error, error)
         self._next_sample = first + length

@@ -2,16 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Variables of MATLAB files from outside (versions 4 to 7; 7.3 is HDF5 and is refused).
 
-scipy reads the file; before it does, the structure of the file is walked over, because neither
-unpacked size nor nesting is limited by scipy. The format is that of "MAT-File Format", MathWorks.
+Own code, because scipy.io.loadmat (1.17) ends the process with a segmentation fault on damaged
+files. The format is that of "MAT-File Format", The MathWorks, 2019; only what a recording of a
+signal can consist of is read: real numbers, texts, and structs of them.
 """
 
 from __future__ import annotations
 
+import math
 import struct
-import warnings
 import zlib
-from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,52 +26,45 @@ __all__ = ['read_mat']
 
 MOST_UNPACKED = 1024 * 1024 * 1024
 DEEPEST = 32
+MOST_FIELDS = 10_000
 HEADER = 128
+
+NUMBERS = {
+    1: 'i1', 2: 'u1', 3: 'i2', 4: 'u2', 5: 'i4', 6: 'u4', 7: 'f4', 9: 'f8', 12: 'i8', 13: 'u8',
+}  # fmt: skip
+"""Data types of elements that hold numbers."""
+TEXTS = {1: 'latin-1', 2: 'latin-1', 4: 'utf-16', 16: 'utf-8', 17: 'utf-16', 18: 'utf-32'}
 MATRIX, COMPRESSED = 14, 15
+STRUCT, CHAR = 2, 4
+NUMERIC = range(6, 16)
+"""Array classes double to uint64."""
+VERSION_4 = ('f8', 'f4', 'i4', 'i2', 'u2', 'u1')
 
 
 def read_mat(path: Path) -> dict[str, Any]:
     """Read the numeric arrays, scalars and texts of a ``.mat`` file.
 
     Fields of structs are given by their own name; where two have the same one, the first wins.
-    A CWRU record's ``X123RPM`` and ``X123_DE_time`` are also given as ``rpm`` and ``DE_time``.
+    A CWRU record's ``X123RPM`` and ``X123_DE_time`` are given as ``rpm`` and ``DE_time``.
 
     Raises
     ------
     BearingTwinError
         If the file is damaged, too large when unpacked, nested too deeply or of version 7.3.
     """
-    # Loaded when needed: scipy takes a second.
-    from scipy.io import loadmat
-
     try:
         content = path.read_bytes()
-        _check(content, path)
-        with warnings.catch_warnings():
-            warnings.simplefilter('ignore')
-            variables = loadmat(BytesIO(content), squeeze_me=True, struct_as_record=True)
         found: dict[str, Any] = {}
-        for name, value in variables.items():
-            if not name.startswith('__'):
-                _collect(name, value, found, 0)
-    except BearingTwinError:
-        raise
-    except Exception as error:
-        # The bytes come from outside: scipy raises many kinds on damaged ones.
-        msg = f'{path} cannot be read as .mat ({type(error).__name__}: {error})'
+        for name, value in _variables(content):
+            found.setdefault(_plain(name), value)
+    except (OSError, struct.error, ValueError, OverflowError, MemoryError, zlib.error) as error:
+        reason = getattr(error, 'strerror', None) or error
+        msg = f'{path} cannot be read as .mat ({type(error).__name__}: {reason})'
+        raise BearingTwinError(msg) from None
+    except BearingTwinError as error:
+        msg = f'{path}: {error}'
         raise BearingTwinError(msg) from None
     return found
-
-
-def _collect(name: str, value: Any, found: dict[str, Any], depth: int) -> None:
-    array = np.asarray(value)
-    if array.dtype.names and depth < DEEPEST:
-        for field in array.dtype.names:
-            first = array[field].ravel()
-            if first.size:
-                _collect(field, first[0], found, depth + 1)
-    elif array.dtype.kind in 'fiuUS':
-        found.setdefault(_plain(name), array)
 
 
 def _plain(name: str) -> str:
@@ -82,61 +75,128 @@ def _plain(name: str) -> str:
     return name
 
 
-def _check(content: bytes, path: Path) -> None:
-    """Refuse what scipy would not survive."""
-    if len(content) < HEADER or content[:4] == bytes(4) or content[126:128] not in (b'IM', b'MI'):
-        # Version 4: flat, and no larger in memory than on the disk.
+def _variables(content: bytes) -> Iterator[tuple[str, Any]]:
+    mark = content[126:HEADER]
+    if mark not in (b'IM', b'MI'):
+        yield from _version_4(content)
         return
-    order = '<' if content[126:128] == b'IM' else '>'
+    order = '<' if mark == b'IM' else '>'
     (version,) = struct.unpack_from(f'{order}H', content, 124)
     if version != 0x0100:
-        msg = f"{path} is MATLAB 7.3 (HDF5), which is not read; save it with '-v7'"
+        msg = "this is MATLAB 7.3 (HDF5), which is not read; save it with '-v7'"
         raise BearingTwinError(msg)
-    total = 0
+    room = MOST_UNPACKED
     for kind, data in _elements(memoryview(content)[HEADER:], order, padded=False):
-        unpacked = data
         if kind == COMPRESSED:
-            unpacked = memoryview(_inflate(bytes(data), MOST_UNPACKED - total, path))
-        total += len(unpacked)
-        if _is_deep(unpacked if kind == COMPRESSED else data, order, inner=kind == MATRIX):
-            msg = f'{path} nests more than {DEEPEST} levels of cells and structs'
-            raise BearingTwinError(msg)
-
-
-def _inflate(data: bytes, limit: int, path: Path) -> bytes:
-    unpacked = zlib.decompressobj().decompress(data, limit + 1)
-    if len(unpacked) > limit:
-        msg = f'{path} would unpack to more than {MOST_UNPACKED} bytes'
-        raise BearingTwinError(msg)
-    return unpacked
-
-
-def _is_deep(data: memoryview, order: str, *, inner: bool) -> bool:
-    """Whether matrices stand in matrices more than ``DEEPEST`` deep, without recursion."""
-    waiting = [(data, 1 if inner else 0)]
-    while waiting:
-        part, depth = waiting.pop()
-        if depth > DEEPEST:
-            return True
-        waiting += [
-            (content, depth + 1)
-            for kind, content in _elements(part, order, padded=True)
-            if kind == MATRIX
-        ]
-    return False
+            unpacked = zlib.decompressobj().decompress(data, room + 1)
+            if len(unpacked) > room:
+                msg = f'it would unpack to more than {MOST_UNPACKED} bytes'
+                raise BearingTwinError(msg)
+            room -= len(unpacked)
+            for inner, part in _elements(memoryview(unpacked), order, padded=True):
+                if inner == MATRIX:
+                    yield from _matrix(part, order, '', 0)
+        elif kind == MATRIX:
+            yield from _matrix(data, order, '', 0)
 
 
 def _elements(data: memoryview, order: str, *, padded: bool) -> Iterator[tuple[int, memoryview]]:
-    """Yield type and content of the data elements; the last may be cut off."""
+    """Yield type and content of the data elements; each must lie inside ``data``."""
     at = 0
     while at + 8 <= len(data):
         first, size = struct.unpack_from(f'{order}II', data, at)
         if first >> 16:
             # Small element: up to four bytes in the tag itself.
-            yield first & 0xFFFF, data[at + 4 : at + 8]
+            yield first & 0xFFFF, data[at + 4 : at + 4 + min(first >> 16, 4)]
             at += 8
             continue
+        if at + 8 + size > len(data):
+            msg = f'an element of {size} bytes does not fit into the {len(data)} it stands in'
+            raise BearingTwinError(msg)
         yield first, data[at + 8 : at + 8 + size]
         at += 8 + size
         if padded:
             at += -at % 8
+
+
+def _matrix(data: memoryview, order: str, name: str, depth: int) -> Iterator[tuple[str, Any]]:
+    """Yield what one array holds: itself, or the fields of a struct."""
+    if depth > DEEPEST:
+        msg = f'it nests more than {DEEPEST} levels of structs'
+        raise BearingTwinError(msg)
+    elements = _elements(data, order, padded=True)
+    head = [part for _, part in _take(elements, 3)]
+    if len(head) < 3 or len(head[0]) < 4:
+        return
+    kind = struct.unpack_from(f'{order}I', head[0])[0] & 0xFF
+    shape = np.frombuffer(head[1], f'{order}i4') if len(head[1]) % 4 == 0 else np.zeros(0)
+    name = bytes(head[2]).decode('latin-1') or name
+    if kind == STRUCT:
+        yield from _struct(elements, order, depth)
+        return
+    stored, part = next(elements, (0, data[:0]))
+    if kind == CHAR and stored in TEXTS:
+        yield name, np.array(_text(stored, part, order))
+    elif kind in NUMERIC and stored in NUMBERS:
+        values = np.frombuffer(part, f'{order}{NUMBERS[stored]}')
+        if math.prod(int(n) for n in shape) != values.size:
+            msg = f'{name} has {values.size} values, which do not make {shape.tolist()}'
+            raise BearingTwinError(msg)
+        yield name, values.reshape(shape.tolist(), order='F').squeeze()
+
+
+def _struct(
+    elements: Iterator[tuple[int, memoryview]], order: str, depth: int
+) -> Iterator[tuple[str, Any]]:
+    """Yield the fields of a struct; of an array of structs, those of the first."""
+    layout = [part for _, part in _take(elements, 2)]
+    if len(layout) < 2 or len(layout[0]) < 4:
+        return
+    (length,) = struct.unpack_from(f'{order}i', layout[0])
+    names = bytes(layout[1])
+    if not 1 <= length <= 256 or len(names) // length > MOST_FIELDS:
+        msg = f'a struct has field names of {length} bytes, {len(names)} in all'
+        raise BearingTwinError(msg)
+    for at in range(0, len(names) - length + 1, length):
+        name = names[at : at + length].split(b'\0')[0].decode('latin-1')
+        kind, part = next(elements, (0, memoryview(b'')))
+        if kind == MATRIX:
+            yield from _matrix(part, order, name, depth + 1)
+
+
+def _take(
+    elements: Iterator[tuple[int, memoryview]], count: int
+) -> Iterator[tuple[int, memoryview]]:
+    for _ in range(count):
+        element = next(elements, None)
+        if element is None:
+            return
+        yield element
+
+
+def _text(stored: int, part: memoryview, order: str) -> str:
+    encoding = TEXTS[stored]
+    if encoding in ('utf-16', 'utf-32'):
+        encoding += '-le' if order == '<' else '-be'
+    return bytes(part).decode(encoding, 'replace')
+
+
+def _version_4(content: bytes) -> Iterator[tuple[str, Any]]:
+    at = 0
+    while at + 20 <= len(content):
+        order = '<' if 0 <= struct.unpack_from('<i', content, at)[0] < 1000 else '>'
+        code, rows, columns, imaginary, length = struct.unpack_from(f'{order}5i', content, at)
+        kind = VERSION_4[code // 10 % 10] if code // 10 % 10 < len(VERSION_4) else ''
+        if not (0 <= code < 5000 and kind and rows >= 0 and columns >= 0 and 1 <= length <= 256):
+            msg = 'it begins neither as version 4 nor as version 5'
+            raise BearingTwinError(msg)
+        name = content[at + 20 : at + 20 + length].split(b'\0')[0].decode('latin-1')
+        at += 20 + length
+        size = rows * columns * np.dtype(kind).itemsize
+        if at + size > len(content):
+            msg = f'{name} should have {rows} x {columns} values: the file ends before'
+            raise BearingTwinError(msg)
+        values = np.frombuffer(content, f'{order}{kind}', rows * columns, at)
+        at += size * (2 if imaginary else 1)
+        if code % 10 == 0:
+            yield name, values.reshape((rows, columns), order='F').squeeze()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -65,14 +65,16 @@ def read_vibration_topic(path: Path, channel: str | None, *, most: int) -> dict[
     type_name = info.topics[topic].type_name
     blocks = _Blocks(path, most)
     messages = read_messages(path, topics=(topic,))
-    if type_name == VIBRATION:
-        found = _from_vibration(messages, axis, blocks)
-    elif type_name in SINGLE:
-        found = _from_single(messages, axis, blocks, SINGLE[type_name])
-    else:
-        for message in messages:
-            blocks.add(np.asarray(message.decode().data, dtype=np.float64))
-        found = {}
+    with known_fields(topic, type_name), np.errstate(invalid='ignore'):
+        # errstate: signalling NaN in a damaged block.
+        if type_name == VIBRATION:
+            found = _from_vibration(messages, axis, blocks)
+        elif type_name in SINGLE:
+            found = _from_single(messages, axis, blocks, SINGLE[type_name])
+        else:
+            found = {}
+            for message in messages:
+                blocks.add(np.asarray(message.decode().data, dtype=np.float64).ravel())
     return {**found, 'x': blocks.longest(), 'where': f', {topic}{":" + axis if axis else ""}'}
 
 

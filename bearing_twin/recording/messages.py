@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import heapq
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -34,6 +35,7 @@ __all__ = [
     'Selection',
     'in_file_order',
     'in_time_order',
+    'known_fields',
 ]
 
 MOST_MERGED = 512 * 1024 * 1024
@@ -101,6 +103,20 @@ class RecordedMessage:
             # The bytes come from a file: rosbags raises many kinds on damaged ones.
             msg = f'a message on {channel.topic} is damaged ({type(error).__name__}: {error})'
             raise BearingTwinError(msg) from None
+
+
+@contextmanager
+def known_fields(topic: str, type_name: str) -> Iterator[None]:
+    """Turn what goes wrong with the fields of a decoded message into a BearingTwinError.
+
+    A recording brings its own definition of a type, which may lack the fields we know, or have
+    them of other types.
+    """
+    try:
+        yield
+    except (AttributeError, TypeError, ValueError, OverflowError) as error:
+        msg = f'{topic} has another {type_name} than this version knows ({error})'
+        raise BearingTwinError(msg) from None
 
 
 @dataclass(frozen=True)

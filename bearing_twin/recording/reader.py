@@ -27,6 +27,7 @@ from bearing_twin.recording.messages import (
     Selection,
     in_file_order,
     in_time_order,
+    known_fields,
 )
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ __all__ = [
     'RecordedMessage',
     'RecordingInfo',
     'TopicInfo',
+    'known_fields',
     'read_messages',
     'recording_files',
     'recording_info',

@@ -242,12 +242,11 @@ def test_mat_that_unpacks_to_too_much_or_nests_too_deeply(
     monkeypatch.setattr('bearing_twin.recording.matfile.MOST_UNPACKED', 10_000_000)
     with pytest.raises(BearingTwinError, match='would unpack to more than'):
         read_signal(path)
-    # A cell in a cell in a cell ...: header of 40 bytes (flags, dimensions, empty name) each.
+    # A struct in a struct in a struct ...: flags, dimensions, empty name, one field 'a' each.
     deep = b''
     for _ in range(3000):
-        flags = np.array([6, 8, 1, 0], '<u4').tobytes()
-        rest = np.array([5, 8, 1, 1, 1, 0], '<u4').tobytes()
-        body = flags + rest + deep
+        head_of_one = np.array([6, 8, 2, 0, 5, 8, 1, 1, 1, 0, 4 << 16 | 5, 8, 1, 8], '<u4')
+        body = head_of_one.tobytes() + b'a'.ljust(8, b'\0') + deep
         deep = np.array([14, len(body)], '<u4').tobytes() + body
     path.write_bytes(head + deep)
     with pytest.raises(BearingTwinError, match='nests more than'):
