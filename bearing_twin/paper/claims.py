@@ -14,7 +14,7 @@ import numpy as np
 if TYPE_CHECKING:
     from bearing_twin.paper.verdicts import Verdict
 
-__all__ = ['Claim', 'percent', 'rounded']
+__all__ = ['Claim', 'percent', 'percents', 'rounded']
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,4 +61,9 @@ def rounded(value: Any, digits: int = 6) -> Any:
 
 def percent(change: float) -> str:
     """Write a relative change, e.g. ``'-2.7 %'``."""
-    return f'{100.0 * change:+.2f} %'
+    return f'{100.0 * change:+.1f} %'
+
+
+def percents(changes: Mapping[str, float]) -> dict[str, float]:
+    """Return relative changes in percent, to two decimals, the unit in their names."""
+    return {f'{name} (%)': round(100.0 * change, 2) for name, change in changes.items()}

@@ -28,6 +28,8 @@ BIN = 1.0 / settings.DURATION
 """Resolution of a spectrum of the paper's 0.7 s record, Hz."""
 TIME_DIGIT = 0.001
 """Last digit printed of a time, s."""
+_PLACES = 4
+"""Decimals of a line that mean something: below them is the compiler's rounding."""
 COLD, WARM, HOT = 20.0, 70.0, 100.0
 
 
@@ -218,7 +220,7 @@ def _place_claims(study: Study) -> list[Claim]:
 
 def _shift_claims(study: Study) -> list[Claim]:
     lines = {
-        (preset, slip, t): study.frequencies[preset, slip, t].line
+        (preset, slip, t): round(study.frequencies[preset, slip, t].line, _PLACES)
         for preset in settings.PRESET_NAMES
         for slip in ('none', 'mu_proportional')
         for t in (COLD, WARM, HOT)
@@ -231,7 +233,7 @@ def _shift_claims(study: Study) -> list[Claim]:
         )
 
     def shift(preset: str, slip: str) -> float:
-        return lines[preset, slip, HOT] - lines[preset, slip, COLD]
+        return round(lines[preset, slip, HOT] - lines[preset, slip, COLD], _PLACES)
 
     names = {'none': "the paper's equations", 'mu_proportional': 'with cage slip s0 mu(T)/mu0'}
     claims = []

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
-from bearing_twin.paper.claims import Claim, percent
+from bearing_twin.paper.claims import Claim, percents
 from bearing_twin.paper.claims_trend import COLD, HOT
 from bearing_twin.paper.verdicts import all_settings, same_direction, within
 
@@ -281,7 +281,7 @@ def _friction_equation() -> Claim:
         where='equations 22 and 23',
         claim='with the friction factor the force decreases with temperature',
         paper_value='decreases',
-        our_value={'as printed': percent(printed), 'friction factor in both': percent(read)},
+        our_value=percents({'as printed': printed, 'friction factor in both': read}),
         verdict=all_settings(
             {
                 'as printed': same_direction(-1, printed, 0.0),

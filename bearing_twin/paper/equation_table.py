@@ -58,8 +58,8 @@ def equation_table() -> list[EquationRow]:
         low, high = (equations.beta0(factor, t) for t in (COLD, HOT))
         return f'β = {low:.5f} at 20 °C, {high:.5f} at 110 °C'
 
-    at_rest = '`extended` at rest, 2 kN'
-    single = 'one ball, cos θ = sin θ, C_d0 = 0.7 δ, δ = 20 µm'
+    at_rest = f'`extended` at rest, {p.load:g} N'
+    single = f'one ball, cos θ = sin θ, C_d0 = {ratio:g} δ, δ = {settings.APPROACH * 1e6:g} µm'
     rows = [
         ('cage speed ω_c', 'd ball, D pitch diameter', f'{omega_c:.4f} rad/s'),
         (
@@ -78,12 +78,12 @@ def equation_table() -> list[EquationRow]:
         (
             'F_X, F_Y',
             'one δ_i in both; F_X with cos, F_Y with sin',
-            f'{f_x:.1f} N, {f_y:.1f} N (load 2000 N)',
+            f'{f_x:.1f} N, {f_y:.1f} N (load {p.load:g} N)',
         ),
         (
             'F_X, F_Y with defect',
             'C_d = spall depth, b its switch',
-            f'F_Y = {with_defect:.1f} N with ball 1 in a spall of 40 µm',
+            f'F_Y = {with_defect:.1f} N with ball 1 in a spall of {depth.max() * 1e6:g} µm',
         ),
         ('f_in', '', f'{equations.inner_frequency(bearing, shaft):.5f} Hz'),
         ('f_out', '', f'{equations.outer_frequency(bearing, shaft):.5f} Hz'),
@@ -101,15 +101,23 @@ def equation_table() -> list[EquationRow]:
         ),
         ('K_b, C_d with expansion', 'α in 10⁻⁵/K', factor_at('expansion')),
         ('force with expansion', single, static('expansion')),
-        ('resultant', 'vector sum', f'{2 * component:.1f} N as a plain sum of equal components'),
+        ('F = F_x + F_y', 'sum of vectors, b = 0', f'({component:.1f}, {component:.1f}) N'),
         ('F', 'angle π/2: F = √(F_x² + F_y²)', f'{unit_force():.1f} N (b = 0)'),
-        ('tan of the direction', '', '1 (45°) for cos θ = sin θ'),
-        ('a = F/m', 'm not given; acceleration from the equations of motion', '—'),
+        ('tan α = F_x/F_y', 'angle from the y axis', '1 (45°) for cos θ = sin θ'),
+        (
+            'a = F/m',
+            "m is not given; the preset's housing. The simulation integrates instead",
+            f'{unit_force() / p.outer_mass:.1f} m/s² with {p.outer_mass:g} kg',
+        ),
         ('K_b, C_d with hardness', 'H0 = 63.6 HRC', factor_at('hardness')),
         ('force with hardness', single, static('hardness')),
         ('K_b, C_d with friction', 'weight Δμ, not Δh', factor_at('friction')),
         ('force with friction', f'friction in both places; {single}', static('friction')),
-        ('β0, K_b and C_d', 'Δh = 0.10, Δμ = 0.02', factor_at('all')),
+        (
+            'β0, K_b and C_d',
+            f'Δh = {settings.DELTA_H:g}, Δμ = {settings.DELTA_MU:g}',
+            factor_at('all'),
+        ),
         ('force with all factors', single, static('all')),
     ]
     return [

@@ -8,6 +8,7 @@ section 3.1, 20 and 21 hardness, 22 and 23 friction, 24 and 25 all factors toget
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import TYPE_CHECKING
 
@@ -134,6 +135,7 @@ def alpha_strain(temperature: float, unit: float = 1e-5) -> float:
     return float(0.5 * (values[1:] + values[:-1]) @ np.diff(t)) * unit
 
 
+@functools.cache
 def beta0(factor: settings.Factor, temperature: float, delta_mu: float | None = None) -> float:
     """Equations 14, 20, 22 and 24: the common factor on K_b and C_d."""
     weight = settings.DELTA_MU if delta_mu is None else delta_mu

@@ -93,5 +93,5 @@ def spectrum(study: Study, *, number: int, temperature: float) -> Figure:
     close.set_xticks([125.5, 126.0, 126.5, 127.0, 127.5])
     close.set_ylim(0.0, 1.6 * close.get_ylim()[1])
     label(close, 'the line f_in, records of 12 s', _FREQUENCY, 'envelope / m s⁻²')
-    close.legend(fontsize=8, frameon=False, loc='upper left')
+    close.legend(fontsize=8, framealpha=0.9, edgecolor='none', loc='upper left')
     return figure

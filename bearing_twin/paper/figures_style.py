@@ -31,9 +31,11 @@ _GRID = '#d9d9d9'
 _DPI = 130
 
 
-def new_figure(title: str, *, width: float = 10.0, height: float = 4.4) -> Figure:
+def new_figure(
+    title: str, *, width: float = 10.0, height: float = 4.4, automatic: bool = True
+) -> Figure:
     """Return a figure, size in inches, drawn by Agg whatever the user's backend is."""
-    figure = Figure(figsize=(width, height), layout='constrained')
+    figure = Figure(figsize=(width, height), layout='constrained' if automatic else None)
     FigureCanvasAgg(figure)
     figure.suptitle(title, fontsize=12, fontweight='bold')
     return figure

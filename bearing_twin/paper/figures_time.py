@@ -44,10 +44,9 @@ def waterfall(study: Study, *, number: int, factor: settings.Factor) -> Figure:
         f'Figure {number}. Time-domain waterfall: {settings.FACTOR_TEXT[factor]}',
         width=13.0,
         height=5.4,
+        automatic=False,  # it would leave half of a 3-D panel empty
     )
-    # The automatic layout leaves half of a 3-D panel empty.
-    figure.set_layout_engine('none')
-    figure.subplots_adjust(left=0.0, right=0.97, bottom=0.03, top=0.92, wspace=0.06)
+    figure.subplots_adjust(left=0.0, right=0.97, bottom=0.02, top=0.9, wspace=0.06)
     nodes = settings.TEMPERATURE_NODES
     for column, name in enumerate(settings.PRESET_NAMES, start=1):
         axes = figure.add_subplot(1, 2, column, projection='3d')
@@ -72,7 +71,9 @@ def waterfall(study: Study, *, number: int, factor: settings.Factor) -> Figure:
         axes.view_init(elev=32, azim=-66)
         axes.set_box_aspect((1.7, 1.5, 0.62), zoom=1.12)
         change = 100.0 * study.change(name, factor)
-        axes.set_title(f'{name}: impact amplitude {change:+.1f} % from 20 to 110 °C', fontsize=10)
+        axes.set_title(
+            f'{name}: impact amplitude {change:+.1f} % from 20 to 110 °C', fontsize=10, pad=0
+        )
         for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
             axis.pane.set_facecolor((0.97, 0.97, 0.97, 1.0))
     return figure

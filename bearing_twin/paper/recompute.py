@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.paper.claims import Claim
+    from bearing_twin.paper.study import Study
 
-__all__ = ['recompute']
+__all__ = ['recompute', 'write_results']
 
 
 def recompute(folder: Path, *, processes: int = 2, quiet: bool = False) -> list[Claim]:
@@ -37,7 +38,11 @@ def recompute(folder: Path, *, processes: int = 2, quiet: bool = False) -> list[
         No progress bars.
     """
     prepare_folder(folder)
-    study = run_study(processes=processes, quiet=quiet)
+    return write_results(folder, run_study(processes=processes, quiet=quiet), quiet=quiet)
+
+
+def write_results(folder: Path, study: Study, *, quiet: bool = False) -> list[Claim]:
+    """Judge ``study``, write claims.json, the figures and report.md, and return the claims."""
     claims = judge(study)
     data = json.dumps(
         [claim.to_dict() for claim in claims], indent=2, ensure_ascii=False, allow_nan=False

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ['claims_table', 'figure_name', 'render_report', 'summary_line']
 
-_DIGITS = 5
+_DIGITS = 6
 
 
 def figure_name(number: str) -> str:
@@ -125,7 +125,10 @@ def _value(value: Any) -> str:
     if value is None:
         return '—'
     if isinstance(value, Mapping):
-        return '; '.join(f'{key}: {_value(item)}' for key, item in value.items())
+        return '; '.join(
+            f'{key}: ({_value(item)})' if isinstance(item, Mapping) else f'{key}: {_value(item)}'
+            for key, item in value.items()
+        )
     if isinstance(value, list):
         return '[' + ', '.join(_value(item) for item in value) + ']'
     return str(value)

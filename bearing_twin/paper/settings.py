@@ -31,6 +31,7 @@ __all__ = [
     'FORMULA_RATIOS',
     'F_IN',
     'F_IN_PRINTED_AT_20',
+    'LITERATURE_PRESETS',
     'OUTSIDE',
     'PEAK_TIMES',
     'PRESET_NAMES',
@@ -38,7 +39,6 @@ __all__ = [
     'SHAFT_HZ',
     'STATED_SINGLE_CURVES',
     'STATED_TRENDS',
-    'STIFFNESS_SLOPE_STEEL',
     'SYSTEM_MASS',
     'TEMPERATURE_NODES',
     'Factor',
@@ -115,10 +115,10 @@ FORMULA_RATIOS: Mapping[str, float] = MappingProxyType(
 window 0.4 to 1 in which the force falls with beta0."""
 APPROACH = 20e-6
 """Ring approach at the ball for the static formula, m: that of `extended` under its 2 kN."""
+LITERATURE_PRESETS = ('mishra2017', 'sawalhi2008', 'dong')
+"""Presets with the masses and stiffnesses of published models."""
 PRESET_NAMES = ('extended', 'incipient')
 """Presets of the simulation in which the stated trends do, and do not, hold."""
-STIFFNESS_SLOPE_STEEL = -3e-4
-"""Relative change of Young's modulus of bearing steel, 1/K (general engineering value)."""
 
 
 def factor_of(factor: Factor | None, *, delta_mu: float = DELTA_MU) -> Beta0:

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.paper import measures, settings
 from bearing_twin.paper.runs import RunSpec, in_parallel, simulate
+from bearing_twin.thermal.rings import clearance_change
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -35,7 +36,10 @@ FREQUENCY_SECONDS = 12.0
 FREQUENCY_RATE = 25600.0
 SMALL_DELTA_MU = 0.001
 """A weight of friction that the paper allows just as well as `settings.DELTA_MU`."""
-CLEARANCE_COLD, CLEARANCE_HOT = 5e-6, 1.9e-6
+CLEARANCE_COLD = 5e-6
+CLEARANCE_HOT = CLEARANCE_COLD + clearance_change(
+    29.0, 20.0, 20.0, settings.BEARING.d_pitch, settings.BEARING.d_ball
+)
 """Radial clearance with rings of one temperature, and with the inner ring 9 K hotter, m."""
 GRID_LOADS = (500.0, 1000.0, 2000.0, 4000.0)
 GRID_WIDTHS = (0.4e-3, 0.8e-3, 1.2e-3, 1.6e-3, 2.0e-3, 2.4e-3, 2.8e-3, 3.2e-3, 4.0e-3, 4.8e-3)
@@ -116,6 +120,8 @@ class Study:
     """By place of the defect."""
     clearance: Mapping[str, tuple[float, float]]
     """Amplitude with the cold and the hot clearance, by preset, m/s^2."""
+    literature: Mapping[str, float]
+    """Relative change of the amplitude from 20 to 110 degC, all factors, by published preset."""
     small_mu: Mapping[tuple[str, str], float]
     """Relative change of the amplitude from 20 to 110 degC with `SMALL_DELTA_MU`, by preset and
     factor."""
@@ -178,6 +184,11 @@ def run_study(*, processes: int = 2, quiet: bool = False) -> Study:
         for p, f in mu_keys
         for t in (cold, hot)
     ]
+    literature_specs = [
+        RunSpec(preset=name, factor='all', temperature=t, seconds=_beat())
+        for name in settings.LITERATURE_PRESETS
+        for t in (cold, hot)
+    ]
     grid_specs = [
         RunSpec(
             preset='extended', factor='friction', temperature=t, load=w, width=b, depth=h,
@@ -190,7 +201,7 @@ def run_study(*, processes: int = 2, quiet: bool = False) -> Study:
         (trend_point, trend_specs),
         (frequency_point, frequency_specs),
         (fault_point, fault_specs),
-        (only_amplitude, clearance_specs + mu_specs + grid_specs),
+        (only_amplitude, clearance_specs + mu_specs + literature_specs + grid_specs),
     ]
     jobs = [(work, spec) for work, specs in groups for spec in specs]
     done = iter(in_parallel(_do, jobs, processes=processes, text='simulations', quiet=quiet))
@@ -202,6 +213,10 @@ def run_study(*, processes: int = 2, quiet: bool = False) -> Study:
     for mu_key in mu_keys:
         first, last = float(next(done)), float(next(done))
         small[mu_key] = last / first - 1.0
+    literature = {}
+    for name in settings.LITERATURE_PRESETS:
+        first, last = float(next(done)), float(next(done))
+        literature[name] = last / first - 1.0
     pairs = np.array([float(value) for value in done]).reshape(-1, 2)
     beta_hot = settings.factor_of('friction').at(hot)
     slopes = np.log(pairs[:, 1] / pairs[:, 0]) / np.log(beta_hot)
@@ -210,6 +225,7 @@ def run_study(*, processes: int = 2, quiet: bool = False) -> Study:
         frequencies=frequency,
         faults=fault,
         clearance=clearance,
+        literature=literature,
         small_mu=small,
         grid=Grid(specs=tuple(grid_specs[::2]), slopes=slopes),
     )
@@ -221,7 +237,7 @@ def _do(job):  # type: ignore[no-untyped-def]
 
 
 def _beat() -> float:
-    """Period after which impacts fall on the same shaft angle again, s."""
+    """Period of f_in against 5 f_r, over which impacts fall on every shaft angle, s."""
     bpfi = fault_frequencies(settings.BEARING, settings.SHAFT_HZ).bpfi
     return 1.0 / (5.0 * settings.SHAFT_HZ - bpfi)
 

@@ -1,0 +1,38 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""One run of the study for all tests of the paper."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from bearing_twin.paper.judge import judge
+from bearing_twin.paper.output import prepare_folder
+from bearing_twin.paper.recompute import write_results
+from bearing_twin.paper.study import Study, run_study
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@pytest.fixture(scope='session')
+def study() -> Study:
+    """Return every simulation of the paper."""
+    return run_study(processes=2, quiet=True)
+
+
+@pytest.fixture(scope='session')
+def folder(study, tmp_path_factory) -> Path:
+    """Return the folder that the command writes."""
+    path = tmp_path_factory.mktemp('paper') / 'out'
+    prepare_folder(path)
+    write_results(path, study, quiet=True)
+    return path
+
+
+@pytest.fixture(scope='session')
+def claims(study) -> dict:
+    """Return the claims by id."""
+    return {claim.id: claim for claim in judge(study)}

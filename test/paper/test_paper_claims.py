@@ -1,0 +1,226 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The claims: complete, consistent with the numbers, and turned by the numbers."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from bearing_twin.paper import settings
+from bearing_twin.paper.claims_frequency import frequency_interval, slip_needed
+from bearing_twin.paper.claims_model import circulation, system_matrix, unclosed
+from bearing_twin.paper.claims_trend import falling_window, formula_change
+from bearing_twin.paper.judge import judge
+from bearing_twin.paper.verdicts import VERDICTS, all_settings, same_direction, share, within
+
+ASKED_FOR = {
+    'f-in-formula', 'f-in-quoted-twice', 'f-in-simulated-fig4', 'f-in-simulated-fig30',
+    'f-in-simulated-fig32', 'f-in-rises-with-temperature', 'frequency-formulas',
+    'envelope-shows-f-in', 'peak-times', 'peak-times-at-every-temperature',
+    'friction-strongest-formula', 'friction-strongest-simulation', 'experiment', 'c-d-is-a-depth',
+    *(f'trend-{f}-{m}' for f in settings.FACTORS for m in ('formula', 'simulation', 'peaks')),
+}  # fmt: skip
+
+
+def verdicts(study):
+    return {claim.id: claim.verdict for claim in judge(study)}
+
+
+def test_every_claim_that_was_asked_for_is_judged(claims):
+    assert set(claims) >= ASKED_FOR
+
+
+def test_claims_are_well_formed(claims, study):
+    assert len(claims) == len(judge(study)), 'ids are unique'
+    for claim in claims.values():
+        assert claim.verdict in VERDICTS
+        assert claim.where
+        assert claim.claim
+        assert claim.why.startswith('Rule: '), claim.id
+        if claim.verdict == 'not_checkable':
+            assert claim.paper_value is None or claim.our_value is None, claim.id
+
+
+def test_all_four_verdicts_occur(claims):
+    assert {claim.verdict for claim in claims.values()} == set(VERDICTS)
+
+
+@pytest.mark.parametrize(
+    ('ours', 'verdict'),
+    [(1.0, 'reproduced'), (1.11, 'contradicted'), (0.89, 'contradicted'), (None, 'not_checkable')],
+)
+def test_within_turns_with_the_number(ours, verdict):
+    assert within(1.0, ours, 0.1) == verdict
+
+
+@pytest.mark.parametrize(
+    ('holds', 'verdict'),
+    [
+        ([], 'not_checkable'),
+        ([True, True], 'reproduced'),
+        ([True, False], 'reproduced_only_under_stated_settings'),
+        ([False, False], 'contradicted'),
+    ],
+)
+def test_all_settings_turns_with_each_setting(holds, verdict):
+    assert all_settings({str(k): value for k, value in enumerate(holds)}) == verdict
+
+
+@pytest.mark.parametrize(
+    ('fraction', 'verdict'),
+    [
+        (0.96, 'reproduced'),
+        (0.94, 'reproduced_only_under_stated_settings'),
+        (0.06, 'reproduced_only_under_stated_settings'),
+        (0.04, 'contradicted'),
+        (float('nan'), 'not_checkable'),
+    ],
+)
+def test_share_turns_with_the_fraction(fraction, verdict):
+    assert share(fraction) == verdict
+
+
+def test_a_change_within_the_resolution_has_no_direction():
+    assert same_direction(-1, -0.002, 0.001)
+    assert not same_direction(-1, -0.0005, 0.001)
+    assert not same_direction(-1, 0.002, 0.001)
+    assert not same_direction(-1, float('nan'), 0.001)
+
+
+@pytest.mark.parametrize(
+    ('everywhere', 'verdict'), [('extended', 'reproduced'), ('incipient', 'contradicted')]
+)
+def test_trends_turn_with_the_simulation(study, everywhere, verdict):
+    """Were both presets like one of them, every trend would hold, or none."""
+    trends = {
+        (name, factor): study.trends[everywhere, factor]
+        for name in settings.PRESET_NAMES
+        for factor in settings.FACTORS
+    }
+    found = verdicts(dataclasses.replace(study, trends=trends))
+    for factor in settings.FACTORS:
+        assert found[f'trend-{factor}-simulation'] == verdict
+        assert found[f'trend-{factor}-peaks'] == verdict
+
+
+def test_frequency_verdicts_turn_with_the_lines(study):
+    def moved(line):
+        return {
+            key: dataclasses.replace(point, line=line) for key, point in study.frequencies.items()
+        }
+
+    assert verdicts(study)['f-in-simulated-fig4'] == 'contradicted'
+    found = verdicts(dataclasses.replace(study, frequencies=moved(126.463)))
+    assert found['f-in-simulated-fig4'] == 'reproduced'
+    assert found['f-in-simulated-fig32'] == 'contradicted'
+    assert found['f-in-rises-with-temperature'] == 'contradicted'
+    far = verdicts(dataclasses.replace(study, frequencies=moved(140.0)))
+    assert far['envelope-shows-f-in'] != 'reproduced'
+
+
+def test_fault_places_turn_with_the_lines(study):
+    own = {'inner': 'f_in', 'outer': 'f_out', 'ball': 'f_b', 'cage': 'f_c'}
+    faults = {
+        place: dataclasses.replace(
+            point, contrasts={name: 1.0 + (name == own[place]) for name in point.contrasts}
+        )
+        for place, point in study.faults.items()
+    }
+    found = verdicts(dataclasses.replace(study, faults=faults))
+    assert found['frequencies-locate-the-fault'] == 'reproduced'
+
+
+def test_generality_turns_with_the_grid(study):
+    size = study.grid.slopes.size
+    for slope, verdict in ((-1.0, 'reproduced'), (1.0, 'contradicted')):
+        grid = dataclasses.replace(study.grid, slopes=np.full(size, slope))
+        assert verdicts(dataclasses.replace(study, grid=grid))['trend-is-general'] == verdict
+
+
+def test_the_experiment_would_be_judged_if_it_were_disclosed(study, monkeypatch):
+    monkeypatch.setattr(settings, 'EXPERIMENT', 127.2)
+    assert verdicts(study)['experiment'] == 'reproduced'
+    monkeypatch.setattr(settings, 'EXPERIMENT', 126.3)
+    assert verdicts(study)['experiment'] == 'contradicted'
+
+
+def test_peak_times_turn_with_the_quoted_times(study, monkeypatch):
+    assert verdicts(study)['peak-times'] == 'reproduced'
+    monkeypatch.setattr(settings, 'PEAK_TIMES', (0.083, 0.272, 0.441, 0.629))
+    assert verdicts(study)['peak-times'] != 'reproduced'
+
+
+def test_peak_times_allow_only_a_band_of_frequencies():
+    low, high = frequency_interval((0.079, 0.277, 0.435, 0.633), (10, 35, 55, 80))
+    assert low == pytest.approx(70 / 0.555, abs=1e-9)
+    assert high == pytest.approx(70 / 0.553, abs=1e-9)
+    # Times made with a frequency allow that frequency, whatever the delay.
+    for frequency in (126.337, 126.823):
+        times = [round(n / frequency + 0.0021, 3) for n in (10, 35, 55, 80)]
+        low, high = frequency_interval(times, (10, 35, 55, 80))
+        assert low <= frequency <= high
+
+
+def test_slip_that_each_quoted_frequency_needs():
+    needed = [100 * slip_needed(f) for f in (126.423, 126.463, 126.823, 127.0)]
+    assert needed == pytest.approx([0.111, 0.163, 0.632, 0.862], abs=0.0006)
+
+
+def test_static_formula_at_the_two_ratios():
+    inside = [1 + formula_change(f, 0.7) for f in settings.FACTORS]
+    assert inside == pytest.approx([0.964, 1.019, 0.691, 0.667], abs=0.0006)
+    outside = [1 + formula_change(f, 0.3) for f in settings.FACTORS]
+    assert outside == pytest.approx([1.005, 0.997, 1.034, 1.035], abs=0.0006)
+
+
+def test_static_formula_falls_exactly_where_its_derivative_says():
+    """``d/db [b (1 - b r)^1.5] < 0`` for ``0.4 < b r < 1``; b goes up to 1.13 with all factors."""
+    low, high = falling_window()
+    assert low == pytest.approx(0.4, abs=0.005)
+    assert high == pytest.approx(1 / settings.factor_of('all').at(110.0), abs=0.002)
+
+
+def test_simulated_trends_have_the_known_signs_and_sizes(study):
+    extended = [100 * study.change('extended', f) for f in settings.FACTORS]
+    assert np.sign(extended).tolist() == [-1, 1, -1, -1]
+    # Independent runs of the same model, records starting elsewhere: -2.7, 1.4, -16.0, -16.2 %.
+    starts = np.array([100 * study.changes_by_start('extended', f) for f in settings.FACTORS])
+    for value, row in zip((-2.7, 1.4, -16.0, -16.2), starts, strict=True):
+        assert row.min() - 0.5 < value < row.max() + 0.5
+    incipient = np.array([study.changes_by_start('incipient', f) for f in settings.FACTORS])
+    assert (np.sign(incipient) == np.array([[1], [-1], [1], [1]])).all()
+
+
+def test_simulated_lines(study):
+    for name in settings.PRESET_NAMES:
+        none, slipping = (
+            [study.frequencies[name, slip, t].line for t in (20.0, 100.0)]
+            for slip in ('none', 'mu_proportional')
+        )
+        assert none == pytest.approx([126.33739] * 2, abs=0.002)
+        assert slipping == pytest.approx([126.412, 126.825], abs=0.02)
+
+
+def test_equation_7_creates_energy_and_equation_8_does_not():
+    assert circulation(as_printed=True) > 0.1
+    assert circulation(as_printed=False) < 1e-8
+
+
+def test_linearised_model_is_stable_and_symmetric():
+    from bearing_twin.dynamics import preset
+
+    matrix = system_matrix(preset('extended'))
+    values = np.linalg.eigvals(matrix)
+    assert (values.real < 0.0).all()
+    assert np.abs(values).min() / (2 * np.pi) > 150.0
+    assert np.abs(values).max() / (2 * np.pi) < 1500.0
+
+
+@pytest.mark.parametrize(
+    ('text', 'count'), [('', 0), ('{[()]}', 0), ('{[()}', 1), (')(', 2), ('[[x]', 1)]
+)
+def test_unclosed_brackets(text, count):
+    assert unclosed(text) == count

@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What the command writes: files, figures, documentation; and what it refuses."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from bearing_twin.cli import main
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.paper.claims import rounded
+from bearing_twin.paper.figures import FIGURES
+from bearing_twin.paper.output import MARKER, prepare_folder
+from bearing_twin.paper.report import figure_name
+
+DOCS = Path(__file__).resolve().parents[2] / 'docs' / 'paper.md'
+NUMBERS = (*range(4, 11), *range(12, 18), *range(19, 25), *range(27, 31), 32)
+KEYS = ['id', 'where', 'claim', 'paper_value', 'our_value', 'verdict', 'why']
+
+
+def test_claims_json_holds_the_claims(folder, claims):
+    entries = json.loads((folder / 'claims.json').read_text('utf-8'))
+    assert all(list(entry) == KEYS for entry in entries)
+    assert [entry['id'] for entry in entries] == list(claims)
+    assert [entry['verdict'] for entry in entries] == [c.verdict for c in claims.values()]
+
+
+def test_report_shows_every_claim_equation_table_and_figure(folder, claims):
+    text = (folder / 'report.md').read_text('utf-8')
+    for claim in claims.values():
+        assert f'| `{claim.id}` |' in text
+    for number in range(1, 26):
+        assert f'\n| {number} | ' in text
+    for name in re.findall(r'\]\((.*?\.png)\)', text):
+        assert (folder / name).exists()
+    widths = {line.count(' | ') for line in text.splitlines() if line.startswith('| `')}
+    assert len(widths) == 1, 'no cell breaks the table'
+
+
+def test_every_figure_of_the_paper_is_drawn():
+    assert {str(number) for number in NUMBERS} <= set(FIGURES)
+
+
+@pytest.mark.parametrize('number', list(FIGURES))
+def test_figure_is_not_blank(folder, number):
+    image = matplotlib.image.imread(folder / figure_name(number))[..., :3]
+    assert image.shape[0] >= 500
+    assert image.shape[1] >= 800
+    inked = (image < 0.95).any(axis=-1)
+    assert 0.01 < inked.mean() < 0.9
+    rows, columns = np.flatnonzero(inked.any(axis=1)), np.flatnonzero(inked.any(axis=0))
+    assert np.ptp(rows) > 0.75 * image.shape[0]
+    assert np.ptp(columns) > 0.75 * image.shape[1]
+    colourful = (image.max(axis=-1) - image.min(axis=-1)) > 0.2
+    assert colourful.mean() > 0.002, 'there are curves, not axes alone'
+
+
+@pytest.mark.parametrize('number', list(FIGURES))
+def test_every_axis_has_its_quantity_and_unit(study, number):
+    for axes in FIGURES[number].draw(study).axes:
+        labels = [axes.get_xlabel(), axes.get_ylabel()]
+        if hasattr(axes, 'get_zlabel'):
+            labels.append(axes.get_zlabel())
+        if axes.get_label() == '<colorbar>':
+            labels = [axes.get_ylabel()]
+        for label in labels:
+            assert ' / ' in label, f'figure {number}: {label!r} has no unit'
+
+
+def test_waterfalls_are_three_dimensional(study):
+    for number in (9, 16, 23, 28):
+        axes = FIGURES[str(number)].draw(study).axes
+        assert all(one.name == '3d' and len(one.lines) == 10 for one in axes)
+
+
+def test_documentation_has_the_table_of_the_command(claims):
+    """Update it with the output of ``bearing-twin paper --table``."""
+    rows = re.findall(r'^\| `([\w-]+)` \| (.*) \|$', DOCS.read_text('utf-8'), re.MULTILINE)
+    found = {name: cells.split(' | ') for name, cells in rows}
+    assert list(found) == list(claims)
+    for name, claim in claims.items():
+        where, text, _, _, verdict = found[name]
+        assert (where, text) == (claim.where, claim.claim)
+        assert verdict == claim.verdict.replace('_', ' ')
+
+
+def test_foreign_folder_is_left_alone(tmp_path, capsys):
+    (tmp_path / 'report.md').write_text('mine')
+    assert main(['paper', '--out', str(tmp_path)]) == 1
+    assert '--out' in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ['report.md']
+    assert (tmp_path / 'report.md').read_text() == 'mine'
+
+
+def test_file_in_place_of_the_folder(tmp_path, capsys):
+    path = tmp_path / 'file'
+    path.write_text('mine')
+    assert main(['paper', '--out', str(path)]) == 1
+    assert 'is a file' in capsys.readouterr().err
+    assert main(['paper', '--out', str(path / 'below')]) == 1
+    assert 'cannot write' in capsys.readouterr().err
+
+
+def test_own_folder_is_written_again(tmp_path):
+    folder = tmp_path / 'new' / 'out'
+    prepare_folder(folder)
+    (folder / 'report.md').write_text('old')
+    prepare_folder(folder)
+    (folder / MARKER).unlink()
+    with pytest.raises(BearingTwinError, match='not empty'):
+        prepare_folder(folder)
+
+
+def test_processes_out_of_range(tmp_path, capsys):
+    assert main(['paper', '--out', str(tmp_path / 'out'), '--processes', '0']) == 1
+    assert '1..256' in capsys.readouterr().err
+    assert not (tmp_path / 'out').exists()
+
+
+@pytest.mark.slow
+def test_the_command_gives_the_same_claims_again(tmp_path, folder, capsys):
+    """The whole command, other number of processes: no random number, no order of work."""
+    out = tmp_path / 'out'
+    assert main(['paper', '--out', str(out), '--processes', '1', '--json']) == 0
+    captured = capsys.readouterr()
+    assert (out / 'claims.json').read_bytes() == (folder / 'claims.json').read_bytes()
+    assert json.loads(captured.out) == json.loads((folder / 'claims.json').read_text('utf-8'))
+    assert 'simulations' in captured.err, 'there is a progress bar'
+
+
+def test_rounding_keeps_six_digits():
+    value = {'a': [np.float64(1.23456789), True, np.int64(3)], 'b': (None, 'x')}
+    assert rounded(value) == {'a': [1.23457, True, 3], 'b': [None, 'x']}
