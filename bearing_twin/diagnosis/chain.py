@@ -20,6 +20,7 @@ from bearing_twin.diagnosis.comb import (
 )
 from bearing_twin.diagnosis.decision import Verdict, decide, family_order
 from bearing_twin.diagnosis.gate import HEALTHY_TURNS, check_record
+from bearing_twin.diagnosis.power import smallest_detectable
 from bearing_twin.diagnosis.result import (
     FAMILIES,
     FAULT_CODES,
@@ -147,13 +148,8 @@ def conclude(
     shaft_hz_given: float,
     temperature: float = math.nan,
     notes: Sequence[str] = (),
-    partial: float | None = None,
 ) -> Diagnosis:
-    """Judge the mean of several windows; spectra and severity are the newest window's.
-
-    With ``partial``, the full length in s that the window has not reached yet, it may name a
-    fault, but it makes no statement instead of calling the bearing healthy.
-    """
+    """Judge the mean of several windows; spectra and severity are the newest window's."""
     speed = newest.speed
     windows = [*earlier, newest.orders]
     turns = newest.revolutions * len(windows)
@@ -166,22 +162,13 @@ def conclude(
         if other.evidence > _CLEARER * verdict.evidence:
             verdict, newest = other, replace(newest, speed=given)
     if verdict.result == 'healthy' and turns < HEALTHY_TURNS:
+        needed = HEALTHY_TURNS / newest.speed.shaft_hz
         text = (
-            f'{turns:.0f} shaft turns show strong faults only, and there is none: {HEALTHY_TURNS:g} '
-            f'are needed to call it healthy, {HEALTHY_TURNS / newest.speed.shaft_hz:.1f} s'
+            f'{turns:.0f} shaft turns show strong faults only, and none is there: '
+            f'{HEALTHY_TURNS:g} are needed to call it healthy, {needed:.1f} s'
         )
         verdict = replace(
             verdict, result='insufficient', level='none', confidence=0.0, reasons=(text,)
-        )
-    elif partial is not None and verdict.result == 'healthy':
-        seconds = sample_count / sample_rate
-        text = f'{seconds:.2f} s of a window of {partial:g} s: too short to call it healthy'
-        verdict = replace(
-            verdict,
-            result='insufficient',
-            level='none',
-            confidence=0.0,
-            reasons=(text,),
         )
     verdict = replace(verdict, reasons=(*notes, *verdict.reasons))
     return _report(
@@ -248,7 +235,14 @@ def _report(
         line_level=line_level,
         severity=window.severity,
         temperature=temperature,
-        smallest_detectable=math.nan,
+        smallest_detectable=smallest_detectable(
+            1.0 / window.bin_hz,
+            shaft_hz,
+            temperature,
+            window.severity.rms,
+            unit,
+            bearing.d_ball,
+        ),
         spectrum=Spectrum(
             kind='spectrum',
             unit=unit,

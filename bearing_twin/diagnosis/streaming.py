@@ -22,6 +22,7 @@ from bearing_twin.diagnosis.gate import check_record
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.shaft import resample_to_angle
 from bearing_twin.diagnosis.state import pack, unpack
+from bearing_twin.diagnosis.trend import Trend
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
@@ -42,7 +43,8 @@ class StreamingDiagnoser:
     The result depends on the pushed blocks alone, not on clocks: the same pushes give the same
     diagnoses to the bit. An update falls due each ``settings.update_interval`` of samples. A gap
     in ``first_sample``, an index that runs backwards (the source was restarted) or another sample
-    rate starts a new window; the next diagnosis says so in its reasons.
+    rate starts a new window; the next diagnosis says so in its reasons. The ``level`` of the
+    diagnoses is held: it follows the verdicts only after ``settings.hold_updates`` equal ones.
 
     Parameters
     ----------
@@ -56,6 +58,7 @@ class StreamingDiagnoser:
         self._bearing = bearing
         self._settings = settings or DiagnosisSettings()
         self._earlier: deque[tuple[int, OrderSpectra]] = deque()
+        self._trend = Trend()
         self._notes: list[str] = []
         self._rate = math.nan
         self._unit = ''
@@ -152,7 +155,7 @@ class StreamingDiagnoser:
         return found
 
     def save(self) -> bytes:
-        """State worth keeping over a restart of the program."""
+        """State worth keeping over a restart: baseline, held level, windows that are averaged."""
         arrays = {}
         for number, (_, orders) in enumerate(self._earlier):
             arrays[f'logs{number}'] = orders.logs
@@ -160,6 +163,7 @@ class StreamingDiagnoser:
             arrays[f'direct{number}'] = orders.direct
             arrays[f'carrier{number}'] = orders.carrier
         values = {
+            'trend': self._trend.values(),
             'sample_rate': self._rate if math.isfinite(self._rate) else None,
             'next': self._next,
             'earlier': [(end, orders.step, orders.given) for end, orders in self._earlier],
@@ -192,12 +196,16 @@ class StreamingDiagnoser:
                 for n, (end, step, given) in enumerate(values['earlier'])
             )
             following = int(values['next'])
+            trend = Trend.of(values['trend'])
+            if rate is not None and not 0.0 < float(rate) < math.inf:
+                raise ValueError(f'sample rate {rate}')
         except (KeyError, TypeError, ValueError) as error:
             msg = f'saved state lacks {error}; use what save() returned'
             raise BearingTwinError(msg) from error
         self._rate = math.nan if rate is None else float(rate)
         self._clear(following)
         self._earlier = earlier
+        self._trend = trend
 
     def _restart(self, first_sample: int, note: str) -> None:
         self._notes.append(note)
@@ -254,14 +262,20 @@ class StreamingDiagnoser:
             if end <= limit:
                 earlier.append(orders)
                 limit = end - wanted
-        if len(x) == wanted:
+        full = len(x) == wanted
+        if full and self._settings.memory >= 2.0 * self._settings.window:
             self._earlier.append((self._next, window.orders))
-        return conclude(
+        diagnosis = conclude(
             window,
             self._bearing,
             earlier=earlier[::-1],
             shaft_hz_given=mean_hz,
             notes=notes,
-            partial=wanted / self._rate if len(x) < wanted else None,
             **about,
+        )
+        return self._trend.update(
+            diagnosis,
+            wanted=self._settings.baseline_windows,
+            hold=self._settings.hold_updates,
+            full=full,
         )

@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a window could have shown, and how the level of a healthy bearing moves with its speed.
+
+Both come from simulations with the twin, kept as a data file beside this module; the command
+``python -m bearing_twin.bench.detection_power`` writes it anew.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from bearing_twin.diagnosis.severity import acceleration_factor
+
+__all__ = ['expected_level', 'smallest_detectable']
+
+
+@functools.cache
+def _table() -> dict[str, Any]:
+    text = resources.files('bearing_twin.diagnosis').joinpath('detection_power.json')
+    table: dict[str, Any] = json.loads(text.read_text('utf-8'))
+    return table
+
+
+def smallest_detectable(
+    seconds: float, shaft_hz: float, temperature: float, rms: float, unit: str, d_ball: float
+) -> float:
+    """Smallest width of a race fault, mm, that a window could have shown; NaN if none could.
+
+    The larger of the inner and the outer race's, at the simulated condition next below in window
+    length and nearest in speed, temperature and noise, scaled with the ball diameter. Where the
+    unit is unknown the noise is taken as the middle one of the table.
+
+    Parameters
+    ----------
+    seconds
+        Length of the window.
+    shaft_hz
+        Hz.
+    temperature
+        degC; NaN is taken as the lowest of the table.
+    rms
+        Of the signal, in ``unit``.
+    unit
+        See :func:`bearing_twin.diagnosis.severity.acceleration_factor`.
+    d_ball
+        m.
+    """
+    table = _table()
+    windows = np.asarray(table['window_s'])
+    if seconds < windows[0] - 1e-6:
+        return math.nan
+    window = int(np.searchsorted(windows, seconds + 1e-6)) - 1
+    noise = rms * acceleration_factor(unit)
+    levels = np.asarray(table['noise_m_s2'])
+    quiet = len(levels) // 2
+    if math.isfinite(noise) and noise > 0.0:
+        quiet = int(np.argmin(np.abs(np.log(levels / noise))))
+    speed = int(np.argmin(np.abs(np.log(np.asarray(table['shaft_hz']) / shaft_hz))))
+    heat = _nearest(table['temperature_C'], temperature)
+    found = [table['smallest_mm'][race][speed][heat][quiet][window] for race in ('inner', 'outer')]
+    if None in found:
+        return math.nan
+    return float(max(found) * d_ball / table['d_ball_m'])
+
+
+def expected_level(shaft_hz: float, temperature: float) -> float:
+    """Level of the healthy twin, dB re 1 m/s^2, at a speed and a temperature (NaN: 20 degC).
+
+    Only differences mean anything: they correct the level of a real bearing to the speed and
+    temperature at which its baseline was learnt. Linear in log speed and in temperature, and held
+    at the ends of the table.
+    """
+    table = _table()
+    speeds = np.log(table['level_shaft_hz'])
+    levels = np.asarray(table['level_dB'])
+    temperature = temperature if math.isfinite(temperature) else 20.0
+    by_heat = [np.interp(temperature, table['level_temperature_C'], row) for row in levels]
+    return float(np.interp(math.log(shaft_hz), speeds, by_heat))
+
+
+def _nearest(values: list[float], wanted: float) -> int:
+    if not math.isfinite(wanted):
+        return 0
+    return int(np.argmin(np.abs(np.asarray(values) - wanted)))

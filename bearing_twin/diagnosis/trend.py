@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Memory of one asset: its baseline, learnt while healthy, and a level that does not chatter."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from bearing_twin.diagnosis.power import expected_level
+from bearing_twin.diagnosis.result import LEVELS
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from bearing_twin.diagnosis.result import Diagnosis
+
+__all__ = ['Trend', 'fault_stage']
+
+_RISE_DB, _HIGH_DB = 6.0, 12.0
+_DEEP = 1.0
+
+
+def fault_stage(index: float, level_over_baseline: float, iso_zone: str) -> int:
+    """Stage 1 (incipient) to 4 (severe) of a named fault.
+
+    1: the envelope is modulated less than fully; 2: fully; 3: the level has also doubled (6 dB)
+    over the asset's baseline, or the machine is in zone C; 4: it has quadrupled, or zone D.
+    Without baseline and zone the stage is at most 2.
+    """
+    if level_over_baseline >= _HIGH_DB or iso_zone == 'D':
+        return 4
+    if level_over_baseline >= _RISE_DB or iso_zone == 'C':
+        return 3
+    return 2 if index >= _DEEP else 1
+
+
+@dataclass
+class Trend:
+    """Baseline and held level; plain numbers, so that they can be saved."""
+
+    count: int = 0
+    """Healthy windows learnt from so far."""
+    mean: float = 0.0
+    """Their mean level, dB, corrected to the expected level of the twin."""
+    unit: str = ''
+    """Unit of the samples they came in; another unit starts the baseline anew."""
+    level: str = ''
+    """Level that is held; empty before the first statement."""
+    pending: str = ''
+    """Level that wants to take over."""
+    pending_count: int = 0
+    """Verdicts in a row that asked for it."""
+
+    def update(self, diagnosis: Diagnosis, *, wanted: int, hold: int, full: bool) -> Diagnosis:
+        """Take a diagnosis in; return it with level over baseline, stage and held level.
+
+        Parameters
+        ----------
+        diagnosis
+            Fresh verdict.
+        wanted
+            Healthy windows that make a baseline; it is then kept as it is.
+        hold
+            Verdicts in a row before the level changes.
+        full
+            Whether the window was full. The first full one sets the level at once.
+        """
+        severity = diagnosis.severity
+        if diagnosis.level == 'none' or not severity.rms > 0.0:
+            return diagnosis
+        level = 20.0 * math.log10(severity.rms)
+        level -= expected_level(diagnosis.shaft_hz, diagnosis.temperature)
+        if severity.unit != self.unit:
+            self.count, self.mean, self.unit = 0, 0.0, severity.unit
+        if diagnosis.level == 'ok' and self.count < wanted:
+            self.count += 1
+            self.mean += (level - self.mean) / self.count
+        over = level - self.mean if self.count >= wanted else math.nan
+        stage = 0
+        if diagnosis.level == 'fault' and diagnosis.faults:
+            index = diagnosis.modulation_index[diagnosis.faults[0]]
+            stage = fault_stage(index, over, severity.iso_zone)
+        severity = replace(severity, level_over_baseline=over, stage=stage)
+        held = self._hold(diagnosis.level, hold, full)
+        reasons = diagnosis.reasons
+        if held != diagnosis.level:
+            text = f'level {held} held: {self.pending_count} of {hold} verdicts say {self.pending}'
+            reasons = (*reasons, text)
+        return replace(diagnosis, severity=severity, level=held, reasons=reasons)
+
+    def _hold(self, level: str, hold: int, full: bool) -> str:
+        if not self.level:
+            if full:
+                self.level = level
+                return level
+            self.level = 'ok'
+        if level == self.level:
+            self.pending, self.pending_count = '', 0
+            return level
+        self.pending_count = self.pending_count + 1 if level == self.pending else 1
+        self.pending = level
+        if self.pending_count >= hold:
+            self.level, self.pending, self.pending_count = level, '', 0
+        return self.level
+
+    def values(self) -> dict[str, Any]:
+        """Plain values for saving."""
+        return dict(vars(self))
+
+    @classmethod
+    def of(cls, values: dict[str, Any]) -> Trend:
+        """Trend of saved values.
+
+        Raises
+        ------
+        BearingTwinError
+            If they are not such values.
+        """
+        trend = cls()
+        for name, default in vars(cls()).items():
+            value = values.get(name) if isinstance(values, dict) else None
+            right = type(value) is type(default) or (type(default) is float and type(value) is int)
+            if not right:
+                msg = f'saved trend has {name}={value!r}; use what save() returned'
+                raise BearingTwinError(msg)
+            setattr(trend, name, value)
+        known = ('', *LEVELS)
+        sound = trend.level in known and trend.pending in known and math.isfinite(trend.mean)
+        if not sound or trend.count < 0 or trend.pending_count < 0:
+            msg = f'saved trend is out of range: {values}; use what save() returned'
+            raise BearingTwinError(msg)
+        return trend
