@@ -1,0 +1,221 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The recorder as a process: what it writes, and what a crash or a bad disk costs."""
+
+from __future__ import annotations
+
+import os
+import random
+import resource
+import shutil
+import signal
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+import yaml
+from recorder_process import BLOCK, Source
+from rosbags.rosbag2 import Reader
+
+from bearing_twin.nodes.launching import NodeProcesses
+from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.recover import find_unfinished, recover
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+pytestmark = pytest.mark.ros
+
+MOST_LOST = 1.1
+"""Most recorded time that a crash may cost, s."""
+RECORDING = 'recorder: recording'
+
+
+def numbers(path: Path) -> list[int]:
+    return [m.decode().first_sample // BLOCK for m in read_messages(path, topics=['/vibration'])]
+
+
+def test_what_arrives_is_what_is_written(ros_domain: int, tmp_path: Path) -> None:
+    bag = tmp_path / 'bag'
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(bag), 'max_bag_duration': 1.0})
+        source.wait_for_recorder()
+        source.publish_for(3.0)
+        assert source.call('/recorder/split').success
+        source.publish_for(0.5)
+        source.settle()
+        assert nodes.end('recorder', by=signal.SIGTERM) == 0
+    # Subscribed before the first block came: not one is missing.
+    assert numbers(bag) == list(range(len(source.sent)))
+    assert recording_health(bag).problems == []
+    assert len(list(bag.glob('*.mcap'))) >= 4
+    with Reader(bag) as reader:
+        topics = {c.topic: c for c in reader.connections}
+        qos = topics['/vibration'].ext.offered_qos_profiles[0]
+        # DDS discovery tells reliability and durability, not history and depth.
+        assert (qos.reliability.name, qos.durability.name) == ('RELIABLE', 'VOLATILE')
+        assert {'/vibration', '/diagnostics', '/rosout'} <= topics.keys()
+    info = recording_info(bag)
+    assert info.metadata['bearing_twin.versions'].keys() >= {'bearing_twin', 'numpy', 'mcap'}
+    for message in read_messages(bag, topics=['/vibration']):
+        # Sent when it was stamped, received after it was sent.
+        stamp = message.decode().header.stamp
+        assert 0 <= message.publish_time - stamp.sec * 10**9 - stamp.nanosec < 10**9
+        assert message.log_time >= message.publish_time
+
+
+def test_topics_regex_and_exclude(ros_domain: int, tmp_path: Path) -> None:
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(tmp_path / 'a'), 'topics': ['vibration']}, name='a')
+        nodes.start(
+            'recorder',
+            {'output': str(tmp_path / 'b'), 'regex': '/(vib.*|dia.*)', 'exclude': '/diagnostics'},
+            name='b',
+            ros=('-r', '__node:=other'),
+        )
+        source.wait_for_recorder()
+        source.publish_for(3.0)
+        for name in ('a', 'b'):
+            assert nodes.end(name) == 0
+    assert set(recording_info(tmp_path / 'a').topics) == {'/vibration'}
+    assert set(recording_info(tmp_path / 'b').topics) == {'/vibration'}
+
+
+def killed_recorder(folder: Path, moments: list[float]) -> list[float]:
+    """Kill a recorder at each moment (s after the first block); return what each lost, s."""
+    losses = []
+    for number, moment in enumerate(moments):
+        bag = folder / f'bag{number}'
+        with NodeProcesses(folder / 'logs', os.environ) as nodes, Source() as source:
+            nodes.start('recorder', {'output': str(bag)})
+            source.wait_for_recorder()
+            source.publish_for(moment)
+            killed = time.time_ns()
+            os.kill(nodes.pid('recorder'), signal.SIGKILL)
+            nodes.end('recorder')
+        assert find_unfinished(folder) == [bag]
+        report = recover(bag, folder / f'saved{number}')
+        found = numbers(folder / f'saved{number}') if report.kept else []
+        # What is saved is in one piece, from the first block on.
+        assert found == list(range(len(found)))
+        first_lost = source.sent[len(found)][1] if len(found) < len(source.sent) else killed
+        losses.append((killed - first_lost) / 1e9)
+        shutil.rmtree(bag)
+    return losses
+
+
+def test_killed_at_random_moments(ros_domain: int, tmp_path: Path) -> None:
+    rng = random.Random(ros_domain)
+    losses = killed_recorder(tmp_path, [rng.uniform(0.2, 3.0) for _ in range(3)])
+    assert max(losses) <= MOST_LOST
+
+
+@pytest.mark.soak
+def test_killed_at_fifty_random_moments(ros_domain: int, tmp_path: Path) -> None:
+    rng = random.SystemRandom()
+    losses = killed_recorder(tmp_path, [rng.uniform(0.0, 8.0) for _ in range(50)])
+    print(f'50 kills: lost at most {max(losses):.2f} s, {sum(losses) / 50:.2f} s on average')
+    assert max(losses) <= MOST_LOST
+
+
+def test_full_disk_is_said_and_recording_goes_on(ros_domain: int, tmp_path: Path) -> None:
+    bag = tmp_path / 'bag'
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(bag)})
+        source.wait_for_recorder()
+        source.publish_until(lambda: RECORDING in source.statuses)
+        size = (bag / 'bag_0.mcap').stat().st_size
+        infinite = resource.RLIM_INFINITY
+        resource.prlimit(nodes.pid('recorder'), resource.RLIMIT_FSIZE, (size + 20_000, infinite))
+        source.publish_until(lambda: source.statuses[RECORDING].level == b'\x02')
+        assert 'File too large' in source.statuses[RECORDING].message
+        source.publish_for(1.0)
+        assert nodes.running('recorder')
+        resource.prlimit(nodes.pid('recorder'), resource.RLIMIT_FSIZE, (infinite, infinite))
+        source.publish_until(lambda: source.statuses[RECORDING].level == b'\x00')
+        source.publish_for(0.5)
+        source.settle()
+        assert nodes.end('recorder') == 0
+    assert numbers(bag) == list(range(len(source.sent)))
+
+
+def test_removed_folder_is_said_and_recording_goes_on(ros_domain: int, tmp_path: Path) -> None:
+    bag = tmp_path / 'bag'
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(bag)})
+        source.wait_for_recorder()
+        source.publish_for(1.0)
+        shutil.rmtree(bag)
+        source.publish_until(lambda: bag.exists())
+        source.publish_for(1.0)
+        source.settle()
+        assert nodes.end('recorder') == 0
+    assert 'was removed while it was written' in (tmp_path / 'logs' / 'recorder.log').read_text()
+    found = numbers(bag)
+    assert found == list(range(found[0], len(source.sent)))
+
+
+def test_nothing_is_overwritten_and_unfinished_ones_are_offered(
+    ros_domain: int, tmp_path: Path
+) -> None:
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(tmp_path / 'first')})
+        source.wait_for_recorder()
+        source.publish_for(1.0)
+        os.kill(nodes.pid('recorder'), signal.SIGKILL)
+        nodes.end('recorder')
+        nodes.start('recorder', {'output': str(tmp_path / 'first')}, name='again')
+        assert nodes.wait('again', 30.0) == 1
+        source.statuses.clear()
+        nodes.start('recorder', {'output': str(tmp_path / 'second')}, name='second')
+        source.publish_until(lambda: RECORDING in source.statuses)
+        nodes.end('second')
+    logs = {name: (tmp_path / 'logs' / f'{name}.log').read_text() for name in ('again', 'second')}
+    assert 'is not overwritten' in logs['again']
+    assert 'Traceback' not in logs['again']
+    assert f"'bearing-twin recover {tmp_path / 'first'}'" in logs['second']
+
+
+def test_snapshot_on_request(ros_domain: int, tmp_path: Path) -> None:
+    bag = tmp_path / 'bag'
+    parameters = {
+        'output': str(bag), 'snapshot': True, 'snapshot_before': 1.0, 'snapshot_after': 0.5,
+    }  # fmt: skip
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', parameters)
+        source.wait_for_recorder()
+        source.publish_for(3.0)
+        assert not bag.exists()
+        asked = len(source.sent)
+        assert source.call('/recorder/snapshot').success
+        source.publish_for(2.0)
+        assert nodes.end('recorder') == 0
+    found = numbers(bag)
+    assert found == list(range(found[0], found[-1] + 1))
+    assert asked - 40 < found[0] < asked - 10
+    assert asked < found[-1] < asked + 40
+
+
+def test_parameters_are_kept_with_the_recording(ros_domain: int, tmp_path: Path) -> None:
+    bag = tmp_path / 'bag'
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(bag)})
+        source.wait_for_recorder()
+        nodes.start('diagnosis', {'bearing': '6307', 'window': 2.0})
+        source.publish_until(lambda: 'diagnosis: vibration input' in source.statuses, 60.0)
+        source.publish_for(1.0)
+        # Attached while it runs, so that a crash keeps them.
+        os.kill(nodes.pid('recorder'), signal.SIGKILL)
+        nodes.end('recorder')
+        nodes.end('diagnosis')
+    recover(bag, tmp_path / 'saved')
+    info = recording_info(tmp_path / 'saved')
+    parameters = info.metadata['bearing_twin.parameters.diagnosis']
+    assert parameters['window'] == '2.0'
+    assert parameters['bearing'] == '6307'
+    assert {'diagnosis.yaml', 'bearing_6307.yaml'} <= info.attachments.keys()
+    checkpoint = next(
+        iter(read_messages(tmp_path / 'saved', topics=['/diagnosis_checkpoint']))
+    ).decode()
+    assert yaml.safe_load(checkpoint.configuration)['window'] == 2.0
