@@ -33,11 +33,11 @@ fuzz: setup
 
 setup: $(VENV)/package.stamp
 
-$(VENV)/tools.stamp: requirements.txt requirements-dev.txt
+$(VENV)/tools.stamp: requirements.txt requirements-dev.txt constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10) and "Python 3.10 or newer is needed")'
 	$(PYTHON) -m venv $(VENV)
 	$(PIP) install --upgrade 'pip>=24'
-	$(PIP) install -r requirements-dev.txt
+	$(PIP) install -r requirements-dev.txt -c constraints.txt
 	touch $@
 
 # An editable install leaves out the data files: launch, config, executables of ros2 run.
@@ -47,8 +47,8 @@ $(VENV)/messages.stamp: $(VENV)/tools.stamp $(wildcard msg_defs/msg/* msg_defs/s
 	touch $@
 
 $(VENV)/package.stamp: $(VENV)/messages.stamp setup.py setup.cfg package.xml $(wildcard launch/* config/* recordings/*)
-	$(PIP) install --no-build-isolation --no-deps --editable . 2>&1 | grep -v -i editable || true
-	$(BIN)/python setup.py --quiet install_data --install-dir=$(CURDIR)/$(VENV)
+	$(PIP) install --no-build-isolation --no-deps --editable .
+	$(BIN)/python -W ignore setup.py --quiet install_data --install-dir=$(CURDIR)/$(VENV)
 	$(BIN)/bearing-twin --version
 	touch $@
 

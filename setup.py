@@ -39,7 +39,7 @@ def requirements() -> list[str]:
 
 def executables() -> list[tuple[str, list[str]]]:
     """Return the executables of lib/bearing_twin for pip; colcon puts console_scripts there."""
-    if not {*PIP, 'install_data'} & set(sys.argv):
+    if not {*PIP, 'install_data'} & set(sys.argv) or {'install', 'develop'} & set(sys.argv):
         return []
     folder = Path('build') / 'executables'
     folder.mkdir(parents=True, exist_ok=True)
@@ -82,7 +82,7 @@ setup(
         *executables(),
     ],
     install_requires=requirements(),
-    extras_require={'dask': ['dask[distributed]']},
+    extras_require={'dask': ['dask[distributed]'], 'test': ['pytest', 'hypothesis']},
     zip_safe=False,
     entry_points={
         'console_scripts': [
