@@ -67,6 +67,7 @@ class NodeProcesses:
         *,
         name: str = '',
         ros: tuple[str, ...] = (),
+        within: tuple[str, ...] = (),
     ) -> None:
         """Start ``bearing_twin.nodes.MODULE`` with parameters.
 
@@ -80,8 +81,10 @@ class NodeProcesses:
             Name of the process here, ``module`` if empty.
         ros
             More ``--ros-args``.
+        within
+            Command that runs the process, such as ``ip netns exec HOST``.
         """
-        words = [sys.executable, '-m', f'bearing_twin.nodes.{module}', '--ros-args']
+        words = [*within, sys.executable, '-m', f'bearing_twin.nodes.{module}', '--ros-args']
         for key, value in parameters.items():
             words += ['-p', f'{key}:={_yaml(value)}']
         name = name or module

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import sys
 import traceback
 from typing import TYPE_CHECKING, Any
@@ -22,6 +23,12 @@ if TYPE_CHECKING:
     from rclpy.lifecycle import LifecycleState
 
 __all__ = ['AUTOSTART', 'ManagedNode', 'run']
+
+TRANSPORT_SETTINGS = (
+    'FASTDDS_BUILTIN_TRANSPORTS',
+    'FASTDDS_DEFAULT_PROFILES_FILE',
+    'FASTRTPS_DEFAULT_PROFILES_FILE',
+)
 
 AUTOSTART = Spec(
     name='autostart',
@@ -154,6 +161,17 @@ class ManagedNode(LifecycleNode):
         return TransitionCallbackReturn.SUCCESS
 
 
+def _never_wait_for_the_network() -> None:
+    """Let Fast DDS drop what a pulled cable cannot take, instead of holding up the publisher.
+
+    By default its sockets block for seconds when the other host has gone, and so would every
+    deadline. What was dropped is sent again if it is still in the writer's history. A user who
+    has set up the transports keeps them; other middleware does not look at this.
+    """
+    if not any(name in os.environ for name in TRANSPORT_SETTINGS):
+        os.environ['FASTDDS_BUILTIN_TRANSPORTS'] = 'DEFAULT?non_blocking=true'
+
+
 def _spin(executor: SingleThreadedExecutor, node: ManagedNode) -> None:
     try:
         executor.spin()
@@ -170,6 +188,7 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
     INT and TERM end it cleanly: files are finished, the status is 0.
     """
     node: ManagedNode | None = None
+    _never_wait_for_the_network()
     try:
         with rclpy.init(args=list(args) if args is not None else None):
             try:

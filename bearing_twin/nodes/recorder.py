@@ -77,6 +77,7 @@ class RecorderNode(ManagedNode):
         self._watch = RecordingWatch(self._writer, p.values, self.get_logger())
         self._subscriptions_of: dict[str, Subscription[Any]] = {}
         self._types: dict[str, str] = {}
+        self._received: dict[str, int] = {}
         self._qos: dict[str, str] = {}
         self._left_out: dict[str, str] = {}
         self._lost = 0
@@ -170,11 +171,14 @@ class RecorderNode(ManagedNode):
         received = info['received_timestamp'] or time.time_ns()
         if self.get_parameter('use_sim_time').value:
             received = self.get_clock().now().nanoseconds
+        # What is sent again after a loss arrives late and is handed out in order: by the time of
+        # its arrival it would stand behind messages that follow it.
+        received = self._received[topic] = max(0, received, self._received.get(topic, 0))
         self._writer.write(
             topic,
             type_name,
             cdr,
-            log_time=max(0, received),
+            log_time=received,
             publish_time=max(0, info['source_timestamp'] or received),
             qos=qos,
         )

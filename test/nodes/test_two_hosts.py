@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Twin on one host, diagnosis and recorder on another, and the cable between them pulled.
+
+The hosts are network namespaces joined by a bridge in a third one, so that pulling a port of the
+bridge is what pulling the cable of a machine is: no carrier, addresses stay.
+"""
+
+import os
+import shutil
+import subprocess
+import time
+from itertools import pairwise
+
+import pytest
+
+pytest.importorskip('rclpy')
+
+from bearing_twin.nodes.launching import NodeProcesses
+from bearing_twin.recording.reader import read_messages
+
+pytestmark = pytest.mark.ros
+
+CUT = 5.0
+
+
+def ip(*words, check=True):
+    return subprocess.run(['ip', *words], check=check, capture_output=True, text=True)
+
+
+@pytest.fixture
+def hosts():
+    """Return the names of two hosts and a function that pulls or plugs the cable of the first."""
+    if shutil.which('ip') is None:
+        pytest.skip('no ip command (Debian package iproute2)')
+    if os.geteuid() != 0:
+        pytest.skip('network namespaces need root')
+    tag = f'bt{os.getpid()}'
+    switch, *pair = (f'{tag}_{name}' for name in ('switch', 'a', 'b'))
+    try:
+        made = ip('netns', 'add', switch, check=False)
+        if made.returncode:
+            pytest.skip(f'no network namespaces here: {made.stderr.strip()}')
+        ip('-n', switch, 'link', 'add', 'bridge0', 'type', 'bridge')
+        ip('-n', switch, 'link', 'set', 'bridge0', 'up')
+        for number, host in enumerate(pair, 1):
+            port = f'port{number}'
+            ip('netns', 'add', host)
+            ip('-n', switch, 'link', 'add', port, 'type', 'veth', 'peer', 'eth0', 'netns', host)
+            ip('-n', switch, 'link', 'set', port, 'master', 'bridge0', 'up')
+            ip('-n', host, 'addr', 'add', f'10.77.0.{number}/24', 'dev', 'eth0')
+            ip('-n', host, 'link', 'set', 'eth0', 'up')
+            ip('-n', host, 'link', 'set', 'lo', 'up')
+            ip('-n', host, 'route', 'add', '224.0.0.0/4', 'dev', 'eth0')
+        yield *pair, lambda state: ip('-n', switch, 'link', 'set', 'port1', state)
+    finally:
+        for name in (switch, *pair):
+            ip('netns', 'del', name, check=False)
+
+
+def wait_for_growth(folder, nodes, by, timeout=60.0):
+    """Wait until the recording has grown by some bytes."""
+    end = time.monotonic() + timeout
+    start = None
+    while True:
+        size = sum(path.stat().st_size for path in folder.glob('*.mcap'))
+        start = size if start is None else start
+        if size > start + by:
+            return
+        nodes.check()
+        assert time.monotonic() < end, f'the recording stays at {size} bytes'
+        time.sleep(0.1)
+
+
+def test_a_pulled_cable_costs_the_samples_of_that_time_and_nothing_else(
+    ros_domain, hosts, tmp_path, monkeypatch
+):
+    monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'SUBNET')
+    # Two machines share no memory; for the rest this is what the nodes set themselves.
+    monkeypatch.setenv('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4?non_blocking=true')
+    far, near, cable = hosts
+    bag = tmp_path / 'bag'
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes:
+        for node, parameters in (('recorder', {'output': str(bag)}), ('diagnosis', {})):
+            nodes.start(node, parameters, within=('ip', 'netns', 'exec', near))
+        nodes.start('twin', {'defect': 'inner'}, within=('ip', 'netns', 'exec', far))
+        wait_for_growth(bag, nodes, 600_000)
+        cable('down')
+        time.sleep(CUT)
+        cable('up')
+        wait_for_growth(bag, nodes, 1_000_000)
+        time.sleep(3.0)
+        for node in ('twin', 'diagnosis', 'recorder'):
+            assert nodes.end(node) == 0
+
+    blocks, verdicts, states, inputs = [], [], [], []
+    for message in read_messages(bag):
+        if message.topic == '/vibration':
+            blocks.append(message.decode().first_sample // 1024)
+        elif message.topic == '/diagnosis':
+            verdicts.append(message.decode())
+        elif message.topic == '/twin_state':
+            states.append(message.decode())
+        elif message.topic == '/diagnostics':
+            inputs += [
+                {item.key: item.value for item in status.values} | {'message': status.message}
+                for status in message.decode().status
+                if status.name == 'diagnosis: vibration input'
+            ]
+    # In order, and no more is missing than the cut explains; the last blocks were sent again.
+    assert all(a < b for a, b in pairwise(blocks))
+    gaps = [(a, b) for a, b in pairwise(blocks) if b != a + 1]
+    lost = sum(b - a - 1 for a, b in gaps)
+    assert 0 < lost * 0.04 <= CUT + 1.0
+    assert (gaps[-1][1] - gaps[0][0]) * 0.04 <= CUT + 4.0
+    assert blocks[-1] > gaps[-1][1] + 50
+    # The twin did not notice: no block dropped, as many published as there were.
+    assert states[-1].blocks_dropped == 0
+    assert states[-1].blocks_published == states[-1].first_sample // 1024 + 1
+    # The diagnosis said so while it lasted, counted what is missing, and came back by itself.
+    assert any('no vibration for' in status['message'] for status in inputs)
+    assert int(inputs[-1]['samples lost']) >= 1024
+    assert inputs[-1]['restarts of the source'] == '0'
+    first, last = gaps[0][0] * 1024, gaps[-1][1] * 1024
+    assert verdicts[-1].first_sample > first
+    assert not [
+        v for v in verdicts if v.first_sample < first and v.first_sample + v.sample_count > last
+    ]
