@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.view.opening import draw_recording
+from bearing_twin.view.opening import draw_recordings, find_recording
 from bearing_twin.view.viewer import HeadlessViewer, live_url, show, show_in_browser
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs='*',
         type=Path,
         metavar='RECORDING',
-        help='MCAP file, bag folder or .rrd',
+        help='MCAP file, bag folder or .rrd; several stand side by side',
     )
     parser.add_argument(
         '--live',
@@ -49,6 +49,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--save', type=Path, metavar='RRD', help='keep the Rerun file')
     parser.add_argument(
         '--screenshot', type=Path, metavar='PNG', help='write a picture instead of showing it'
+    )
+    parser.add_argument(
+        '--at', type=float, metavar='SECONDS', help='moment of the picture (default: the end)'
     )
     parser.add_argument(
         '--size', default='1800x1100', help='of the picture, WIDTHxHEIGHT (default 1800x1100)'
@@ -77,20 +80,21 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
-    (path,) = args.recordings
-    if path.suffix == '.rrd':
-        if not path.is_file():
-            msg = f'{path} does not exist'
-            raise BearingTwinError(msg)
-        return [str(path)]
-    rrd = folder / f'{path.resolve().stem}.rrd'
-    problems = draw_recording(path, rrd, progress=_progress if sys.stderr.isatty() else None)
+    paths = [find_recording(path) for path in args.recordings]
+    pictures = [path for path in paths if path.suffix == '.rrd']
+    if pictures and len(paths) > 1:
+        msg = f'{pictures[0]} is a picture; side by side go the MCAP recordings behind pictures'
+        raise BearingTwinError(msg)
+    if args.save and args.save.exists():
+        msg = f'{args.save} exists and is not overwritten; name another file'
+        raise BearingTwinError(msg)
+    if pictures:
+        return [str(pictures[0])]
+    rrd = folder / f'{paths[0].resolve().stem}.rrd'
+    problems = draw_recordings(paths, rrd, progress=_progress if sys.stderr.isatty() else None)
     for topic, reason in problems.items():
         print(f'{topic} is not drawn: {reason}', file=sys.stderr)
     if args.save:
-        if args.save.exists():
-            msg = f'{args.save} exists and is not overwritten; name another file'
-            raise BearingTwinError(msg)
         shutil.copyfile(rrd, args.save)
     return [str(rrd)]
 
@@ -101,7 +105,7 @@ def _screenshot(args: argparse.Namespace, sources: list[str]) -> int:
         msg = f'--size {args.size} is not WIDTHxHEIGHT, e.g. 1800x1100'
         raise BearingTwinError(msg)
     with HeadlessViewer(sources, size=(int(size[1]), int(size[2]))) as viewer:
-        viewer.wait('ros_time')
+        viewer.wait('since_start' if len(args.recordings) > 1 else 'ros_time', seconds=args.at)
         viewer.screenshot(args.screenshot.absolute())
     return 0
 

@@ -24,6 +24,9 @@ CLOSE = 0.2
 WIDE = 10.0
 """Length of the waveform's envelope, s."""
 
+LANES = 60.0
+"""Length of the lanes, s."""
+
 View = rrb.View | rrb.Container
 
 
@@ -53,8 +56,8 @@ def layout(
         parts = [_wide(scene, timeline) for scene in shown.values()]
     else:
         parts = [rrb.Tabs(*(_wide(scene, timeline, name=title) for title, scene in shown.items()))]
-    foot = _foot(scenes.values(), timeline)
-    root = rrb.Vertical(*parts, foot, row_shares=[8, 1]) if foot else rrb.Vertical(*parts)
+    foot = _foot(scenes.values())
+    root = rrb.Vertical(*parts, foot, row_shares=[9, 2]) if foot else rrb.Vertical(*parts)
     return rrb.Blueprint(
         root,
         rrb.BlueprintPanel(state='collapsed'),
@@ -101,20 +104,35 @@ def _lines(
     )
 
 
-def _verdict(scene: Scene) -> list[View]:
-    views: list[View] = []
+def _lanes(name: str, contents: Sequence[str]) -> rrb.StateTimelineView:
+    end = rrb.TimeRangeBoundary.cursor_relative()
+    start = rrb.TimeRangeBoundary.cursor_relative(seconds=-LANES)
+    return rrb.StateTimelineView(
+        origin='/',
+        contents=list(contents),
+        name=name,
+        time_view=rrb.TimeAxis(view_range=rrb.TimeRange(start=start, end=end)),
+    )
+
+
+def _verdict(scene: Scene, *, title: str = '', evidence: bool = True) -> list[View]:
+    rows: list[View] = []
     for path in _of(scene, 'diagnosis'):
         lanes = [f'{path}/verdict'] + [
             f'{state}/temperature_status' for state in _of(scene, 'twin_state')
         ]
-        views.append(
-            rrb.Horizontal(
-                rrb.TextDocumentView(origin=f'{path}/words', name='Verdict'),
-                rrb.StateTimelineView(origin='/', contents=lanes, name='Verdict over time'),
-                column_shares=[1, 2],
-            )
-        )
-    return views
+        views: list[View] = [
+            rrb.TextDocumentView(
+                origin=f'{path}/words', name=f'Verdict: {title}' if title else 'Verdict'
+            ),
+            _lanes('Verdict over time', lanes),
+        ]
+        shares = [1, 2]
+        if evidence:
+            views.append(_lines('Evidence: comb score [sd]', [f'{path}/evidence/**']))
+            shares.append(1)
+        rows.append(rrb.Horizontal(*views, column_shares=shares))
+    return rows
 
 
 def _solid(scene: Scene) -> list[View]:
@@ -123,7 +141,7 @@ def _solid(scene: Scene) -> list[View]:
             origin=f'{path}/bearing',
             name=f'Bearing: {SLOWED:g} x slower, displacement x {MAGNIFIED:g}, red: defect',
             eye_controls=rrb.EyeControls3D(
-                position=[25.0, 20.0, 150.0], look_target=[0.0, 0.0, 0.0], eye_up=[0.0, 1.0, 0.0]
+                position=[22.0, 18.0, 92.0], look_target=[0.0, 0.0, 0.0], eye_up=[0.0, 1.0, 0.0]
             ),
             line_grid=False,
         )
@@ -137,7 +155,7 @@ def _waveforms(scene: Scene, timeline: str) -> list[View]:
         views += [
             _lines(
                 f'Vibration, last {CLOSE:g} s',
-                [f'{path}/samples/**', f'{path}/envelope/y'],
+                [f'{path}/samples/**'],
                 window=_window(timeline, CLOSE),
             ),
             _lines(
@@ -156,7 +174,7 @@ def _waterfalls(scene: Scene) -> list[View]:
             origin=f'{path}/waterfall',
             name='Waveform over temperature',
             eye_controls=rrb.EyeControls3D(
-                position=[1.0, -10.0, 8.0], look_target=[5.0, 4.2, 0.0], eye_up=[0.0, 0.0, 1.0]
+                position=[0.5, -6.5, 6.5], look_target=[5.2, 3.6, 0.0], eye_up=[0.0, 0.0, 1.0]
             ),
             line_grid=False,
         )
@@ -167,12 +185,12 @@ def _waterfalls(scene: Scene) -> list[View]:
 
 def _spectra(scene: Scene) -> list[View]:
     names = (
-        ('envelope_spectrum', 'Squared envelope spectrum [over Hz]'),
-        ('spectrum', 'Spectrum [over Hz]'),
+        ('envelope_spectrum', 'Squared envelope spectrum [over Hz]', True),
+        ('spectrum', 'Spectrum [over Hz], same cursors', False),
     )
     return [
-        rrb.BarChartView(origin=path, contents='$origin/**', name=name)
-        for kind, name in names
+        rrb.BarChartView(origin=path, name=name, plot_legend=rrb.PlotLegend(visible=legend))
+        for kind, name, legend in names
         for path in _of(scene, kind)
     ]
 
@@ -185,7 +203,6 @@ def _trends(scene: Scene) -> list[View]:
         ('Temperature [°C]', temperatures),
         ('Contact: beta0, K_b, C_d', [f'{path}/contact/**' for path in states]),
         ('Severity', [f'{path}/severity/**' for path in diagnoses]),
-        ('Evidence: comb score [sd]', [f'{path}/evidence/**' for path in diagnoses]),
         ('Real time', [f'{path}/real_time/**' for path in states]),
     )
     return [_lines(name, contents) for name, contents in groups if contents]
@@ -201,19 +218,11 @@ def _numbers(scene: Scene) -> list[View]:
     return views
 
 
-def _panels(scene: Scene) -> list[View]:
-    return [
-        rrb.TextDocumentView(origin=f'{path}/parameters', name=path.rsplit('/', 1)[-1])
-        for path in _of(scene, 'checkpoint')
-    ]
-
-
 def _wide(scene: Scene, timeline: str, *, name: str | None = None) -> View:
-    panels = _panels(scene)
     columns = [
-        [*_solid(scene), *([rrb.Tabs(*panels)] if panels else [])],
+        [*_solid(scene), *_waterfalls(scene)],
         _waveforms(scene, timeline),
-        [*_spectra(scene), *_waterfalls(scene)],
+        _spectra(scene),
         _trends(scene),
     ]
     filled = [rrb.Vertical(*column) for column in columns if column]
@@ -223,26 +232,42 @@ def _wide(scene: Scene, timeline: str, *, name: str | None = None) -> View:
     extra = _numbers(scene)
     if extra and not _is_bearing(scene):
         body.append(rrb.Grid(*extra))
-    shares = [1, 5] if len(body) == 2 else None
+    shares = [2, 7] if len(body) == 2 else None
     return rrb.Vertical(*body, row_shares=shares, name=name)
 
 
 def _narrow(scene: Scene, title: str, timeline: str) -> View:
-    waves = _waveforms(scene, timeline)[:1]
-    spectra = _spectra(scene)[:1]
-    trends = _trends(scene)[:4]
-    body = [*_verdict(scene), *waves, *spectra, *_waterfalls(scene), rrb.Grid(*trends)]
-    return rrb.Vertical(*body, name=title)
+    solids = [*_solid(scene), *_waterfalls(scene)]
+    rows: list[tuple[float, View]] = [
+        (2.0, view) for view in _verdict(scene, title=title, evidence=False)
+    ]
+    rows += [(2.0, view) for view in _waveforms(scene, timeline)[:1]]
+    rows += [(2.5, view) for view in _spectra(scene)[:1]]
+    if solids:
+        rows.append((3.5, rrb.Horizontal(*solids)))
+    if trends := _trends(scene)[:3]:
+        rows.append((2.0, rrb.Horizontal(*trends)))
+    if not rows:
+        rows = [(1.0, view) for view in _numbers(scene)]
+    return rrb.Vertical(
+        *(view for _, view in rows), row_shares=[share for share, _ in rows], name=title
+    )
 
 
-def _foot(scenes: Iterable[Scene], timeline: str) -> View | None:
-    logs, lanes = [], []
+def _foot(scenes: Iterable[Scene]) -> View | None:
+    logs, lanes, panels = [], [], []
     for scene in scenes:
         logs += [f'{path}/**' for kind in ('log', 'text') for path in _of(scene, kind)]
         lanes += [f'{path}/**' for path in _of(scene, 'diagnostics')]
+        panels += [
+            rrb.TextDocumentView(origin=f'{path}/parameters', name=path.strip('/'))
+            for path in _of(scene, 'checkpoint')
+        ]
     views: list[View] = []
     if logs:
         views.append(rrb.TextLogView(origin='/', contents=logs, name='Log'))
     if lanes:
-        views.append(rrb.StateTimelineView(origin='/', contents=lanes, name='Health of the nodes'))
+        views.append(_lanes('Health of the nodes', lanes))
+    if panels:
+        views.append(rrb.Tabs(*panels, name='Parameters'))
     return rrb.Horizontal(*views) if views else None

@@ -15,6 +15,7 @@ from bearing_twin.view.scene import Scene, namespace_of
 from bearing_twin.view.timebase import Timebase
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
     from types import TracebackType
 
@@ -49,6 +50,9 @@ class RerunLogger:
         Geometry to draw, where the messages name none of the catalogue.
     full_samples
         Draw every sample of the vibration instead of a part of each second and its envelope.
+    sides
+        Names of recordings that are drawn side by side, with the time in ns at which each begins;
+        time counts from there.
 
     Raises
     ------
@@ -65,16 +69,21 @@ class RerunLogger:
         memory_limit: str = '256MB',
         bearing: Bearing | None = None,
         full_samples: bool = False,
+        sides: Mapping[str, int] | None = None,
     ) -> None:
         self.failed = 0
         """Messages that could not be drawn."""
         self.problems: dict[str, str] = {}
         """Reason by topic."""
         self._recording = rr.RecordingStream(APPLICATION, recording_id=recording_id)
-        self._timebase = Timebase()
+        self._timebases = {'': Timebase()}
+        if sides:
+            self._timebases = {
+                side: Timebase('since_start', zero=start) for side, start in sides.items()
+            }
         self._bearing = bearing
         self._full = full_samples
-        self._scenes: dict[str, Scene] = {}
+        self._scenes: dict[tuple[str, str], Scene] = {}
         self._laid_out = 0
         self._known = 0
         self._changed = 0
@@ -96,16 +105,30 @@ class RerunLogger:
             msg = f'Rerun cannot start ({error}); is the port taken or the disk full?'
             raise BearingTwinError(msg) from None
 
-    def log(self, topic: str, type_name: str, message: Any, time_ns: int) -> None:
-        """Draw a message that was received at ``time_ns``; never raises, never waits."""
+    def log(
+        self, topic: str, type_name: str, message: Any, time_ns: int, *, side: str = ''
+    ) -> None:
+        """Draw a message that was received at ``time_ns``; never raises, never waits.
+
+        Parameters
+        ----------
+        topic, type_name
+            ``/line3/bearing_7/vibration`` and ``pkg/msg/Type``.
+        message
+            Anything with the fields of the ROS message.
+        time_ns
+            When it was received, ns.
+        side
+            One of the `sides`, where there are any.
+        """
         try:
             namespace, name = namespace_of(topic)
-            scene = self._scenes.get(namespace)
+            scene = self._scenes.get((side, namespace))
             if scene is None:
-                scene = self._scenes[namespace] = Scene(
+                scene = self._scenes[side, namespace] = Scene(
                     self._recording,
-                    namespace,
-                    self._timebase,
+                    f'/{side}{namespace}' if side else namespace,
+                    self._timebases[side],
                     bearing=self._bearing,
                     full=self._full,
                 )
@@ -121,8 +144,6 @@ class RerunLogger:
 
     def close(self) -> None:
         """Draw what is held back and finish; a second time does nothing."""
-        if not self._scenes and not self._known:
-            pass
         for scene in self._scenes.values():
             scene.flush()
         self._send_layout()
@@ -154,5 +175,8 @@ class RerunLogger:
         if known == self._laid_out or not known:
             return
         self._laid_out = known
-        titles = {scene.root or '/': scene for scene in self._scenes.values()}
-        self._recording.send_blueprint(layout(titles, timeline=self._timebase.timeline))
+        titles = {' '.join(filter(None, key)) or '/': scene for key, scene in self._scenes.items()}
+        timeline = next(iter(self._timebases.values())).timeline
+        self._recording.send_blueprint(
+            layout(titles, timeline=timeline, side_by_side=len(self._timebases) > 1)
+        )

@@ -143,7 +143,7 @@ class Scene:
                 [value],
                 variances=[variance] if variance > 0.0 else None,
                 units=['°C'],
-                names=[f'{name} measured [°C]'],
+                names=['measured'],
                 colors=[LINE['measured']],
                 widths=[1.5],
             ),

@@ -18,8 +18,12 @@ if TYPE_CHECKING:
 
 __all__ = ['SpectrumBars', 'cursors']
 
-BARS = 1500
-"""Most bars drawn; of neighbouring bins the highest is kept."""
+BARS = 300
+"""Most bars drawn, of a pixel or two each; of neighbouring bins the highest is kept."""
+TICK = 0.12
+"""Length of a cursor below the axis, as part of the highest bar."""
+HAIR = 1.0 / 1200.0
+"""Width of a cursor, as part of the frequencies shown."""
 HARMONICS = 4
 
 
@@ -70,25 +74,26 @@ class SpectrumBars:
     def draw(self, message: Any, time: int) -> None:
         """Draw a spectrum at ``time`` in ns."""
         values = np.nan_to_num(np.asarray(message.values, dtype=np.float64))
-        width = float(message.bin_hz)
-        if values.size == 0 or not width > 0.0:
+        start, spacing = float(message.start_hz), float(message.bin_hz)
+        if values.size == 0 or not spacing > 0.0:
             return
-        start = float(message.start_hz)
-        values, width, start = pooled(values, width, start)
-        frequencies = start + np.arange(values.size) * width
-        self._bars('bars', time, frequencies, values, width, LINE['envelope'])
-        top = 1.05 * float(values.max()) or 1.0
-        # As thin as can be seen, and never thinner than a bar.
-        thin = max(width, values.size * width / 1200.0)
+        end = start + values.size * spacing
+        hair = (end - start) * HAIR
+        frequencies, values, width = pooled(values, start, spacing)
+        self._bars('level', time, frequencies, values, width, LINE['spectrum'])
+        top = float(values.max()) or 1.0
         drawn = cursors(message)
         for family in FAMILIES:
-            lines = [(f, h) for f, h in drawn.get(family.key, ()) if start <= f <= frequencies[-1]]
+            lines = [(f, h) for f, h in drawn.get(family.key, ()) if start <= f <= end]
+            places = np.array([f for f, _ in lines])
+            heights = np.array([h for _, h in lines])
+            # A hair line through the plot, and below the axis a tick that hides no bar.
             self._bars(
-                f'cursors/{family.label.replace(" ", "")}',
+                family.label.replace(' ', ''),
                 time,
-                np.array([f for f, _ in lines]),
-                np.array([h for _, h in lines]) * top,
-                thin,
+                np.concatenate([places, places]),
+                np.concatenate([heights * top * 1.05, -heights * top * TICK]),
+                np.repeat([hair, 4.0 * hair], len(lines)),
                 family.colour,
             )
 
@@ -98,7 +103,7 @@ class SpectrumBars:
         time: int,
         frequencies: NDArray[np.floating[Any]],
         values: NDArray[np.floating[Any]],
-        width: float,
+        widths: NDArray[np.floating[Any]] | float,
         colour: tuple[int, ...],
     ) -> None:
         self._canvas.put(
@@ -107,19 +112,22 @@ class SpectrumBars:
             rr.BarChart(
                 values,
                 abscissa=frequencies,
-                widths=np.full(values.size, width, dtype=np.float32),
+                widths=np.broadcast_to(np.float32(widths), values.shape),
                 color=colour,
             ),
         )
 
 
 def pooled(
-    values: NDArray[np.float64], width: float, start: float
-) -> tuple[NDArray[np.float64], float, float]:
-    """Return at most BARS values, each the highest of its neighbours, with width and start."""
+    values: NDArray[np.float64], start: float, spacing: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    """Return at most BARS peaks: their frequencies in Hz, their heights, and the bars' width.
+
+    Each is the highest of its neighbours, at the frequency that it has.
+    """
     group = -(-values.size // BARS)
-    if group == 1:
-        return values, width, start
     edges = np.arange(0, values.size, group)
-    highest = np.maximum.reduceat(values, edges)
-    return highest, width * group, start + 0.5 * width * (group - 1)
+    padded = np.full(edges.size * group, -np.inf)
+    padded[: values.size] = values
+    highest = edges + padded.reshape(-1, group).argmax(axis=1)
+    return start + highest * spacing, values[highest], group * spacing

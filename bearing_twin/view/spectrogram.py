@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ['Spectrogram']
 
 COLUMNS = 300
-ROWS = 128
+ROWS = 96
 COLUMN_SECONDS = 0.2
 DRAW_EVERY = 5
 """Columns between two pictures: one a second."""
@@ -42,6 +42,7 @@ class Spectrogram:
         self._held = 0
         self._columns = 0
         self._top = -np.inf
+        self._labelled = (0.0, 0.0)
 
     def add(self, samples: NDArray[np.float64], time: int, rate: float, unit: str) -> None:
         """Take samples that begin at ``time`` in ns."""
@@ -67,27 +68,28 @@ class Spectrogram:
         self._canvas.put(
             self._name,
             time,
-            rr.DepthImage(
-                np.repeat(picture[::-1], 1, axis=0), colormap='inferno', depth_range=(0, 255)
-            ),
+            rr.DepthImage(picture[::-1], colormap='inferno', depth_range=(0, 255)),
         )
-        self._axes(rate, unit)
+        if (rate, self._top) != self._labelled:
+            self._labelled = rate, self._top
+            self._axes(time, rate, unit)
 
-    def _axes(self, rate: float, unit: str) -> None:
+    def _axes(self, time: int, rate: float, unit: str) -> None:
         nyquist = rate / 2.0
         step = 10.0 ** np.floor(np.log10(nyquist)) * 0.5
         ticks = np.arange(0.0, nyquist + 1e-9, step if nyquist / step < 8 else 2.0 * step)
         rows = ROWS * (1.0 - ticks / nyquist)
         labels = [f'{tick / 1e3:g} kHz' for tick in ticks]
-        positions = [[-4.0, row] for row in rows]
+        positions = [[-14.0, row + 3.0] for row in rows]
         seconds = COLUMNS * COLUMN_SECONDS
         for back in np.linspace(0.0, seconds, 5):
-            positions.append([COLUMNS * (1.0 - back / seconds), ROWS + 5.0])
+            positions.append([COLUMNS * (1.0 - back / seconds), ROWS + 14.0])
             labels.append(f'-{back:g} s' if back else 'now')
         positions.append([COLUMNS / 2.0, -6.0])
         labels.append(f'level {self._top - RANGE_DB:g}..{self._top:g} dB re 1 {unit}')
-        self._canvas.once(
-            f'{self._name}/axes/{rate:g}/{self._top:g}'.replace('.', '_').replace('-', 'm'),
+        self._canvas.put(
+            f'{self._name}/axes',
+            time,
             rr.Points2D(
                 positions, labels=labels, radii=0.01, colors=LINE['ground'], show_labels=True
             ),

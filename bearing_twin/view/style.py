@@ -78,6 +78,7 @@ LINE: dict[str, Colour] = {
     'third': (255, 167, 38),
     'fourth': (171, 71, 188),
     'shaft': (120, 144, 156),
+    'spectrum': (144, 164, 174),
     'ground': (128, 128, 128),
 }
 """Colours of lines by what they show."""

@@ -28,7 +28,7 @@ HELD = 10
 """States that are logged at once: 0.4 s of 25 Hz, a tenth of the cost of one by one."""
 
 TRENDS: dict[str, tuple[str, Colour, Callable[[Any], float]]] = {
-    'temperature/used': ('used by the twin [°C]', LINE['used'], lambda s: s.temperature_used),
+    'temperature/used': ('used [°C]', LINE['used'], lambda s: s.temperature_used),
     'temperature/inner_ring': (
         'inner ring [°C]',
         LINE['fourth'],
@@ -38,7 +38,7 @@ TRENDS: dict[str, tuple[str, Colour, Callable[[Any], float]]] = {
     'contact/k_b': ('K_b [1e10 N/m^1.5]', LINE['second'], lambda s: 1e-10 * s.k_b),
     'contact/c_d': ('C_d [10 µm]', LINE['third'], lambda s: 1e5 * s.c_d),
     'contact/kappa': ('kappa [1]', LINE['fourth'], lambda s: s.kappa),
-    'real_time/lateness': ('late by [ms]', LINE['third'], lambda s: 1e3 * s.lateness),
+    'real_time/lateness': ('late [ms]', LINE['third'], lambda s: 1e3 * s.lateness),
     'real_time/execution': ('computing [ms]', LINE['first'], lambda s: 1e3 * s.execution_time),
     'real_time/late': ('late blocks [1]', LINE['fourth'], lambda s: s.blocks_late),
     'real_time/dropped': ('dropped blocks [1]', LINE['measured'], lambda s: s.blocks_dropped),

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
+import numpy as np
 import rerun_cli
 
 from bearing_twin.errors import BearingTwinError
@@ -145,8 +146,15 @@ class HeadlessViewer:
             self.close()
             raise
 
-    def wait(self, timeline: str | None = None) -> None:
-        """Wait until everything has been loaded, and show its end.
+    def wait(self, timeline: str, *, seconds: float | None = None) -> None:
+        """Wait until everything has been loaded, and show one moment of it.
+
+        Parameters
+        ----------
+        timeline
+            Timeline to look at.
+        seconds
+            Time from the beginning; None: the end, and what comes after.
 
         Raises
         ------
@@ -168,10 +176,25 @@ class HeadlessViewer:
                 msg = f'the viewer has loaded nothing within {LOAD_TIMEOUT:g} s'
                 raise BearingTwinError(msg)
             time.sleep(0.7)
-        if timeline is not None:
-            with contextlib.suppress(RuntimeError):
-                self._client.set_time(timeline, play_state='following')
+        if seconds is None:
+            self._client.set_time(timeline, play_state='following')
+        else:
+            self._pause(timeline, seconds)
         time.sleep(SETTLE)
+
+    def _pause(self, timeline: str, seconds: float) -> None:
+        for recording in self._client.get_state().recordings:
+            for found in recording.timelines:
+                if found.name == timeline and found.start is not None:
+                    at = found.start + round(1e9 * seconds)
+                    if found.time_type.lower().startswith('duration'):
+                        time_of = {'duration': np.timedelta64(at, 'ns')}
+                    else:
+                        time_of = {'timestamp': np.datetime64(at, 'ns')}
+                    self._client.set_time(timeline, play_state='paused', **time_of)
+                    return
+        msg = f'there is no timeline {timeline!r} in what is shown'
+        raise BearingTwinError(msg)
 
     def screenshot(self, path: Path) -> None:
         """Write what the window shows as PNG."""
