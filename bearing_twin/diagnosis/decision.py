@@ -221,11 +221,10 @@ def modulation_index(
     """
     bands = len(spectra.carrier)
     lines = slice(0, bands) if family == 'cage' else slice(bands, None)
-    power = np.zeros(bands)
-    for harmonic in range(1, HARMONICS + 1):
-        row = int(spectra.rows([harmonic * order])[0])
-        # A line spreads over three bins of the Hann window, whose noise bandwidth is 1.5 bins.
-        power += spectra.excess[max(row - 1, 0) : row + 2, lines].sum(axis=0) / 1.5
+    teeth = order * np.arange(1, HARMONICS + 1)
+    rows = spectra.rows(teeth[:, None] + spectra.step * np.arange(-1, 2))
+    # A line spreads over three bins of the Hann window, whose noise bandwidth is 1.5 bins.
+    power = spectra.excess[rows.ravel(), lines].sum(axis=0) / 1.5
     if family == 'outer':
         # Half of the range stays in any case, for low sample rates.
         limit = min(CARRIER * order, 0.5 * float(spectra.carrier.max()))
@@ -239,15 +238,10 @@ def modulation_index(
 def sideband_ratio(spectra: OrderSpectra, order: float, band: int) -> float:
     """Amplitude of the lines one and two orders beside the teeth of a comb over the teeth's."""
     teeth = order * np.arange(1, HARMONICS + 1)
-    lines = spectra.excess[:, len(spectra.carrier) + band]
-
-    def power(orders: NDArray[np.floating]) -> float:
-        rows = spectra.rows(orders)
-        around = [lines[np.clip(rows + shift, 0, len(lines) - 1)] for shift in (-1, 0, 1)]
-        return float(np.mean(np.sum(around, axis=0)))
-
-    beside = np.mean([power(teeth + side) for side in (-2, -1, 1, 2)])
-    return float(np.sqrt(beside / max(power(teeth), 1e-30)))
+    sides = np.array([0.0, -2.0, -1.0, 1.0, 2.0])
+    rows = spectra.rows(sides[:, None, None] + teeth[:, None] + spectra.step * np.arange(-1, 2))
+    power = spectra.excess[rows, len(spectra.carrier) + band].sum(axis=(1, 2))
+    return float(np.sqrt(power[1:].mean() / max(float(power[0]), 1e-30)))
 
 
 def cage_shakes(judge: Judge, order: float) -> bool:
@@ -310,8 +304,8 @@ def decide(
         if cage is not None and cage.index >= INDEX_FAULT:
             return _judge_cage(judge, cage, candidates, revolutions)
     strong = others
-    hidden = [c for c in (judge.hidden(family) for family in FAMILIES[:3]) if c is not None]
-    if not strong and hidden:
+    hidden = [] if strong else [c for c in map(judge.hidden, FAMILIES[:3]) if c is not None]
+    if hidden:
         text = (
             f'{hidden[0].family} order {hidden[0].order:.3f} and shaft order '
             f'{round(hidden[0].order)} coincide within the resolution of this window: the lines '

@@ -87,18 +87,17 @@ def refine_shaft_hz(
     center = float(np.median(null))
     spread = max(float(np.quantile(null, 0.8413)) - center, 1e-3)
     scores = (comb(near) - center) / spread
-    inner = np.abs(near - given_hz) <= bin_hz / _HARMONICS
-    at_given = float(scores[inner].max())
     best = float(scores.max())
     if best < threshold:
         return ShaftSpeed(given_hz, tolerance, best)
     # Fault lines and their sidebands beside an integer order look like a shaft a little off: the
     # given speed is left only for harmonics that are clearly better.
-    if best < at_given + _MARGIN:
-        near, scores, best = near[inner], scores[inner], at_given
-    # The teeth are bins: a run of equal scores has its middle as the best estimate.
-    ties = near[scores >= best - 1e-9]
-    shaft_hz = float(ties[np.argmin(np.abs(ties - np.median(ties)))])
+    if best < scores[len(near) // 2] + _MARGIN:
+        shaft_hz = given_hz
+    else:
+        # The teeth are bins: a run of equal scores has its middle as the best estimate.
+        ties = near[scores >= best - 1e-9]
+        shaft_hz = float(ties[np.argmin(np.abs(ties - np.median(ties)))])
     uncertainty = bin_hz / (2.0 * shaft_hz)
     return ShaftSpeed(shaft_hz, min(uncertainty, tolerance), best)
 
