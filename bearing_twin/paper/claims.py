@@ -4,15 +4,14 @@
 
 from __future__ import annotations
 
-import dataclasses
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from bearing_twin.paper.verdicts import Verdict
+from bearing_twin.paper.verdicts import NOT_CHECKABLE, UNDER_SETTINGS, Verdict, all_settings
 
 __all__ = ['Claim', 'percent', 'percents', 'rounded']
 
@@ -31,17 +30,34 @@ class Claim:
     """Its number or direction; None if it states none."""
     our_value: Any
     """The same from our computation; None if there is nothing to compute it from."""
-    verdict: Verdict
-    """Computed from the numbers by the rule that `why` names."""
     why: str
-    """Rule and reason."""
+    """Rule and reason; where settings decide, the settings as well."""
+    verdict: Verdict = NOT_CHECKABLE
+    """Computed from the numbers by the rule that `why` names; from `holds` where that is given."""
+    holds: Mapping[str, bool] | None = None
+    """Under which settings or readings the claim holds."""
+
+    def __post_init__(self) -> None:
+        if self.holds is None:
+            return
+        verdict = all_settings(self.holds)
+        object.__setattr__(self, 'verdict', verdict)
+        if verdict == UNDER_SETTINGS:
+            good = '; '.join(name for name, held in self.holds.items() if held)
+            bad = '; '.join(name for name, held in self.holds.items() if not held)
+            object.__setattr__(self, 'why', f'{self.why} Holds: {good}. Fails: {bad}.')
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields, numbers rounded to 6 digits, ready for JSON."""
-        fields = dataclasses.asdict(self)
-        for name in ('paper_value', 'our_value'):
-            fields[name] = rounded(fields[name])
-        return fields
+        return {
+            'id': self.id,
+            'where': self.where,
+            'claim': self.claim,
+            'paper_value': rounded(self.paper_value),
+            'our_value': rounded(self.our_value),
+            'verdict': self.verdict,
+            'why': self.why,
+        }
 
 
 def rounded(value: Any, digits: int = 6) -> Any:
@@ -64,6 +80,9 @@ def percent(change: float) -> str:
     return f'{100.0 * change:+.1f} %'
 
 
-def percents(changes: Mapping[str, float]) -> dict[str, float]:
-    """Return relative changes in percent, to two decimals, the unit in their names."""
-    return {f'{name} (%)': round(100.0 * change, 2) for name, change in changes.items()}
+def percents(changes: Mapping[str, float]) -> dict[str, float | None]:
+    """Return relative changes in percent to two decimals, named with the unit; None for NaN."""
+    return {
+        f'{name} (%)': None if math.isnan(change) else round(100.0 * change, 2)
+        for name, change in changes.items()
+    }

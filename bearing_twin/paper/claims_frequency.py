@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.bearing import fault_frequencies, find_bearing
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims import Claim
-from bearing_twin.paper.verdicts import all_settings, within
+from bearing_twin.paper.verdicts import within
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -116,7 +116,7 @@ def _formula_claims() -> list[Claim]:
             claim="'d is the diameter of the inner ring, D the diameter of the outer ring'",
             paper_value=quoted,
             our_value={'as printed': literal, 'ball and pitch': f_in},
-            verdict=all_settings(readings),
+            holds=readings,
             why=(
                 f'Rule: f_in within one bin ({BIN:.2f} Hz) of the quoted value. Reading taken: d '
                 'is the ball, D the pitch diameter, in equation 1 too.'
@@ -165,9 +165,7 @@ def _place_claims(study: Study) -> list[Claim]:
             claim='the four fault frequencies of a bearing with a fixed outer ring',
             paper_value=None,
             our_value=formula,
-            verdict=all_settings(
-                {name: math.isclose(formula[name], kinematic[name]) for name in formula}
-            ),
+            holds={name: math.isclose(formula[name], kinematic[name]) for name in formula},
             why=(
                 'Rule: equal to the kinematics that the simulator uses. Equation 11 needs the '
                 'parenthesis 1 - (d cos(alpha)/D)^2. The paper evaluates only f_in.'
@@ -179,7 +177,7 @@ def _place_claims(study: Study) -> list[Claim]:
             claim='the fault frequencies tell where in the bearing the fault is',
             paper_value=own,
             our_value=strongest,
-            verdict=all_settings({place: strongest[place] == own[place] for place in own}),
+            holds={place: strongest[place] == own[place] for place in own},
             why=(
                 'Rule: with a defect in each place, the line of that place is the strongest of '
                 'the four in the envelope spectrum (height over its median). A damaged ball is '
@@ -192,9 +190,7 @@ def _place_claims(study: Study) -> list[Claim]:
             claim='a fault of a rolling element shows at f_b',
             paper_value=formula['f_b'],
             our_value={'f_b': ball['f_b'], '2 f_b': ball['2 f_b']},
-            verdict=all_settings(
-                {'f_b': ball['f_b'] > ball['2 f_b'], '2 f_b': ball['2 f_b'] > ball['f_b']}
-            ),
+            holds={'f_b': ball['f_b'] > ball['2 f_b'], '2 f_b': ball['2 f_b'] > ball['f_b']},
             why=(
                 'Rule: which of the two lines is higher (height over the median of the envelope '
                 f'spectrum). f_b = {formula["f_b"]:.2f} Hz is the spin; a defect meets a race '
@@ -207,12 +203,10 @@ def _place_claims(study: Study) -> list[Claim]:
             claim='Hilbert envelope demodulation of the inner-ring fault shows f_in',
             paper_value=settings.F_IN['fig4'],
             our_value={'line_hz': point.line, 'height_over_median': point.contrast},
-            verdict=all_settings(
-                {
-                    'line within one bin': abs(point.line - settings.F_IN['fig4']) < BIN,
-                    'ten times the median': point.contrast > 10.0,
-                }
-            ),
+            holds={
+                'line within one bin': abs(point.line - settings.F_IN['fig4']) < BIN,
+                'ten times the median': point.contrast > 10.0,
+            },
             why=f'Rule: line within one bin of 0.7 s ({BIN:.2f} Hz) and 10 times the median.',
         ),
     ]
@@ -255,9 +249,7 @@ def _shift_claims(study: Study) -> list[Claim]:
                 ),
                 paper_value=quoted,
                 our_value=ours,
-                verdict=all_settings(
-                    {text: near(slip, temperature, quoted) for slip, text in names.items()}
-                ),
+                holds={text: near(slip, temperature, quoted) for slip, text in names.items()},
                 why=(
                     f'Rule: envelope line of a 12 s record within {LINE_TOLERANCE} Hz in both '
                     f'presets. It would take a slip of {100 * slip_needed(quoted):.3f} %; the law '
@@ -274,12 +266,10 @@ def _shift_claims(study: Study) -> list[Claim]:
             claim='temperature, through K_b and C_d, raises f_in by 0.400 Hz from 20 to 100 degC',
             paper_value=stated,
             our_value={names[slip]: moves[slip] for slip in names},
-            verdict=all_settings(
-                {
-                    names[slip]: all(abs(m - stated) <= LINE_TOLERANCE for m in moves[slip])
-                    for slip in names
-                }
-            ),
+            holds={
+                names[slip]: all(abs(m - stated) <= LINE_TOLERANCE for m in moves[slip])
+                for slip in names
+            },
             why=(
                 f'Rule: shift within {LINE_TOLERANCE} Hz in both presets. Stiffness and spall '
                 'depth cannot move a rate that kinematics prescribe (equation 1). Cage slip that '
@@ -294,9 +284,7 @@ def _shift_claims(study: Study) -> list[Claim]:
             claim='the increase in friction will cause the vibration frequency to decrease',
             paper_value='falls',
             our_value={names[slip]: moves[slip] for slip in names},
-            verdict=all_settings(
-                {names[slip]: all(m < -LINE_TOLERANCE for m in moves[slip]) for slip in names}
-            ),
+            holds={names[slip]: all(m < -LINE_TOLERANCE for m in moves[slip]) for slip in names},
             why=(
                 f'Rule: f_in falls by more than {LINE_TOLERANCE} Hz from 20 to 100 degC. Section '
                 '3.4 states the opposite.'
@@ -313,12 +301,10 @@ def _shift_claims(study: Study) -> list[Claim]:
             claim='a shift of 0.400 Hz can be read from spectra of the simulated signals',
             paper_value=stated,
             our_value={'bin_hz': BIN, 'largest_error_interpolated_hz': short_error},
-            verdict=all_settings(
-                {
-                    'read off the bins': stated > BIN,
-                    'interpolated envelope line': stated > 2.0 * short_error,
-                }
-            ),
+            holds={
+                'read off the bins': stated > BIN,
+                'interpolated envelope line': stated > 2.0 * short_error,
+            },
             why=(
                 'Rule: shift larger than one bin, or than twice the largest error of an '
                 'interpolated line of 0.7 s over all our runs. The error is systematic: 5 f_r = '
@@ -342,16 +328,14 @@ def _shift_claims(study: Study) -> list[Claim]:
                 '5 f_r': 5.0 * settings.SHAFT_HZ,
                 'bin_hz': BIN,
             },
-            verdict=all_settings(
-                {
-                    'as numbers': error_with < error_without,
-                    'by more than one bin of 0.7 s': error_without - error_with > BIN,
-                    'line differs from 5 f_r by more than its last digit': abs(
-                        5.0 * settings.SHAFT_HZ - experiment
-                    )
-                    > 0.5,
-                }
-            ),
+            holds={
+                'as numbers': error_with < error_without,
+                'by more than one bin of 0.7 s': error_without - error_with > BIN,
+                'line differs from 5 f_r by more than its last digit': abs(
+                    5.0 * settings.SHAFT_HZ - experiment
+                )
+                > 0.5,
+            },
             why=(
                 'Rule: smaller difference, larger than a bin, and a line that is f_in. 127 Hz is '
                 'printed to 1 Hz and equals 5 f_r = 127.0 Hz, the fifth shaft harmonic.'
@@ -402,7 +386,7 @@ def _peak_claims(study: Study) -> list[Claim]:
             claim='peaks at 0.079, 0.277, 0.435 and 0.633 s',
             paper_value=times,
             our_value={'impacts': numbers, 'instants_s': instants, 'peak_delay_s': delays},
-            verdict=all_settings(holds),
+            holds=holds,
             why=(
                 'Rule: with t0 = 0 at an impact in the load direction, impacts '
                 f'{numbers} fall at the quoted times to the digit, and the simulated peaks at '
@@ -420,9 +404,7 @@ def _peak_claims(study: Study) -> list[Claim]:
                 'last_peak_without_slip_s': numbers[-1] / rigid,
                 'last_peak_with_slip_s': numbers[-1] / slipping,
             },
-            verdict=all_settings(
-                {'126.823 Hz': interval[0] <= settings.F_IN['fig32'] <= interval[1]}
-            ),
+            holds={'126.823 Hz': interval[0] <= settings.F_IN['fig32'] <= interval[1]},
             why=(
                 f'Rule: 126.823 Hz inside the interval {interval[0]:.2f} to {interval[1]:.2f} Hz '
                 'that four times, rounded to 1 ms, with one common delay, allow. The waterfalls '

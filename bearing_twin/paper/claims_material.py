@@ -10,7 +10,7 @@ from scipy.stats import kendalltau
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims import Claim
 from bearing_twin.paper.claims_trend import COLD, HOT
-from bearing_twin.paper.verdicts import all_settings, within
+from bearing_twin.paper.verdicts import within
 from bearing_twin.thermal import gcr15
 from bearing_twin.thermal.friction import SERIES, friction_moment, sliding_friction
 from bearing_twin.thermal.lubricant import Lubricant
@@ -48,7 +48,7 @@ def _table_claims() -> list[Claim]:
                 'kendall_tau': float(kendalltau(gcr15.TEMPERATURES, table).statistic),
                 'steps_the_other_way': int((sign * np.diff(table) < 0).sum()),
             },
-            verdict=all_settings(_trend(table, sign)),
+            holds=_trend(table, sign),
             why='Rule: sign of the rank correlation with temperature, and of every step of 10 K.',
         )
         for number, name, table, sign, figure in tables
@@ -62,12 +62,10 @@ def _table_claims() -> list[Claim]:
             claim='unit of the expansion coefficient, 10^5 K^-1',
             paper_value='10^5 K^-1',
             our_value={f'beta0(110), {name}': value for name, value in values.items()},
-            verdict=all_settings(
-                {
-                    name: gcr15.BETA0_LOW <= value <= gcr15.BETA0_HIGH
-                    for name, value in values.items()
-                }
-            ),
+            holds={
+                name: gcr15.BETA0_LOW <= value <= gcr15.BETA0_HIGH
+                for name, value in values.items()
+            },
             why=(
                 f'Rule: beta0 within {gcr15.BETA0_LOW} to {gcr15.BETA0_HIGH} at 110 degC. '
                 'Reading taken: 10^-5, the lost minus sign (selectable: 10^-6).'
@@ -83,7 +81,7 @@ def _table_claims() -> list[Claim]:
             claim='table 1 is the expansion coefficient of GCr15 bearing steel',
             paper_value=EXPANSION_STEEL,
             our_value={f'median over steel, {name}': ratio for name, ratio in ratios.items()},
-            verdict=all_settings({name: 0.5 < ratio < 2.0 for name, ratio in ratios.items()}),
+            holds={name: 0.5 < ratio < 2.0 for name, ratio in ratios.items()},
             why='Rule: median of the table within a factor 2 of 12e-6/K.',
         )
     )
@@ -102,7 +100,7 @@ def _hardness_claims() -> list[Claim]:
             claim='hardness increases with temperature',
             paper_value='increases',
             our_value=rise,
-            verdict=all_settings({'table 2': rise > 0.0}),
+            holds={'table 2': rise > 0.0},
             why=(
                 'Rule: H(110) - H(20) of table 2 in HRC. The sentence is repeated in section 3.3, '
                 'where it should speak of friction.'
@@ -114,7 +112,7 @@ def _hardness_claims() -> list[Claim]:
             claim='table 3 is "a data table of the change of hardness value", trend upward',
             paper_value='hardness',
             our_value={'kendall_tau_with_table_2': tau},
-            verdict=all_settings({'tables 2 and 3 go together': tau > 0.0}),
+            holds={'tables 2 and 3 go together': tau > 0.0},
             why='Rule: rank correlation of tables 2 and 3. Table 3 is the friction coefficient.',
         ),
         Claim(
@@ -156,7 +154,7 @@ def _beta_claims() -> list[Claim]:
             claim='stiffness rises with temperature through expansion',
             paper_value=stiffness,
             our_value=steel,
-            verdict=all_settings({"Young's modulus of steel": (steel - 1.0) * literal > 0.0}),
+            holds={"Young's modulus of steel": (steel - 1.0) * literal > 0.0},
             why="Rule: same direction as Young's modulus of steel, -3e-4/K.",
         ),
     ]
@@ -182,12 +180,10 @@ def _lubricant() -> Claim:
         claim='with temperature the viscosity falls and the friction of the bearing rises',
         paper_value='rises',
         our_value={'sliding coefficient': sliding, 'moment / N m': moment},
-        verdict=all_settings(
-            {
-                'sliding friction coefficient': sliding[1] > sliding[0],
-                'friction moment of the bearing': moment[1] > moment[0],
-            }
-        ),
+        holds={
+            'sliding friction coefficient': sliding[1] > sliding[0],
+            'friction moment of the bearing': moment[1] > moment[0],
+        },
         why=(
             'Rule: larger at 110 than at 20 degC in the SKF friction model, ISO VG 68, 500 N. '
             'The sliding part goes the stated way and table 3 looks like it; the moment that '

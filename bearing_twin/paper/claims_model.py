@@ -16,7 +16,7 @@ from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims import Claim, percents
 from bearing_twin.paper.claims_trend import COLD, HOT
-from bearing_twin.paper.verdicts import all_settings, same_direction, within
+from bearing_twin.paper.verdicts import same_direction, within
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics import TwinParameters
@@ -153,7 +153,7 @@ def _geometry_claims() -> list[Claim]:
             claim='x sin(theta) + y cos(theta) and x cos(theta) + y sin(theta) are both delta_i',
             paper_value='same symbol delta_i',
             our_value={'same theta': mixed, 'theta counted from the vertical in equation 5': same},
-            verdict=all_settings({'same theta': mixed, 'theta from the vertical': same}),
+            holds={'same theta': mixed, 'theta from the vertical': same},
             why='Rule: equal for all balls. Reading taken: equation 8, theta from +x.',
         ),
         Claim(
@@ -162,7 +162,7 @@ def _geometry_claims() -> list[Claim]:
             claim='components F_X and F_Y of the contact forces',
             paper_value='elastic forces',
             our_value=skew,
-            verdict=all_settings({name: value < 1e-6 for name, value in skew.items()}),
+            holds={name: value < 1e-6 for name, value in skew.items()},
             why=(
                 'Rule: elastic forces have a potential, so dF_X/dy = dF_Y/dx (skew part of the '
                 'stiffness over its norm below 1e-6). Equation 7 uses another deformation in '
@@ -175,12 +175,10 @@ def _geometry_claims() -> list[Claim]:
             claim='no contact force outside the load zone',
             paper_value=0.0,
             our_value={'as printed, undefined forces': undefined, 'of balls': len(theta)},
-            verdict=all_settings(
-                {
-                    'as printed': undefined == 0,
-                    'with max(delta, 0)': bool(np.all(read[delta <= 0.0] == 0.0)),
-                }
-            ),
+            holds={
+                'as printed': undefined == 0,
+                'with max(delta, 0)': bool(np.all(read[delta <= 0.0] == 0.0)),
+            },
             why=(
                 'Rule: force 0 where delta <= 0, `extended` at rest. The text says so, the '
                 'equations do not: delta^1.5 of a negative number is not real.'
@@ -197,15 +195,13 @@ def _dimension_claims() -> list[Claim]:
             claim="'friction damping C_d' is subtracted from the clearance",
             paper_value='damping, N s/m',
             our_value='length, m',
-            verdict=all_settings(
-                {
-                    reading: dimension == LENGTH
-                    for reading, dimension in (
-                        ('C_d a damping', DAMPING),
-                        ('C_d the depth of the spall, b its switch', LENGTH),
-                    )
-                }
-            ),
+            holds={
+                reading: dimension == LENGTH
+                for reading, dimension in (
+                    ('C_d a damping', DAMPING),
+                    ('C_d the depth of the spall, b its switch', LENGTH),
+                )
+            },
             why=(
                 'Rule: only like dimensions are subtracted. Equation 8 is the published defect '
                 'model with depth C_d and switch beta (Feng; Sawalhi and Randall; Mishra 2017). '
@@ -218,12 +214,10 @@ def _dimension_claims() -> list[Claim]:
             claim="the axis 'amplitude V' shows acceleration",
             paper_value='V',
             our_value='m/s^2',
-            verdict=all_settings(
-                {
-                    unit: dimension == ACCELERATION
-                    for unit, dimension in (('V', VOLT), ('m/s^2', (0, 1, -2, 0)))
-                }
-            ),
+            holds={
+                unit: dimension == ACCELERATION
+                for unit, dimension in (('V', VOLT), ('m/s^2', (0, 1, -2, 0)))
+            },
             why='Rule: unit has the dimension of an acceleration. No sensitivity is given.',
         ),
     ]
@@ -242,9 +236,7 @@ def _resultant_claims() -> list[Claim]:
             claim="'different values are used' for the angle between F_x and F_y",
             paper_value='different angles',
             our_value=values,
-            verdict=all_settings(
-                {name: math.isclose(v, math.hypot(f_x, f_y)) for name, v in values.items()}
-            ),
+            holds={name: math.isclose(v, math.hypot(f_x, f_y)) for name, v in values.items()},
             why=(
                 'Rule: resultant of F_x = 3 N, F_y = 4 N is 5 N. The components are at right '
                 'angles, so only pi/2 is right.'
@@ -282,12 +274,10 @@ def _friction_equation() -> Claim:
         claim='with the friction factor the force decreases with temperature',
         paper_value='decreases',
         our_value=percents({'as printed': printed, 'friction factor in both': read}),
-        verdict=all_settings(
-            {
-                'as printed': same_direction(-1, printed, 0.0),
-                'friction factor in both': same_direction(-1, read, 0.0),
-            }
-        ),
+        holds={
+            'as printed': same_direction(-1, printed, 0.0),
+            'friction factor in both': same_direction(-1, read, 0.0),
+        },
         why=(
             'Rule: sign of F(110)/F(20) - 1 at C_d0/approach = 0.7. Equation 23 has the hardness '
             'factor inside C_d, pasted from equation 21, and the weight of friction is printed '
@@ -328,9 +318,7 @@ def _solver() -> Claim:
             'rk4_stable_below_us': largest_step * 1e6,
             'sample_us': 1e6 / SAMPLE_RATE,
         },
-        verdict=all_settings(
-            {'explicit step limited by stability': largest_step < 1.0 / SAMPLE_RATE}
-        ),
+        holds={'explicit step limited by stability': largest_step < 1.0 / SAMPLE_RATE},
         why=(
             'Rule: stiff if stability forbids explicit RK4 one step per sample of 25.6 kHz. '
             "'Rigid' stands for stiff; this model is not."

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from tqdm import tqdm
 
+from bearing_twin.errors import BearingTwinError
 from bearing_twin.paper.figures import FIGURES
 from bearing_twin.paper.figures_style import save
 from bearing_twin.paper.judge import judge
@@ -38,7 +39,12 @@ def recompute(folder: Path, *, processes: int = 2, quiet: bool = False) -> list[
         No progress bars.
     """
     prepare_folder(folder)
-    return write_results(folder, run_study(processes=processes, quiet=quiet), quiet=quiet)
+    study = run_study(processes=processes, quiet=quiet)
+    try:
+        return write_results(folder, study, quiet=quiet)
+    except OSError as error:
+        msg = f'cannot write {error.filename or folder}: {error.strerror}; free it, or use --out'
+        raise BearingTwinError(msg) from error
 
 
 def write_results(folder: Path, study: Study, *, quiet: bool = False) -> list[Claim]:

@@ -7,7 +7,8 @@ from __future__ import annotations
 import dataclasses
 import math
 import multiprocessing
-from concurrent.futures import ProcessPoolExecutor
+import signal
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
@@ -160,8 +161,16 @@ def in_parallel(
         # Compiled once here; the workers find it in numba's cache.
         warm_up()
         context = multiprocessing.get_context('spawn')
-        with ProcessPoolExecutor(processes, mp_context=context) as pool:
+        pool = ProcessPoolExecutor(
+            processes, mp_context=context, initializer=signal.signal,
+            initargs=(signal.SIGINT, signal.SIG_IGN),
+        )  # fmt: skip
+        try:
             futures = [pool.submit(work, item) for item in items]
-            for future in futures:
-                future.add_done_callback(lambda _: bar.update())
+            for future in as_completed(futures):
+                future.result()
+                bar.update()
             return [future.result() for future in futures]
+        finally:
+            # After an interrupt or a failed run, the rest is not worked off first.
+            pool.shutdown(cancel_futures=True)

@@ -224,3 +224,12 @@ def test_linearised_model_is_stable_and_symmetric():
 )
 def test_unclosed_brackets(text, count):
     assert unclosed(text) == count
+
+
+def test_claims_that_depend_on_settings_name_them(claims):
+    for claim in claims.values():
+        if claim.verdict == 'reproduced_only_under_stated_settings' and claim.holds:
+            for name in claim.holds:
+                assert name in claim.why, claim.id
+        if claim.holds is not None:
+            assert claim.verdict == all_settings(claim.holds)
