@@ -24,7 +24,7 @@ __all__ = ['MAGNIFIED', 'SLOWED', 'Bearing3D', 'contact_forces']
 
 SLOWED = 40.0
 """The bearing is drawn turning this many times slower than it does."""
-MAGNIFIED = 150.0
+MAGNIFIED = 100.0
 """The displacement of the inner ring is drawn this many times larger than it is."""
 FRAME = 0.04
 """Longest time between two poses, s."""
@@ -136,7 +136,7 @@ class Bearing3D:
         canvas, bearing = self._canvas, self.bearing
         angles = pose.cage + np.arange(bearing.n_balls) * (2.0 * np.pi / bearing.n_balls)
         forces = contact_forces(angles, pose.x, pose.y, clearance, stiffness)
-        around = np.linspace(0.0, 2.0 * np.pi, 121)
+        around = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
         zone = contact_forces(around, pose.x, pose.y, clearance, stiffness)
         self._greatest = max(self._greatest, float(zone.max()))
         scale = self._greatest or 1.0
@@ -164,15 +164,7 @@ class Bearing3D:
                 centres, radii=500.0 * bearing.d_ball, colors=force_colours(forces / scale)
             ),
         )
-        radius = shapes.outer_radius(bearing) * 1.03 + zone / scale * 600.0 * bearing.d_ball
-        loaded = np.column_stack(
-            [radius * np.cos(around), radius * np.sin(around), np.zeros_like(around)]
-        )
-        canvas.put(
-            f'{self._name}/load_zone',
-            pose.time,
-            rr.LineStrips3D([loaded], colors=LINE['used'], radii=rr.Radius.ui_points(2.0)),
-        )
+        self._load_zone(pose.time, around, zone, scale)
         if 'ball' in self._defects:
             where = angles[0] + pose.spin
             spot = centres[0] + 500.0 * bearing.d_ball * 0.8 * np.array(
@@ -184,6 +176,35 @@ class Bearing3D:
                 rr.Points3D([spot], radii=90.0 * bearing.d_ball, colors=DEFECT),
             )
 
+    def _load_zone(
+        self, time: int, around: NDArray[np.float64], zone: NDArray[np.float64], scale: float
+    ) -> None:
+        """Draw the forces as spikes around the outer ring, the greatest with its value."""
+        foot = shapes.outer_radius(self.bearing) * 1.02
+        tip = foot + zone / scale * 600.0 * self.bearing.d_ball
+        rays = np.stack([np.cos(around), np.sin(around)], axis=1)
+        front = np.full((len(around), 1), shapes.face(self.bearing))
+        inner = np.hstack([foot * rays, front])
+        outer = np.hstack([tip[:, None] * rays, front])
+        spikes = np.stack([inner, outer], axis=1)[zone > 0.0]
+        self._canvas.put(
+            f'{self._name}/load_zone',
+            time,
+            rr.LineStrips3D(spikes, colors=LINE['used'], radii=rr.Radius.ui_points(1.0)),
+        )
+        peak = int(zone.argmax())
+        self._canvas.put(
+            f'{self._name}/load_zone/greatest',
+            time,
+            rr.Points3D(
+                [1.06 * outer[peak]],
+                labels=[f'{zone[peak]:.0f} N'],
+                colors=LINE['used'],
+                radii=rr.Radius.ui_points(0.5),
+                show_labels=True,
+            ),
+        )
+
     def _bodies(self) -> None:
         bearing, canvas, name = self.bearing, self._canvas, self._name
         canvas.once(name, rr.ViewCoordinates.RIGHT_HAND_Y_UP)
@@ -191,12 +212,12 @@ class Bearing3D:
         canvas.once(f'{name}/inner/body', shapes.inner_ring(bearing, BRIGHT))
         for side, rim in zip('ab', shapes.cage(bearing, BRASS), strict=True):
             canvas.once(f'{name}/cage/{side}', rim)
-        half, bore = 0.5 * shapes.width(bearing), shapes.inner_radius(bearing)
+        front, bore = 1.02 * shapes.face(bearing), shapes.inner_radius(bearing)
         edge = bore + 90.0 * bearing.d_ball
         canvas.once(
             f'{name}/inner/mark',
             rr.LineStrips3D(
-                [[[0.0, -bore, half * 1.02], [0.0, -edge, half * 1.02]]],
+                [[[0.0, -bore, front], [0.0, -edge, front]]],
                 colors=LINE['ground'],
                 radii=60.0 * bearing.d_ball * 0.5,
             ),
@@ -205,7 +226,7 @@ class Bearing3D:
     def _mark(self, defects: tuple[str, ...], time: int) -> None:
         """Mark where the defects are."""
         bearing = self.bearing
-        half = 0.51 * shapes.width(bearing)
+        back, front = -0.5 * shapes.width(bearing), 1.02 * shapes.face(bearing)
         pitch, ball = 500.0 * bearing.d_pitch, 1e3 * bearing.d_ball
         places = {
             'inner': ('inner/defect', 0.0, pitch - 0.52 * ball, pitch - 0.25 * ball),
@@ -223,9 +244,9 @@ class Bearing3D:
                 self._canvas.put(entity, time, rr.Clear(recursive=False))
                 continue
             cos, sin = math.cos(angle), math.sin(angle)
-            depth = 0.57 * ball if key == 'cage' else half
+            depth = 0.57 * ball if key == 'cage' else front
             bottom = low if key == 'inner' else high
-            across = [[bottom * cos, bottom * sin, -half], [bottom * cos, bottom * sin, depth]]
+            across = [[bottom * cos, bottom * sin, back], [bottom * cos, bottom * sin, depth]]
             face = [[low * cos, low * sin, depth], [high * cos, high * sin, depth]]
             self._canvas.put(
                 entity,

@@ -141,7 +141,7 @@ def _solid(scene: Scene) -> list[View]:
             origin=f'{path}/bearing',
             name=f'Bearing: {SLOWED:g} x slower, displacement x {MAGNIFIED:g}, red: defect',
             eye_controls=rrb.EyeControls3D(
-                position=[22.0, 18.0, 92.0], look_target=[0.0, 0.0, 0.0], eye_up=[0.0, 1.0, 0.0]
+                position=[14.0, -22.0, 105.0], look_target=[0.0, -6.0, 0.0], eye_up=[0.0, 1.0, 0.0]
             ),
             line_grid=False,
         )
@@ -183,14 +183,14 @@ def _waterfalls(scene: Scene) -> list[View]:
     ]
 
 
-def _spectra(scene: Scene) -> list[View]:
+def _spectra(scene: Scene, *, legend: bool = True) -> list[View]:
     names = (
-        ('envelope_spectrum', 'Squared envelope spectrum [over Hz]', True),
+        ('envelope_spectrum', 'Squared envelope spectrum [over Hz]', legend),
         ('spectrum', 'Spectrum [over Hz], same cursors', False),
     )
     return [
-        rrb.BarChartView(origin=path, name=name, plot_legend=rrb.PlotLegend(visible=legend))
-        for kind, name, legend in names
+        rrb.BarChartView(origin=path, name=name, plot_legend=rrb.PlotLegend(visible=explained))
+        for kind, name, explained in names
         for path in _of(scene, kind)
     ]
 
@@ -242,7 +242,7 @@ def _narrow(scene: Scene, title: str, timeline: str) -> View:
         (2.0, view) for view in _verdict(scene, title=title, evidence=False)
     ]
     rows += [(2.0, view) for view in _waveforms(scene, timeline)[:1]]
-    rows += [(2.5, view) for view in _spectra(scene)[:1]]
+    rows += [(2.5, view) for view in _spectra(scene, legend=False)[:1]]
     if solids:
         rows.append((3.5, rrb.Horizontal(*solids)))
     if trends := _trends(scene)[:3]:

@@ -15,7 +15,16 @@ if TYPE_CHECKING:
     from bearing_twin.bearing.geometry import Bearing
     from bearing_twin.view.style import Colour
 
-__all__ = ['cage', 'inner_radius', 'inner_ring', 'lathe', 'outer_radius', 'outer_ring', 'width']
+__all__ = [
+    'cage',
+    'face',
+    'inner_radius',
+    'inner_ring',
+    'lathe',
+    'outer_radius',
+    'outer_ring',
+    'width',
+]
 
 TURN = 96
 """Facets of a turn."""
@@ -26,6 +35,7 @@ RING = 0.33
 SHOULDER = 0.27
 WIDTH = 1.5
 CONFORMITY = 0.52
+CUT = 0.08
 
 
 def outer_radius(bearing: Bearing) -> float:
@@ -38,6 +48,11 @@ def inner_radius(bearing: Bearing) -> float:
     return MILLI * max(
         0.5 * bearing.d_pitch - (0.5 + RING) * bearing.d_ball, 0.15 * bearing.d_pitch
     )
+
+
+def face(bearing: Bearing) -> float:
+    """Height of the plane in which the rings are cut open, mm."""
+    return MILLI * CUT * bearing.d_ball
 
 
 def width(bearing: Bearing) -> float:
@@ -65,10 +80,10 @@ def cage(bearing: Bearing, colour: Colour) -> list[rr.Mesh3D]:
             lathe(
                 np.array(
                     [
-                        [pitch - 0.11 * ball, low],
-                        [pitch + 0.11 * ball, low],
-                        [pitch + 0.11 * ball, high],
-                        [pitch - 0.11 * ball, high],
+                        [pitch - 0.06 * ball, low],
+                        [pitch + 0.06 * ball, low],
+                        [pitch + 0.06 * ball, high],
+                        [pitch - 0.06 * ball, high],
                     ]
                 ),
                 colour,
@@ -108,15 +123,17 @@ def lathe(profile: NDArray[np.float64], colour: Colour) -> rr.Mesh3D:
 
 
 def _ring(bearing: Bearing, far: float, sign: float) -> NDArray[np.float64]:
-    """Profile of a ring whose groove faces the balls; sign 1 outer ring, -1 inner ring."""
+    """Profile of a ring whose groove faces the balls; sign 1 outer ring, -1 inner ring.
+
+    The front is cut off at :func:`face`, so that the balls are seen in their groove.
+    """
     ball, pitch = MILLI * bearing.d_ball, 0.5 * MILLI * bearing.d_pitch
-    half = 0.5 * width(bearing)
+    back, front = -0.5 * width(bearing), face(bearing)
     radius = CONFORMITY * ball
     centre = pitch - sign * (CONFORMITY - 0.5) * ball
     shoulder = pitch + sign * SHOULDER * ball
     opening = np.arccos(np.clip(abs(shoulder - centre) / radius, 0.0, 1.0))
-    angles = np.linspace(opening, -opening, 17)
+    angles = np.linspace(np.arcsin(front / radius), -opening, 17)
     groove = np.column_stack([centre + sign * radius * np.cos(angles), radius * np.sin(angles)])
-    edge = [[far, -half], [far, half], [shoulder, half]]
-    profile = np.concatenate([edge, groove, [[shoulder, -half]]])
+    profile = np.concatenate([[[far, back], [far, front]], groove, [[shoulder, back]]])
     return profile if sign > 0.0 else profile[::-1]
