@@ -5,9 +5,12 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-from bearing_twin.bearing.geometry import Bearing
 from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from bearing_twin.bearing.geometry import Bearing
 
 __all__ = ['POISSON_STEEL', 'YOUNG_STEEL', 'contact_stiffness', 'load_deflection_factor']
 
@@ -43,6 +46,8 @@ def contact_stiffness(
 
     Parameters
     ----------
+    bearing
+        Geometry.
     race
         ``'inner'`` or ``'outer'``.
     conformity

@@ -3,6 +3,7 @@
 """The bearing's equations of motion and the simulator that advances them."""
 
 from bearing_twin.dynamics.condition import Condition
+from bearing_twin.dynamics.fleet import Fleet, FleetBlock
 from bearing_twin.dynamics.parameters import Defect, TwinParameters
 from bearing_twin.dynamics.presets import PRESETS, preset
 from bearing_twin.dynamics.simulator import Block, Simulator, warm_up
@@ -12,6 +13,8 @@ __all__ = [
     'Block',
     'Condition',
     'Defect',
+    'Fleet',
+    'FleetBlock',
     'Simulator',
     'TwinParameters',
     'preset',

@@ -22,7 +22,7 @@ rate at 80 dB."""
 
 
 def oversampling(sample_rate: float) -> int:
-    """Internal steps per output sample: at least 2, and at least `INTERNAL_RATE`."""
+    """Return the internal steps per output sample: at least 2, and at least `INTERNAL_RATE`."""
     return max(2, math.ceil(INTERNAL_RATE / sample_rate - 1e-9))
 
 

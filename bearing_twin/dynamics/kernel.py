@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
+# Compiled functions take tuples and arrays of many shapes; the docstrings give their types.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
 """Compiled kernel of one bearing: equations of motion, resonance, decimation, noise.
 
 The equations (x right, y up, load along -y), one line an axis, y shown::
@@ -23,11 +25,11 @@ from __future__ import annotations
 
 import math
 
-import numba as nb
 import numpy as np
 import numpy.typing as npt
 
-from bearing_twin.dynamics.laws import CLEARANCE, DEPTH, INPUTS, K_B, SHAFT_HZ, SLIP, SPRING
+from bearing_twin.dynamics.compiled import FAST, compiled
+from bearing_twin.dynamics.laws import CLEARANCE, DEPTH, K_B, SHAFT_HZ, SLIP, SPRING
 from bearing_twin.dynamics.random import NOISE, WALK, normal_pair
 
 __all__ = ['advance', 'ball_forces', 'start']
@@ -63,7 +65,9 @@ CHUNK = 32
 grid point the phases are wrapped and the rotated sines are computed anew."""
 
 _TWO_PI = 2.0 * math.pi
-_FAST = {'contract', 'reassoc', 'nsz', 'arcp', 'nnan', 'ninf'}
+# Without reassociation the sum over the balls stays scalar and skips the unloaded ones, which
+# for one bearing is faster than vector lanes that have to be added up.
+_IN_ORDER = FAST - {'reassoc'}
 
 # Columns of what is prescribed at one step.
 TURNING, STIFF, FOOT, PULL = range(4)  # PULL and the next three: unbalance and its rate
@@ -72,8 +76,8 @@ TABLE_SIZE = 7
 GAP, GAP_RATE, COS, SIN = range(4)
 
 
-@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
-def path(profile, half, depth, curvature, along):  # type: ignore[no-untyped-def]
+@compiled(inline=True, fast=FAST)
+def path(profile, half, depth, curvature, along):
     """How far a ball sinks at a distance from the centre of a defect, m, and its slope there."""
     edge = half - abs(along)
     inward = -1.0 if along > 0.0 else 1.0
@@ -97,9 +101,8 @@ def path(profile, half, depth, curvature, along):  # type: ignore[no-untyped-def
     return 0.5 * depth * (1.0 - math.cos(angle)), inward * slope
 
 
-@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
+@compiled(inline=True, fast=FAST)
 def _spoil(n_balls, phases, rates, factor, const, defects, balls, gaps, step):
-    # type: ignore[no-untyped-def]
     """Add to ``gaps[step]`` what the defects take away, m, and its rate, m/s.
 
     ``phases`` and ``rates`` are those of cage, shaft and ball spin, turns and turns/s.
@@ -136,13 +139,8 @@ def _spoil(n_balls, phases, rates, factor, const, defects, balls, gaps, step):
             gaps[step, GAP_RATE, ball] += factor * slope * speed
 
 
-@nb.njit(
-    cache=True,
-    inline='always',
-    fastmath={'contract', 'nsz', 'arcp', 'nnan', 'ninf'},
-    error_model='numpy',
-)
-def _contact(table, gaps, i, x, y, vx, vy, ax, ay, cb):  # type: ignore[no-untyped-def]
+@compiled(inline=True, fast=_IN_ORDER)
+def _contact(table, gaps, i, x, y, vx, vy, ax, ay, cb):
     """Force of the balls on the outer ring, N, and its time derivative, N/s."""
     turning, kb = table[i, TURNING], table[i, STIFF]
     fx = 0.0
@@ -167,8 +165,8 @@ def _contact(table, gaps, i, x, y, vx, vy, ax, ay, cb):  # type: ignore[no-untyp
     return fx, fy, gx - turning * fy, gy + turning * fx
 
 
-@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
-def _motion(table, gaps, i, q, v, a, const):  # type: ignore[no-untyped-def]
+@compiled(inline=True, fast=FAST)
+def _motion(table, gaps, i, q, v, a, const):
     """Acceleration and jerk of both rings."""
     fx, fy, gx, gy = _contact(
         table, gaps, i, q[0] - q[2], q[1] - q[3], v[0] - v[2], v[1] - v[3], a[0] - a[2],
@@ -192,8 +190,8 @@ def _motion(table, gaps, i, q, v, a, const):  # type: ignore[no-untyped-def]
     )
 
 
-@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
-def _prescribe(table, i, omega, stiff, foot, sines, turning, unbalance):  # type: ignore[no-untyped-def]
+@compiled(inline=True, fast=FAST)
+def _prescribe(table, i, omega, stiff, foot, sines, turning, unbalance):
     """Fill one row of the table of what is prescribed; ``sines`` of the shaft."""
     pull = unbalance * omega * omega
     table[i, TURNING], table[i, STIFF], table[i, FOOT] = _TWO_PI * turning, stiff, foot
@@ -201,9 +199,8 @@ def _prescribe(table, i, omega, stiff, foot, sines, turning, unbalance):  # type
     table[i, PULL + 2], table[i, PULL + 3] = -pull * omega * sines[1], pull * omega * sines[0]
 
 
-@nb.njit(cache=True, fastmath=_FAST, error_model='numpy')
+@compiled(fast=FAST)
 def _turn(state, const, defects, balls, base, step, n_balls, walk, begin, table, gaps):
-    # type: ignore[no-untyped-def]
     """Turn shaft, cage and balls through a chunk of steps: this motion is prescribed, not felt.
 
     Fills the rows ``begin`` onwards of ``table`` and ``gaps``. The inputs at the end of step i
@@ -247,8 +244,8 @@ def _turn(state, const, defects, balls, base, step, n_balls, walk, begin, table,
     state[SHAFT_COS], state[SHAFT_SIN] = cs, ss
 
 
-@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
-def _rotate(c, s, angle):  # type: ignore[no-untyped-def]
+@compiled(inline=True, fast=FAST)
+def _rotate(c, s, angle):
     """Rotate (cos, sin) by a small angle, up to 0.07 rad."""
     square = angle * angle
     cd = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0)))
@@ -256,8 +253,8 @@ def _rotate(c, s, angle):  # type: ignore[no-untyped-def]
     return c * cd - s * sd, s * cd + c * sd
 
 
-@nb.njit(cache=True)
-def _refresh(state):  # type: ignore[no-untyped-def]
+@compiled()
+def _refresh(state):
     """Wrap the phases to 0..1 and compute the sines that follow from them."""
     for at in (CAGE, SHAFT, SPIN):
         state[at] -= math.floor(state[at])
@@ -267,13 +264,13 @@ def _refresh(state):  # type: ignore[no-untyped-def]
     state[SHAFT_SIN] = math.sin(_TWO_PI * state[SHAFT])
 
 
-@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
-def _taylor(h, a, b):  # type: ignore[no-untyped-def]
+@compiled(inline=True, fast=FAST)
+def _taylor(h, a, b):
     return (a[0] + h * b[0], a[1] + h * b[1], a[2] + h * b[2], a[3] + h * b[3])
 
 
-@nb.njit(cache=True, fastmath={'contract', 'nsz', 'arcp', 'nnan', 'ninf'}, error_model='numpy')
-def _integrate(state, const, table, gaps, resonator, left, up):  # type: ignore[no-untyped-def]
+@compiled(fast=_IN_ORDER)
+def _integrate(state, const, table, gaps, resonator, left, up):
     """Advance both rings and the sensor through the rows of ``table``."""
     h = const[STEP]
     third, half, twelfth = h / 3.0, 0.5 * h, h * h / 12.0
@@ -321,24 +318,24 @@ def _integrate(state, const, table, gaps, resonator, left, up):  # type: ignore[
     state[23], state[24], state[25], state[26] = zx, wx, zy, wy
 
 
-@nb.njit(cache=True, fastmath=_FAST, error_model='numpy')
+@compiled(fast=FAST)
 def advance(
-    state,
-    history,
-    const,
-    defects,
-    balls,
-    ramp,
-    drift,
-    resonator,
-    taps,
-    n_balls,
-    seed,
-    first,
-    since_tick,
-    oversample,
-    out,
-):  # type: ignore[no-untyped-def]
+    state: FloatArray,
+    history: FloatArray,
+    const: FloatArray,
+    defects: FloatArray,
+    balls: FloatArray,
+    ramp: FloatArray,
+    drift: FloatArray,
+    resonator: FloatArray,
+    taps: FloatArray,
+    n_balls: int,
+    seed: int,
+    first: int,
+    since_tick: int,
+    oversample: int,
+    out: npt.NDArray[np.float32],
+) -> None:
     """Advance one bearing by ``out.shape[1]`` output samples.
 
     Parameters
@@ -397,9 +394,9 @@ def advance(
     _add_noise(const[NOISE_STD], seed, first, out)
 
 
-@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
-def _inputs(ramp, drift, n, oversample, at, since_tick):  # type: ignore[no-untyped-def]
-    """Inputs at a grid point, ``at`` samples into the block, and their growth per step.
+@compiled(inline=True, fast=FAST)
+def _inputs(ramp, drift, n, oversample, at, since_tick):
+    """Return the inputs at a grid point, ``at`` samples into the block, and their growth a step.
 
     Relative to the grid, so that held inputs give the same bits in every block.
     """
@@ -423,14 +420,14 @@ def _inputs(ramp, drift, n, oversample, at, since_tick):  # type: ignore[no-unty
     )
 
 
-@nb.njit(cache=True, inline='always', fastmath=_FAST, error_model='numpy')
-def _input(ramp, drift, n, i, at, since_tick):  # type: ignore[no-untyped-def]
+@compiled(inline=True, fast=FAST)
+def _input(ramp, drift, n, i, at, since_tick):
     slope = (ramp[1, i] - ramp[0, i]) / n
     return ramp[0, i] + slope * at + (drift[0, i] + drift[1, i] * (since_tick + at))
 
 
-@nb.njit(cache=True, fastmath=_FAST, error_model='numpy')
-def _decimate(raw, taps, oversample, out):  # type: ignore[no-untyped-def]
+@compiled(fast=FAST)
+def _decimate(raw, taps, oversample, out):
     for k in range(out.shape[1]):
         at = k * oversample
         left, up = raw[0, at : at + taps.shape[0]], raw[1, at : at + taps.shape[0]]
@@ -443,8 +440,8 @@ def _decimate(raw, taps, oversample, out):  # type: ignore[no-untyped-def]
         out[1, k] = y
 
 
-@nb.njit(cache=True, fastmath=_FAST, error_model='numpy')
-def _add_noise(level, seed, first, out):  # type: ignore[no-untyped-def]
+@compiled(fast=FAST)
+def _add_noise(level, seed, first, out):
     """Add white noise; whole chunks of the grid are drawn, so that all samples are alike."""
     x, y = np.empty(CHUNK, np.float32), np.empty(CHUNK, np.float32)
     level = np.float32(level)
@@ -463,8 +460,8 @@ def _add_noise(level, seed, first, out):  # type: ignore[no-untyped-def]
         origin += CHUNK
 
 
-@nb.njit(cache=True, fastmath=_FAST, error_model='numpy')
-def _instant(state, const, defects, balls, values, n_balls):  # type: ignore[no-untyped-def]
+@compiled(fast=FAST)
+def _instant(state, const, defects, balls, values, n_balls):
     """Row and gaps at the present phases and inputs, without the cage's walk."""
     table, gaps = np.empty((1, TABLE_SIZE)), np.zeros((1, 4, balls.shape[1]))
     c, s = state[CAGE_COS], state[CAGE_SIN]
@@ -485,8 +482,15 @@ def _instant(state, const, defects, balls, values, n_balls):  # type: ignore[no-
     return table, gaps
 
 
-@nb.njit(cache=True, fastmath=_FAST, error_model='numpy')
-def start(state, const, defects, balls, values, n_balls):  # type: ignore[no-untyped-def]
+@compiled(fast=FAST)
+def start(
+    state: FloatArray,
+    const: FloatArray,
+    defects: FloatArray,
+    balls: FloatArray,
+    values: FloatArray,
+    n_balls: int,
+) -> None:
     """Set sines, acceleration and jerk of ``state`` from its phases, positions and velocities.
 
     To be called where a trajectory begins and where parameters change; ``values`` are the inputs.
@@ -503,10 +507,17 @@ def start(state, const, defects, balls, values, n_balls):  # type: ignore[no-unt
         state[A + i], state[J + i] = a[i], j[i]
 
 
-@nb.njit(cache=True)
-def ball_forces(state, const, defects, balls, values, n_balls):  # type: ignore[no-untyped-def]
+@compiled()
+def ball_forces(
+    state: FloatArray,
+    const: FloatArray,
+    defects: FloatArray,
+    balls: FloatArray,
+    values: FloatArray,
+    n_balls: int,
+) -> npt.NDArray[np.float32]:
     """Contact force of each ball, N, float32[n_balls], at the present state and inputs."""
-    table, gaps = _instant(state, const, defects, balls, values, n_balls)
+    _table, gaps = _instant(state, const, defects, balls, values, n_balls)
     forces = np.zeros(n_balls, dtype=np.float32)
     x, y = state[0] - state[2], state[1] - state[3]
     vx, vy = state[4] - state[6], state[5] - state[7]

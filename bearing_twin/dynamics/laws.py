@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numba as nb
 import numpy as np
 import numpy.typing as npt
 
+from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.statics import spring_position
 from bearing_twin.thermal import friction, gcr15, life, lubricant, rings
 
@@ -42,18 +42,18 @@ LAW_SIZE = 32
 
 SLIP_MODELS = ('none', 'constant', 'mu_proportional')
 
-_viscosity = nb.njit(cache=True)(lubricant.viscosity)
-_rated_viscosity = nb.njit(cache=True)(lubricant.rated_viscosity)
-_sliding_friction = nb.njit(cache=True)(friction.sliding_friction)
-_friction_moment = nb.njit(cache=True)(friction.friction_moment)
-_power_loss = nb.njit(cache=True)(friction.power_loss)
-_clearance_change = nb.njit(cache=True)(rings.clearance_change)
-_relative_modulus = nb.njit(cache=True)(rings.relative_modulus)
-_inner_ring_target = nb.njit(cache=True)(rings.inner_ring_target)
-_inner_ring_step = nb.njit(cache=True)(rings.inner_ring_step)
-_beta0 = nb.njit(cache=True)(gcr15.beta0)
-_life_factor = nb.njit(cache=True)(life.life_factor)
-_life_hours = nb.njit(cache=True)(life.life_hours)
+_viscosity = compiled()(lubricant.viscosity)
+_rated_viscosity = compiled()(lubricant.rated_viscosity)
+_sliding_friction = compiled()(friction.sliding_friction)
+_friction_moment = compiled()(friction.friction_moment)
+_power_loss = compiled()(friction.power_loss)
+_clearance_change = compiled()(rings.clearance_change)
+_relative_modulus = compiled()(rings.relative_modulus)
+_inner_ring_target = compiled()(rings.inner_ring_target)
+_inner_ring_step = compiled()(rings.inner_ring_step)
+_beta0 = compiled()(gcr15.beta0)
+_life_factor = compiled()(life.life_factor)
+_life_hours = compiled()(life.life_hours)
 
 
 def law_table(p: TwinParameters) -> FloatArray:
@@ -83,7 +83,7 @@ def law_table(p: TwinParameters) -> FloatArray:
     return row
 
 
-@nb.njit(cache=True)
+@compiled()
 def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatArray) -> None:
     """Fill ``out`` (CONDITION_SIZE) for ring temperatures in degC and a shaft speed in Hz.
 
@@ -117,7 +117,7 @@ def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatA
     )
 
 
-@nb.njit(cache=True)
+@compiled()
 def _lubricate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatArray) -> None:
     """Viscosity between the rings' temperatures, kappa, friction moment and life."""
     rpm = 60.0 * hz
@@ -133,7 +133,7 @@ def _lubricate(law: FloatArray, outer: float, inner: float, hz: float, out: Floa
     out[LIFE] = _life_hours(factor, law[LOAD], rpm, law[RATING])
 
 
-@nb.njit(cache=True)
+@compiled()
 def inner_temperature(
     law: FloatArray, outer: float, inner: float, hz: float, duration: float
 ) -> float:

@@ -123,7 +123,7 @@ def _defect(chosen: _Preset, place: str, width: float | None, depth: float | Non
     if cage:
         default_width, default_depth = CAGE_SHIFT, CAGE_UNDERSIZE
     return Defect(
-        place=place,  # type: ignore[arg-type]
+        place=place,
         width=default_width if width is None else width,
         depth=default_depth if depth is None else depth,
         angle=-math.pi / 2 if place == 'outer' else 0.0,

@@ -8,17 +8,20 @@ import math
 import struct
 import zlib
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from bearing_twin.dynamics import filters, kernel, laws
 from bearing_twin.dynamics.condition import Condition, condition
-from bearing_twin.dynamics.parameters import TwinParameters
 from bearing_twin.dynamics.statics import equilibrium
 from bearing_twin.dynamics.tables import ball_table, constants, defect_table
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import check_temperature
+
+if TYPE_CHECKING:
+    from bearing_twin.dynamics.parameters import TwinParameters
 
 __all__ = ['Block', 'Simulator', 'warm_up']
 
@@ -44,6 +47,22 @@ class Block:
     """Vertical, m/s^2; the load acts along -y."""
     condition: Condition
     """State at the end of the block."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Snapshot:
+    """Tables and state of one simulator, in the layouts of `kernel` and `laws`."""
+
+    state: FloatArray
+    const: FloatArray
+    defects: FloatArray
+    balls: FloatArray
+    resonator: FloatArray
+    law: FloatArray
+    values: FloatArray
+    drift: FloatArray
+    rings: tuple[float, float]
+    seed: int
 
 
 class Simulator:
@@ -87,7 +106,7 @@ class Simulator:
         self._oversample = filters.oversampling(sample_rate)
         self._taps = filters.decimator(self._oversample)
         self._start = (check_temperature(float(temperature)), check_speed(shaft_hz))
-        self._tick = max(1, round(_TICK * sample_rate))
+        self.tick = max(1, round(_TICK * sample_rate))
         self._drift = np.zeros((2, laws.INPUTS))
         self._rings = (math.nan, math.nan)
         self._configure(parameters)
@@ -97,6 +116,11 @@ class Simulator:
     def parameters(self) -> TwinParameters:
         """Parameters in force."""
         return self._parameters
+
+    @property
+    def shaft_hz(self) -> float:
+        """Shaft speed at the next sample, Hz."""
+        return self._shaft_hz
 
     @property
     def delay(self) -> float:
@@ -146,7 +170,7 @@ class Simulator:
             self._values = self._evaluate(outer, outer, hz)
             self._drift[0] = self._difference(outer, self._rings[0], hz)
             ahead = self._difference(outer, self._rings[1], hz)
-            self._drift[1] = (ahead - self._drift[0]) / self._tick
+            self._drift[1] = (ahead - self._drift[0]) / self.tick
         else:
             self._settle_ring()
         self._restart_motion()
@@ -182,19 +206,19 @@ class Simulator:
         while done < n:
             count = n - done
             if self._parameters.thermal_mode == 'physical':
-                count = min(count, self._tick - self.next_sample % self._tick)
+                count = min(count, self.tick - self.next_sample % self.tick)
             ramp = np.empty((2, laws.INPUTS))
             for row, at in zip(ramp, (done, done + count), strict=True):
                 row[:] = begin[: laws.INPUTS] + (end - begin)[: laws.INPUTS] * (at / n)
             kernel.advance(
                 self._state, self._history, self._const, self._defects, self._balls, ramp,
                 self._drift, self._resonator, self._taps, self._parameters.bearing.n_balls,
-                self._seed, self.next_sample, self.next_sample % self._tick, self._oversample,
+                self._seed, self.next_sample, self.next_sample % self.tick, self._oversample,
                 out[:, done : done + count],
             )  # fmt: skip
             done += count
             self.next_sample += count
-            if self._parameters.thermal_mode == 'physical' and self.next_sample % self._tick == 0:
+            if self._parameters.thermal_mode == 'physical' and self.next_sample % self.tick == 0:
                 share = done / n
                 self._advance_ring(
                     was[0] + (temperature - was[0]) * share, was[1] + (shaft_hz - was[1]) * share
@@ -276,6 +300,27 @@ class Simulator:
         physical = self._parameters.thermal_mode == 'physical'
         self._rings = (float(rings[0]), float(rings[1])) if physical else (math.nan, math.nan)
 
+    def adopt(self, state: FloatArray, next_sample: int) -> None:
+        """Take over phases, positions and velocities in the layout of `kernel`."""
+        self.next_sample = next_sample
+        self._state[:] = state
+        self._restart_motion()
+
+    def snapshot(self) -> Snapshot:
+        """Return copies of the tables and the state, as a fleet takes them."""
+        return Snapshot(
+            state=self._state.copy(),
+            const=self._const,
+            defects=self._defects,
+            balls=self._balls,
+            resonator=self._resonator,
+            law=self._law,
+            values=self._values,
+            drift=self._drift,
+            rings=self._rings,
+            seed=self._seed,
+        )
+
     def _configure(self, parameters: TwinParameters) -> None:
         p = parameters
         step = 1.0 / (self.sample_rate * self._oversample)
@@ -294,7 +339,7 @@ class Simulator:
     def _restart_motion(self) -> None:
         """Make acceleration and jerk follow from positions, velocities and parameters."""
         values = self._values[: laws.INPUTS] + self._drift[0]
-        values += self._drift[1] * (self.next_sample % self._tick)
+        values += self._drift[1] * (self.next_sample % self.tick)
         kernel.start(
             self._state, self._const, self._defects, self._balls, values,
             self._parameters.bearing.n_balls,
@@ -317,19 +362,19 @@ class Simulator:
             self._drift[0] = self._difference(outer, inner, hz)
 
     def _advance_ring(self, outer: float, shaft_hz: float) -> None:
-        """One tick: the inner ring goes on towards its balance with the outer one and the shaft."""
+        """One tick: the inner ring goes on towards its balance with outer ring and shaft."""
         inner = self._rings[1]
         reached = laws.inner_temperature(self._law, outer, inner, shaft_hz, _TICK)
         self._rings = (inner, reached)
-        self._drift[0] += self._drift[1] * self._tick
-        self._drift[1] = (self._difference(outer, reached, shaft_hz) - self._drift[0]) / self._tick
+        self._drift[0] += self._drift[1] * self.tick
+        self._drift[1] = (self._difference(outer, reached, shaft_hz) - self._drift[0]) / self.tick
 
     def _difference(self, outer: float, inner: float, shaft_hz: float) -> FloatArray:
         apart = self._evaluate(outer, inner, shaft_hz)
         return (apart - self._evaluate(outer, outer, shaft_hz))[: laws.INPUTS]
 
     def _inner_now(self) -> float:
-        share = self.next_sample % self._tick / self._tick
+        share = self.next_sample % self.tick / self.tick
         return self._rings[0] + (self._rings[1] - self._rings[0]) * share
 
 

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import math
 
-import numba as nb
 import numpy as np
+
+from bearing_twin.dynamics.compiled import compiled
 
 __all__ = ['equilibrium', 'spring_position']
 
@@ -15,7 +16,7 @@ _POSITIONS = 8
 """Cage positions over one ball spacing."""
 
 
-@nb.njit(cache=True)
+@compiled()
 def contact(
     x: float, y: float, c0: float, s0: float, kb: float, clearance: float, n_balls: int
 ) -> tuple[float, float, float, float, float]:
@@ -41,7 +42,7 @@ def contact(
     return fx, fy, kxx, kxy, kyy
 
 
-@nb.njit(cache=True)
+@compiled()
 def equilibrium(
     angle: float, spring: float, kb: float, clearance: float, compliance: float, n_balls: int
 ) -> tuple[float, float, float, float]:
@@ -67,7 +68,7 @@ def equilibrium(
     return x, y, fx, fy
 
 
-@nb.njit(cache=True)
+@compiled()
 def spring_position(
     load: float, kb: float, clearance: float, compliance: float, n_balls: int
 ) -> float:
@@ -107,4 +108,4 @@ def spring_position(
         spring += change
         if moved + abs(change) < 1e-14:
             break
-    return spring
+    return float(spring)

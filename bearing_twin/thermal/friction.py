@@ -72,7 +72,7 @@ def friction_moment(
     starved = math.exp(-replenishment * product * 2.0 * dm * math.sqrt(_K_Z / (2.0 * section)))
     rolled = inlet * starved * rolling * dm**1.96 * load**0.54 * product**0.6
     slid = mu * sliding * dm**-0.26 * load ** (5.0 / 3.0)
-    return 1e-3 * (rolled + slid)
+    return float(1e-3 * (rolled + slid))
 
 
 def power_loss(moment: float, speed_rpm: float) -> float:

@@ -45,7 +45,7 @@ _F0 = (
 
 
 def dynamic_rating(bearing: Bearing) -> float:
-    """Basic dynamic radial load rating C_r of a single row bearing, N (ISO 281, 5.1)."""
+    """Return the basic dynamic radial load rating C_r of a single row, N (ISO 281, 5.1)."""
     f_c = float(np.interp(bearing.gamma, _FC_GAMMA, _FC))
     d = bearing.d_ball * 1e3
     size = d**1.8 if d <= 25.4 else 3.647 * d**1.4
@@ -54,7 +54,7 @@ def dynamic_rating(bearing: Bearing) -> float:
 
 
 def static_rating(bearing: Bearing) -> float:
-    """Basic static radial load rating C_0r of a single row bearing, N (ISO 76, 5.1)."""
+    """Return the basic static radial load rating C_0r of a single row bearing, N (ISO 76, 5.1)."""
     f_0 = float(np.interp(bearing.gamma, _F0_GAMMA, _F0))
     size = (bearing.d_ball * 1e3) ** 2
     return f_0 * bearing.n_balls * size * math.cos(bearing.contact_angle)
@@ -88,11 +88,11 @@ def life_factor(kappa: float, contamination_load: float) -> float:
     base = 1.0 - film**0.83 * contamination_load ** (1.0 / 3.0)
     if base <= 0.0:
         return 50.0
-    return min(max(0.1 * base**-9.3, 0.1), 50.0)
+    return float(min(max(0.1 * base**-9.3, 0.1), 50.0))
 
 
 def life_hours(factor: float, load: float, speed_rpm: float, rating: float) -> float:
-    """Modified rating life L_10mh, h: ``a_ISO (C/P)^3 1e6 / (60 n)``; infinite at rest."""
+    """Return the modified life L_10mh, h: ``a_ISO (C/P)^3 1e6 / (60 n)``; infinite at rest."""
     if speed_rpm <= 0.0:
         return math.inf
     return factor * (rating / load) ** 3 * 1e6 / (60.0 * speed_rpm)

@@ -35,7 +35,7 @@ def rated_viscosity(speed_rpm: float, mean_diameter: float) -> float:
         return math.inf
     root = math.sqrt(mean_diameter * 1e3)
     if speed_rpm < 1000.0:
-        return 45000e-6 * speed_rpm**-0.83 / root
+        return float(45000e-6 * speed_rpm**-0.83 / root)
     return 4500e-6 / math.sqrt(speed_rpm) / root
 
 

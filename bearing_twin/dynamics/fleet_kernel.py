@@ -1,0 +1,484 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+# Compiled functions take tuples and arrays of many shapes; the docstrings give their types.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+"""Compiled kernel of sixteen bearings side by side, in single precision.
+
+The same equations, scheme and random numbers as `kernel`, with the bearings in the lanes of the
+vector unit. All lanes take every branch, so the contact is written with selections; the work
+arrays are flat with compile-time offsets, so that the compiler sees that nothing overlaps.
+Phases are kept in double precision between grid points and relative to them in between, so a fleet
+does not drift. Speeds are constant between two grid points (1.25 ms at 25.6 kHz).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from bearing_twin.dynamics.compiled import FAST, compiled
+from bearing_twin.dynamics.kernel import CHUNK
+from bearing_twin.dynamics.laws import CLEARANCE, DEPTH, K_B, SHAFT_HZ, SLIP, SPRING
+from bearing_twin.dynamics.random import NOISE, WALK, normal_pair
+
+__all__ = ['advance_group']
+
+Array = npt.NDArray[Any]
+
+L = 16
+"""Bearings in a group: the single precision lanes of the widest vector units."""
+TAPS = 13
+"""Taps of the decimator applied at once."""
+_REFRESH = 4
+"""Grid points after which the rotated sines are computed anew."""
+MAX_SPALLS = 4
+"""Most spalls of one bearing of a fleet."""
+
+# Rows of the flat work array; each row has L lanes. First the state that is carried on.
+_Q, _V, _A, _J = 0, 4, 8, 12
+_ZX, _WX, _ZY, _WY = 16, 17, 18, 19
+STATE_ROWS = 20
+# Constants.
+CONSTANTS = 20
+(
+    _LIGHT, _KI, _CI, _HEAVY, _KO, _CO, _CB, _UNBALANCE, _P00, _P01, _P10, _P11, _S0, _S1, _M0,
+    _M1, _E0, _E1, _O0, _O1, _OD, _Z,
+) = range(CONSTANTS, CONSTANTS + 22)  # fmt: skip
+# What is prescribed: values at the grid point and growth per step, then at the step.
+_KB0, _KB1, _DEPTH0, _DEPTH1, _GAP0, _GAP1, _FOOT0, _FOOT1 = range(42, 50)
+C, S, _CD, _SD, CS, SS, _CSD, _SSD, _TURNING, _OMEGA, _PULL = range(50, 61)
+_KB, _FACTOR, _GAP, _FOOT = range(61, 65)
+# The relative motion that the balls feel, and the sums over the balls.
+_X, _Y, _VX, _VY, _AX, _AY = range(65, 71)
+_FX, _FY, _GX, _GY = range(71, 75)
+# Predicted state: positions, velocities, accelerations.
+_QP, _VP, _AP = 75, 79, 83
+BROKEN, SHIFT = 87, 88
+# Accelerations and jerks at the end of the step, and what the sensor gives.
+_AN, _JN, _OUT = 89, 93, 97
+SPALLS = 99
+"""First row of the spalls; each has `SPALL_ROWS`."""
+(
+    U_SCALE, METRES, FIXED, EVEN, ODD, HALF, FULL, KIND, _U0, _DU, BALL, _TAKEN, _TAKEN_RATE,
+) = range(13)  # fmt: skip
+SPALL_ROWS = 13
+WORK_ROWS = SPALLS + MAX_SPALLS * SPALL_ROWS
+
+# Rows of a ball: direction in the cage and undersize.
+BALL_ROWS = 3
+
+# Rows of the phases (float64): cage, shaft, spin; orders of cage and spin; walk; spalls' angles
+# and which phases they follow.
+CAGE, SHAFT, SPIN, FTF_ORDER, SPIN_ORDER, JITTER, NOISE_STD, FIRST_ANGLE = range(8)
+PHASE_ROWS = 8 + 4 * MAX_SPALLS
+
+_F = np.float32
+_ZERO, _ONE, _HALF_, _ONE_HALF = _F(0.0), _F(1.0), _F(0.5), _F(1.5)
+_TWO_PI = 2.0 * math.pi
+
+
+@compiled(fast=FAST)
+def _predict(w, h):
+    half, third = _F(0.5) * h, h / _F(3.0)
+    for d in range(4):
+        for i in range(L):
+            a, j = w[(_A + d) * L + i], w[(_J + d) * L + i]
+            v = w[(_V + d) * L + i]
+            w[(_AP + d) * L + i] = a + h * j
+            w[(_VP + d) * L + i] = v + h * (a + half * j)
+            w[(_QP + d) * L + i] = w[(_Q + d) * L + i] + h * (v + half * (a + third * j))
+    for i in range(L):
+        w[_X * L + i] = w[_QP * L + i] - w[(_QP + 2) * L + i]
+        w[_Y * L + i] = w[(_QP + 1) * L + i] - w[(_QP + 3) * L + i]
+        w[_VX * L + i] = w[_VP * L + i] - w[(_VP + 2) * L + i]
+        w[_VY * L + i] = w[(_VP + 1) * L + i] - w[(_VP + 3) * L + i]
+        w[_AX * L + i] = w[_AP * L + i] - w[(_AP + 2) * L + i]
+        w[_AY * L + i] = w[(_AP + 1) * L + i] - w[(_AP + 3) * L + i]
+        w[_FX * L + i] = _ZERO
+        w[_FY * L + i] = _ZERO
+        w[_GX * L + i] = _ZERO
+        w[_GY * L + i] = _ZERO
+
+
+@compiled(fast=FAST)
+def _prescribe(w, step):
+    """Turn the cage and the shaft by one step and evaluate the ramps at its end."""
+    end = step + _ONE
+    for i in range(L):
+        c, s = w[C * L + i], w[S * L + i]
+        w[C * L + i] = c * w[_CD * L + i] - s * w[_SD * L + i]
+        w[S * L + i] = s * w[_CD * L + i] + c * w[_SD * L + i]
+        c, s = w[CS * L + i], w[SS * L + i]
+        w[CS * L + i] = c * w[_CSD * L + i] - s * w[_SSD * L + i]
+        w[SS * L + i] = s * w[_CSD * L + i] + c * w[_SSD * L + i]
+        w[_KB * L + i] = w[_KB0 * L + i] + end * w[_KB1 * L + i]
+        w[_FACTOR * L + i] = w[_DEPTH0 * L + i] + end * w[_DEPTH1 * L + i]
+        w[_GAP * L + i] = w[_GAP0 * L + i] + end * w[_GAP1 * L + i]
+        w[_FOOT * L + i] = w[_FOOT0 * L + i] + end * w[_FOOT1 * L + i]
+
+
+@compiled(inline=True, fast=FAST)
+def _spoil(w, spall, step, per_second):
+    """Which ball a spall has under it, what it takes from the contact and at what rate."""
+    at = (SPALLS + spall * SPALL_ROWS) * L
+    end = step + _ONE
+    for i in range(L):
+        # Loads first: a load behind a condition would keep the loop scalar.
+        n_balls, fixed, metres = w[_Z * L + i], w[at + FIXED * L + i], w[at + METRES * L + i]
+        broken, shift = w[BROKEN * L + i], w[SHIFT * L + i]
+        even, odd = w[at + EVEN * L + i], w[at + ODD * L + i]
+        half, full, factor = w[at + HALF * L + i], w[at + FULL * L + i], w[_FACTOR * L + i]
+        growth = w[at + _DU * L + i]
+        u = w[at + _U0 * L + i] + end * growth
+        nearest = _F(np.int32(u + _HALF_))  # u is positive
+        on_race = fixed < _ZERO
+        ball = n_balls - nearest
+        ball = _ZERO if ball >= n_balls else ball
+        ball = ball if on_race else fixed
+        displaced = (ball == broken) & on_race
+        along = (u - nearest + (shift if displaced else _ZERO)) * metres
+        curvature = odd if (nearest == _ONE) & (not on_race) else even
+        distance = abs(along)
+        edge = half - distance
+        sag = edge * edge * curvature
+        depth = full if sag >= full else sag
+        slope = _ZERO if sag >= full else _F(2.0) * edge * curvature
+        slope = -slope if along > _ZERO else slope
+        inside = edge > _ZERO
+        w[at + BALL * L + i] = ball
+        w[at + _TAKEN * L + i] = factor * depth if inside else _ZERO
+        rate = factor * slope * metres * growth * per_second
+        w[at + _TAKEN_RATE * L + i] = rate if inside else _ZERO
+
+
+@compiled(fast=FAST)
+def _spoil_first(w, step, per_second):
+    """`_spoil` of slot 0, whose rows the compiler knows: nearly all fleets have no other."""
+    _spoil(w, 0, step, per_second)
+
+
+@compiled(fast=FAST)
+def _spoil_smooth(w, spall, step, per_second):
+    """As `_spoil` for the profiles with a cosine, one lane after the other."""
+    at = (SPALLS + spall * SPALL_ROWS) * L
+    for i in range(L):
+        kind = w[at + KIND * L + i]
+        if kind < _F(2.0):
+            continue
+        u = w[at + _U0 * L + i] + (step + _ONE) * w[at + _DU * L + i]
+        metres, half = w[at + METRES * L + i], w[at + HALF * L + i]
+        along = (u - math.floor(u + _HALF_)) * metres
+        if w[at + FIXED * L + i] < _ZERO and w[at + BALL * L + i] == w[BROKEN * L + i]:
+            along += w[SHIFT * L + i] * metres
+        edge, flank = half - abs(along), _HALF_ * half
+        if edge <= _ZERO:
+            continue
+        full = w[at + FULL * L + i]
+        if kind == _F(2.0):
+            angle = 0.5 * math.pi * along / half
+            depth, slope = full * math.cos(angle), -full * 0.5 * math.pi / half * math.sin(angle)
+        elif edge < flank:
+            angle = math.pi * edge / flank
+            depth = 0.5 * full * (1.0 - math.cos(angle))
+            slope = 0.5 * full * math.pi / flank * math.sin(angle)
+            slope = -slope if along > _ZERO else slope
+        else:
+            depth, slope = full * 1.0, 0.0
+        factor = w[_FACTOR * L + i]
+        w[at + _TAKEN * L + i] = factor * depth
+        w[at + _TAKEN_RATE * L + i] = factor * slope * metres * w[at + _DU * L + i] * per_second
+
+
+@compiled(fast=FAST)
+def _ball(w, balls, j, spalls):
+    """Add the force of ball ``j`` and its rate to the sums."""
+    number = _F(j)
+    at = j * BALL_ROWS * L
+    first = SPALLS * L
+    for i in range(L):
+        c0, s0 = w[C * L + i], w[S * L + i]
+        bc, bs = balls[at + i], balls[at + L + i]
+        c, s = c0 * bc - s0 * bs, s0 * bc + c0 * bs
+        gap, gap_rate = w[_GAP * L + i] + balls[at + 2 * L + i], _ZERO
+        if spalls > 0:
+            here = w[first + BALL * L + i] == number
+            gap += w[first + _TAKEN * L + i] if here else _ZERO
+            gap_rate += w[first + _TAKEN_RATE * L + i] if here else _ZERO
+        if spalls > 1:
+            for k in range(1, MAX_SPALLS):
+                more = first + k * SPALL_ROWS * L
+                here = w[more + BALL * L + i] == number
+                gap += w[more + _TAKEN * L + i] if here else _ZERO
+                gap_rate += w[more + _TAKEN_RATE * L + i] if here else _ZERO
+        x, y, vx, vy = w[_X * L + i], w[_Y * L + i], w[_VX * L + i], w[_VY * L + i]
+        turning, cb = w[_TURNING * L + i], w[_CB * L + i]
+        delta = x * c + y * s - gap
+        closed = delta if delta > _ZERO else _ZERO
+        v = vx * c + vy * s
+        stiff = w[_KB * L + i] * np.sqrt(closed)
+        force = stiff * closed + cb * v
+        rate = _ONE_HALF * stiff * (v + turning * (y * c - x * s) - gap_rate) + cb * (
+            w[_AX * L + i] * c + w[_AY * L + i] * s + turning * (vy * c - vx * s)
+        )
+        loaded = (delta > _ZERO) & (force > _ZERO)
+        force = force if loaded else _ZERO
+        rate = rate if loaded else _ZERO
+        w[_FX * L + i] += force * c
+        w[_FY * L + i] += force * s
+        w[_GX * L + i] += rate * c
+        w[_GY * L + i] += rate * s
+
+
+@compiled(fast=FAST)
+def _react(w):
+    """Accelerations and jerks at the predicted state. Small loops: large ones stay scalar."""
+    for i in range(L):
+        turning = w[_TURNING * L + i]
+        fx, fy = w[_FX * L + i], w[_FY * L + i]
+        w[_GX * L + i] = w[_GX * L + i] - turning * fy
+        w[_GY * L + i] = w[_GY * L + i] + turning * fx
+    for i in range(L):
+        omega, pull = w[_OMEGA * L + i], w[_PULL * L + i]
+        px, py = pull * w[CS * L + i], pull * w[SS * L + i]
+        ki, ci, light = w[_KI * L + i], w[_CI * L + i], w[_LIGHT * L + i]
+        x, y = w[_QP * L + i], w[(_QP + 1) * L + i] - w[_FOOT * L + i]
+        vx, vy = w[_VP * L + i], w[(_VP + 1) * L + i]
+        ax, ay = w[_AP * L + i], w[(_AP + 1) * L + i]
+        w[_AN * L + i] = (px - w[_FX * L + i] - ki * x - ci * vx) * light
+        w[(_AN + 1) * L + i] = (py - w[_FY * L + i] - ki * y - ci * vy) * light
+        w[_JN * L + i] = (-omega * py - w[_GX * L + i] - ki * vx - ci * ax) * light
+        w[(_JN + 1) * L + i] = (omega * px - w[_GY * L + i] - ki * vy - ci * ay) * light
+    for i in range(L):
+        ko, co, heavy = w[_KO * L + i], w[_CO * L + i], w[_HEAVY * L + i]
+        vx, vy = w[(_VP + 2) * L + i], w[(_VP + 3) * L + i]
+        ax, ay = w[(_AP + 2) * L + i], w[(_AP + 3) * L + i]
+        w[(_AN + 2) * L + i] = (w[_FX * L + i] - ko * w[(_QP + 2) * L + i] - co * vx) * heavy
+        w[(_AN + 3) * L + i] = (w[_FY * L + i] - ko * w[(_QP + 3) * L + i] - co * vy) * heavy
+        w[(_JN + 2) * L + i] = (w[_GX * L + i] - ko * vx - co * ax) * heavy
+        w[(_JN + 3) * L + i] = (w[_GY * L + i] - ko * vy - co * ay) * heavy
+
+
+@compiled(inline=True, fast=FAST)
+def _sense(w, axis, h, raw, at):
+    """Sensor along one axis of the housing: the parabola through start, middle and end."""
+    eighth = _F(0.125) * h
+    for i in range(L):
+        begin, end = w[(_A + 2 + axis) * L + i], w[(_AN + 2 + axis) * L + i]
+        middle = _HALF_ * (begin + end)
+        middle += eighth * (w[(_J + 2 + axis) * L + i] - w[(_JN + 2 + axis) * L + i])
+        z, v = w[(_ZX + 2 * axis) * L + i], w[(_WX + 2 * axis) * L + i]
+        nz = w[_P00 * L + i] * z + w[_P01 * L + i] * v + w[_S0 * L + i] * begin
+        nv = w[_P10 * L + i] * z + w[_P11 * L + i] * v + w[_S1 * L + i] * begin
+        nz += w[_M0 * L + i] * middle + w[_E0 * L + i] * end
+        nv += w[_M1 * L + i] * middle + w[_E1 * L + i] * end
+        w[(_ZX + 2 * axis) * L + i], w[(_WX + 2 * axis) * L + i] = nz, nv
+        w[(_OUT + axis) * L + i] = w[_O0 * L + i] * nz + w[_O1 * L + i] * nv + w[_OD * L + i] * end
+    for i in range(L):
+        raw[at + axis * L + i] = w[(_OUT + axis) * L + i]
+
+
+@compiled(fast=FAST)
+def _correct(w, h):
+    """Hermite's corrector."""
+    half, twelfth = _HALF_ * h, h * h / _F(12.0)
+    for d in range(4):
+        for i in range(L):
+            a, b = w[(_A + d) * L + i], w[(_AN + d) * L + i]
+            v, j = w[(_V + d) * L + i], w[(_JN + d) * L + i]
+            faster = v + (half * (a + b) + twelfth * (w[(_J + d) * L + i] - j))
+            w[(_Q + d) * L + i] += half * (v + faster) + twelfth * (a - b)
+            w[(_V + d) * L + i], w[(_A + d) * L + i], w[(_J + d) * L + i] = faster, b, j
+
+
+@compiled(fast=FAST)
+def _grid_point(w, phases, keys, inputs, growth, index, within, steps, h, spalls):
+    """Set everything that is constant or linear up to the next grid point.
+
+    ``inputs`` (6, L) are those at the grid point, ``growth`` theirs per step. Speeds are taken at
+    the middle of the ``steps`` up to the next grid point.
+    """
+    for i in range(L):
+        hz = inputs[SHAFT_HZ, i] + 0.5 * steps * growth[SHAFT_HZ, i]
+        slip = inputs[SLIP, i] + 0.5 * steps * growth[SLIP, i]
+        walk = phases[JITTER, i] * normal_pair(index, WALK, keys[i])[0]
+        carried = hz * (1.0 - slip)
+        turning = phases[FTF_ORDER, i] * carried + walk * math.sqrt(hz)
+        rolling = phases[SPIN_ORDER, i] * carried
+        w[_TURNING * L + i] = _TWO_PI * turning
+        w[_OMEGA * L + i] = _TWO_PI * hz
+        w[_PULL * L + i] = w[_UNBALANCE * L + i] * (_TWO_PI * hz) ** 2
+        for row, quantity in ((_KB0, K_B), (_DEPTH0, DEPTH), (_GAP0, CLEARANCE), (_FOOT0, SPRING)):
+            w[row * L + i] = inputs[quantity, i]
+            w[(row + 1) * L + i] = growth[quantity, i]
+        cage, shaft, spin = phases[CAGE, i], phases[SHAFT, i], phases[SPIN, i]
+        for row, phase, speed in ((C, cage, turning), (CS, shaft, hz)):
+            if within == 0 and index % _REFRESH == 0:
+                w[row * L + i] = math.cos(_TWO_PI * phase)
+                w[(row + 1) * L + i] = math.sin(_TWO_PI * phase)
+            angle = _TWO_PI * h * speed  # up to 0.07 rad
+            square = angle * angle
+            w[(row + 2) * L + i] = 1.0 - square * (0.5 - square / 24.0)
+            w[(row + 3) * L + i] = angle * (1.0 - square * (1.0 / 6.0 - square / 120.0))
+        for k in range(spalls):
+            at = (SPALLS + k * SPALL_ROWS) * L
+            row = FIRST_ANGLE + 4 * k
+            by_cage, by_shaft, by_spin = phases[row + 1, i], phases[row + 2, i], phases[row + 3, i]
+            phase = by_cage * cage + by_shaft * shaft + by_spin * spin - phases[row, i]
+            speed = by_cage * turning + by_shaft * hz + by_spin * rolling
+            scale = w[at + U_SCALE * L + i]
+            w[at + _U0 * L + i] = scale * (phase - math.floor(phase))
+            w[at + _DU * L + i] = scale * speed * h
+        phases[PHASE_ROWS, i], phases[PHASE_ROWS + 1, i] = turning, hz
+        phases[PHASE_ROWS + 2, i] = rolling
+
+
+@compiled(fast=FAST)
+def _some_taps(tile, row, raw, at, taps, first):
+    """Add `TAPS` taps. Unsigned indices, which cannot count from the end, keep it simple."""
+    row, at, first = np.uint64(row), np.uint64(at), np.uint64(first)
+    for i in range(np.uint64(2 * L)):
+        total = _ZERO
+        for k in range(np.uint64(TAPS)):
+            total += taps[first + k] * raw[at + k * np.uint64(2 * L) + i]
+        tile[row + i] += total
+
+
+@compiled(fast=FAST)
+def _noise(tile, row, level, keys, index):
+    for i in range(L):
+        pair = normal_pair(index, NOISE, keys[i])
+        tile[row + i] = level[i] * pair[0]
+        tile[row + L + i] = level[i] * pair[1]
+
+
+@compiled(fast=FAST)
+def _filter(raw, start, taps, level, keys, index, tile, row):
+    """One output sample of every lane: the sensor's noise and the decimated signal."""
+    _noise(tile, row, level, keys, index)
+    for k in range(0, taps.shape[0], TAPS):
+        _some_taps(tile, row, raw, start + k * 2 * L, taps, k)
+
+
+@compiled()
+def advance_group(
+    w: Array,
+    balls: Array,
+    n_balls: int,
+    phases: Array,
+    history: Array,
+    keys: Array,
+    level: Array,
+    ramp: Array,
+    drift: Array,
+    taps: Array,
+    spalls: int,
+    smooth: bool,
+    first: int,
+    since_tick: int,
+    oversample: int,
+    h: float,
+    out: Array,
+) -> None:
+    """Advance L bearings by ``out.shape[2]`` output samples.
+
+    Parameters
+    ----------
+    w
+        float32[WORK_ROWS * L]: work array; its first `STATE_ROWS` rows are the state.
+    balls, n_balls
+        float32[n * BALL_ROWS * L]: the balls; how many of them are in use.
+    phases
+        float64[PHASE_ROWS + 3, L]: phases at the last grid point and what they follow.
+    history
+        float32[(taps - oversample) * 2 * L]: memory of the decimator.
+    keys, level
+        uint64[L], float32[L]: seeds; standard deviation of the noise.
+    ramp, drift
+        float64[2, 6, L]: inputs, as for a single bearing.
+    taps
+        float32[TAPS * t]: the decimator, padded with zeros.
+    spalls, smooth
+        Most spalls of any lane; whether any has a profile with a cosine.
+    first, since_tick
+        Index of the first output sample; output samples since the last thermal tick.
+    oversample, h
+        Internal steps per output sample; internal step, s.
+    out
+        float32[2, L, n]: acceleration of the sensors, m/s^2.
+    """
+    n = out.shape[2]
+    memory = history.shape[0]
+    raw = np.zeros(memory + (CHUNK * oversample + TAPS) * 2 * L, np.float32)
+    tile = np.empty(CHUNK * 2 * L, np.float32)
+    raw[:memory] = history
+    inputs, growth = np.empty((6, L)), np.empty((6, L))
+    step_size, per_second = _F(h), _F(1.0 / h)
+    done = 0
+    while done < n:
+        within = (first + done) % CHUNK
+        count = min(CHUNK - within, n - done)
+        for q in range(6):
+            for i in range(L):
+                slope = (ramp[1, q, i] - ramp[0, q, i]) / n
+                inputs[q, i] = ramp[0, q, i] + slope * (done - within)
+                inputs[q, i] += drift[0, q, i] + drift[1, q, i] * (since_tick + done - within)
+                growth[q, i] = (slope + drift[1, q, i]) / oversample
+        begin, end = within * oversample, (within + count) * oversample
+        _grid_point(
+            w,
+            phases,
+            keys,
+            inputs,
+            growth,
+            (first + done) // CHUNK,
+            begin,
+            CHUNK * oversample,
+            h,
+            spalls,
+        )
+        for step in range(begin, end):
+            number = _F(step)
+            _prescribe(w, number)
+            if spalls > 0:
+                _spoil_first(w, number, per_second)
+            for k in range(1, spalls):
+                _spoil(w, k, number, per_second)
+            if smooth:
+                for k in range(spalls):
+                    _spoil_smooth(w, k, number, per_second)
+            _predict(w, step_size)
+            for j in range(n_balls):
+                _ball(w, balls, j, spalls)
+            _react(w)
+            at = memory + (step - begin) * 2 * L
+            _sense(w, 0, step_size, raw, at)
+            _sense(w, 1, step_size, raw, at)
+            _correct(w, step_size)
+        for k in range(count):
+            _filter(
+                raw,
+                k * oversample * 2 * L,
+                taps,
+                level,
+                keys,
+                first + done + k,
+                tile,
+                k * 2 * L,
+            )
+        for axis in range(2):
+            for i in range(L):
+                for k in range(count):
+                    out[axis, i, done + k] = tile[(2 * k + axis) * L + i]
+        moved = count * oversample * 2 * L
+        for i in range(memory):
+            raw[i] = raw[moved + i]
+        done += count
+        if (first + done) % CHUNK == 0:
+            for i in range(L):
+                for row in range(3):
+                    phase = phases[row, i] + CHUNK * oversample * h * phases[PHASE_ROWS + row, i]
+                    phases[row, i] = phase - math.floor(phase)
+    history[:] = raw[:memory]
