@@ -211,6 +211,5 @@ def _quantiles(
     """Median and 84 % quantile along the first axis."""
     middle, upper = len(values) // 2, int(0.8413 * len(values))
     # Contiguous rows: partitioning down the columns costs twice as much.
-    ordered = np.ascontiguousarray(values.T)
-    ordered.partition((middle, upper), axis=-1)
+    ordered = np.partition(values.T.copy(), (middle, upper), axis=-1)
     return ordered[..., middle], ordered[..., upper]

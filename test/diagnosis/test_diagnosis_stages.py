@@ -1,0 +1,204 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Each stage of the chain alone, against closed forms and independent implementations."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import signal, stats
+
+from bearing_twin.bearing import fault_orders, find_bearing
+from bearing_twin.diagnosis.comb import NEUTRAL, accumulate, comb_scores, order_spectra
+from bearing_twin.diagnosis.gate import check_record
+from bearing_twin.diagnosis.severity import iso_zone, measure_severity
+from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample_to_angle
+from bearing_twin.diagnosis.spectra import band_tree, envelope_spectra, local_floor, whiten
+
+RATE = 12800.0
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(3)
+
+
+def test_floor_of_exponential_noise_is_its_mean(rng):
+    power = rng.exponential(2.5, 40_000).astype(np.float32)
+    power[::50] *= 1e4  # lines must not lift it
+    floor = local_floor(power, 200)
+    assert floor.mean() == pytest.approx(2.5 * math.log(2 * 50 / 49) / math.log(2), rel=0.03)
+    assert floor.std() / floor.mean() < 0.15
+
+
+def test_whitening_flattens_caps_and_keeps_phase(rng):
+    x = signal.lfilter([1.0], [1.0, -1.6, 0.9], rng.standard_normal(1 << 15))
+    x += 5.0 * np.sin(2 * np.pi * 0.21 * np.arange(len(x)))
+    spectrum = np.fft.rfft(x).astype(np.complex64)
+    flat, capped, cepstral = whiten(spectrum, 128)
+    quarters = np.array_split(np.abs(flat[50:-50]) ** 2, 4)
+    assert [np.median(q) for q in quarters] == pytest.approx([math.log(2)] * 4, rel=0.1)
+    assert np.abs(capped).max() <= 2.0 + 1e-3
+    assert np.abs(flat).max() > 50.0
+    assert np.abs(cepstral) == pytest.approx(1.0, abs=1e-4)
+    assert np.angle(capped[100] / spectrum[100]) == pytest.approx(0.0, abs=1e-4)
+
+
+def test_band_tree_covers_the_range_with_half_overlap():
+    tree = band_tree(6400, 1.0, depth=3, narrowest_hz=700.0)
+    assert [len(firsts) for _, firsts in tree.levels] == [1, 3, 7, 15]
+    assert tree.bands[0] == (0.0, 6400.0)
+    for width, firsts in tree.levels:
+        assert firsts[0] == 0
+        assert firsts[-1] + width == 6400
+    assert len(band_tree(6400, 1.0, depth=3, narrowest_hz=2000.0).levels) == 2
+
+
+@pytest.mark.parametrize('depth', [0.1, 0.5])
+def test_modulation_index_of_a_modulated_carrier(depth):
+    """(1 + a cos)^2 has the relative lines 2a / (1 + a^2/2) and (a^2/2) / (1 + a^2/2)."""
+    t = np.arange(int(4 * RATE)) / RATE
+    x = (1.0 + depth * np.cos(2 * np.pi * 75.0 * t)) * np.cos(2 * np.pi * 3000.0 * t)
+    spectrum = (np.fft.rfft(x) / len(x)).astype(np.complex64)[None]
+    tree = band_tree(spectrum.shape[1] - 1, 0.25, depth=2, narrowest_hz=500.0)
+    found = envelope_spectra(spectrum, tree, max_hz=400.0, floor_width=64)
+    band = next(i for i, (low, high) in enumerate(tree.bands) if low < 2500 and high > 3500)
+    index = 2.0 * np.sqrt(found.power[0, band])
+    mean = 1.0 + depth**2 / 2
+    assert index[int(75 / 0.25) - 1] == pytest.approx(2 * depth / mean, rel=1e-3)
+    assert index[int(150 / 0.25) - 1] == pytest.approx(depth**2 / 2 / mean, rel=1e-3)
+
+
+def test_envelope_spectrum_agrees_with_hilbert(rng):
+    x = rng.standard_normal(1 << 14) * (
+        1.0 + 0.8 * np.sin(2 * np.pi * 40 * np.arange(1 << 14) / RATE)
+    )
+    spectrum = (np.fft.rfft(x) / len(x)).astype(np.complex64)[None]
+    tree = band_tree(spectrum.shape[1] - 1, RATE / len(x), depth=0, narrowest_hz=1.0)
+    found = envelope_spectra(spectrum, tree, max_hz=500.0, floor_width=64)
+    squared = np.abs(signal.hilbert(x)) ** 2
+    window = signal.windows.hann(len(x), sym=False) * 2.0
+    lines = np.fft.rfft((squared - squared.mean()) * window) / len(x) / squared.mean()
+    reference = np.abs(lines[1 : found.power.shape[-1] + 1]) ** 2
+    strong = reference > np.median(reference)
+    assert found.power[0, 0][strong] == pytest.approx(reference[strong], rel=0.05)
+
+
+def test_envelope_spectrum_of_noise_over_its_floor_is_exponential(rng):
+    x = rng.standard_normal(1 << 16)
+    spectrum = (np.fft.rfft(x) / len(x)).astype(np.complex64)[None]
+    tree = band_tree(spectrum.shape[1] - 1, RATE / len(x), depth=2, narrowest_hz=500.0)
+    found = envelope_spectra(spectrum, tree, max_hz=300.0, floor_width=200)
+    ratio = (found.power / found.floor)[0, 2, 5::3]  # every third bin: the window joins neighbours
+    assert stats.kstest(ratio, 'expon').pvalue > 0.01
+    assert np.log1p(found.power / found.floor).mean() == pytest.approx(NEUTRAL, abs=0.03)
+
+
+def _orders(x, shaft_hz, top=25.0):
+    spectrum = (np.fft.rfft(x) / len(x)).astype(np.complex64)
+    bin_hz = RATE / len(x)
+    tree = band_tree(len(spectrum) - 1, bin_hz, depth=2, narrowest_hz=500.0)
+    envelopes = envelope_spectra(
+        whiten(spectrum, 256), tree, max_hz=top * shaft_hz, floor_width=200
+    )
+    power = np.abs(spectrum).astype(np.float32) ** 2
+    edges = [low for low, _ in tree.bands]
+    return order_spectra(envelopes, power, edges, shaft_hz, shaft_hz), envelopes, power, bin_hz
+
+
+def _train(rng, order, shaft_hz, seconds, noise=1.0):
+    n = int(seconds * RATE)
+    x = np.zeros(n)
+    x[(np.arange(0.0, seconds, 1.0 / (order * shaft_hz)) * RATE).astype(int)] = 12.0
+    ring = np.exp(-500 * np.arange(200) / RATE) * np.sin(2 * np.pi * 4000 * np.arange(200) / RATE)
+    return signal.fftconvolve(x, ring)[:n] + noise * rng.standard_normal(n)
+
+
+def test_comb_peaks_at_the_planted_order(rng):
+    orders, *_ = _orders(_train(rng, 3.61, 25.0, 4.0), 25.0)
+    scores = comb_scores(orders, 6.0, 3)
+    assert scores.grid[np.argmax(scores.z)] == pytest.approx(3.61, abs=0.01)
+    assert scores.z.max() > 8.0
+    # Silenced lines leave nothing behind.
+    silent = orders.silenced(3.61 * np.arange(1, 8), 0.03)
+    z, _ = scores.judge(silent, scores.grid[np.abs(scores.grid - 3.61) < 0.005])
+    assert z.max() < 4.0
+
+
+def test_mean_of_windows_raises_a_weak_comb(rng):
+    x = _train(rng, 3.61, 25.0, 32.0, noise=5.0)
+    parts = [_orders(part, 25.0)[0] for part in np.split(x, 8)]
+    single = [comb_scores(part, 6.0, 3) for part in parts]
+    near = np.abs(single[0].grid - 3.61) < 0.01
+    alone = np.mean([scores.z[near].max() for scores in single])
+    together = comb_scores(accumulate(parts), 6.0, 3).z[near].max()
+    assert together > 1.5 * alone
+
+
+def test_shaft_speed_is_found_and_fault_lines_do_not_lead_it_astray(rng):
+    t = np.arange(int(4 * RATE)) / RATE
+    noise = rng.standard_normal(len(t))
+    shaft = sum(np.cos(2 * np.pi * k * 24.7 * t) for k in range(1, 6))
+    _, envelopes, power, bin_hz = _orders(noise + 0.3 * shaft, 25.0)
+    found = refine_shaft_hz(power, bin_hz, envelopes, 25.0, 0.02)
+    assert found.shaft_hz == pytest.approx(24.7, abs=0.03)
+    # A fault comb at 4.95 orders is no shaft at 0.99 of the speed.
+    _, envelopes, power, bin_hz = _orders(_train(rng, 4.95, 25.0, 4.0), 25.0)
+    assert refine_shaft_hz(power, bin_hz, envelopes, 25.0, 0.02).shaft_hz == 25.0
+
+
+def test_angular_resampling_turns_a_sweep_into_a_line():
+    n = int(4 * RATE)
+    shaft = np.linspace(20.0, 30.0, n)
+    phase = 2 * np.pi * np.cumsum(shaft) / RATE
+    even, mean_hz = resample_to_angle(np.cos(7.3 * phase), RATE, shaft)
+    assert mean_hz == pytest.approx(25.0, rel=1e-3)
+    spectrum = np.abs(np.fft.rfft(even * np.hanning(n)))
+    peak = np.argmax(spectrum) * RATE / n
+    assert peak == pytest.approx(7.3 * mean_hz, abs=0.3)
+    assert (spectrum > 0.3 * spectrum.max()).sum() <= 4
+
+
+@pytest.mark.parametrize(
+    ('x', 'rate', 'hz', 'words'),
+    [
+        (np.zeros(0), RATE, 25.0, 'empty'),
+        (np.full(50_000, 3.0), RATE, 25.0, 'constant'),
+        (np.r_[np.nan, np.sin(np.arange(50_000.0))], RATE, 25.0, 'NaN'),
+        (np.sin(np.arange(50_000.0)), math.nan, 25.0, 'sample rate'),
+        (np.sin(np.arange(50_000.0)), RATE, math.nan, 'speed is unknown'),
+        (np.sin(np.arange(5_000.0)), RATE, 25.0, 'shaft turns'),
+        (np.sin(np.arange(50_000.0)), 600.0, 25.0, 'sample rate'),
+        (np.clip(3 * np.sin(np.arange(50_000.0)), -1, 1), RATE, 25.0, 'clipped'),
+    ],
+)
+def test_gate_says_what_is_missing(x, rate, hz, words):
+    (reason,) = check_record(x, rate, hz, 5.4)[:1]
+    assert words in reason
+
+
+def test_gate_lets_good_records_pass(rng):
+    assert check_record(rng.standard_normal(50_000), RATE, 25.0, 5.4) == []
+
+
+def test_severity_of_a_sine():
+    """1 m/s^2 peak at 160 Hz: rms 0.707, crest sqrt 2, kurtosis 1.5, velocity a / (2 pi f)."""
+    t = np.arange(int(2 * RATE)) / RATE
+    x = np.sin(2 * np.pi * 160.0 * t)
+    spectrum = (np.fft.rfft(x) / len(x)).astype(np.complex64)
+    found = measure_severity(x, spectrum, RATE, unit='m/s^2', power_group=2, mounting='rigid')
+    assert found.rms == pytest.approx(math.sqrt(0.5), rel=1e-6)
+    assert found.crest_factor == pytest.approx(math.sqrt(2), rel=1e-3)
+    assert found.kurtosis == pytest.approx(1.5, rel=1e-3)
+    assert found.velocity_rms == pytest.approx(1e3 / (2 * math.pi * 160 * math.sqrt(2)), rel=1e-3)
+    assert found.band_rms == pytest.approx((math.sqrt(0.5), 0.0, 0.0), abs=1e-5)
+    assert found.iso_zone == 'A'
+    in_g = measure_severity(x / 9.80665, spectrum / 9.80665, RATE, unit='g')
+    assert in_g.velocity_rms == pytest.approx(found.velocity_rms, rel=1e-6)
+    assert math.isnan(measure_severity(x, spectrum, RATE, unit='V').velocity_rms)
+
+
+def test_iso_zones_of_group_1_flexible():
+    assert [iso_zone(v, 1, 'flexible') for v in (3.5, 3.6, 7.2, 11.5)] == list('ABCD')
+    assert iso_zone(5.0, 0, 'flexible') == ''
+    assert fault_orders(find_bearing('6205')).bpfi == pytest.approx(5.4152, abs=1e-3)
