@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from types import TracebackType
 
-__all__ = ['HeadlessViewer', 'free_port', 'live_url', 'show', 'show_in_browser']
+__all__ = ['LOOPBACK', 'HeadlessViewer', 'free_port', 'live_url', 'show', 'show_in_browser']
 
 LOOPBACK = '127.0.0.1'
 START_TIMEOUT = 30.0

@@ -1,0 +1,62 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Cost of viewing: everything that one bearing publishes, drawn to a file and to a server."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bearing_twin.nodes.offline_run import run_offline
+from bearing_twin.recording.reader import read_messages
+from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
+from bearing_twin.view.logger import RerunLogger
+from bearing_twin.view.viewer import LOOPBACK, free_port
+
+if TYPE_CHECKING:
+    from bearing_twin.recording.reader import RecordedMessage
+
+__all__ = ['measure']
+
+RUNS = 2
+
+
+def measure() -> dict[str, float]:
+    """Draw a recording of twin and diagnosis at 25.6 kHz as the recorder does.
+
+    Returns
+    -------
+    dict
+        ``view_load``: processor time of decoding and drawing, all threads, per recorded second (1
+        is one core), of the cheaper of two runs after a first one that loads;
+        ``view_bytes_per_second``: size of the file; ``view_longest_ms``: longest call that the
+        recorder waited for.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        source = folder / 'schedule.mcap'
+        times, temperatures = paper_schedule()
+        write_temperature_recording(source, times, temperatures, source='bench')
+        report = run_offline(source, folder / 'run', twin={'defect': 'inner'})
+        messages = list(read_messages(folder / 'run'))
+        runs = [_draw(messages, folder / f'{run}.rrd') for run in range(RUNS + 1)]
+        size = (folder / '0.rrd').stat().st_size
+    return {
+        'view_load': min(load for load, _ in runs[1:]) / report.duration,
+        'view_bytes_per_second': size / report.duration,
+        'view_longest_ms': 1e3 * min(longest for _, longest in runs[1:]),
+    }
+
+
+def _draw(messages: list[RecordedMessage], rrd: Path) -> tuple[float, float]:
+    """Return the processor time and the longest call, s."""
+    longest = 0.0
+    began = time.process_time()
+    with RerunLogger(recording_id=rrd.stem, rrd=rrd, serve=(LOOPBACK, free_port())) as logger:
+        for message in messages:
+            before = time.perf_counter()
+            logger.log(message.topic, message.type_name, message.decode(), message.log_time)
+            longest = max(longest, time.perf_counter() - before)
+    return time.process_time() - began, longest
