@@ -1,10 +1,9 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Claims about fault frequencies, their shift with temperature, and the peak times."""
+"""Claims about fault frequencies and their shift with temperature."""
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import TYPE_CHECKING
 
@@ -14,11 +13,9 @@ from bearing_twin.paper.claims import Claim
 from bearing_twin.paper.verdicts import within
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.paper.study import Study
 
-__all__ = ['frequency_claims', 'frequency_interval', 'impact_numbers', 'slip_needed']
+__all__ = ['frequency_claims', 'slip_needed']
 
 PRINTED = 0.0005
 """Half a unit of the last digit printed of a frequency, Hz."""
@@ -26,20 +23,17 @@ LINE_TOLERANCE = 0.02
 """Agreement asked of a simulated line with a quoted one, Hz."""
 BIN = 1.0 / settings.DURATION
 """Resolution of a spectrum of the paper's 0.7 s record, Hz."""
-TIME_DIGIT = 0.001
-"""Last digit printed of a time, s."""
 _PLACES = 4
 """Decimals of a line that mean something: below them is the compiler's rounding."""
 COLD, WARM, HOT = 20.0, 70.0, 100.0
 
 
 def frequency_claims(study: Study) -> list[Claim]:
-    """Judge sections 2 and 3.4 on frequencies, and the times of figures 10, 17, 24 and 29."""
+    """Judge sections 2 and 3.4 on frequencies."""
     return [
         *_formula_claims(),
         *_place_claims(study),
         *_shift_claims(study),
-        *_peak_claims(study),
     ]
 
 
@@ -47,25 +41,6 @@ def slip_needed(frequency: float) -> float:
     """Cage slip at which the inner-ring frequency is ``frequency``, Hz (dimensionless)."""
     bpfo, bpfi, _, _ = fault_frequencies(settings.BEARING, settings.SHAFT_HZ)
     return (frequency - bpfi) / bpfo
-
-
-def impact_numbers(times: Sequence[float], frequency: float) -> list[int]:
-    """Numbers of the impacts, counted from t0 = 0, next to ``times`` (s)."""
-    return [round(time * frequency) for time in times]
-
-
-def frequency_interval(times: Sequence[float], numbers: Sequence[int]) -> tuple[float, float]:
-    """Impact frequencies (Hz) compatible with peak ``times`` (s) of the ``numbers``-th impacts.
-
-    Every time is rounded to 1 ms and follows its impact by one unknown constant delay. Such a
-    delay exists if and only if every pair of times agrees:
-    ``|t_i - t_j - (n_i - n_j)/f| <= 1 ms``.
-    """
-    low, high = 0.0, math.inf
-    for (t, n), (s, m) in itertools.combinations(zip(times, numbers, strict=True), 2):
-        low = max(low, (m - n) / (s - t + TIME_DIGIT))
-        high = min(high, (m - n) / (s - t - TIME_DIGIT))
-    return low, high
 
 
 def _formula_claims() -> list[Claim]:
@@ -354,61 +329,3 @@ def _shift_claims(study: Study) -> list[Claim]:
         )
     )
     return claims
-
-
-def _peak_claims(study: Study) -> list[Claim]:
-    times = list(settings.PEAK_TIMES)
-    f_in = equations.inner_frequency(settings.BEARING, settings.SHAFT_HZ)
-    numbers = impact_numbers(times, f_in)
-    instants = [n / f_in for n in numbers]
-    turns = [n * settings.SHAFT_HZ / f_in for n in numbers]
-    delays = {
-        preset: [
-            float(peak - time)
-            for peak, time in zip(study.trends[preset, 'all'][0].peak_times, times, strict=True)
-        ]
-        for preset in settings.PRESET_NAMES
-    }
-    holds = {
-        'impact instants k/f_in': all(
-            abs(i - t) <= TIME_DIGIT / 2 for i, t in zip(instants, times, strict=True)
-        )
-    }
-    for preset, lags in delays.items():
-        holds[f'peaks of {preset}'] = max(lags) - min(lags) <= TIME_DIGIT
-    interval = frequency_interval(times, numbers)
-    slipping = study.frequencies['incipient', 'mu_proportional', HOT].prescribed
-    rigid = study.frequencies['incipient', 'none', HOT].prescribed
-    return [
-        Claim(
-            id='peak-times',
-            where='sections 3.1 to 3.4',
-            claim='peaks at 0.079, 0.277, 0.435 and 0.633 s',
-            paper_value=times,
-            our_value={'impacts': numbers, 'instants_s': instants, 'peak_delay_s': delays},
-            holds=holds,
-            why=(
-                'Rule: with t0 = 0 at an impact in the load direction, impacts '
-                f'{numbers} fall at the quoted times to the digit, and the simulated peaks at '
-                '20 degC follow them by one delay, constant to 1 ms. The shaft has then made '
-                f'{", ".join(f"{t:.2f}" for t in turns)} turns: the defect is under the load.'
-            ),
-        ),
-        Claim(
-            id='peak-times-at-every-temperature',
-            where='figures 10, 17, 24, 29 against figure 32',
-            claim='the peak times are the same at ten temperatures while f_in rises to 126.823 Hz',
-            paper_value=settings.F_IN['fig32'],
-            our_value={
-                'compatible_hz': list(interval),
-                'last_peak_without_slip_s': numbers[-1] / rigid,
-                'last_peak_with_slip_s': numbers[-1] / slipping,
-            },
-            holds={'126.823 Hz': interval[0] <= settings.F_IN['fig32'] <= interval[1]},
-            why=(
-                f'Rule: 126.823 Hz inside the interval {interval[0]:.2f} to {interval[1]:.2f} Hz '
-                'that four times, rounded to 1 ms, with one common delay, allow. The waterfalls '
-                'contain no shift of frequency.'
-            ),
-        ),
-    ]

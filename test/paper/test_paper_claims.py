@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from bearing_twin.paper import settings
-from bearing_twin.paper.claims_frequency import frequency_interval, slip_needed
+from bearing_twin.paper.claims_frequency import slip_needed
 from bearing_twin.paper.claims_model import circulation, system_matrix, unclosed
+from bearing_twin.paper.claims_peaks import frequency_interval
 from bearing_twin.paper.claims_trend import falling_window, formula_change
 from bearing_twin.paper.judge import judge
 from bearing_twin.paper.verdicts import VERDICTS, all_settings, same_direction, share, within
