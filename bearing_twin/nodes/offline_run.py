@@ -17,7 +17,7 @@ from bearing_twin.nodes.shaft import ShaftSpeed
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 from bearing_twin.recording.schema import MessageSchema
-from bearing_twin.recording.writer import RecordingWriter
+from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.thermal.gate import TemperatureGate
 
 if TYPE_CHECKING:
@@ -55,6 +55,7 @@ def run_offline(
     *,
     twin: Mapping[str, Any] | None = None,
     diagnosis: Mapping[str, Any] | None = None,
+    options: WriterOptions | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> OfflineReport:
     """Run twin and diagnosis on the temperature and speed of a recording.
@@ -71,6 +72,8 @@ def run_offline(
         Recording to make.
     twin, diagnosis
         Parameters of the nodes that differ from their defaults.
+    options
+        How the new recording is written.
     progress
         Called with the part done, 0..1, about once per recorded second.
 
@@ -88,7 +91,7 @@ def run_offline(
     diagnosis_values = _values(diagnosis_config.SPECS, diagnosis)
     report = OfflineReport(target, info.duration)
     twin_side = _TwinSide(twin_values, diagnosis_values['joint'], info.start)
-    with RecordingWriter(target) as writer:
+    with RecordingWriter(target, options) as writer:
         writer.metadata('bearing_twin.source', {'source': source.name, 'mode': 'offline'})
         diagnosis_side = _DiagnosisSide(diagnosis_values, writer, report)
         reported = info.start

@@ -77,6 +77,13 @@ class Source:
         self._vibration.publish(message)
         self.sent.append((index, stamp))
 
+    def wait_for(self, status: str, timeout: float = 90.0) -> None:
+        """Wait, without publishing, until a part of a node has reported."""
+        end = time.monotonic() + timeout
+        while status not in self.statuses:
+            assert time.monotonic() < end, f'{status} did not report within {timeout} s'
+            self._executor.spin_once(timeout_sec=0.05)
+
     def settle(self) -> None:
         """Wait, without publishing, until what was sent has arrived."""
         self._vibration.wait_for_all_acked(Duration(seconds=10))

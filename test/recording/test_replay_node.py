@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Live replay: what was recorded is on ROS again, at its pace, and can be held and stepped."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+from recorder_process import Source
+from recording_samples import PERIOD, write_blocks
+
+from bearing_twin.nodes.launching import NodeProcesses
+from bearing_twin.recording.reader import read_messages
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+pytestmark = pytest.mark.ros
+
+REPLAY = 'replay: replay'
+
+
+def test_replayed_and_recorded_again_the_bytes_are_the_same(
+    ros_domain: int, tmp_path: Path
+) -> None:
+    written = write_blocks(tmp_path / 'run', 75)
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(tmp_path / 'again')})
+        source.wait_for_recorder()
+        parameters = {
+            'recording': str(tmp_path / 'run'),
+            'rate': 2.0,
+            'topics': ['/vibration'],
+            'remap': ['/vibration:=/line3/vibration'],
+            'clock_rate': 100.0,
+            'wait_for_subscribers': 10.0,
+        }
+        nodes.start('replay', parameters)
+        assert nodes.wait('replay', 60.0) == 0
+        source.settle()
+        assert nodes.end('recorder') == 0
+    again = list(read_messages(tmp_path / 'again', topics=['/line3/vibration']))
+    assert [m.cdr for m in again] == written
+    # At twice the pace; a busy machine may stretch it, nothing may shorten it.
+    took = again[-1].publish_time - again[0].publish_time
+    assert took >= 0.95 * 74 * PERIOD / 2
+    clock = [m.decode().clock for m in read_messages(tmp_path / 'again', topics=['/clock'])]
+    times = [c.sec * 10**9 + c.nanosec for c in clock]
+    recorded = [m.log_time for m in read_messages(tmp_path / 'run', topics=['/vibration'])]
+    assert times == sorted(times)
+    assert recorded[0] <= times[0] <= times[-1] <= recorded[-1] + PERIOD
+    assert len(times) > 20
+
+
+def test_paused_stepped_resumed(ros_domain: int, tmp_path: Path) -> None:
+    write_blocks(tmp_path / 'run', 25)
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('replay', {'recording': str(tmp_path / 'run'), 'start_paused': True})
+        step = source.call('/replay/step')
+        assert step.success
+        assert '/vibration' in step.message
+        assert '/temperature' in source.call('/replay/step').message
+        assert source.call('/replay/resume').success
+        assert nodes.wait('replay', 60.0) == 0
+    log = (tmp_path / 'logs' / 'replay.log').read_text()
+    assert '50 messages' in log
+    assert 'the recording has ended' in log
+
+
+def test_command_line(ros_domain: int, tmp_path: Path) -> None:
+    write_blocks(tmp_path / 'run', 10)
+    words = [sys.executable, '-m', 'bearing_twin', 'replay']
+    ran = subprocess.run(
+        [*words, tmp_path / 'run', '--rate', '10', '--topics', '/temperature'],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert ran.returncode == 0
+    assert '10 messages' in ran.stderr + ran.stdout
+    for wrong, text in (
+        ([tmp_path / 'nothing'], 'does not exist'),
+        ([tmp_path / 'run', '--topics', '/no'], 'has no topic /no'),
+        ([tmp_path / 'run', '--remap', 'x'], "does not read 'recorded:=new'"),
+        ([tmp_path / 'run', '--offline'], 'name it with -o'),
+    ):
+        ran = subprocess.run(
+            [*words, *wrong], capture_output=True, text=True, timeout=60, check=False
+        )
+        assert ran.returncode == 1
+        assert text in ran.stderr + ran.stdout
+        assert 'Traceback' not in ran.stderr
