@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Mutated ROS messages at the running nodes: they answer, or say why not, and stay up."""
+
+from __future__ import annotations
+
+import array
+import math
+import os
+import random
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
+from rclpy.serialization import serialize_message
+from recorder_process import Source
+from sensor_msgs.msg import JointState, Temperature
+
+from bearing_twin.nodes.launching import NodeProcesses
+from bearing_twin.nodes.qos import CHECKPOINT, STREAM
+from bearing_twin.recording.reader import recording_info
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+pytestmark = pytest.mark.ros
+
+NODES = ('twin', 'diagnosis', 'recorder')
+MOST_MEMORY = 400_000_000
+"""Memory that a node may gain by all of it, bytes: windows, queues and spectra of odd sizes."""
+NUMBERS = [0.0, -0.0, 1.0, -1.0, 1e-300, 1e300, -1e300, math.nan, math.inf, -math.inf, 25600.0]
+COUNTS = [
+    0,
+    1,
+    2,
+    255,
+    256,
+    2**16,
+    2**31 - 1,
+    2**31,
+    2**32 - 1,
+    2**53,
+    2**63 - 1,
+    2**63,
+    2**64 - 1,
+]
+TEXTS = ['', 'g', 'm/s^2', '\x00', 'x' * 100_000, '../../etc/passwd', "'; import os", 'ÄÖ中\u202e']
+TYPES: dict[str, type] = {
+    'vibration': Vibration,
+    'temperature': Temperature,
+    'joint_states': JointState,
+    'twin_state': TwinState,
+    'diagnosis': Diagnosis,
+    'twin_checkpoint': Checkpoint,
+    'diagnosis_checkpoint': Checkpoint,
+    'envelope_spectrum': Spectrum,
+}
+
+
+def hostile(kind: type, rng: random.Random) -> Any:
+    """Return a message whose every field may hold anything that its type can."""
+    message = kind()
+    for name, of in kind.get_fields_and_field_types().items():
+        if rng.random() < 0.3:
+            continue
+        if name == 'header':
+            message.header.stamp.sec = rng.choice([0, 1, -1, 2**31 - 1, -(2**31)])
+            message.header.stamp.nanosec = rng.choice([0, 999_999_999, 10**9, 2**32 - 1])
+            message.header.frame_id = rng.choice(TEXTS)
+        elif of.startswith('sequence<'):
+            element, size = of[9:-1], rng.choice([0, 1, 2, 3, 1000, 1024, 100_000])
+            if element == 'string':
+                setattr(message, name, [rng.choice(TEXTS[:5]) for _ in range(min(size, 3))])
+            elif element in ('float', 'double'):
+                code = 'f' if element == 'float' else 'd'
+                values = [v for v in NUMBERS if code == 'd' or not 1e38 < abs(v) < math.inf]
+                pattern = array.array(code, [rng.choice(values) for _ in range(8)])
+                setattr(message, name, (pattern * (size // 8 + 1))[:size])
+            else:
+                setattr(message, name, array.array('B', rng.randbytes(size)))
+        elif of == 'string':
+            setattr(message, name, rng.choice(TEXTS))
+        elif of in ('double', 'float'):
+            setattr(message, name, rng.choice(NUMBERS))
+        elif of.startswith('uint') or of.startswith('int'):
+            limit = 2 ** (int(of.lstrip('uint')) - of.startswith('int'))
+            setattr(message, name, rng.choice([c for c in COUNTS if c < limit]))
+    return message
+
+
+def mutated_bytes(message: Any, rng: random.Random) -> bytes:
+    """Serialise, and sometimes damage the bytes themselves."""
+    data = bytearray(serialize_message(message))
+    if rng.random() < 0.3 and len(data) > 8:
+        for _ in range(rng.choice([1, 4, 16])):
+            data[rng.randrange(4, len(data))] = rng.randrange(256)
+    if rng.random() < 0.1:
+        del data[rng.randrange(4, len(data)) :]
+    return bytes(data)
+
+
+def resident(pid: int) -> int:
+    """Memory of a process, bytes."""
+    return int(Path(f'/proc/{pid}/statm').read_text().split()[1]) * os.sysconf('SC_PAGE_SIZE')
+
+
+def publish_hostile(source: Source, count: int, rng: random.Random) -> Iterator[int]:
+    """Publish ``count`` hostile messages, among sound ones, and yield how many are out."""
+    publishers = {
+        topic: source.node.create_publisher(
+            kind, topic, CHECKPOINT if kind is Checkpoint else STREAM
+        )
+        for topic, kind in TYPES.items()
+    }
+    for number in range(count):
+        topic = rng.choice(['vibration', 'vibration', 'temperature', *TYPES])
+        publishers[topic].publish(mutated_bytes(hostile(TYPES[topic], rng), rng))
+        if number % 20 == 0:
+            source.publish_for(0.05)
+            yield number
+
+
+def attack(folder: Path, count: int, seed: int) -> None:
+    with NodeProcesses(folder / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(folder / 'bag')})
+        nodes.start('diagnosis', {'bearing': '6307', 'joint': 'shaft', 'window': 1.0})
+        nodes.start('twin', {'bearing': '6307', 'joint': 'shaft'}, ros=('-r', 'vibration:=other'))
+        for status in ('twin: real time', 'diagnosis: vibration input', 'recorder: recording'):
+            source.wait_for(status)
+        source.publish_for(3.0)
+        before = {name: resident(nodes.pid(name)) for name in NODES}
+        for _ in publish_hostile(source, count, random.Random(seed)):
+            for name in NODES:
+                assert nodes.running(name), name
+        # They are not only there: each still reports each second, and the diagnosis answers a
+        # sound signal again.
+        source.statuses.clear()
+        time.sleep(1.0)
+        for status in ('twin: real time', 'diagnosis: vibration input', 'recorder: recording'):
+            source.wait_for(status, 30.0)
+        grown = {name: resident(nodes.pid(name)) - before[name] for name in NODES}
+        print(f'{count} messages: memory grew by {grown}')
+        assert max(grown.values()) < MOST_MEMORY
+        for name in ('twin', 'diagnosis', 'recorder'):
+            assert nodes.end(name) == 0, name
+    for name in NODES:
+        assert 'Traceback' not in (folder / 'logs' / f'{name}.log').read_text(errors='replace')
+    assert recording_info(folder / 'bag').finished
+
+
+def test_hostile_messages(ros_domain: int, tmp_path: Path) -> None:
+    attack(tmp_path, 600, ros_domain)
+
+
+@pytest.mark.fuzz
+def test_ten_thousand_hostile_messages(ros_domain: int, tmp_path: Path) -> None:
+    attack(tmp_path, 10_000, random.SystemRandom().randrange(2**32))
