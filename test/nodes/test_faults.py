@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Nodes killed, subscribers stopped, sources doubled: what the others do."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Vibration
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from sensor_msgs.msg import Temperature
+
+pytestmark = pytest.mark.ros
+
+OK = b'\x00'
+
+LISTENER = """
+import rclpy
+from bearing_twin_msgs.msg import Vibration
+with rclpy.init():
+    node = rclpy.create_node('slow')
+    node.create_subscription(Vibration, 'vibration', lambda _: None, 50)
+    print('listening', flush=True)
+    rclpy.spin(node)
+"""
+
+
+def resident(pid):
+    return int(Path(f'/proc/{pid}/statm').read_text().split()[1]) * os.sysconf('SC_PAGE_SIZE')
+
+
+def kill(nodes, name):
+    os.kill(nodes.pid(name), signal.SIGKILL)
+    nodes.end(name)
+
+
+def test_killed_twin_and_killed_diagnosis(nodes, probe, tmp_path):
+    diagnosis = {'bearing': '6307', 'window': 2.0, 'state_name': 'line3', 'checkpoint_period': 1.0}
+    diagnosis['state_directory'] = str(tmp_path / 'states')
+    nodes.start('recorder', {'output': str(tmp_path / 'bag')})
+    nodes.start('diagnosis', diagnosis)
+    nodes.start('twin', {'defect': 'outer'})
+    probe.watch_diagnostics()
+    verdicts = probe.collect(Diagnosis, 'diagnosis')
+    blocks = probe.collect(Vibration, 'vibration')
+    probe.until(lambda: len(verdicts) > 3, 'verdicts')
+
+    kill(nodes, 'twin')
+    vibration = 'diagnosis: vibration input'
+    probe.until(lambda: probe.statuses[vibration][0] != OK, 'the silence on /diagnostics')
+    assert nodes.running('diagnosis')
+    assert nodes.running('recorder')
+    nodes.start('twin', {'defect': 'outer'})
+    count = len(verdicts)
+    probe.until(lambda: len(verdicts) > count + 3, 'verdicts on the new twin')
+    probe.until(lambda: probe.statuses[vibration][0] == OK, 'the input well again')
+    # The restart is said, not glossed over.
+    assert any('window restarted' in r for v in verdicts[count:] for r in v.reasons)
+
+    state = tmp_path / 'states' / 'line3'
+    probe.until(state.exists, 'a saved state')
+    kill(nodes, 'diagnosis')
+    del blocks[:]
+    probe.until(lambda: len(blocks) > 30, 'blocks while there is no diagnosis')
+    assert all(a.first_sample + 1024 == b.first_sample for a, b in pairwise(blocks))
+    nodes.start('diagnosis', diagnosis)
+    count = len(verdicts)
+    probe.until(lambda: len(verdicts) > count, 'verdicts of the new diagnosis')
+    log = (tmp_path / 'logs' / 'diagnosis.log').read_text()
+    assert f'baseline and trend loaded from {state}' in log
+    assert nodes.end('twin') == 0
+    assert nodes.end('diagnosis') == 0
+    assert nodes.end('recorder') == 0
+
+
+def test_subscribers_that_stop_come_late_or_are_not_alone(nodes, probe, tmp_path):
+    nodes.start('diagnosis', {'bearing': '6307', 'window': 2.0})
+    nodes.start('twin', {'checkpoint_period': 2.0})
+    probe.watch_diagnostics()
+    real_time = 'twin: real time'
+    probe.until(lambda: real_time in probe.statuses, 'the twin')
+
+    # A subscriber that is stopped for as long as several times the depth of the queues.
+    slow = subprocess.Popen(
+        [sys.executable, '-c', LISTENER], stdout=subprocess.PIPE, text=True, env=os.environ
+    )
+    try:
+        assert slow.stdout.readline() == 'listening\n'
+        time.sleep(1.0)
+        slow.send_signal(signal.SIGSTOP)
+        before = resident(nodes.pid('twin'))
+        blocks = probe.collect(Vibration, 'vibration')
+        # Meanwhile a temperature at 1 kHz, and one that joins late.
+        for k in range(3000):
+            message = Temperature(temperature=20.0 + 0.03 * k)
+            message.header.stamp.sec = 1000 + k // 1000
+            message.header.stamp.nanosec = k % 1000 * 1_000_000
+            probe.publish('temperature', message)
+            probe.spin(0.001)
+        probe.spin(3.0)
+        late = []
+        probe.node.create_subscription(
+            Checkpoint,
+            'twin_checkpoint',
+            late.append,
+            QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL),
+        )
+        probe.until(lambda: late, 'the checkpoint published before')
+        assert resident(nodes.pid('twin')) - before < 30_000_000
+        assert len(blocks) > 100
+        assert all(a.first_sample + 1024 == b.first_sample for a, b in pairwise(blocks))
+        assert probe.statuses[real_time][2]['blocks dropped'] == '0'
+    finally:
+        slow.send_signal(signal.SIGCONT)
+        slow.terminate()
+        slow.wait(20.0)
+
+    # A second twin on the same topic: one of them is diagnosed, the other is ignored and counted.
+    nodes.start('twin', {'defect': 'outer'}, name='second', ros=('-r', '__node:=second'))
+    name = 'diagnosis: vibration input'
+    probe.until(lambda: probe.statuses[name][0] != OK, 'the second source')
+    text = f'{probe.statuses[name][1]} {probe.statuses[name][2]}'
+    assert 'source' in text or 'ignored' in text
+    verdicts = probe.collect(Diagnosis, 'diagnosis')
+    probe.until(lambda: len(verdicts) > 2, 'verdicts on one of the two')
+    assert not any(v.result == Diagnosis.OUTER for v in verdicts)
+    assert nodes.end('second') == 0
+    assert nodes.end('twin') == 0
+    assert nodes.end('diagnosis') == 0
