@@ -26,10 +26,10 @@ lint: setup
 	$(BIN)/mypy
 
 soak: setup
-	$(BIN)/python -m pytest -m soak
+	$(BIN)/python -m pytest -s -m soak
 
 fuzz: setup
-	$(BIN)/python -m pytest -m fuzz
+	$(BIN)/python -m pytest -s -m fuzz
 
 setup: $(VENV)/package.stamp
 
