@@ -18,20 +18,22 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = [
-    'WHITENINGS',
-    'BandTree',
-    'EnvelopeSpectra',
-    'band_tree',
-    'envelope_spectra',
-    'local_floor',
-    'whiten',
+    "WHITENINGS",
+    "BandTree",
+    "EnvelopeSpectra",
+    "band_tree",
+    "envelope_spectra",
+    "line_cap",
+    "local_floor",
+    "whiten",
 ]
 
-WHITENINGS = ('flat', 'capped', 'cepstral')
+WHITENINGS = ("flat", "capped", "cepstral")
 """Whitenings of :func:`whiten`, in the order of its output."""
 
 _MEDIAN_OF_EXPONENTIAL = math.log(2.0)
 _TINY = 1e-30
+_CAP, _CAP_TURNS = 4.0, 50.0
 
 
 def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
@@ -57,10 +59,14 @@ def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
     blocks = count // hop
     if blocks < 3:
         floor = np.median(power, axis=-1, keepdims=True) / _MEDIAN_OF_EXPONENTIAL
-        return np.broadcast_to(np.maximum(floor, _TINY), power.shape).astype(power.dtype)
+        return np.broadcast_to(np.maximum(floor, _TINY), power.shape).astype(
+            power.dtype
+        )
     # Centred on the range, so that what the blocks leave over falls on both ends alike.
     offset = (count - blocks * hop) // 2
-    tiles = power[..., offset : offset + blocks * hop].reshape(*power.shape[:-1], blocks, hop)
+    tiles = power[..., offset : offset + blocks * hop].reshape(
+        *power.shape[:-1], blocks, hop
+    )
     pairs = np.concatenate((tiles[..., :-1, :], tiles[..., 1:, :]), axis=-1)
     pairs.partition(hop, axis=-1)
     levels = np.maximum(pairs[..., hop] / _MEDIAN_OF_EXPONENTIAL, _TINY)
@@ -71,11 +77,23 @@ def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
     return np.asarray(below + (above - below) * weight)
 
 
-def whiten(spectrum: NDArray[np.complex64], width: int) -> NDArray[np.complex64]:
+def line_cap(turns: float) -> float:
+    """Power over the floor at which a line is capped, for a window of so many shaft turns.
+
+    Twice the floor in amplitude at 50 turns. A line stands out of the floor by the length of the
+    window, and so do the lines of a fault whose impacts keep time: the cap grows with the window,
+    so that the modulation index of a fault does not fall with it.
+    """
+    return _CAP * max(turns / _CAP_TURNS, 1.0)
+
+
+def whiten(
+    spectrum: NDArray[np.complex64], width: int, *, cap: float = 4.0
+) -> NDArray[np.complex64]:
     """Remove the colour of a record in three ways that fail differently.
 
-    ``flat`` divides by the local floor; ``capped`` also limits each line to twice the floor, so
-    that gear and mains lines lose their weight; ``cepstral`` keeps the phase alone (cepstrum
+    ``flat`` divides by the local floor; ``capped`` also limits each line to a few times the
+    floor, so that gear and mains lines lose their weight; ``cepstral`` keeps the phase alone (cepstrum
     pre-whitening, Borghesani et al. 2013), which ranks best but destroys effect size.
 
     Parameters
@@ -84,6 +102,8 @@ def whiten(spectrum: NDArray[np.complex64], width: int) -> NDArray[np.complex64]
         One-sided spectrum of a real record, shape (K,).
     width
         Bins in a block of the floor, see :func:`local_floor`.
+    cap
+        Largest power of a capped line over the floor, see :func:`line_cap`.
 
     Returns
     -------
@@ -91,8 +111,11 @@ def whiten(spectrum: NDArray[np.complex64], width: int) -> NDArray[np.complex64]
     """
     power = spectrum.real**2 + spectrum.imag**2
     floor = local_floor(power, width)
-    # Twice the floor in amplitude is four times in power.
-    gains = (floor, np.maximum(floor, power / 4.0), np.maximum(power, _TINY))
+    gains = (
+        floor,
+        np.maximum(floor, power / np.float32(cap)),
+        np.maximum(power, _TINY),
+    )
     return np.asarray(spectrum / np.sqrt(np.stack(gains)))
 
 
@@ -169,11 +192,15 @@ def envelope_spectra(
     parts = []
     for width, firsts in tree.levels:
         length = fft.next_fast_len(width + min(count, width) + 1)
-        bands = np.stack([whitened[:, first : first + width] for first in firsts], axis=1)
+        bands = np.stack(
+            [whitened[:, first : first + width] for first in firsts], axis=1
+        )
         signal = fft.ifft(bands, length, axis=-1)
         envelope = signal.real**2 + signal.imag**2
         mean = np.maximum(envelope.mean(axis=-1, keepdims=True), np.float32(_TINY))
-        window = (1.0 - np.cos(2.0 * np.pi * np.arange(length) / length)).astype(np.float32)
+        window = (1.0 - np.cos(2.0 * np.pi * np.arange(length) / length)).astype(
+            np.float32
+        )
         lines = fft.rfft((envelope - mean) * (window / (length * mean)), axis=-1)
         lines = lines[..., 1 : count + 1]
         power = lines.real**2 + lines.imag**2
