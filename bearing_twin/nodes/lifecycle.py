@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
 import traceback
 from typing import TYPE_CHECKING, Any
@@ -198,6 +199,7 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
                 executor.add_node(node)
                 _spin(executor, node)
             finally:
+                _end_undisturbed()
                 if node is not None:
                     node.shut_down()
     except (KeyboardInterrupt, ExternalShutdownException):
@@ -205,4 +207,12 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
     except BearingTwinError as error:
         print(f'{node_class.__name__}: {error}', file=sys.stderr)
         return 1
+    finally:
+        # rclpy has put Python's own handler back.
+        _end_undisturbed()
     return 0
+
+
+def _end_undisturbed() -> None:
+    """Ignore further interrupts: a second Ctrl-C, or the launcher's, must not tear a recording."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
