@@ -113,7 +113,7 @@ class BlockCycle:
     def fields(self, due: Due) -> dict[str, float]:
         """Return the real-time fields of the state message for the block being published."""
         return {
-            'blocks_published': self._pacer.published,
+            'blocks_published': due.number,
             'blocks_late': self._pacer.late,
             'blocks_dropped': self._pacer.dropped,
             'lateness': due.lateness,

@@ -31,6 +31,8 @@ class Due(NamedTuple):
     """Time of its first sample on the node's clock, ns."""
     lateness: float
     """Time since its deadline, s."""
+    number: int = 0
+    """Blocks given out up to this one, itself included."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +148,7 @@ class Pacer:
             deadline = self._tick_anchor + self._offset(self.next_sample + self.block)
             lateness = (ticks - deadline) / NANO
             stamp = self._time_anchor + self._offset(self.next_sample)
-            blocks.append(Due(self.next_sample, stamp, lateness))
+            blocks.append(Due(self.next_sample, stamp, lateness, self.published + 1))
             self.next_sample += self.block
             self.published += 1
             self.late += lateness > self.late_after
