@@ -11,10 +11,15 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import yaml
+from bearing_twin_msgs.msg import Checkpoint
 from std_srvs.srv import Trigger
 
+from bearing_twin.dynamics.fleet import Fleet
+from bearing_twin.dynamics.simulator import Block
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes import realtime
+from bearing_twin.nodes.convert import checkpoint_message
 from bearing_twin.nodes.cycle import BlockCycle
 from bearing_twin.nodes.diagnosis_asset import DiagnosisAsset
 from bearing_twin.nodes.diagnosis_config import build_bearing, build_settings
@@ -28,13 +33,14 @@ from bearing_twin.nodes.fleet_config import (
 from bearing_twin.nodes.health import Health
 from bearing_twin.nodes.lifecycle import ManagedNode, run
 from bearing_twin.nodes.parameters import ParameterSet
+from bearing_twin.nodes.qos import CHECKPOINT
 from bearing_twin.nodes.twin_asset import TwinAsset
-from bearing_twin.nodes.twin_config import build_parameters, build_simulator
+from bearing_twin.nodes.twin_config import build_parameters
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bearing_twin.dynamics import Block, Simulator
+    from bearing_twin.dynamics.fleet import FleetBlock
     from bearing_twin.nodes.fleet_config import Asset
     from bearing_twin.nodes.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
@@ -49,7 +55,6 @@ class Member:
     name: str
     twin_parameters: ParameterSet | None = None
     diagnosis_parameters: ParameterSet | None = None
-    simulator: Simulator | None = None
     twin: TwinAsset | None = None
     diagnosis: DiagnosisAsset | None = None
     wait: int = 0
@@ -58,10 +63,10 @@ class Member:
 
 @dataclass(frozen=True)
 class Pending:
-    """One block that is computed and waits for its slot."""
+    """One bearing's block that is computed and waits for its slot."""
 
-    member: Member
-    block: Block
+    index: int
+    block: FleetBlock
     due: Due
     temperature: GatedTemperature
 
@@ -69,9 +74,9 @@ class Pending:
 class FleetNode(ManagedNode):
     """Host many twins and diagnoses, each with topics and parameters of its own.
 
-    The blocks of all twins are computed together when a period is over; their publishing, and
-    what the diagnoses do with them, is spread over the next one. A diagnosis whose twin is hosted
-    too gets the blocks directly; any other one listens to its topic.
+    The equations of all twins are advanced in one call when a period is over; the publishing, and
+    what the diagnoses do with the blocks, is spread over the next one. A diagnosis whose twin is
+    hosted too gets the blocks directly; any other one listens to its topic.
     """
 
     def __init__(self) -> None:
@@ -119,27 +124,41 @@ class FleetNode(ManagedNode):
         """Compile and warm the kernel; create what the assets need."""
         p = self.parameters
         self._pending: deque[Pending] = deque()
+        self._twins = [m for m in self._members if m.twin_parameters is not None]
+        self._fleet = self._build_fleet()
+        if self._fleet is not None:
+            self._fleet.advance(p['block_size'], 20.0, 0.0)
+            self._fleet = self._build_fleet()
+        self._checkpoint_due = 0
+        self._checkpoint = self.create_lifecycle_publisher(Checkpoint, '~/checkpoint', CHECKPOINT)
         self._health = Health(self, self.get_namespace())
-        count = len(self._members)
         for index, member in enumerate(self._members):
-            part = (index + 1) / count
-            self._set_up_twin(member, stagger=part)
-            self._set_up_diagnosis(member, stagger=part)
-        self._twins = [m for m in self._members if m.simulator is not None]
+            self._set_up_twin(member)
+            self._set_up_diagnosis(member, stagger=(index + 1) / len(self._members))
         self._cycle = BlockCycle(
             self, p, self._compute, slots=p['slots'], between=self._publish_share
         )
         self._health.add('real time', self._cycle.status)
         self._reset = self.create_service(Trigger, '~/reset', self._on_reset)
 
-    def _set_up_twin(self, member: Member, *, stagger: float) -> None:
+    def _build_fleet(self) -> Fleet | None:
+        """Return all twins at their start; None where only diagnoses are hosted."""
+        values = [m.twin_parameters.values for m in self._twins if m.twin_parameters]
+        if not values:
+            return None
+        return Fleet(
+            [build_parameters(v) for v in values],
+            sample_rate=self.parameters['sample_rate'],
+            seeds=[v['seed'] for v in values],
+            temperatures=[v['start_temperature'] for v in values],
+            shaft_hz=[v['shaft_hz'] for v in values],
+        )
+
+    def _set_up_twin(self, member: Member) -> None:
         p = member.twin_parameters
         if p is None:
             return
-        member.simulator = build_simulator(p.values)
-        member.simulator.advance(p['block_size'], p['start_temperature'], p['shaft_hz'])
-        member.simulator.reset()
-        member.twin = TwinAsset(self, p, prefix=f'{member.name}/', stagger=stagger)
+        member.twin = TwinAsset(self, p, prefix=f'{member.name}/', checkpoints=False)
         self._health.add(
             f'{member.name} temperature input',
             member.twin.status,
@@ -163,10 +182,9 @@ class FleetNode(ManagedNode):
     def start(self) -> None:
         """Listen and start the clock of the blocks."""
         for member in self._members:
-            if member.twin is not None:
-                member.twin.ask_checkpoint()
             if member.diagnosis is not None:
                 member.diagnosis.listen(sensors=member.twin is None)
+        self._checkpoint_due = 0
         self._cycle.start()
         diagnoses = sum(m.diagnosis is not None for m in self._members)
         self.get_logger().info(f'{len(self._twins)} twins and {diagnoses} diagnoses')
@@ -188,12 +206,14 @@ class FleetNode(ManagedNode):
                 member.twin.destroy()
             if member.diagnosis is not None:
                 member.diagnosis.destroy()
-            member.simulator = member.twin = member.diagnosis = None
+            member.twin = member.diagnosis = None
+        self.destroy_publisher(self._checkpoint)
 
     def _apply_twin(self, member: Member, values: Mapping[str, Any]) -> None:
-        if member.twin is not None and member.simulator is not None:
+        if member.twin is not None and self._fleet is not None:
             member.twin.apply(values)
-            member.simulator.reconfigure(build_parameters(values))
+            self._fleet.reconfigure(self._twins.index(member), build_parameters(values))
+            self._checkpoint_due = 0
 
     def _apply_diagnosis(self, member: Member, values: Mapping[str, Any]) -> None:
         if member.diagnosis is not None:
@@ -201,36 +221,68 @@ class FleetNode(ManagedNode):
 
     def _compute(self, due: Due) -> None:
         self._publish_share(1.0)
-        size = self.parameters['block_size']
-        for member in self._twins:
-            assert member.twin is not None and member.simulator is not None
-            member.twin.checkpoint(due, member.simulator.save)
-            temperature, shaft_hz = member.twin.inputs()
-            block = member.simulator.advance(size, temperature.used, shaft_hz)
-            self._pending.append(Pending(member, block, due, temperature))
+        if self._fleet is None:
+            return
+        if due.first_sample >= self._checkpoint_due:
+            self._publish_checkpoint(due)
+        inputs = [member.twin.inputs() for member in self._twins if member.twin]
+        block = self._fleet.advance(
+            self.parameters['block_size'],
+            [temperature.used for temperature, _ in inputs],
+            [shaft_hz for _, shaft_hz in inputs],
+        )
+        for index, (temperature, _) in enumerate(inputs):
+            self._pending.append(Pending(index, block, due, temperature))
 
     def _publish_share(self, phase: float) -> None:
         """Publish as many of the blocks as the part of the period that is over asks for."""
         after = max(0.0, 1.0 - phase - 1.0 / self.parameters['slots'])
         remaining = math.floor(len(self._twins) * after + 1e-6)
         while len(self._pending) > remaining:
-            item = self._pending.popleft()
-            member, twin = item.member, item.member.twin
-            assert twin is not None
-            message = twin.publish_vibration(item.block, item.due)
-            twin.publish_state(
-                item.block, item.due, item.temperature, **self._cycle.fields(item.due)
+            self._publish(self._pending.popleft())
+
+    def _publish(self, item: Pending) -> None:
+        member = self._twins[item.index]
+        assert self._fleet is not None and member.twin is not None
+        block = Block(
+            first_sample=item.block.first_sample,
+            x=item.block.x[item.index],
+            y=item.block.y[item.index],
+            condition=self._fleet.condition(item.index),
+        )
+        message = member.twin.publish_vibration(block, item.due)
+        member.twin.publish_state(
+            block, item.due, item.temperature, **self._cycle.fields(item.due)
+        )
+        if member.wait:
+            member.wait -= 1
+        elif member.diagnosis is not None:
+            member.diagnosis.take(message, item.temperature.measured)
+
+    def _publish_checkpoint(self, due: Due) -> None:
+        assert self._fleet is not None
+        p = self.parameters
+        wait = round(p['checkpoint_period'] * p['sample_rate'])
+        self._checkpoint_due = due.first_sample + wait
+        configuration = {
+            m.name: m.twin_parameters.values for m in self._twins if m.twin_parameters
+        }
+        self._checkpoint.publish(
+            checkpoint_message(
+                stamp=due.stamp,
+                first_sample=due.first_sample,
+                node=self.get_fully_qualified_name(),
+                kind='fleet',
+                configuration=yaml.safe_dump(configuration),
+                state=self._fleet.save(),
             )
-            if member.wait:
-                member.wait -= 1
-            elif member.diagnosis is not None:
-                member.diagnosis.take(message, item.temperature.measured)
+        )
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._pending.clear()
+        self._fleet = self._build_fleet()
+        self._checkpoint_due = 0
         for member in self._members:
-            if member.simulator is not None and member.twin is not None:
-                member.simulator.reset()
-                member.twin.ask_checkpoint()
             if member.diagnosis is not None:
                 member.diagnosis.reset()
         response.success = True
@@ -239,7 +291,8 @@ class FleetNode(ManagedNode):
 
 
 def _check_twin(values: Mapping[str, Any]) -> None:
-    build_parameters(values)
+    # A fleet takes fewer defects a bearing than a single twin: it is asked, not guessed.
+    Fleet([build_parameters(values)], sample_rate=values['sample_rate'])
 
 
 def _check_diagnosis(values: Mapping[str, Any]) -> None:

@@ -17,7 +17,7 @@ from bearing_twin.nodes.parameters import Spec
 
 __all__ = ['DIAGNOSIS_SPECS', 'SHARED', 'SPECS', 'TWIN_SPECS', 'Asset', 'read_assets']
 
-SHARED = ('sample_rate', 'block_size')
+SHARED = ('sample_rate', 'block_size', 'checkpoint_period')
 """Parameters that are one for all twins of a fleet: their blocks are computed together."""
 
 TWIN_SPECS = tuple(spec for spec in twin_config.SPECS if spec.name not in SHARED)

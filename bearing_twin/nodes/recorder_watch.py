@@ -119,6 +119,9 @@ class RecordingWatch:
             {'node': node, 'version': checkpoint.version}
             | {str(key): str(value) for key, value in values.items()},
         )
+        if not values.get('bearing'):
+            # A bearing of the user's own, or a fleet: it stands in the parameters.
+            return
         bearing = asdict(find_bearing(values['bearing']))
         self._writer.attach(
             f'bearing_{values["bearing"]}.yaml',

@@ -71,6 +71,7 @@ TOPICS = {
     'diagnostics': 'state of the node and its inputs, 1 Hz',
     'samples': 'blocks of an accelerometer (`source` is `float32_multi_array`)',
     'imu': 'one sample a message (`source` is `imu`)',
+    '~/checkpoint': 'complete state of all twins',
     'clock': 'recorded time, if `clock_rate` is not 0',
 }
 
@@ -178,9 +179,9 @@ def _topics(node: ManagedNode) -> set[Row]:
     for direction, ends in (('in', node.subscriptions), ('out', node.publishers)):
         for end in ends:
             topic = end.topic_name
-            if topic.startswith(own) or topic in EVERY_NODE or (direction, topic) == CLOCK_IN:
+            if topic in (*EVERY_NODE, f'{own}transition_event') or (direction, topic) == CLOCK_IN:
                 continue
-            name = topic.lstrip('/')
+            name = topic.replace(own, '~/').lstrip('/')
             meaning = TOPICS[name.removeprefix('ASSET/')]
             mark = ' \\*' if any(key.startswith(f'{topic}.') for key in overrides) else ''
             rows.add(

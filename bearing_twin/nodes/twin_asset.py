@@ -47,9 +47,8 @@ class TwinAsset:
         Its parameters.
     prefix
         Put before its topics: '' or ``NAMESPACE/``.
-    stagger
-        Part of the checkpoint period after which the second checkpoint comes, so that those of
-        many twins do not coincide.
+    checkpoints
+        Whether it publishes checkpoints of its own.
     """
 
     def __init__(
@@ -58,29 +57,28 @@ class TwinAsset:
         parameters: ParameterSet,
         *,
         prefix: str = '',
-        stagger: float = 1.0,
+        checkpoints: bool = True,
     ) -> None:
         p = parameters
         self.parameters = p
         self._node = node
-        self._path = node.get_fully_qualified_name()
-        if prefix:
-            self._path = f'{node.get_namespace().rstrip("/")}/{prefix}twin'
         self._gate = TemperatureGate(
             start=p['start_temperature'], timeout=p['temperature_timeout']
         )
         self._shaft = ShaftSpeed(nominal=p['shaft_hz'], joint=p['joint'], highest=FASTEST_SHAFT)
         self._checkpoint_due = 0
-        self._stagger = stagger
         self._vibration = node.create_lifecycle_publisher(
             Vibration, f'{prefix}vibration', own(STREAM), qos_overriding_options=OVERRIDES
         )
         self._state = node.create_lifecycle_publisher(
             TwinState, f'{prefix}twin_state', own(STREAM), qos_overriding_options=OVERRIDES
         )
-        self._checkpoint = node.create_lifecycle_publisher(
-            Checkpoint, f'{prefix}twin_checkpoint', CHECKPOINT
-        )
+        self._publishers = [self._vibration, self._state]
+        if checkpoints:
+            self._checkpoint = node.create_lifecycle_publisher(
+                Checkpoint, f'{prefix}twin_checkpoint', CHECKPOINT
+            )
+            self._publishers.append(self._checkpoint)
         self._inputs = [
             node.create_subscription(
                 Temperature,
@@ -103,7 +101,7 @@ class TwinAsset:
 
     def destroy(self) -> None:
         """Give up the topics."""
-        for publisher in (self._vibration, self._state, self._checkpoint):
+        for publisher in self._publishers:
             self._node.destroy_publisher(publisher)
         for subscription in self._inputs:
             self._node.destroy_subscription(subscription)
@@ -127,13 +125,12 @@ class TwinAsset:
         if due.first_sample < self._checkpoint_due:
             return
         p = self.parameters
-        wait = p['checkpoint_period'] * p['sample_rate'] * self._stagger
-        self._checkpoint_due, self._stagger = due.first_sample + round(wait), 1.0
+        self._checkpoint_due = due.first_sample + round(p['checkpoint_period'] * p['sample_rate'])
         self._checkpoint.publish(
             checkpoint_message(
                 stamp=due.stamp,
                 first_sample=due.first_sample,
-                node=self._path,
+                node=self._node.get_fully_qualified_name(),
                 kind='twin',
                 configuration=p.text,
                 state=save(),
