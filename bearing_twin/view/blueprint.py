@@ -19,7 +19,7 @@ __all__ = ['APPLICATION', 'layout']
 
 APPLICATION = 'bearing_twin'
 """Application id: a blueprint belongs to recordings of the same one."""
-CLOSE = 0.2
+CLOSE = 0.25
 """Length of the close look at the waveform, s."""
 WIDE = 10.0
 """Length of the waveform's envelope, s."""

@@ -44,8 +44,9 @@ class Timebase:
     -----
     A replayed sensor keeps the stamps of its own day, while the twin that answers it stamps
     today. Both have to be in one picture: a stamp that is more than 10 s from its arrival is
-    shifted, by an offset that stays the same for every topic of that day, so that distances
-    between samples stay what they were.
+    shifted. The offset is one for all topics of that day, and that of the message that was
+    fastest so far: distances between samples stay what they were, and nothing is drawn later than
+    it came.
     """
 
     def __init__(self, timeline: str = 'ros_time', zero: int | None = None) -> None:
@@ -61,9 +62,10 @@ class Timebase:
         distance = received - stamp
         if abs(distance) <= FAR:
             return stamp
-        for offset in self._offsets:
+        for k, offset in enumerate(self._offsets):
             if abs(distance - offset) <= FAR:
-                return stamp + offset
+                self._offsets[k] = min(offset, distance)
+                return stamp + self._offsets[k]
         self._offsets.append(distance)
         return received
 

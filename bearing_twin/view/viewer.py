@@ -129,6 +129,7 @@ class HeadlessViewer:
     def __init__(self, sources: Sequence[str], *, size: tuple[int, int] = (1800, 1100)) -> None:
         from rerun.experimental import ViewerClient
 
+        self._live = any('://' in source for source in sources)
         self._folder = tempfile.TemporaryDirectory(prefix='bearing_twin_view_')
         port = free_port()
         environment = _environment() | {'XDG_RUNTIME_DIR': self._folder.name}
@@ -146,7 +147,7 @@ class HeadlessViewer:
             raise
 
     def wait(self, timeline: str, *, seconds: float | None = None) -> None:
-        """Wait until everything has been loaded, and show one moment of it.
+        """Wait until all has been loaded, of a server the first views, and show one moment of it.
 
         Parameters
         ----------
@@ -168,7 +169,8 @@ class HeadlessViewer:
             now = [
                 (str(r.store_id), [(t.name, t.end) for t in r.timelines]) for r in state.recordings
             ]
-            if now and now == before and not state.loading and state.views:
+            complete = self._live or (now == before and not state.loading)
+            if now and complete and state.views:
                 break
             before = now
             if time.monotonic() > deadline:
