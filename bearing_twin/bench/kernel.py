@@ -10,6 +10,7 @@ several, on one core.
 from __future__ import annotations
 
 import time
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -70,7 +71,7 @@ def measure() -> dict[str, float]:
     single = Simulator(clean).advance(samples, 20.0, 25.4)
     group = Fleet([clean]).advance(samples, 20.0, 25.4)
     adaptive = {
-        method: _best(lambda m=method: solve(clean, samples, method=m, rtol=1e-6), 1) / _SHORT
+        method: _best(partial(solve, clean, samples, method=method, rtol=1e-6), 1) / _SHORT
         for method in ('LSODA', 'BDF')
     }
     return {

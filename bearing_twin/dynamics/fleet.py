@@ -58,7 +58,7 @@ class Fleet:
     Parameters
     ----------
     parameters
-        One set a bearing. At most 4 spalls and one worn cage pocket each.
+        One set a bearing. At most 4 defects each.
     sample_rate
         Output rate of all bearings, Hz, 2000 to 204800.
     seeds
@@ -338,11 +338,11 @@ class Fleet:
         p = simulator.parameters
         snapshot = simulator.snapshot()
         group, lane = divmod(index, fk.L)
-        spalls, pockets = snapshot.defects, [d for d in p.defects if d.place == 'cage']
-        if len(spalls) > fk.MAX_SPALLS or len(pockets) > 1:
+        spalls = snapshot.defects
+        if len(spalls) > fk.MAX_SPALLS:
             msg = (
-                f'bearing {index} of the fleet has {len(spalls)} spalls and {len(pockets)} worn '
-                f'pockets; at most {fk.MAX_SPALLS} and 1, or use a Simulator for it'
+                f'bearing {index} of the fleet has {len(spalls)} defects, more than '
+                f'{fk.MAX_SPALLS}; merge some, or use a Simulator for it'
             )
             raise BearingTwinError(msg)
         w, const, state = self._w[group, :, lane], snapshot.const, snapshot.state
@@ -355,10 +355,7 @@ class Fleet:
         )  # fmt: skip
         w[fk.C], w[fk.S] = state[kernel.CAGE_COS], state[kernel.CAGE_SIN]
         w[fk.CS], w[fk.SS] = state[kernel.SHAFT_COS], state[kernel.SHAFT_SIN]
-        w[fk.BROKEN] = pockets[0].ball if pockets else -1.0
         n = p.bearing.n_balls
-        # In units of the ball spacing, as the spalls count.
-        w[fk.SHIFT] = n * snapshot.balls[kernel.SHIFT, pockets[0].ball] if pockets else 0.0
         balls = self._balls[group, :, :, lane]
         balls[:] = (0.0, 0.0, 1.0)
         balls[:n] = snapshot.balls[:3, :n].T
@@ -381,7 +378,7 @@ class Fleet:
         self._law[index], self._values[index] = snapshot.law, snapshot.values
         self._drift[index], self._rings[index] = snapshot.drift, snapshot.rings
         members = [self._parameters[min(group * fk.L + i, len(self) - 1)] for i in range(fk.L)]
-        cut = [[d for d in member.defects if d.place != 'cage'] for member in members]
+        cut = [member.defects for member in members]
         self._balls_in[group] = max(member.bearing.n_balls for member in members)
         self._spalls_in[group] = max(len(defects) for defects in cut)
         self._smooth_in[group] = any(
@@ -407,7 +404,7 @@ def _place_spall(
     w[at : at + fk.SPALL_ROWS] = 0.0
     w[at + fk.BALL] = -1.0
     w[at + fk.HALF] = -1.0
-    w[at + fk.FIXED] = -1.0
+    w[at + fk.FIXED] = w[at + fk.ONLY] = -1.0
     angle = fk.FIRST_ANGLE + 4 * slot
     phases[angle : angle + 4] = 0.0
     if row is None:
@@ -421,13 +418,15 @@ def _place_spall(
     )
     w[at + fk.FIXED] = row[kernel.BALL] if on_ball else -1.0
     inner, outer = row[kernel.PATH_INNER], row[kernel.PATH_OUTER]
-    w[at + fk.EVEN] = outer if place == 1.0 else inner
+    w[at + fk.ONLY] = row[kernel.BALL] if place == 3.0 else -1.0
+    w[at + fk.EVEN] = outer if place in (1.0, 3.0) else inner
     w[at + fk.ODD] = outer
     w[at + fk.KIND] = row[kernel.PROFILE]
     if row[kernel.PROFILE] == 1.0:  # a rectangle is a path of endless curvature
         w[at + fk.EVEN] = w[at + fk.ODD] = 1e30
     w[at + fk.HALF], w[at + fk.FULL] = row[kernel.HALF], row[kernel.FULL_DEPTH]
-    follows = {0.0: (1.0, -1.0, 0.0), 1.0: (1.0, 0.0, 0.0), 2.0: (0.0, 0.0, 1.0)}[place]
+    # Cage, shaft and spin; an outer spall and a worn pocket follow the cage alone.
+    follows = {0.0: (1.0, -1.0, 0.0), 2.0: (0.0, 0.0, 1.0)}.get(place, (1.0, 0.0, 0.0))
     phases[angle : angle + 4] = row[kernel.ANGLE], *follows
 
 

@@ -56,15 +56,14 @@ _X, _Y, _VX, _VY, _AX, _AY = range(65, 71)
 _FX, _FY, _GX, _GY = range(71, 75)
 # Predicted state: positions, velocities, accelerations.
 _QP, _VP, _AP = 75, 79, 83
-BROKEN, SHIFT = 87, 88
 # Accelerations and jerks at the end of the step, and what the sensor gives.
 _AN, _JN, _OUT = 89, 93, 97
 SPALLS = 99
 """First row of the spalls; each has `SPALL_ROWS`."""
 (
-    U_SCALE, METRES, FIXED, EVEN, ODD, HALF, FULL, KIND, _U0, _DU, BALL, _TAKEN, _TAKEN_RATE,
-) = range(13)  # fmt: skip
-SPALL_ROWS = 13
+    U_SCALE, METRES, FIXED, EVEN, ODD, HALF, FULL, KIND, _U0, _DU, BALL, _TAKEN, _TAKEN_RATE, ONLY,
+) = range(14)  # fmt: skip
+SPALL_ROWS = 14
 WORK_ROWS = SPALLS + MAX_SPALLS * SPALL_ROWS
 
 # Rows of a ball: direction in the cage and undersize.
@@ -128,7 +127,7 @@ def _spoil(w, spall, step, per_second):
     for i in range(L):
         # Loads first: a load behind a condition would keep the loop scalar.
         n_balls, fixed, metres = w[_Z * L + i], w[at + FIXED * L + i], w[at + METRES * L + i]
-        broken, shift = w[BROKEN * L + i], w[SHIFT * L + i]
+        only = w[at + ONLY * L + i]
         even, odd = w[at + EVEN * L + i], w[at + ODD * L + i]
         half, full, factor = w[at + HALF * L + i], w[at + FULL * L + i], w[_FACTOR * L + i]
         growth = w[at + _DU * L + i]
@@ -138,8 +137,8 @@ def _spoil(w, spall, step, per_second):
         ball = n_balls - nearest
         ball = _ZERO if ball >= n_balls else ball
         ball = ball if on_race else fixed
-        displaced = (ball == broken) & on_race
-        along = (u - nearest + (shift if displaced else _ZERO)) * metres
+        ball = ball if (only < _ZERO) | (ball == only) else -_ONE
+        along = (u - nearest) * metres
         curvature = odd if (nearest == _ONE) & (not on_race) else even
         distance = abs(along)
         edge = half - distance
@@ -171,8 +170,6 @@ def _spoil_smooth(w, spall, step, per_second):
         u = w[at + _U0 * L + i] + (step + _ONE) * w[at + _DU * L + i]
         metres, half = w[at + METRES * L + i], w[at + HALF * L + i]
         along = (u - math.floor(u + _HALF_)) * metres
-        if w[at + FIXED * L + i] < _ZERO and w[at + BALL * L + i] == w[BROKEN * L + i]:
-            along += w[SHIFT * L + i] * metres
         edge, flank = half - abs(along), _HALF_ * half
         if edge <= _ZERO:
             continue

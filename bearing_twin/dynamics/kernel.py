@@ -55,8 +55,8 @@ CONST_SIZE = 16
 PLACE, PROFILE, HALF, FULL_DEPTH, ANGLE, BALL, PATH_INNER, PATH_OUTER = range(8)
 DEFECT_SIZE = 8
 
-# Rows of the ball table: cos and sin in the cage, undersize (m), displacement (turns).
-BALL_COS, BALL_SIN, UNDERSIZE, SHIFT = range(4)
+# Rows of the ball table: cos and sin in the cage, undersize (m).
+BALL_COS, BALL_SIN, UNDERSIZE = range(3)
 
 LANES = 8
 """Balls are padded to a multiple of this, so that the compiler can use vector instructions."""
@@ -102,7 +102,7 @@ def path(profile, half, depth, curvature, along):
 
 
 @compiled(inline=True, fast=FAST)
-def _spoil(n_balls, phases, rates, factor, const, defects, balls, gaps, step):
+def _spoil(n_balls, phases, rates, factor, const, defects, gaps, step):
     """Add to ``gaps[step]`` what the defects take away, m, and its rate, m/s.
 
     ``phases`` and ``rates`` are those of cage, shaft and ball spin, turns and turns/s.
@@ -127,9 +127,11 @@ def _spoil(n_balls, phases, rates, factor, const, defects, balls, gaps, step):
             nearest = math.floor(phase * n_balls + 0.5)
             ball = int(-nearest) % n_balls
             metres = _TWO_PI * (const[R_INNER] if inside else const[R_OUTER])
-            along = (phase - nearest / n_balls + balls[SHIFT, ball]) * metres
+            along = (phase - nearest / n_balls) * metres
             speed *= metres
         half = defects[i, HALF]
+        if place == 3.0 and ball != int(defects[i, BALL]):
+            continue
         if abs(along) < half:
             curvature = defects[i, PATH_INNER] if inside else defects[i, PATH_OUTER]
             depth, slope = path(
@@ -232,7 +234,7 @@ def _turn(state, const, defects, balls, base, step, n_balls, walk, begin, table,
                 gaps[i, SIN, k] = s * balls[BALL_COS, k] + c * balls[BALL_SIN, k]
         _spoil(
             n_balls, (cage, shaft, spin), (turning, hz, rolling),
-            base[DEPTH] + step[DEPTH] * end, const, defects, balls, gaps, i,
+            base[DEPTH] + step[DEPTH] * end, const, defects, gaps, i,
         )  # fmt: skip
         omega = _TWO_PI * (base[SHAFT_HZ] + step[SHAFT_HZ] * end)
         _prescribe(
@@ -473,7 +475,7 @@ def _instant(state, const, defects, balls, values, n_balls):
     turning = const[FTF_ORDER] * carried
     _spoil(
         n_balls, (state[CAGE], state[SHAFT], state[SPIN]),
-        (turning, hz, const[SPIN_ORDER] * carried), values[DEPTH], const, defects, balls, gaps, 0,
+        (turning, hz, const[SPIN_ORDER] * carried), values[DEPTH], const, defects, gaps, 0,
     )  # fmt: skip
     sines = (state[SHAFT_COS], state[SHAFT_SIN])
     _prescribe(

@@ -43,16 +43,16 @@ class Defect:
     place
         ``'inner'``, ``'outer'``, ``'ball'`` or ``'cage'``.
     width
-        Extent in the rolling direction, m, 0.05 to 10 mm. For the cage: by how much the ball of
-        the worn pocket is displaced along the pitch circle.
+        Extent in the rolling direction, m, 0.05 to 10 mm. For the cage: the play of the worn
+        pocket, over which its ball slips when it comes under load.
     depth
-        Greatest depth, m, 0 to 0.5 mm; the paper's C_d0. For the cage: by how much the ball of
-        the worn pocket is smaller than the others.
+        Greatest depth, m, 0 to 0.5 mm; the paper's C_d0. For the cage: by how much that ball drops
+        out of contact while it slips.
     angle
-        Centre of the defect, rad. Outer: from +x, default in the load direction (-pi/2). Inner:
-        from the shaft's mark. Ball: spin angle at which it meets the inner race. Cage: unused.
+        Centre of the defect, rad. Outer and cage: from +x, best in the load direction (-pi/2).
+        Inner: from the shaft's mark. Ball: spin angle at which it meets the inner race.
     ball
-        Index of the ball, or of the cage pocket, from 0.
+        Index of the ball, or of the worn cage pocket, from 0.
     profile
         Path of a ball over the defect. ``'ball'``: it bridges the gap, ``min(depth, s^2 (1/d +-
         1/D_race))`` with s the distance to the nearer edge, + on the inner, - on the outer race.

@@ -63,9 +63,6 @@ _PRESETS = {
 PRESETS: Mapping[str, str] = MappingProxyType({name: p.text for name, p in _PRESETS.items()})
 """Name and one-line description of every preset."""
 
-CAGE_SHIFT, CAGE_UNDERSIZE = 1.4e-3, 8e-6
-"""Cage fault where nothing else is asked for: displacement and wear of one ball, m."""
-
 
 def preset(
     name: str,
@@ -118,13 +115,9 @@ def _defect(chosen: _Preset, place: str, width: float | None, depth: float | Non
     if place not in PLACES:
         msg = f'no defect place {place!r}; choose none or one of {", ".join(PLACES)}'
         raise BearingTwinError(msg)
-    cage = place == 'cage'
-    default_width, default_depth = chosen.width, chosen.depth
-    if cage:
-        default_width, default_depth = CAGE_SHIFT, CAGE_UNDERSIZE
     return Defect(
         place=place,
-        width=default_width if width is None else width,
-        depth=default_depth if depth is None else depth,
-        angle=-math.pi / 2 if place == 'outer' else 0.0,
+        width=chosen.width if width is None else width,
+        depth=chosen.depth if depth is None else depth,
+        angle=-math.pi / 2 if place in ('outer', 'cage') else 0.0,
     )

@@ -120,16 +120,12 @@ def _rates(
         angle = begin + cage * t + 2.0 * math.pi * j / n_balls
         gap = clearance
         for i in range(defects.shape[0]):
-            if defects[i, 0] == 3.0 and defects[i, 5] == j:
-                angle += 2.0 * defects[i, 2] / pitch
-                gap += defects[i, 3]
-        for i in range(defects.shape[0]):
             place, profile, width, depth, where = defects[i, :5]
             if place == 0.0:
                 radius = 0.5 * (pitch - d)
                 along = _wrap(angle - begin - omega * t - where) * radius
                 gap += factor * _sag(profile, width, depth, 1.0 / d + 0.5 / radius, along)
-            elif place == 1.0:
+            elif place == 1.0 or (place == 3.0 and defects[i, 5] == j):
                 radius = 0.5 * (pitch + d)
                 along = _wrap(angle - where) * radius
                 gap += factor * _sag(profile, width, depth, 1.0 / d - 0.5 / radius, along)

@@ -53,11 +53,10 @@ def constants(p: TwinParameters, sample_rate: float, oversample: int) -> FloatAr
 
 
 def defect_table(p: TwinParameters) -> FloatArray:
-    """Return one row a spall, float64[n, kernel.DEFECT_SIZE]; a worn cage has none."""
+    """Return one row a defect, float64[n, kernel.DEFECT_SIZE]."""
     d, pitch = p.bearing.d_ball, p.bearing.d_pitch
-    spalls = [defect for defect in p.defects if defect.place != 'cage']
-    table = np.zeros((len(spalls), kernel.DEFECT_SIZE))
-    for row, defect in zip(table, spalls, strict=True):
+    table = np.zeros((len(p.defects), kernel.DEFECT_SIZE))
+    for row, defect in zip(table, p.defects, strict=True):
         row[kernel.PLACE] = PLACES.index(defect.place)
         row[kernel.PROFILE] = PROFILES.index(defect.profile)
         row[kernel.HALF], row[kernel.FULL_DEPTH] = 0.5 * defect.width, defect.depth
@@ -67,19 +66,14 @@ def defect_table(p: TwinParameters) -> FloatArray:
     return table
 
 
-def ball_table(p: TwinParameters, padded: int | None = None) -> FloatArray:
-    """Return direction in the cage, undersize and displacement of each ball, float64[4, padded].
+def ball_table(p: TwinParameters) -> FloatArray:
+    """Return direction in the cage and undersize of each ball, float64[3, padded].
 
     The padding is undersized by a metre, so that it never touches.
     """
     n = p.bearing.n_balls
-    padded = padded or -(-n // kernel.LANES) * kernel.LANES
-    table = np.zeros((4, padded))
+    table = np.zeros((3, -(-n // kernel.LANES) * kernel.LANES))
     table[kernel.UNDERSIZE, n:] = 1.0
-    for defect in p.defects:
-        if defect.place == 'cage':
-            table[kernel.UNDERSIZE, defect.ball] += defect.depth
-            table[kernel.SHIFT, defect.ball] += defect.width / (math.pi * p.bearing.d_pitch)
-    angle = 2.0 * math.pi * (np.arange(n) / n + table[kernel.SHIFT, :n])
+    angle = 2.0 * math.pi * np.arange(n) / n
     table[kernel.BALL_COS, :n], table[kernel.BALL_SIN, :n] = np.cos(angle), np.sin(angle)
     return table

@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+import math
+
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+from bearing_twin.bearing import (
+    Bearing,
+    catalogue,
+    contact_stiffness,
+    fault_frequencies,
+    fault_orders,
+    find_bearing,
+    load_deflection_factor,
+)
+from bearing_twin.bearing.hertz import elliptic_integrals
+from bearing_twin.errors import BearingTwinError
+
+
+def test_paper_frequencies():
+    got = fault_frequencies(find_bearing('6307'), 25.4)
+    assert got == pytest.approx((76.86261, 126.33739, 49.06854, 9.60783), abs=1e-5)
+
+
+@pytest.mark.parametrize('slip', [0.0, 0.001, 0.02])
+@pytest.mark.parametrize('name', list(catalogue()))
+def test_outer_and_inner_pass_add_up(name, slip):
+    bearing = find_bearing(name)
+    orders = fault_orders(bearing, slip)
+    assert orders.bpfo + orders.bpfi == pytest.approx(bearing.n_balls, abs=1e-12)
+    assert orders.ftf * bearing.n_balls == pytest.approx(orders.bpfo, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ('name', 'bpfo', 'bpfi'),
+    [
+        ('6205', 3.5848, 5.4152),  # Case Western Reserve University, published multiples
+        ('6203', 3.0530, 4.9469),
+        ('NICE', 3.245, 4.755),  # stored in the MFPT files
+    ],
+)
+def test_published_multiples(name, bpfo, bpfi):
+    orders = fault_orders(find_bearing(name))
+    assert (orders.bpfo, orders.bpfi) == pytest.approx((bpfo, bpfi), abs=2e-4)
+
+
+def test_every_row_has_a_source_and_is_found_in_any_case():
+    assert {'6307', '6307-catalogue', '6203', '6205', 'NICE', 'ZA-2115', 'UER204'} <= set(
+        catalogue()
+    )
+    for name, bearing in catalogue().items():
+        assert bearing.source
+        assert find_bearing(name.lower()) is bearing
+
+
+def test_unknown_name_lists_close_ones():
+    with pytest.raises(BearingTwinError, match=r"'6308'.*6307"):
+        find_bearing('6308')
+
+
+@pytest.mark.parametrize('m', [0.0, 0.3, 0.9, 0.999999])
+def test_elliptic_integrals(m):
+    assert elliptic_integrals(m) == pytest.approx((ellipk(m), ellipe(m)), rel=1e-12)
+
+
+def test_hertz_of_the_6307():
+    assert load_deflection_factor(find_bearing('6307-catalogue')) == pytest.approx(
+        1.228e10, rel=1e-3
+    )
+
+
+@pytest.mark.parametrize('race', ['inner', 'outer'])
+def test_hertz_against_contact_areas(race):
+    """The semi-axes from a root of the curvature equation (Johnson, Contact Mechanics, 4.2)."""
+    bearing, conformity = find_bearing('6205'), 0.52
+    sign = 1.0 if race == 'inner' else -1.0
+    radius = 0.5 * (bearing.d_pitch - sign * bearing.d_ball)
+    r1 = 1.0 / (2.0 / bearing.d_ball + sign / radius)
+    r2 = 1.0 / (2.0 / bearing.d_ball - 1.0 / (conformity * bearing.d_ball))
+
+    def ratio(e2):  # (R''/R')-equation for the eccentricity squared
+        k, e = ellipk(e2), ellipe(e2)
+        return (e / (1.0 - e2) - k) / (k - e) - r2 / r1
+
+    e2 = brentq(ratio, 1e-6, 1.0 - 1e-9)
+    k, e = ellipk(e2), ellipe(e2)
+    equivalent, b_over_a = math.sqrt(r1 * r2), math.sqrt(1.0 - e2)
+    f1 = (
+        (4.0 / (math.pi * e2)) ** (1 / 3)
+        * b_over_a**0.5
+        * (((1.0 / b_over_a**2) * e - k) * (k - e)) ** (1 / 6)
+    )
+    f2 = 2.0 / math.pi * b_over_a**0.5 / f1 * k
+    reduced = 208e9 / (2.0 * (1.0 - 0.3**2))
+    stiffness = (9.0 / (16.0 * reduced**2 * equivalent)) ** -0.5 * f2**-1.5
+    got = contact_stiffness(bearing, race, conformity=conformity)
+    assert got == pytest.approx(stiffness, rel=1e-6)
+
+
+def test_stiffness_scales_with_the_modulus():
+    bearing = find_bearing('6205')
+    ratio = load_deflection_factor(bearing, young=104e9) / load_deflection_factor(bearing)
+    assert ratio == pytest.approx(0.5, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    'changes', [{'n_balls': 2}, {'d_ball': 14.0}, {'d_ball': 0.03}, {'contact_angle': 2.0}]
+)
+def test_impossible_geometry_is_refused(changes):
+    good = {'name': 'x', 'n_balls': 8, 'd_ball': 0.014, 'd_pitch': 0.0575}
+    with pytest.raises(BearingTwinError):
+        Bearing(**(good | changes))

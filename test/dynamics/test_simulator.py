@@ -1,0 +1,462 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scipy.signal import hilbert
+
+from bearing_twin.bearing import catalogue
+from bearing_twin.dynamics import PRESETS, Defect, Fleet, Simulator, TwinParameters, preset
+from bearing_twin.dynamics.reference import solve
+from bearing_twin.dynamics.statics import contact
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.thermal.gcr15 import Beta0
+from bearing_twin.thermal.rings import ThermalNetwork
+
+RATE = 25600.0
+
+
+def quiet(name='incipient', **changes):
+    return preset(name, **({'jitter': 0.0, 'noise': 0.0} | changes))
+
+
+def relative(got, expected):
+    return np.linalg.norm(got - expected) / np.linalg.norm(expected)
+
+
+# --- against an independent solver -------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    'parameters',
+    [
+        quiet(),
+        quiet('extended', defect='outer'),
+        quiet(defect='ball'),
+        quiet(defect='inner+outer+ball+cage', unbalance=1e-3),
+        quiet('sawalhi2008', resonance_hz=0.0),
+        quiet('mishra2017', bearing='6205', thermal_mode='physical'),
+    ],
+    ids=['inner', 'outer', 'ball', 'all', 'no sensor', 'physical'],
+)
+def test_agrees_with_an_adaptive_solver(parameters):
+    samples = 2560
+    reference = solve(parameters, samples, temperature=60.0, shaft_hz=30.0)
+    block = Simulator(parameters, temperature=60.0, shaft_hz=30.0).advance(samples, 60.0, 30.0)
+    expected = np.array([reference.x, reference.y])
+    assert relative(np.array([block.x, block.y]), expected) < 2e-3
+    fleet = Fleet([parameters], temperatures=60.0, shaft_hz=30.0).advance(samples, 60.0, 30.0)
+    assert relative(np.array([fleet.x[0], fleet.y[0]]), expected) < 2.5e-3
+
+
+# --- closed forms ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize('load', [50.0, 500.0, 5000.0])
+def test_bearing_carries_its_load(load):
+    simulator = Simulator(quiet(defect='none', load=load, slip_model='none'))
+    simulator.advance(12800, 20.0, 25.4)
+    forces = []
+    turn = 1.0 / simulator.condition().bpfo
+    for _ in range(512):  # eight ball passes
+        simulator.advance(max(1, round(turn * RATE / 64)), 20.0, 25.4)
+        condition = simulator.condition()
+        angle = condition.cage_angle + 2.0 * np.pi * np.arange(8) / 8
+        forces.append(-(condition.ball_force * np.sin(angle)).sum())
+    assert np.mean(forces) == pytest.approx(load, rel=1e-3)
+
+
+def test_free_motion_decays_to_static_equilibrium():
+    parameters = quiet(defect='none', resonance_hz=0.0)
+    simulator = Simulator(parameters, shaft_hz=0.0)
+    at_rest = simulator.condition()
+    assert np.abs(simulator.advance(2560, 20.0, 0.0).y).max() < 1e-6
+    pushed = simulator.snapshot().state
+    pushed[4:8] = 0.0, -1e-3, 0.0, 0.0
+    simulator.adopt(pushed, simulator.next_sample)
+
+    def energy():
+        state = simulator.snapshot().state
+        at = state[:8] - rest
+        return 0.5 * (6.2638 * (at[4:6] ** 2).sum() + 12.638 * (at[6:8] ** 2).sum())
+
+    rest = np.concatenate([pushed[:4], np.zeros(4)])
+    peaks = [
+        max(energy() for _ in range(32) if simulator.advance(8, 20.0, 0.0)) for _ in range(40)
+    ]
+    assert peaks[-1] < 1e-6 * peaks[0]
+    assert all(later < 1.001 * sooner for sooner, later in zip(peaks, peaks[4:], strict=False))
+    assert simulator.condition().inner_y == pytest.approx(at_rest.inner_y, rel=1e-6)
+
+
+def test_unbalance_alone_moves_the_rotor_at_shaft_speed_with_its_force():
+    """Far below the resonances m_u e omega^2 reaches the housing through springs in series."""
+    still = quiet(defect='none', resonance_hz=0.0, load=2000.0)
+    turning = dataclasses.replace(still, unbalance=5e-3)
+    samples = int(RATE)
+    signals = []
+    for parameters in (still, turning):
+        simulator = Simulator(parameters, shaft_hz=25.0)
+        simulator.advance(samples // 2, 20.0, 25.0)
+        signals.append(simulator.advance(samples, 20.0, 25.0).x.astype(float))
+    carrier = np.exp(-2j * np.pi * 25.0 * np.arange(samples) / RATE)
+    line = 2.0 * abs(np.mean((signals[1] - signals[0]) * carrier))
+    omega = 2.0 * np.pi * 25.0
+    # The balls are a third spring, of which the mean over the cage's positions counts.
+    values = Simulator(still, shaft_hz=25.0).condition()
+    stiffness = np.mean(
+        [
+            contact(values.inner_x, values.inner_y, math.cos(a), math.sin(a), values.k_b, 5e-6, 8)[
+                2
+            ]
+            for a in np.linspace(0.0, math.pi / 4, 32, endpoint=False)
+        ]
+    )
+    through = 1.0 / (1.0 / stiffness + 1.0 / 1.51e7)
+    expected = 5e-3 * omega**2 * through / (through + 7.42e7) / 1.51e7 * omega**2
+    assert line == pytest.approx(expected, rel=0.1)
+
+
+# --- splitting, saving, determinism ------------------------------------------------------------
+
+place = st.sampled_from(['inner', 'outer', 'ball', 'cage'])
+defects = st.lists(
+    st.builds(
+        Defect,
+        place=place,
+        width=st.floats(0.1e-3, 1.5e-3),
+        depth=st.floats(0.0, 40e-6),
+        angle=st.floats(-3.0, 3.0),
+        ball=st.integers(0, 7),
+        profile=st.sampled_from(['ball', 'rect', 'halfsine', 'smooth']),
+    ),
+    max_size=3,
+)
+parameter_space = st.builds(
+    TwinParameters,
+    bearing=st.sampled_from([catalogue()[name] for name in ('6307', '6205', 'ZA-2115')]),
+    thermal_mode=st.sampled_from(['paper', 'physical']),
+    defects=defects.map(tuple),
+    load=st.floats(50.0, 5000.0),
+    clearance=st.floats(0.0, 15e-6),
+    contact_damping=st.floats(0.0, 1500.0),
+    inner_mass=st.floats(1.0, 50.0),
+    outer_mass=st.floats(3.0, 20.0),
+    unbalance=st.floats(0.0, 2.5e-3),
+    slip_model=st.sampled_from(['none', 'constant', 'mu_proportional']),
+    jitter=st.floats(0.0, 0.02),
+    noise=st.floats(0.0, 1.0),
+    resonance_hz=st.sampled_from([0.0, 1500.0, 6000.0, 11000.0]),
+)
+many = settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+)
+
+
+@many
+@given(
+    parameters=parameter_space,
+    temperature=st.floats(20.0, 110.0),
+    hz=st.floats(0.0, 100.0),
+    cuts=st.lists(st.integers(1, 699), max_size=4),
+)
+def test_any_block_splitting_and_restoring_gives_the_same_bits(parameters, temperature, hz, cuts):
+    whole = Simulator(parameters, seed=3, temperature=temperature, shaft_hz=hz)
+    cut = Simulator(parameters, seed=3, temperature=temperature, shaft_hz=hz)
+    # A commanded change first, so that a thermal drift is under way.
+    for simulator in (whole, cut):
+        simulator.advance(2300, min(temperature + 5.0, 110.0), hz)
+    expected = whole.advance(700, min(temperature + 5.0, 110.0), hz)
+    assert np.isfinite(expected.x).all()
+    assert np.abs(expected.y).max() < 1e5
+    parts = []
+    for begin, end in zip([0, *sorted(set(cuts))], [*sorted(set(cuts)), 700], strict=True):
+        parts.append(cut.advance(end - begin, min(temperature + 5.0, 110.0), hz))
+        data = cut.save()
+        cut = Simulator(parameters)
+        cut.load(data)
+    for axis in ('x', 'y'):
+        assert np.array_equal(
+            np.concatenate([getattr(part, axis) for part in parts]), getattr(expected, axis)
+        )
+    assert cut.save() == whole.save()
+
+
+def test_seed_decides_the_noise_and_nothing_else_does():
+    runs = [Simulator(preset('incipient'), seed=s).advance(512, 20.0, 25.4).y for s in (1, 1, 2)]
+    assert np.array_equal(runs[0], runs[1])
+    assert not np.array_equal(runs[0], runs[2])
+
+
+@pytest.mark.parametrize('keep', [0, 5, 30, 200, -1])
+def test_damaged_state_is_refused_and_changes_nothing(keep):
+    simulator = Simulator(preset('incipient'))
+    simulator.advance(100, 30.0, 20.0)
+    data = simulator.save()
+    with pytest.raises(BearingTwinError):
+        simulator.load(data[:keep])
+    for at in range(0, len(data), 37):
+        bad = bytearray(data)
+        bad[at] ^= 0x10
+        with pytest.raises(BearingTwinError):
+            simulator.load(bytes(bad))
+    assert simulator.save() == data
+    with pytest.raises(BearingTwinError, match='balls'):
+        Simulator(preset('incipient', bearing='6205')).load(data)
+
+
+# --- inputs ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize('temperature', [19.9, 110.1, math.nan, math.inf])
+def test_the_equations_never_see_a_bad_temperature(temperature):
+    simulator = Simulator(preset('incipient'))
+    before = simulator.save()
+    with pytest.raises(BearingTwinError, match=r'20\.\.110'):
+        simulator.advance(10, temperature, 25.4)
+    with pytest.raises(BearingTwinError):
+        simulator.advance(10, 20.0, math.nan)
+    with pytest.raises(BearingTwinError):
+        simulator.advance(0, 20.0, 25.4)
+    assert simulator.save() == before
+
+
+def test_a_temperature_step_is_a_ramp_over_its_block():
+    simulator = Simulator(quiet(defect='none'), shaft_hz=0.0)
+    simulator.advance(1024, 20.0, 0.0)
+    jump = simulator.advance(1024, 110.0, 0.0)
+    assert np.abs(np.diff(jump.y)).max() < 0.05  # a step of K_b would ring with many m/s^2
+
+
+@pytest.mark.parametrize(
+    'changes',
+    [
+        {'load': 1.0},
+        {'clearance': math.nan},
+        {'noise': -1.0},
+        {'thermal_mode': 'magic'},
+        {'slip_model': 'some'},
+        {'width': 9e-3},
+        {'defect': 'inner+roof'},
+        {'bearing': '6307x'},
+        {'friction_series': '99'},
+        {'unknown': 1.0},
+        {'resonance_hz': 20e3},
+    ],
+)
+def test_what_leaves_the_validity_is_refused(changes):
+    with pytest.raises(BearingTwinError):
+        preset('incipient', **changes)
+
+
+# --- kinematics, slip, fault lines -------------------------------------------------------------
+
+
+def squared_envelope_lines(signal, rate=RATE):
+    """Squared envelope spectrum of the band above 2 kHz, frequencies and amplitudes."""
+    spectrum = np.fft.rfft(signal - signal.mean())
+    spectrum[: int(2000.0 * len(signal) / rate)] = 0.0
+    envelope = np.abs(hilbert(np.fft.irfft(spectrum, len(signal)))) ** 2
+    return np.fft.rfftfreq(len(signal), 1.0 / rate), np.abs(
+        np.fft.rfft((envelope - envelope.mean()) * np.hanning(len(signal)))
+    )
+
+
+def line_over_floor(frequencies, amplitudes, at):
+    near = np.abs(frequencies - at) < 0.6
+    around = (np.abs(frequencies - at) < 6.0) & (np.abs(frequencies - at) > 1.5)
+    return amplitudes[near].max() / np.median(amplitudes[around])
+
+
+@pytest.mark.parametrize(
+    ('fault', 'order'), [('inner', 'bpfi'), ('outer', 'bpfo'), ('ball', '2bsf'), ('cage', 'ftf')]
+)
+def test_each_fault_shows_its_envelope_line(fault, order):
+    def lines(defect):
+        simulator = Simulator(preset('incipient', defect=defect, slip_model='none'), seed=4)
+        simulator.advance(2560, 20.0, 25.4)
+        block = simulator.advance(int(6 * RATE), 20.0, 25.4)
+        c = block.condition
+        at = 2.0 * c.bsf if order == '2bsf' else getattr(c, order)
+        return line_over_floor(*squared_envelope_lines(block.y.astype(float)), at)
+
+    assert lines(fault) > 10.0
+    assert lines(fault) > 2.0 * lines('none')
+
+
+@pytest.mark.parametrize(('temperature', 'expected'), [(20.0, 126.412), (100.0, 126.825)])
+def test_slip_shifts_the_inner_line_as_the_paper_says(temperature, expected):
+    parameters = quiet()
+    simulator = Simulator(parameters, temperature=temperature)
+    begin = simulator.condition()
+    turns = 0.0
+    last = begin
+    for _ in range(200):
+        simulator.advance(256, temperature, 25.4)
+        now = simulator.condition()
+        for sign, angle in ((1.0, 'shaft_angle'), (-1.0, 'cage_angle')):
+            turns += sign * ((getattr(now, angle) - getattr(last, angle)) % (2.0 * np.pi))
+        last = now
+    measured = 8.0 * turns / (2.0 * np.pi) / (200 * 256 / RATE)
+    assert measured == pytest.approx(expected, abs=0.01)
+    assert now.bpfi == pytest.approx(measured, abs=1e-6)
+    assert now.bpfi + now.bpfo == pytest.approx(8 * 25.4, abs=1e-9)
+
+
+def test_shaft_angle_is_the_integral_of_a_ramped_speed():
+    simulator = Simulator(quiet(), shaft_hz=10.0)
+    begin = simulator.condition().shaft_angle
+    end = simulator.advance(2560, 20.0, 37.0).condition.shaft_angle
+    turns = (end - begin) / (2.0 * np.pi) - 0.1 * 0.5 * (10.0 + 37.0)
+    assert turns - round(turns) == pytest.approx(0.0, abs=1e-9)
+
+
+# --- temperature -------------------------------------------------------------------------------
+
+
+def amplitude(parameters, temperature):
+    """Mean of the largest fifth of the maxima of each impact, over 3 s."""
+    simulator = Simulator(parameters, temperature=temperature)
+    simulator.advance(int(0.3 * RATE), temperature, 25.4)
+    y = simulator.advance(int(3.0 * RATE), temperature, 25.4).y.astype(float)
+    period = round(RATE / 126.337)
+    maxima = np.abs(y - y.mean())[: len(y) // period * period].reshape(-1, period).max(axis=1)
+    return np.sort(maxima)[-len(maxima) // 5 :].mean()
+
+
+@pytest.mark.parametrize(('name', 'sign'), [('extended', -1.0), ('incipient', 1.0)])
+def test_trends_of_the_paper_hold_for_extended_and_reverse_for_incipient(name, sign):
+    change = {}
+    for factor in ('expansion', 'hardness', 'friction', 'all'):
+        on = {f: factor in (f, 'all') for f in ('expansion', 'hardness', 'friction')}
+        parameters = quiet(name, slip_model='none', resonance_hz=0.0, beta0=Beta0(**on))
+        change[factor] = amplitude(parameters, 110.0) / amplitude(parameters, 20.0) - 1.0
+    assert sign * change['expansion'] > 0.0
+    assert sign * change['hardness'] < 0.0
+    assert sign * change['friction'] > 0.0
+    assert sign * change['all'] > 0.0
+    assert abs(change['friction']) > 3.0 * max(abs(change['expansion']), abs(change['hardness']))
+
+
+def test_a_hotter_inner_ring_closes_the_clearance_and_weakens_the_impacts():
+    def condition(ratio):
+        parameters = quiet(
+            thermal_mode='physical', clearance=8e-6, network=ThermalNetwork(shaft_ratio=ratio)
+        )
+        return parameters, Simulator(parameters, temperature=100.0).condition()
+
+    cool, at_cool = condition(1.0)
+    hot, at_hot = condition(1.12)
+    gap = at_hot.inner_ring_temperature - at_cool.inner_ring_temperature
+    assert gap == pytest.approx(0.8 * 0.12 * 80.0, rel=0.05)
+    closed = at_cool.radial_clearance - at_hot.radial_clearance
+    assert closed == pytest.approx(0.345e-6 * gap, rel=0.02)
+    assert amplitude(hot, 100.0) < amplitude(cool, 100.0)
+
+
+def test_inner_ring_follows_with_its_time_constant():
+    simulator = Simulator(quiet(thermal_mode='physical'), temperature=30.0)
+    start = simulator.condition().inner_ring_temperature
+    steady = Simulator(quiet(thermal_mode='physical'), temperature=60.0)
+    target = steady.condition().inner_ring_temperature
+    simulator.advance(256, 60.0, 25.4)
+    simulator.advance(int(8.0 * RATE), 60.0, 25.4)  # C_i / (G_io + G_is) = 8 s
+    reached = simulator.condition().inner_ring_temperature
+    assert (target - reached) / (target - start) == pytest.approx(math.exp(-1.0), abs=0.02)
+
+
+def test_life_falls_with_temperature_and_paper_mode_has_none():
+    def life(temperature):
+        parameters = quiet(thermal_mode='physical', load=3000.0)
+        return Simulator(parameters, temperature=temperature).condition().life_hours
+
+    assert life(20.0) > 5.0 * life(110.0) > 0.0
+    assert math.isnan(Simulator(quiet()).condition().life_hours)
+
+
+# --- presets, fleet ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize('name', list(PRESETS))
+def test_presets_run(name):
+    block = Simulator(preset(name)).advance(2048, 25.0, 25.4)
+    assert 0.1 < block.y.std() < 1000.0
+
+
+def test_fault_injected_while_running_is_there_at_once():
+    simulator = Simulator(quiet(defect='none'))
+    healthy = simulator.advance(5120, 20.0, 25.4).y
+    simulator.reconfigure(quiet())
+    spalled = simulator.advance(5120, 20.0, 25.4)
+    assert spalled.first_sample == 5120
+    assert spalled.y.std() > 5.0 * healthy.std()
+    assert np.abs(spalled.y[:20]).max() < 10.0  # carried on, not started anew
+
+
+def test_fleet_is_many_simulators():
+    parameters = [
+        preset('incipient'),
+        preset('extended', defect='outer'),
+        preset('incipient', defect='inner+ball+cage', unbalance=1e-3),
+        preset('incipient', bearing='6205', thermal_mode='physical'),
+    ]
+    parameters += [
+        dataclasses.replace(
+            parameters[0],
+            defects=(dataclasses.replace(parameters[0].defects[0], profile=profile),),
+        )
+        for profile in ('halfsine', 'smooth')
+    ]
+    temperatures = np.linspace(30.0, 80.0, len(parameters))
+    speeds = np.linspace(15.0, 30.0, len(parameters))
+    fleet = Fleet(parameters, temperatures=temperatures, shaft_hz=speeds)
+    blocks = [fleet.advance(2048, temperatures + k, speeds) for k in range(3)]
+    for index, single in enumerate(parameters):
+        simulator = Simulator(
+            single, seed=index, temperature=temperatures[index], shaft_hz=speeds[index]
+        )
+        for k, block in enumerate(blocks):
+            expected = simulator.advance(2048, temperatures[index] + k, speeds[index])
+            assert relative(block.y[index], expected.y) < 2e-3
+        ours, theirs = fleet.condition(index), expected.condition
+        assert ours.k_b == pytest.approx(theirs.k_b, rel=1e-9)
+        assert ours.cage_angle == pytest.approx(theirs.cage_angle, abs=1e-5)
+        assert ours.ball_force.sum() == pytest.approx(theirs.ball_force.sum(), rel=0.02)
+
+
+@pytest.mark.parametrize('mode', ['paper', 'physical'])
+def test_fleet_splitting_and_restoring_gives_the_same_bits(mode):
+    def build():
+        return Fleet(
+            [preset('incipient', thermal_mode=mode), preset('extended', defect='ball+outer')] * 9
+        )
+
+    whole, cut = build(), build()
+    for fleet in (whole, cut):
+        fleet.advance(2500, 40.0, 26.0)
+    expected = whole.advance(700, 40.0, 26.0)
+    parts = []
+    for n in (1, 300, 31, 368):
+        parts.append(cut.advance(n, 40.0, 26.0).x)
+        data = cut.save()
+        cut = build()
+        cut.load(data)
+    assert np.array_equal(np.concatenate(parts, axis=1), expected.x)
+    assert cut.save() == whole.save()
+    with pytest.raises(BearingTwinError):
+        cut.load(data[:-1])
+
+
+def test_fleet_reconfigures_one_bearing_and_leaves_the_others():
+    healthy = preset('incipient', defect='none')
+    fleet, other = Fleet([healthy] * 3), Fleet([healthy] * 3)
+    for each in (fleet, other):
+        each.advance(2048, 20.0, 25.4)
+    fleet.reconfigure(1, preset('incipient'))
+    changed, same = fleet.advance(4096, 20.0, 25.4), other.advance(4096, 20.0, 25.4)
+    assert np.array_equal(changed.y[[0, 2]], same.y[[0, 2]])
+    assert changed.y[1].std() > 5.0 * same.y[1].std()
