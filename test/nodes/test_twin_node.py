@@ -177,8 +177,12 @@ def test_names_and_quality_of_service_can_be_changed_from_outside(nodes, probe):
     states = probe.collect(TwinState, '/line3/bearing_7/twin_state')
     probe.watch_diagnostics()
     probe.until(lambda: states, 'a state')
-    [info] = probe.node.get_publishers_info_by_topic('/line3/bearing_7/accel')
-    assert info.node_name == 'model'
+
+    def publisher():
+        found = probe.node.get_publishers_info_by_topic('/line3/bearing_7/accel')
+        return [info for info in found if info.node_name == 'model']
+
+    [info] = probe.until(publisher, 'the publisher under its new names')
     assert info.qos_profile.reliability.name == 'BEST_EFFORT'
     name = 'line3/bearing_7/model: real time'
     _, message, values = probe.until(lambda: probe.statuses.get(name), 'the status of real time')
