@@ -43,12 +43,12 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
 
 __all__ = [
-    "Window",
-    "analyse_window",
-    "conclude",
-    "diagnose_record",
-    "highest_fault_order",
-    "insufficient",
+    'Window',
+    'analyse_window',
+    'conclude',
+    'diagnose_record',
+    'highest_fault_order',
+    'insufficient',
 ]
 
 _TREE_DEPTH = 3
@@ -90,7 +90,7 @@ def analyse_window(
     shaft_hz: float,
     settings: DiagnosisSettings,
     *,
-    unit: str = "",
+    unit: str = '',
 ) -> Window:
     """Everything that is computed before windows are averaged and judged.
 
@@ -122,9 +122,7 @@ def analyse_window(
         floor_width=max(int(4.0 * shaft_hz / bin_hz), 32),
     )
     power = scaled.real**2 + scaled.imag**2
-    speed = refine_shaft_hz(
-        power, bin_hz, envelopes, shaft_hz, settings.speed_tolerance
-    )
+    speed = refine_shaft_hz(power, bin_hz, envelopes, shaft_hz, settings.speed_tolerance)
     return Window(
         order_spectra(
             envelopes, power, [band[0] for band in tree.bands], speed.shaft_hz, shaft_hz
@@ -160,21 +158,19 @@ def conclude(
         # A fault beside an integer order can pass for a shaft that runs a little off: the speed
         # under which the fault shows more clearly is the right one.
         given = ShaftSpeed(shaft_hz_given, speed.uncertainty, speed.score)
-        other = decide(
-            accumulate([w.at_given_speed() for w in windows]), bearing, given, turns
-        )
+        other = decide(accumulate([w.at_given_speed() for w in windows]), bearing, given, turns)
         if other.evidence > _CLEARER * verdict.evidence:
             verdict, newest = other, replace(newest, speed=given)
-    if verdict.result == "healthy" and turns < HEALTHY_TURNS:
+    if verdict.result == 'healthy' and turns < HEALTHY_TURNS:
         needed = HEALTHY_TURNS / newest.speed.shaft_hz
         text = (
-            f"{turns:.0f} shaft turns show strong faults only, and none is there: "
-            f"{HEALTHY_TURNS:g} are needed to call it healthy, {needed:.1f} s"
+            f'{turns:.0f} shaft turns show strong faults only, and none is there: '
+            f'{HEALTHY_TURNS:g} are needed to call it healthy, {needed:.1f} s'
         )
         verdict = replace(
             verdict,
-            result="insufficient",
-            level="none",
+            result='insufficient',
+            level='none',
             confidence=0.0,
             reasons=(text,),
         )
@@ -252,7 +248,7 @@ def _report(
             bearing.d_ball,
         ),
         spectrum=Spectrum(
-            kind="spectrum",
+            kind='spectrum',
             unit=unit,
             start_hz=0.0,
             bin_hz=window.bin_hz,
@@ -261,8 +257,8 @@ def _report(
             floor=_EMPTY,
         ),
         envelope_spectrum=Spectrum(
-            kind="squared_envelope_spectrum",
-            unit="1",
+            kind='squared_envelope_spectrum',
+            unit='1',
             start_hz=window.envelopes.bin_hz,
             bin_hz=window.envelopes.bin_hz,
             band=window.bands[band],
@@ -281,12 +277,12 @@ def insufficient(
     sample_rate: float = math.nan,
     shaft_hz: float = math.nan,
     temperature: float = math.nan,
-    unit: str = "",
+    unit: str = '',
 ) -> Diagnosis:
     """Diagnosis that makes no statement, and says why."""
     unknown = dict.fromkeys(FAMILIES, math.nan)
     nothing = Spectrum(
-        kind="spectrum",
+        kind='spectrum',
         unit=unit,
         start_hz=0.0,
         bin_hz=math.nan,
@@ -295,10 +291,10 @@ def insufficient(
         floor=_EMPTY,
     )
     return Diagnosis(
-        result="insufficient",
-        level="none",
+        result='insufficient',
+        level='none',
         faults=(),
-        fault_code=FAULT_CODES["insufficient"],
+        fault_code=FAULT_CODES['insufficient'],
         confidence=0.0,
         reasons=tuple(reasons),
         first_sample=first_sample,
@@ -322,13 +318,13 @@ def insufficient(
             kurtosis=math.nan,
             velocity_rms=math.nan,
             level_over_baseline=math.nan,
-            iso_zone="",
+            iso_zone='',
             unit=unit,
         ),
         temperature=temperature,
         smallest_detectable=math.nan,
         spectrum=nothing,
-        envelope_spectrum=replace(nothing, kind="squared_envelope_spectrum", unit="1"),
+        envelope_spectrum=replace(nothing, kind='squared_envelope_spectrum', unit='1'),
     )
 
 
@@ -339,7 +335,7 @@ def diagnose_record(
     shaft_hz: float,
     *,
     speed_tolerance: float | None = None,
-    unit: str = "",
+    unit: str = '',
     temperature: float = math.nan,
     settings: DiagnosisSettings | None = None,
 ) -> Diagnosis:
@@ -375,7 +371,7 @@ def diagnose_record(
         settings = replace(settings, speed_tolerance=speed_tolerance)
     signal = np.asarray(x, dtype=np.float64)
     if signal.ndim != 1:
-        msg = f"x has shape {signal.shape}; give one axis as a 1-D array"
+        msg = f'x has shape {signal.shape}; give one axis as a 1-D array'
         raise BearingTwinError(msg)
     reasons = check_record(signal, sample_rate, shaft_hz, highest_fault_order(bearing))
     if reasons:

@@ -23,16 +23,16 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.shaft import ShaftSpeed
 
 __all__ = [
-    "INDEX_FAULT",
-    "INDEX_SUSPECT",
-    "SLIP",
-    "Z_CAGE",
-    "Z_FAULT",
-    "Candidate",
-    "Judge",
-    "Verdict",
-    "decide",
-    "family_order",
+    'INDEX_FAULT',
+    'INDEX_SUSPECT',
+    'SLIP',
+    'Z_CAGE',
+    'Z_FAULT',
+    'Candidate',
+    'Judge',
+    'Verdict',
+    'decide',
+    'family_order',
 ]
 
 Z_FAULT = 5.5
@@ -65,17 +65,17 @@ BLURRED = 0.9
 _SLIP_COST = 0.02
 _STEADY = 0.004
 _SIDEBANDS = 4
-_RACES = ("inner", "outer")
+_RACES = ('inner', 'outer')
 _UNTESTED = 1.0
 
 
 def family_order(family: str, orders: FaultFrequencies) -> float:
     """Order of the impacts of a family: a ball strikes twice a spin."""
     return {
-        "inner": orders.bpfi,
-        "outer": orders.bpfo,
-        "ball": 2.0 * orders.bsf,
-        "cage": orders.ftf,
+        'inner': orders.bpfi,
+        'outer': orders.bpfo,
+        'ball': 2.0 * orders.bsf,
+        'cage': orders.ftf,
     }[family]
 
 
@@ -110,8 +110,8 @@ class Candidate:
 
     def __str__(self) -> str:
         return (
-            f"{self.family}: comb at {self.order:.3f} orders, z {self.z:.1f}, "
-            f"modulation index {self.index:.2f}"
+            f'{self.family}: comb at {self.order:.3f} orders, z {self.z:.1f}, '
+            f'modulation index {self.index:.2f}'
         )
 
 
@@ -136,9 +136,7 @@ class Verdict:
 class Judge:
     """Scores the families of one bearing in the envelope spectra of one window."""
 
-    def __init__(
-        self, spectra: OrderSpectra, bearing: Bearing, speed: ShaftSpeed
-    ) -> None:
+    def __init__(self, spectra: OrderSpectra, bearing: Bearing, speed: ShaftSpeed) -> None:
         self.orders = fault_orders(bearing)
         self._slipped = fault_orders(bearing, SLIP[1])
         self._uncertainty = speed.uncertainty
@@ -192,7 +190,7 @@ class Judge:
 
         A race fault is modulated at the shaft's speed, a ball fault at the cage's.
         """
-        gap = {"inner": 1.0, "outer": 1.0, "ball": self.orders.ftf, "cage": 0.0}
+        gap = {'inner': 1.0, 'outer': 1.0, 'ball': self.orders.ftf, 'cage': 0.0}
         reach = range(-_SIDEBANDS, _SIDEBANDS + 1) if gap[candidate.family] else (0,)
         count = int(self.top / candidate.order) + 1
         lines = [
@@ -204,7 +202,7 @@ class Judge:
 
     def joint_slips(self, primary: Candidate) -> tuple[float, float]:
         """Slip that another fault of the same bearing may have, given the primary one's."""
-        if self._uncertainty > _STEADY or primary.family == "cage":
+        if self._uncertainty > _STEADY or primary.family == 'cage':
             return SLIP
         return primary.slip - JOINT_SLIP, primary.slip + JOINT_SLIP
 
@@ -222,12 +220,12 @@ def modulation_index(
     counts only in bands that begin above ``CARRIER`` multiples.
     """
     bands = len(spectra.carrier)
-    lines = slice(0, bands) if family == "cage" else slice(bands, None)
+    lines = slice(0, bands) if family == 'cage' else slice(bands, None)
     teeth = order * np.arange(1, HARMONICS + 1)
     rows = spectra.rows(teeth[:, None] + spectra.step * np.arange(-1, 2))
     # A line spreads over three bins of the Hann window, whose noise bandwidth is 1.5 bins.
     power = spectra.excess[rows.ravel(), lines].sum(axis=0) / 1.5
-    if family == "outer":
+    if family == 'outer':
         # Half of the range stays in any case, for low sample rates.
         limit = min(CARRIER * order, 0.5 * float(spectra.carrier.max()))
         power[spectra.carrier < limit] = 0.0
@@ -241,9 +239,7 @@ def sideband_ratio(spectra: OrderSpectra, order: float, band: int) -> float:
     """Amplitude of the lines one and two orders beside the teeth of a comb over the teeth's."""
     teeth = order * np.arange(1, HARMONICS + 1)
     sides = np.array([0.0, -2.0, -1.0, 1.0, 2.0])
-    rows = spectra.rows(
-        sides[:, None, None] + teeth[:, None] + spectra.step * np.arange(-1, 2)
-    )
+    rows = spectra.rows(sides[:, None, None] + teeth[:, None] + spectra.step * np.arange(-1, 2))
     power = spectra.excess[rows, len(spectra.carrier) + band].sum(axis=(1, 2))
     return float(np.sqrt(power[1:].mean() / max(float(power[0]), 1e-30)))
 
@@ -261,14 +257,10 @@ def cage_shakes(judge: Judge, order: float) -> bool:
 
     def comb(grid: NDArray[np.float64]) -> NDArray[np.float64]:
         rows = spectra.rows(np.outer(grid, teeth).ravel())
-        return np.asarray(
-            spectra.direct[rows].reshape(len(grid), -1).mean(axis=1), dtype=float
-        )
+        return np.asarray(spectra.direct[rows].reshape(len(grid), -1).mean(axis=1), dtype=float)
 
     step = spectra.step / (2 * teeth[-1])
-    beside = order * np.concatenate(
-        (np.arange(0.80, 0.96, 0.0005), np.arange(1.04, 1.2, 0.0005))
-    )
+    beside = order * np.concatenate((np.arange(0.80, 0.96, 0.0005), np.arange(1.04, 1.2, 0.0005)))
     null = comb(beside)
     center, upper = np.quantile(null, (0.5, 0.8413))
     found = comb(order + step * np.arange(-6, 7)).max()
@@ -296,7 +288,7 @@ def decide(
     strong = [
         c
         for c in candidates.values()
-        if c.z >= (Z_CAGE if c.family == "cage" else Z_FAULT)
+        if c.z >= (Z_CAGE if c.family == 'cage' else Z_FAULT)
         and c.index >= INDEX_SUSPECT
         and c.teeth >= 2
     ]
@@ -304,24 +296,20 @@ def decide(
     strong = [
         c
         for c in strong
-        if all(
-            o.z <= c.z for o in strong if abs(o.order - c.order) < 2.0 * spectra.step
-        )
+        if all(o.z <= c.z for o in strong if abs(o.order - c.order) < 2.0 * spectra.step)
     ]
-    others = [c for c in strong if c.family != "cage"]
+    others = [c for c in strong if c.family != 'cage']
     if strong and (not others or all(c.index < INDEX_FAULT for c in others)):
-        cage = next((c for c in strong if c.family == "cage"), None)
+        cage = next((c for c in strong if c.family == 'cage'), None)
         if cage is not None and cage.index >= INDEX_FAULT:
             return _judge_cage(judge, cage, candidates, revolutions)
     strong = others
-    hidden = (
-        [] if strong else [c for c in map(judge.hidden, FAMILIES[:3]) if c is not None]
-    )
+    hidden = [] if strong else [c for c in map(judge.hidden, FAMILIES[:3]) if c is not None]
     if hidden:
         text = (
-            f"{hidden[0].family} order {hidden[0].order:.3f} and shaft order "
-            f"{round(hidden[0].order)} coincide within the resolution of this window: the lines "
-            "there belong to either; a longer window or an exact speed may part them"
+            f'{hidden[0].family} order {hidden[0].order:.3f} and shaft order '
+            f'{round(hidden[0].order)} coincide within the resolution of this window: the lines '
+            'there belong to either; a longer window or an exact speed may part them'
         )
         return Verdict(
             'ambiguous', 'suspect', tuple(c.family for c in hidden), 0.5,
@@ -330,10 +318,8 @@ def decide(
     if not strong:
         largest = max(c.z for c in candidates.values())
         confidence = 1.0 / (1.0 + math.exp(min(largest, 20.0) - Z_FAULT))
-        text = (
-            f"no fault comb above z {Z_FAULT:g} with modulation index {INDEX_SUSPECT:g}"
-        )
-        return Verdict("healthy", "ok", (), 0.5 + 0.5 * confidence, (text,), candidates)
+        text = f'no fault comb above z {Z_FAULT:g} with modulation index {INDEX_SUSPECT:g}'
+        return Verdict('healthy', 'ok', (), 0.5 + 0.5 * confidence, (text,), candidates)
     primary = max(strong, key=lambda c: c.evidence)
     rest = judge.without(primary)
     rivals = [
@@ -348,9 +334,9 @@ def decide(
     if rivals:
         both = (primary, *rivals)
         text = (
-            f"{primary.family} at {primary.order:.3f} and {rivals[0].family} at "
-            f"{rivals[0].order:.3f} orders explain the same lines, one as sidebands of the other; "
-            "a longer window or an exact speed may part them"
+            f'{primary.family} at {primary.order:.3f} and {rivals[0].family} at '
+            f'{rivals[0].order:.3f} orders explain the same lines, one as sidebands of the other; '
+            'a longer window or an exact speed may part them'
         )
         return Verdict(
             'ambiguous', 'fault', tuple(c.family for c in both), 0.5,
@@ -369,14 +355,12 @@ def decide(
     reasons = [str(c) for c in (*found, *weak)]
     candidates |= {c.family: c for c in (*found, *weak)}
     if not faults:
-        reasons.append(f"modulation index below {INDEX_FAULT:g}: not an alarm")
+        reasons.append(f'modulation index below {INDEX_FAULT:g}: not an alarm')
         named = tuple(c.family for c in (*found, *weak))
         return Verdict(
-            "suspect", "suspect", named, confidence, tuple(reasons), candidates, primary
+            'suspect', 'suspect', named, confidence, tuple(reasons), candidates, primary
         )
-    return Verdict(
-        faults[0], "fault", faults, confidence, tuple(reasons), candidates, primary
-    )
+    return Verdict(faults[0], 'fault', faults, confidence, tuple(reasons), candidates, primary)
 
 
 def _judge_cage(
@@ -387,31 +371,27 @@ def _judge_cage(
     turns = revolutions * judge.orders.ftf
     if not cage_shakes(judge, cage.order):
         text = (
-            "ball and cage coincide: the envelope repeats with the cage, the signal itself does "
-            "not; a ball strikes once a cage turn, or the cage is damaged"
+            'ball and cage coincide: the envelope repeats with the cage, the signal itself does '
+            'not; a ball strikes once a cage turn, or the cage is damaged'
         )
         return Verdict(
-            "ambiguous",
-            "suspect",
-            ("ball", "cage"),
+            'ambiguous',
+            'suspect',
+            ('ball', 'cage'),
             confidence,
             (str(cage), text),
             candidates,
             cage,
         )
     if turns < CAGE_TURNS:
-        text = (
-            f"{turns:.0f} cage turns: {CAGE_TURNS:g} are needed to call it a cage fault"
-        )
+        text = f'{turns:.0f} cage turns: {CAGE_TURNS:g} are needed to call it a cage fault'
         return Verdict(
-            "suspect",
-            "suspect",
-            ("cage",),
+            'suspect',
+            'suspect',
+            ('cage',),
             confidence,
             (str(cage), text),
             candidates,
             cage,
         )
-    return Verdict(
-        "cage", "fault", ("cage",), confidence, (str(cage),), candidates, cage
-    )
+    return Verdict('cage', 'fault', ('cage',), confidence, (str(cage),), candidates, cage)

@@ -18,17 +18,17 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = [
-    "WHITENINGS",
-    "BandTree",
-    "EnvelopeSpectra",
-    "band_tree",
-    "envelope_spectra",
-    "line_cap",
-    "local_floor",
-    "whiten",
+    'WHITENINGS',
+    'BandTree',
+    'EnvelopeSpectra',
+    'band_tree',
+    'envelope_spectra',
+    'line_cap',
+    'local_floor',
+    'whiten',
 ]
 
-WHITENINGS = ("flat", "capped", "cepstral")
+WHITENINGS = ('flat', 'capped', 'cepstral')
 """Whitenings of :func:`whiten`, in the order of its output."""
 
 _MEDIAN_OF_EXPONENTIAL = math.log(2.0)
@@ -59,14 +59,10 @@ def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
     blocks = count // hop
     if blocks < 3:
         floor = np.median(power, axis=-1, keepdims=True) / _MEDIAN_OF_EXPONENTIAL
-        return np.broadcast_to(np.maximum(floor, _TINY), power.shape).astype(
-            power.dtype
-        )
+        return np.broadcast_to(np.maximum(floor, _TINY), power.shape).astype(power.dtype)
     # Centred on the range, so that what the blocks leave over falls on both ends alike.
     offset = (count - blocks * hop) // 2
-    tiles = power[..., offset : offset + blocks * hop].reshape(
-        *power.shape[:-1], blocks, hop
-    )
+    tiles = power[..., offset : offset + blocks * hop].reshape(*power.shape[:-1], blocks, hop)
     pairs = np.concatenate((tiles[..., :-1, :], tiles[..., 1:, :]), axis=-1)
     pairs.partition(hop, axis=-1)
     levels = np.maximum(pairs[..., hop] / _MEDIAN_OF_EXPONENTIAL, _TINY)
@@ -93,8 +89,8 @@ def whiten(
     """Remove the colour of a record in three ways that fail differently.
 
     ``flat`` divides by the local floor; ``capped`` also limits each line to a few times the
-    floor, so that gear and mains lines lose their weight; ``cepstral`` keeps the phase alone (cepstrum
-    pre-whitening, Borghesani et al. 2013), which ranks best but destroys effect size.
+    floor, so that gear and mains lines lose their weight; ``cepstral`` keeps the phase alone
+    (cepstrum pre-whitening, Borghesani et al. 2013), which ranks best but destroys effect size.
 
     Parameters
     ----------
@@ -192,15 +188,11 @@ def envelope_spectra(
     parts = []
     for width, firsts in tree.levels:
         length = fft.next_fast_len(width + min(count, width) + 1)
-        bands = np.stack(
-            [whitened[:, first : first + width] for first in firsts], axis=1
-        )
+        bands = np.stack([whitened[:, first : first + width] for first in firsts], axis=1)
         signal = fft.ifft(bands, length, axis=-1)
         envelope = signal.real**2 + signal.imag**2
         mean = np.maximum(envelope.mean(axis=-1, keepdims=True), np.float32(_TINY))
-        window = (1.0 - np.cos(2.0 * np.pi * np.arange(length) / length)).astype(
-            np.float32
-        )
+        window = (1.0 - np.cos(2.0 * np.pi * np.arange(length) / length)).astype(np.float32)
         lines = fft.rfft((envelope - mean) * (window / (length * mean)), axis=-1)
         lines = lines[..., 1 : count + 1]
         power = lines.real**2 + lines.imag**2
