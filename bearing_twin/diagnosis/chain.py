@@ -11,22 +11,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import fft
 
-from bearing_twin.bearing import fault_frequencies, fault_orders
+from bearing_twin.bearing import fault_orders
 from bearing_twin.diagnosis.comb import (
     HARMONICS,
     OrderSpectra,
     accumulate,
     order_spectra,
 )
-from bearing_twin.diagnosis.decision import Verdict, decide, family_order
+from bearing_twin.diagnosis.decision import decide, family_order
 from bearing_twin.diagnosis.gate import HEALTHY_TURNS, check_record
-from bearing_twin.diagnosis.power import smallest_detectable
+from bearing_twin.diagnosis.report import insufficient, report
 from bearing_twin.diagnosis.result import (
     FAMILIES,
-    FAULT_CODES,
     Diagnosis,
     Severity,
-    Spectrum,
 )
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.severity import measure_severity
@@ -48,13 +46,11 @@ __all__ = [
     'conclude',
     'diagnose_record',
     'highest_fault_order',
-    'insufficient',
 ]
 
 _TREE_DEPTH = 3
 _WINDOW_TURNS = 256.0
 _CLEARER = 1.1
-_EMPTY = np.zeros(0, dtype=np.float32)
 
 
 @dataclass(frozen=True)
@@ -175,7 +171,7 @@ def conclude(
             reasons=(text,),
         )
     verdict = replace(verdict, reasons=(*notes, *verdict.reasons))
-    return _report(
+    return report(
         verdict,
         newest,
         bearing,
@@ -184,147 +180,6 @@ def conclude(
         sample_rate=sample_rate,
         shaft_hz_given=shaft_hz_given,
         temperature=temperature,
-    )
-
-
-def _report(
-    verdict: Verdict,
-    window: Window,
-    bearing: Bearing,
-    *,
-    first_sample: int,
-    sample_count: int,
-    sample_rate: float,
-    shaft_hz_given: float,
-    temperature: float,
-) -> Diagnosis:
-    shaft_hz = window.speed.shaft_hz
-    expected = fault_frequencies(bearing, shaft_hz)
-    strongest = verdict.strongest
-    # Without a fault the envelope spectrum shown is that of the whole band.
-    band = strongest.band if strongest else 0
-    values, floor = window.envelopes.power[0, band], window.envelopes.floor[0, band]
-    line_hz, line_level = _EMPTY, _EMPTY
-    fault_hz = fault_hz_expected = math.nan
-    if strongest is not None:
-        fault_hz = strongest.order * shaft_hz
-        fault_hz_expected = family_order(strongest.family, expected)
-        teeth = fault_hz * np.arange(1, HARMONICS + 1)
-        rows = np.clip(
-            np.rint(teeth / window.envelopes.bin_hz).astype(int) - 1, 0, len(values) - 1
-        )
-        line_hz = teeth.astype(np.float32)
-        line_level = values[rows] / floor[rows]
-    unit = window.severity.unit
-    return Diagnosis(
-        result=verdict.result,
-        level=verdict.level,
-        faults=verdict.faults,
-        fault_code=FAULT_CODES[verdict.result],
-        confidence=verdict.confidence,
-        reasons=verdict.reasons,
-        first_sample=first_sample,
-        sample_count=sample_count,
-        sample_rate=sample_rate,
-        shaft_hz_given=shaft_hz_given,
-        shaft_hz=shaft_hz,
-        slip=strongest.slip if strongest else math.nan,
-        expected=expected,
-        fault_hz=fault_hz,
-        fault_hz_expected=fault_hz_expected,
-        score={name: verdict.candidates[name].z for name in FAMILIES},
-        modulation_index={name: verdict.candidates[name].index for name in FAMILIES},
-        band=window.bands[band],
-        line_hz=line_hz,
-        line_level=line_level,
-        severity=window.severity,
-        temperature=temperature,
-        smallest_detectable=smallest_detectable(
-            1.0 / window.bin_hz,
-            shaft_hz,
-            temperature,
-            window.severity.rms,
-            unit,
-            bearing.d_ball,
-        ),
-        spectrum=Spectrum(
-            kind='spectrum',
-            unit=unit,
-            start_hz=0.0,
-            bin_hz=window.bin_hz,
-            band=(0.0, 0.5 * sample_rate),
-            values=window.amplitude,
-            floor=_EMPTY,
-        ),
-        envelope_spectrum=Spectrum(
-            kind='squared_envelope_spectrum',
-            unit='1',
-            start_hz=window.envelopes.bin_hz,
-            bin_hz=window.envelopes.bin_hz,
-            band=window.bands[band],
-            values=values,
-            floor=floor,
-        ),
-    )
-
-
-def insufficient(
-    reasons: Sequence[str],
-    bearing: Bearing,
-    *,
-    first_sample: int = 0,
-    sample_count: int = 0,
-    sample_rate: float = math.nan,
-    shaft_hz: float = math.nan,
-    temperature: float = math.nan,
-    unit: str = '',
-) -> Diagnosis:
-    """Diagnosis that makes no statement, and says why."""
-    unknown = dict.fromkeys(FAMILIES, math.nan)
-    nothing = Spectrum(
-        kind='spectrum',
-        unit=unit,
-        start_hz=0.0,
-        bin_hz=math.nan,
-        band=(0.0, math.nan),
-        values=_EMPTY,
-        floor=_EMPTY,
-    )
-    return Diagnosis(
-        result='insufficient',
-        level='none',
-        faults=(),
-        fault_code=FAULT_CODES['insufficient'],
-        confidence=0.0,
-        reasons=tuple(reasons),
-        first_sample=first_sample,
-        sample_count=sample_count,
-        sample_rate=sample_rate,
-        shaft_hz_given=shaft_hz,
-        shaft_hz=math.nan,
-        slip=math.nan,
-        expected=fault_frequencies(bearing, shaft_hz),
-        fault_hz=math.nan,
-        fault_hz_expected=math.nan,
-        score=dict(unknown),
-        modulation_index=dict(unknown),
-        band=(0.0, math.nan),
-        line_hz=_EMPTY,
-        line_level=_EMPTY,
-        severity=Severity(
-            rms=math.nan,
-            peak=math.nan,
-            crest_factor=math.nan,
-            kurtosis=math.nan,
-            velocity_rms=math.nan,
-            level_over_baseline=math.nan,
-            iso_zone='',
-            unit=unit,
-        ),
-        temperature=temperature,
-        smallest_detectable=math.nan,
-        spectrum=nothing,
-        envelope_spectrum=replace(nothing, kind='squared_envelope_spectrum', unit='1'),
     )
 
 

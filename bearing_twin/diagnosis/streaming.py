@@ -15,10 +15,10 @@ from bearing_twin.diagnosis.chain import (
     analyse_window,
     conclude,
     highest_fault_order,
-    insufficient,
 )
 from bearing_twin.diagnosis.comb import OrderSpectra
 from bearing_twin.diagnosis.gate import check_record
+from bearing_twin.diagnosis.report import insufficient
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.shaft import resample_to_angle
 from bearing_twin.diagnosis.state import pack, unpack
