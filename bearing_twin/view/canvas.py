@@ -35,6 +35,10 @@ class Canvas:
         """Return the entity path of a name."""
         return f'{self.root}/{name}'.replace('//', '/')
 
+    def is_new(self, name: str) -> bool:
+        """Whether :meth:`once` has yet to log it; making an archetype costs as much as a block."""
+        return name not in self._known
+
     def once(self, name: str, *archetypes: Any) -> None:
         """Log what does not change with time, the first time only."""
         if name not in self._known:
@@ -57,7 +61,8 @@ class Canvas:
         width: float = 1.5,
     ) -> None:
         """Log samples of a time series, shape (n,)."""
-        self.once(name, rr.SeriesLines(names=label, colors=colour, widths=width))
+        if self.is_new(name):
+            self.once(name, rr.SeriesLines(names=label, colors=colour, widths=width))
         self.recording.send_columns(
             self.path(name),
             [self.timebase.column(times)],

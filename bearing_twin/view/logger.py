@@ -75,6 +75,8 @@ class RerunLogger:
         """Messages that could not be drawn."""
         self.problems: dict[str, str] = {}
         """Reason by topic."""
+        # The first text loads pandas, where it is installed: a second that no message shall wait.
+        rr.TextLog('')
         self._recording = rr.RecordingStream(APPLICATION, recording_id=recording_id)
         self._timebases = {'': Timebase()}
         if sides:

@@ -91,14 +91,15 @@ class Waveform:
         pairs = np.stack(
             [np.minimum.reduceat(samples, edges), np.maximum.reduceat(samples, edges)], axis=1
         )
-        self._canvas.once(
-            name,
-            rr.SeriesLines(
-                names=[f'{place} min [{unit}]', f'{place} max [{unit}]'],
-                colors=[colour, colour],
-                widths=[1.0, 1.0],
-            ),
-        )
+        if self._canvas.is_new(name):
+            self._canvas.once(
+                name,
+                rr.SeriesLines(
+                    names=[f'{place} min [{unit}]', f'{place} max [{unit}]'],
+                    colors=[colour, colour],
+                    widths=[1.0, 1.0],
+                ),
+            )
         self._canvas.recording.send_columns(
             self._canvas.path(name),
             [self._canvas.timebase.column(_times(edges, time, rate))],
