@@ -11,13 +11,20 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.qos import qos_profile, qos_yaml, read_qos
+from bearing_twin.recording.schema import message_schema
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-__all__ = ['message_class', 'offered_qos_yaml', 'replay_qos', 'subscription_qos']
+__all__ = [
+    'check_definition',
+    'message_class',
+    'offered_qos_yaml',
+    'replay_qos',
+    'subscription_qos',
+]
 
 SUBSCRIPTION_DEPTH = 500
 """Messages kept for a recorder that is held up by its disk: 20 s of blocks of 40 ms."""
@@ -40,6 +47,25 @@ def message_class(type_name: str) -> Any:
             pass
     msg = f'message type {type_name} is not installed; source the workspace that has it'
     raise BearingTwinError(msg)
+
+
+def check_definition(type_name: str, publishers: Sequence[TopicEndpointInfo]) -> None:
+    """Make sure that the bytes on a topic are what the installed definition says.
+
+    Raises
+    ------
+    BearingTwinError
+        If a publisher was built with another definition of the type.
+    """
+    ours = message_schema(type_name).type_hash
+    # A publisher of a release before Iron tells none.
+    theirs = {str(info.topic_type_hash) for info in publishers} - {'INVALID'}
+    if theirs - {ours}:
+        msg = (
+            f'its publisher was built with another definition of {type_name} '
+            f'({", ".join(sorted(theirs))}) than the installed one ({ours})'
+        )
+        raise BearingTwinError(msg)
 
 
 def subscription_qos(publishers: Sequence[TopicEndpointInfo]) -> QoSProfile:

@@ -17,7 +17,12 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.health import Health, Level, Status
 from bearing_twin.nodes.lifecycle import ManagedNode, run
 from bearing_twin.nodes.qos import CHECKPOINT, RESULT, STREAM
-from bearing_twin.nodes.rawtopics import message_class, offered_qos_yaml, subscription_qos
+from bearing_twin.nodes.rawtopics import (
+    check_definition,
+    message_class,
+    offered_qos_yaml,
+    subscription_qos,
+)
 from bearing_twin.nodes.recorder_config import SPECS, TopicChoice, build_writer
 from bearing_twin.nodes.recorder_watch import RecordingWatch
 from bearing_twin.recording.recover import find_unfinished
@@ -135,6 +140,7 @@ class RecorderNode(ManagedNode):
                 if len(types) > 1:
                     msg = f'has {len(types)} types: {", ".join(types)}'
                     raise BearingTwinError(msg)
+                check_definition(types[0], publishers)
                 qos = subscription_qos(publishers)
                 known = self._subscriptions_of.get(topic)
                 if known is None or known.qos_profile.reliability > qos.reliability:

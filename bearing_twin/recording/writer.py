@@ -295,8 +295,13 @@ class RecordingWriter:
             self.stopped = f'the storage limit of {o.storage_limit} bytes is reached'
             return
         while self._finished and self.size > o.storage_limit:
-            oldest = self._finished.pop(0)
-            (self.path / oldest.name).unlink(missing_ok=True)
+            oldest = self._finished[0]
+            try:
+                (self.path / oldest.name).unlink(missing_ok=True)
+            except OSError as error:
+                self.problem = f'{oldest.name} cannot be deleted: {error.strerror}'
+                return
+            del self._finished[0]
             self.deleted_files += 1
 
     def _finish(self) -> None:
