@@ -105,7 +105,7 @@ def _screenshot(args: argparse.Namespace, sources: list[str]) -> int:
         msg = f'--size {args.size} is not WIDTHxHEIGHT, e.g. 1800x1100'
         raise BearingTwinError(msg)
     with HeadlessViewer(sources, size=(int(size[1]), int(size[2]))) as viewer:
-        viewer.wait('since_start' if len(args.recordings) > 1 else 'ros_time', seconds=args.at)
+        viewer.wait(args.at)
         viewer.screenshot(args.screenshot.absolute())
     return 0
 

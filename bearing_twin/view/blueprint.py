@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.view.scene import Scene
 
-__all__ = ['APPLICATION', 'layout']
+__all__ = ['APPLICATION', 'automatic', 'layout']
 
 APPLICATION = 'bearing_twin'
 """Application id: a blueprint belongs to recordings of the same one."""
@@ -65,6 +65,24 @@ def layout(
         rrb.TimePanel(state='collapsed', timeline=timeline, play_state='following'),
         auto_views=False,
         auto_layout=False,
+    )
+
+
+def automatic(
+    scenes: Iterable[Scene], *, timeline: str, lines: Iterable[str] = ()
+) -> rrb.Blueprint:
+    """Return a blueprint with one view for the numbers of a topic; the viewer adds the rest.
+
+    ``lines`` are topics that Rerun itself draws as time series.
+    """
+    views = [view for scene in scenes for view in _numbers(scene)]
+    views += [_lines(topic, [f'{topic}/**']) for topic in lines]
+    return rrb.Blueprint(
+        rrb.Grid(*views),
+        rrb.SelectionPanel(state='collapsed'),
+        rrb.TimePanel(state='collapsed', timeline=timeline),
+        auto_views=True,
+        auto_layout=True,
     )
 
 
@@ -210,12 +228,7 @@ def _trends(scene: Scene) -> list[View]:
 
 def _numbers(scene: Scene) -> list[View]:
     """Return views of topics that are not the bearing's."""
-    views: list[View] = []
-    for path in _of(scene, 'numbers'):
-        views.append(_lines(path, [f'{path}/fields/**']))
-        if not _is_bearing(scene):
-            views.append(rrb.BarChartView(origin=f'{path}/arrays', name=f'{path} arrays'))
-    return views
+    return [_lines(path, [f'{path}/fields/**']) for path in _of(scene, 'numbers')]
 
 
 def _wide(scene: Scene, timeline: str, *, name: str | None = None) -> View:

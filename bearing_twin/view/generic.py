@@ -53,8 +53,8 @@ def scalars(message: Any, prefix: str = '') -> Iterator[tuple[str, Any]]:
                 yield prefix + name, array
 
 
-def draw_anything(canvas: Canvas, name: str, message: Any, time: int) -> bool:
-    """Draw what can be drawn; return whether anything was."""
+def draw_anything(canvas: Canvas, name: str, message: Any, time: int) -> str:
+    """Draw what can be drawn; return what that was: 'numbers', 'arrays', '' for nothing."""
     series: dict[str, tuple[float, str, tuple[int, int, int]]] = {}
     drawn = False
     labels = _labels(message)
@@ -78,7 +78,7 @@ def draw_anything(canvas: Canvas, name: str, message: Any, time: int) -> bool:
             break
     finite = {key: entry for key, entry in series.items() if math.isfinite(entry[0])}
     canvas.points(time, finite)
-    return drawn or bool(finite)
+    return 'numbers' if finite else 'arrays' if drawn else ''
 
 
 def _numeric(value: Any) -> np.ndarray[Any, Any] | None:

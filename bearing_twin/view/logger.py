@@ -8,14 +8,15 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 import rerun as rr
+from rerun.chunk import McapReader
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.view.blueprint import APPLICATION, layout
+from bearing_twin.view.blueprint import APPLICATION, automatic, layout
 from bearing_twin.view.scene import Scene, namespace_of
 from bearing_twin.view.timebase import Timebase
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
     from types import TracebackType
 
@@ -53,6 +54,9 @@ class RerunLogger:
     sides
         Names of recordings that are drawn side by side, with the time in ns at which each begins;
         time counts from there.
+    timeline
+        Timeline of messages by their stamps; any other name: by their arrival, for the viewer to
+        lay out.
 
     Raises
     ------
@@ -70,6 +74,7 @@ class RerunLogger:
         bearing: Bearing | None = None,
         full_samples: bool = False,
         sides: Mapping[str, int] | None = None,
+        timeline: str = 'ros_time',
     ) -> None:
         self.failed = 0
         """Messages that could not be drawn."""
@@ -78,7 +83,7 @@ class RerunLogger:
         # The first text loads pandas, where it is installed: a second that no message shall wait.
         rr.TextLog('')
         self._recording = rr.RecordingStream(APPLICATION, recording_id=recording_id)
-        self._timebases = {'': Timebase()}
+        self._timebases = {'': Timebase(timeline)}
         if sides:
             self._timebases = {
                 side: Timebase('since_start', zero=start) for side, start in sides.items()
@@ -86,6 +91,7 @@ class RerunLogger:
         self._bearing = bearing
         self._full = full_samples
         self._scenes: dict[tuple[str, str], Scene] = {}
+        self._native_lines: set[str] = set()
         self._laid_out = 0
         self._known = 0
         self._changed = 0
@@ -144,6 +150,20 @@ class RerunLogger:
                 self.problems[topic] = reason
                 logging.getLogger(__name__).warning('%s cannot be drawn: %s', topic, reason)
 
+    def import_mcap(self, path: Path, *, lines: Iterable[str] = ()) -> str:
+        """Draw what Rerun itself can draw of an MCAP file; return why not, '' if it could.
+
+        ``lines`` are its topics that come out as time series.
+        """
+        self._native_lines.update(lines)
+        try:
+            reader = McapReader(path, recover=True)
+            self._recording.send_chunks(reader.stream())
+        except Exception as error:
+            # A stranger's file; Rerun raises many kinds on damaged ones.
+            return f'{type(error).__name__}: {error}'
+        return ''
+
     def close(self) -> None:
         """Draw what is held back and finish; a second time does nothing."""
         for scene in self._scenes.values():
@@ -178,7 +198,11 @@ class RerunLogger:
             return
         self._laid_out = known
         titles = {' '.join(filter(None, key)) or '/': scene for key, scene in self._scenes.items()}
-        timeline = next(iter(self._timebases.values())).timeline
+        base = next(iter(self._timebases.values()))
         self._recording.send_blueprint(
-            layout(titles, timeline=timeline, side_by_side=len(self._timebases) > 1)
+            layout(titles, timeline=base.timeline, side_by_side=len(self._timebases) > 1)
+            if base.stamped
+            else automatic(
+                self._scenes.values(), timeline=base.timeline, lines=sorted(self._native_lines)
+            )
         )

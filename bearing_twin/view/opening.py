@@ -9,15 +9,31 @@ from typing import TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.view.logger import RerunLogger
+from bearing_twin.view.scene import KINDS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Sequence
     from pathlib import Path
 
     from bearing_twin.recording.reader import RecordingInfo
 
 __all__ = ['draw_recordings', 'find_recording']
 
+ARRIVAL = 'message_log_time'
+"""Timeline that Rerun gives every message of an MCAP file."""
+OWN = frozenset(name for name in KINDS if name.startswith('bearing_twin_msgs/'))
+SERIES = frozenset(
+    {
+        *('Imu', 'JointState', 'Joy', 'FluidPressure', 'RelativeHumidity', 'Illuminance'),
+        *('Range', 'BatteryState', 'Float64MultiArray', 'Temperature'),
+    }
+)
+"""Message types that Rerun draws by itself as time series."""
+NATIVE = SERIES | {
+    *('Image', 'CompressedImage', 'CompressedVideo', 'CameraInfo', 'PointCloud2', 'NavSatFix'),
+    *('MagneticField', 'TFMessage', 'PoseStamped', 'OccupancyGrid', 'String', 'Log'),
+}
+"""Message types that Rerun draws by itself."""
 LONG = 180.0
 """Recordings up to this length are drawn sample by sample, s."""
 
@@ -80,6 +96,8 @@ def draw_recordings(
         if not info.count:
             msg = f'{info.path} holds no message'
             raise BearingTwinError(msg)
+    if len(paths) == 1 and not OWN & {topic.type_name for topic in infos[0].topics.values()}:
+        return _draw_foreign(infos[0], rrd, progress)
     names = [''] if len(paths) == 1 else _names(paths)
     problems: dict[str, str] = {}
     with RerunLogger(
@@ -95,13 +113,40 @@ def draw_recordings(
     return problems | logger.problems
 
 
+def _draw_foreign(
+    info: RecordingInfo, rrd: Path, progress: Callable[[float], None] | None
+) -> dict[str, str]:
+    """Draw what others recorded: Rerun what it knows, we the numbers of all other types."""
+    natively = {
+        name for name, topic in info.topics.items() if topic.type_name.split('/')[-1] in NATIVE
+    }
+    lines = [name for name in natively if info.topics[name].type_name.split('/')[-1] in SERIES]
+    problems: dict[str, str] = {}
+    with RerunLogger(
+        recording_id=info.path.resolve().stem, rrd=rrd, timeline=ARRIVAL, full_samples=True
+    ) as logger:
+        for path in info.files:
+            reason = logger.import_mcap(path, lines=lines)
+            if reason:
+                problems[str(path)] = reason
+        problems |= _draw(logger, '', info, _part(progress, 0, 1), leave_out=natively)
+    if progress is not None:
+        progress(1.0)
+    return problems | logger.problems
+
+
 def _draw(
-    logger: RerunLogger, side: str, info: RecordingInfo, progress: Callable[[float], None]
+    logger: RerunLogger,
+    side: str,
+    info: RecordingInfo,
+    progress: Callable[[float], None],
+    *,
+    leave_out: Collection[str] = (),
 ) -> dict[str, str]:
     unread: dict[str, str] = {}
     span = max(1, info.end - info.start)
     for count, message in enumerate(read_messages(info.path, recover=True)):
-        if message.topic in unread:
+        if message.topic in unread or message.topic in leave_out:
             continue
         try:
             decoded = message.decode()

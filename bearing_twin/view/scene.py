@@ -35,7 +35,7 @@ KINDS = {
     'rcl_interfaces/msg/Log': 'log',
     'std_msgs/msg/String': 'text',
 }
-"""Kind of picture by message type; every other type is a 'numbers'."""
+"""Kind of picture by message type; every other type is drawn as numbers and arrays."""
 
 SILENT = frozenset(
     {
@@ -46,6 +46,8 @@ SILENT = frozenset(
     }
 )
 """Types that say nothing to the eye."""
+
+ENVELOPE = 'squared_envelope_spectrum'
 
 LOG_LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'CRITICAL'}
 
@@ -86,9 +88,8 @@ class Scene:
         kind = KINDS.get(type_name, 'numbers')
         time = self._timebase.of(message, received)
         drawn = getattr(self, f'_draw_{kind}')(name, message, time)
-        if drawn is False:
-            return
-        self.contents.setdefault(name, kind)
+        if drawn != '':
+            self.contents.setdefault(name, drawn or kind)
 
     def flush(self) -> None:
         """Log what is held back."""
@@ -119,20 +120,19 @@ class Scene:
             time += round(1e9 * message.sample_count / message.sample_rate)
         picture.draw(message, time)
 
-    def _draw_spectrum(self, name: str, message: Any, time: int) -> None:
+    def _draw_spectrum(self, name: str, message: Any, time: int) -> str:
         picture = self._pictures.get(name)
         if picture is None:
             picture = self._pictures[name] = SpectrumBars(self._canvas, name)
         if message.bin_hz > 0.0:
             time += round(1e9 / message.bin_hz)
         picture.draw(message, time)
-        if message.kind == message.SQUARED_ENVELOPE_SPECTRUM:
-            self.contents.setdefault(name, 'envelope_spectrum')
+        return 'envelope_spectrum' if message.kind == ENVELOPE else 'spectrum'
 
-    def _draw_temperature(self, name: str, message: Any, time: int) -> bool:
+    def _draw_temperature(self, name: str, message: Any, time: int) -> str:
         value = float(message.temperature)
         if not math.isfinite(value):
-            return name in self.contents
+            return ''
         if not any(isinstance(p, TwinPicture) for p in self._pictures.values()):
             self._temperature = value
         variance = float(message.variance)
@@ -148,7 +148,7 @@ class Scene:
                 widths=[1.5],
             ),
         )
-        return True
+        return 'temperature'
 
     def _draw_checkpoint(self, name: str, message: Any, time: int) -> None:
         lines = [f'### {message.node}', f'{message.kind}, bearing_twin {message.version}', '']
@@ -181,7 +181,7 @@ class Scene:
     def _draw_text(self, name: str, message: Any, time: int) -> None:
         self._canvas.put(f'{name}/text', time, rr.TextLog(str(message.data)))
 
-    def _draw_numbers(self, name: str, message: Any, time: int) -> bool:
+    def _draw_numbers(self, name: str, message: Any, time: int) -> str:
         return draw_anything(self._canvas, name, message, time)
 
 

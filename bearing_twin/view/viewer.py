@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import socket
@@ -29,7 +30,8 @@ __all__ = ['LOOPBACK', 'HeadlessViewer', 'free_port', 'live_url', 'show', 'show_
 LOOPBACK = '127.0.0.1'
 START_TIMEOUT = 30.0
 LOAD_TIMEOUT = 120.0
-SETTLE = 2.0
+POLL = 0.7
+SETTLE = 2.5
 """Time for views to lay themselves out once data have come, s."""
 
 
@@ -146,55 +148,60 @@ class HeadlessViewer:
             self.close()
             raise
 
-    def wait(self, timeline: str, *, seconds: float | None = None) -> None:
-        """Wait until all has been loaded, of a server the first views, and show one moment of it.
+    def wait(self, seconds: float | None = None) -> None:
+        """Wait until all has been loaded, or a server is caught up with, and show one moment.
 
         Parameters
         ----------
-        timeline
-            Timeline to look at.
         seconds
-            Time from the beginning; None: the end, and what comes after.
+            Moment on the timeline of the blueprint, from its beginning; None: the end, and what
+            comes after.
 
         Raises
         ------
         BearingTwinError
-            If nothing comes.
+            If nothing comes, or there is no such moment.
         """
         deadline = time.monotonic() + LOAD_TIMEOUT
-        before: object = None
+        before, then = -math.inf, time.monotonic()
         while True:
+            time.sleep(POLL)
             self._check()
             state = self._client.get_state()
-            now = [
-                (str(r.store_id), [(t.name, t.end) for t in r.timelines]) for r in state.recordings
-            ]
-            complete = self._live or (now == before and not state.loading)
-            if now and complete and state.views:
+            ends = [t.end for r in state.recordings for t in r.timelines if t.end is not None]
+            now, end = time.monotonic(), max(ends, default=-math.inf)
+            # A server goes on: it is caught up with when time passes as fast there as here.
+            grown = 1e-9 * (end - before)
+            there = grown < 2.0 * (now - then) if self._live else end == before
+            if state.views and ends and there and (self._live or not state.loading):
                 break
-            before = now
-            if time.monotonic() > deadline:
+            before, then = end, now
+            if now > deadline:
                 msg = f'the viewer has loaded nothing within {LOAD_TIMEOUT:g} s'
                 raise BearingTwinError(msg)
-            time.sleep(0.7)
         if seconds is None:
-            self._client.set_time(timeline, play_state='following')
+            self._client.set_time(play_state='following')
         else:
-            self._pause(timeline, seconds)
+            self._pause(state, seconds)
         time.sleep(SETTLE)
 
-    def _pause(self, timeline: str, seconds: float) -> None:
-        for recording in self._client.get_state().recordings:
+    def _pause(self, state: Any, seconds: float) -> None:
+        recordings = [r for r in state.recordings if r.store_id == state.active_recording]
+        for recording in recordings or state.recordings:
             for found in recording.timelines:
-                if found.name == timeline and found.start is not None:
-                    at = found.start + round(1e9 * seconds)
-                    if found.time_type.lower().startswith('duration'):
-                        time_of = {'duration': np.timedelta64(at, 'ns')}
-                    else:
-                        time_of = {'timestamp': np.datetime64(at, 'ns')}
-                    self._client.set_time(timeline, play_state='paused', **time_of)
-                    return
-        msg = f'there is no timeline {timeline!r} in what is shown'
+                if found.name != recording.current_timeline or found.start is None:
+                    continue
+                length = 1e-9 * (found.end - found.start)
+                if not 0.0 <= seconds <= length:
+                    msg = f'{seconds:g} s is outside of the {length:.1f} s that are shown'
+                    raise BearingTwinError(msg)
+                at = found.start + round(1e9 * seconds)
+                if found.time_type.lower().startswith('duration'):
+                    self._client.set_time(duration=np.timedelta64(at, 'ns'), play_state='paused')
+                else:
+                    self._client.set_time(timestamp=np.datetime64(at, 'ns'), play_state='paused')
+                return
+        msg = 'what is shown has no time'
         raise BearingTwinError(msg)
 
     def screenshot(self, path: Path) -> None:
