@@ -30,7 +30,7 @@ Array = npt.NDArray[Any]
 
 L = 16
 """Bearings in a group: the single precision lanes of the widest vector units."""
-TAPS = 13
+TAPS = 11
 """Taps of the decimator applied at once."""
 _REFRESH = 4
 """Grid points after which the rotated sines are computed anew."""
@@ -74,7 +74,8 @@ BALL_ROWS = 3
 CAGE, SHAFT, SPIN, FTF_ORDER, SPIN_ORDER, JITTER, NOISE_STD, FIRST_ANGLE = range(8)
 PHASE_ROWS = 8 + 4 * MAX_SPALLS
 
-_F = np.float32
+_F, _U = np.float32, np.uint64
+_ROW = np.uint64(2 * L)
 _ZERO, _ONE, _HALF_, _ONE_HALF = _F(0.0), _F(1.0), _F(0.5), _F(1.5)
 _TWO_PI = 2.0 * math.pi
 
@@ -334,13 +335,24 @@ def _grid_point(w, phases, keys, inputs, growth, index, within, steps, h, spalls
 
 @compiled(fast=FAST)
 def _some_taps(tile, row, raw, at, taps, first):
-    """Add `TAPS` taps. Unsigned indices, which cannot count from the end, keep it simple."""
+    """Add `TAPS` taps, written out: as a loop they would be gathered instead of the lanes.
+
+    Unsigned indices cannot count from the end, which keeps the loop simple.
+    """
     row, at, first = np.uint64(row), np.uint64(at), np.uint64(first)
-    for i in range(np.uint64(2 * L)):
-        total = _ZERO
-        for k in range(np.uint64(TAPS)):
-            total += taps[first + k] * raw[at + k * np.uint64(2 * L) + i]
-        tile[row + i] += total
+    t0, t1, t2 = taps[first], taps[first + _U(1)], taps[first + _U(2)]
+    t3, t4, t5 = taps[first + _U(3)], taps[first + _U(4)], taps[first + _U(5)]
+    t6, t7, t8 = taps[first + _U(6)], taps[first + _U(7)], taps[first + _U(8)]
+    t9, t10 = taps[first + _U(9)], taps[first + _U(10)]
+    for i in range(_U(2 * L)):
+        k = at + i
+        tile[row + i] += (
+            (t0 * raw[k] + t1 * raw[k + _ROW] + t2 * raw[k + _U(2) * _ROW])
+            + (t3 * raw[k + _U(3) * _ROW] + t4 * raw[k + _U(4) * _ROW])
+            + (t5 * raw[k + _U(5) * _ROW] + t6 * raw[k + _U(6) * _ROW])
+            + (t7 * raw[k + _U(7) * _ROW] + t8 * raw[k + _U(8) * _ROW])
+            + (t9 * raw[k + _U(9) * _ROW] + t10 * raw[k + _U(10) * _ROW])
+        )
 
 
 @compiled(fast=FAST)
