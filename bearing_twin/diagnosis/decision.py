@@ -17,6 +17,8 @@ from bearing_twin.diagnosis.result import FAMILIES
 from bearing_twin.diagnosis.spectra import WHITENINGS
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from bearing_twin.bearing import Bearing, FaultFrequencies
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     'INDEX_FAULT',
+    'INDEX_STRIKE',
     'INDEX_SUSPECT',
     'SLIP',
     'Z_CAGE',
@@ -49,6 +52,10 @@ INDEX_SUSPECT = 0.3
 
 SLIP = (-0.015, 0.06)
 """Cage slip looked for. Below zero: a contact angle that the geometry does not know of."""
+
+INDEX_STRIKE = 2.0
+"""Modulation index of the cage's comb above which the envelope is more strike than ripple: half of
+the 4 that sharp impacts alone reach with four teeth."""
 
 JOINT_SLIP = 0.008
 """Two faults of one bearing share one cage: their slips agree to this much."""
@@ -299,10 +306,9 @@ def decide(
         if all(o.z <= c.z for o in strong if abs(o.order - c.order) < 2.0 * spectra.step)
     ]
     others = [c for c in strong if c.family != 'cage']
-    if strong and (not others or all(c.index < INDEX_FAULT for c in others)):
-        cage = next((c for c in strong if c.family == 'cage'), None)
-        if cage is not None and cage.index >= INDEX_FAULT:
-            return _judge_cage(judge, cage, candidates, revolutions)
+    cage = next((c for c in strong if c.family == 'cage'), None)
+    if cage is not None and cage.index >= INDEX_FAULT and _rules(cage, others, spectra.step):
+        return _judge_cage(judge, cage, candidates, revolutions)
     strong = others
     hidden = [] if strong else [c for c in map(judge.hidden, FAMILIES[:3]) if c is not None]
     if hidden:
@@ -363,13 +369,29 @@ def decide(
     return Verdict(faults[0], 'fault', faults, confidence, tuple(reasons), candidates, primary)
 
 
+def _rules(cage: Candidate, others: Sequence[Candidate], step: float) -> bool:
+    """Whether the cage is behind all that shows.
+
+    Others are then either no faults, or weaker and on multiples of the cage's order: a strike once
+    a cage turn has harmonics everywhere, the ball pass order of the outer race among them.
+    """
+    for other in others:
+        multiple = round(other.order / cage.order)
+        away = abs(other.order - multiple * cage.order)
+        on_comb = away <= (2.0 + 0.25 * multiple) * step
+        weaker = other.z < cage.z and other.index <= cage.index
+        if other.index >= INDEX_FAULT and not (on_comb and weaker):
+            return False
+    return True
+
+
 def _judge_cage(
     judge: Judge, cage: Candidate, candidates: dict[str, Candidate], revolutions: float
 ) -> Verdict:
     """Tell a cage fault from a ball that strikes once a cage turn."""
     confidence = 1.0 - math.exp(-cage.z / Z_CAGE)
     turns = revolutions * judge.orders.ftf
-    if not cage_shakes(judge, cage.order):
+    if cage.index < INDEX_STRIKE and not cage_shakes(judge, cage.order):
         text = (
             'ball and cage coincide: the envelope repeats with the cage, the signal itself does '
             'not; a ball strikes once a cage turn, or the cage is damaged'
