@@ -10,7 +10,7 @@ import pytest
 
 from bearing_twin.nodes.fleet_config import SPECS as FLEET
 from bearing_twin.nodes.recorder_config import SPECS as RECORDER
-from bearing_twin.nodes.replay import SPECS as REPLAY
+from bearing_twin.nodes.replay_config import SPECS as REPLAY
 from bearing_twin.nodes.twin_config import SPECS as TWIN
 
 launch = pytest.importorskip('launch', reason='launch is part of an installed ROS 2 only')

@@ -19,9 +19,10 @@ if TYPE_CHECKING:
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 __all__ = [
-    'check_definition',
+    'matches',
     'message_class',
     'offered_qos_yaml',
+    'published_type',
     'replay_qos',
     'subscription_qos',
 ]
@@ -49,14 +50,20 @@ def message_class(type_name: str) -> Any:
     raise BearingTwinError(msg)
 
 
-def check_definition(type_name: str, publishers: Sequence[TopicEndpointInfo]) -> None:
-    """Make sure that the bytes on a topic are what the installed definition says.
+def published_type(publishers: Sequence[TopicEndpointInfo]) -> str:
+    """Return the type that is published on a topic.
 
     Raises
     ------
     BearingTwinError
-        If a publisher was built with another definition of the type.
+        If there are several types, or a publisher was built with another definition than the
+        installed one, so that its bytes would be misread.
     """
+    types = sorted({info.topic_type for info in publishers})
+    if len(types) > 1:
+        msg = f'{" and ".join(types)} are published on it; give one of them another name'
+        raise BearingTwinError(msg)
+    type_name = types[0]
     ours = message_schema(type_name).type_hash
     # A publisher of a release before Iron tells none.
     theirs = {str(info.topic_type_hash) for info in publishers} - {'INVALID'}
@@ -66,6 +73,21 @@ def check_definition(type_name: str, publishers: Sequence[TopicEndpointInfo]) ->
             f'({", ".join(sorted(theirs))}) than the installed one ({ours})'
         )
         raise BearingTwinError(msg)
+    return type_name
+
+
+def matches(subscribed: QoSProfile, offered: QoSProfile) -> bool:
+    """Whether a subscription with the profile ``subscribed`` gets what is ``offered``."""
+    return not (
+        (
+            subscribed.reliability == ReliabilityPolicy.RELIABLE
+            and offered.reliability == ReliabilityPolicy.BEST_EFFORT
+        )
+        or (
+            subscribed.durability == DurabilityPolicy.TRANSIENT_LOCAL
+            and offered.durability == DurabilityPolicy.VOLATILE
+        )
+    )
 
 
 def subscription_qos(publishers: Sequence[TopicEndpointInfo]) -> QoSProfile:

@@ -16,14 +16,14 @@ from std_srvs.srv import Trigger
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.health import Health, Level, Status
 from bearing_twin.nodes.lifecycle import ManagedNode, run
-from bearing_twin.nodes.qos import CHECKPOINT, RESULT, STREAM
 from bearing_twin.nodes.rawtopics import (
-    check_definition,
+    matches,
     message_class,
     offered_qos_yaml,
+    published_type,
     subscription_qos,
 )
-from bearing_twin.nodes.recorder_config import SPECS, TopicChoice, build_writer
+from bearing_twin.nodes.recorder_config import EXPECTED, SPECS, TopicChoice, build_writer
 from bearing_twin.nodes.recorder_watch import RecordingWatch
 from bearing_twin.recording.recover import find_unfinished
 from bearing_twin.recording.schema import message_schema
@@ -36,26 +36,9 @@ if TYPE_CHECKING:
     from rclpy.qos_event import QoSMessageLostInfo
     from rclpy.subscription import MessageInfo, Subscription
 
-__all__ = ['EXPECTED', 'RecorderNode', 'main']
+__all__ = ['RecorderNode', 'main']
 
 DISCOVERY_PERIOD = 0.25
-
-EXPECTED: dict[str, tuple[str, QoSProfile]] = {
-    'temperature': ('sensor_msgs/msg/Temperature', RESULT),
-    'joint_states': ('sensor_msgs/msg/JointState', RESULT),
-    'vibration': ('bearing_twin_msgs/msg/Vibration', STREAM),
-    'twin_state': ('bearing_twin_msgs/msg/TwinState', STREAM),
-    'twin_checkpoint': ('bearing_twin_msgs/msg/Checkpoint', CHECKPOINT),
-    'diagnosis': ('bearing_twin_msgs/msg/Diagnosis', RESULT),
-    'diagnosis_checkpoint': ('bearing_twin_msgs/msg/Checkpoint', CHECKPOINT),
-    'envelope_spectrum': ('bearing_twin_msgs/msg/Spectrum', RESULT),
-    'spectrum': ('bearing_twin_msgs/msg/Spectrum', RESULT),
-    'features': ('std_msgs/msg/Float64MultiArray', RESULT),
-}
-"""Our own topics, subscribed to before anybody publishes them, so that no first block is lost.
-
-A publisher that offers less than this is found at once and subscribed to as it offers.
-"""
 
 
 class RecorderNode(ManagedNode):
@@ -130,30 +113,28 @@ class RecorderNode(ManagedNode):
         )
 
     def _discover(self) -> None:
-        for topic, types in self.get_topic_names_and_types():
+        for topic, _ in self.get_topic_names_and_types():
             if topic not in self._choice or topic in self._left_out:
                 continue
             publishers = self.get_publishers_info_by_topic(topic)
             if not publishers:
                 continue
             try:
-                if len(types) > 1:
-                    msg = f'has {len(types)} types: {", ".join(types)}'
-                    raise BearingTwinError(msg)
-                check_definition(types[0], publishers)
+                type_name = published_type(publishers)
                 qos = subscription_qos(publishers)
                 known = self._subscriptions_of.get(topic)
-                if known is None or known.qos_profile.reliability > qos.reliability:
-                    self._subscribe(topic, types[0], qos)
+                if known is None or (
+                    self._types[topic] != type_name or not matches(known.qos_profile, qos)
+                ):
+                    self._subscribe(topic, type_name, qos)
             except BearingTwinError as error:
+                self._unsubscribe(topic)
                 self._left_out[topic] = str(error)
                 self.get_logger().error(f'{topic} is not recorded: {error}')
 
     def _subscribe(self, topic: str, type_name: str, qos: QoSProfile) -> None:
         message_schema(type_name)
-        former = self._subscriptions_of.pop(topic, None)
-        if former is not None:
-            self.destroy_subscription(former)
+        self._unsubscribe(topic)
 
         def on_message(cdr: bytes, info: MessageInfo) -> None:
             self._on_message(topic, cdr, info)
@@ -167,6 +148,11 @@ class RecorderNode(ManagedNode):
             raw=True,
             event_callbacks=SubscriptionEventCallbacks(message_lost=self._on_lost),
         )
+
+    def _unsubscribe(self, topic: str) -> None:
+        former = self._subscriptions_of.pop(topic, None)
+        if former is not None:
+            self.destroy_subscription(former)
 
     def _on_message(self, topic: str, cdr: bytes, info: MessageInfo) -> None:
         type_name = self._types[topic]

@@ -11,15 +11,35 @@ from typing import TYPE_CHECKING, Any
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.parameters import Spec
+from bearing_twin.nodes.qos import CHECKPOINT, RESULT, STREAM
 from bearing_twin.recording.snapshot import SnapshotWriter
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ['SPECS', 'TopicChoice', 'build_writer']
+    from rclpy.qos import QoSProfile
+
+__all__ = ['EXPECTED', 'SPECS', 'TopicChoice', 'build_writer']
 
 MIB = 1024 * 1024
+
+EXPECTED: dict[str, tuple[str, QoSProfile]] = {
+    'temperature': ('sensor_msgs/msg/Temperature', RESULT),
+    'joint_states': ('sensor_msgs/msg/JointState', RESULT),
+    'vibration': ('bearing_twin_msgs/msg/Vibration', STREAM),
+    'twin_state': ('bearing_twin_msgs/msg/TwinState', STREAM),
+    'twin_checkpoint': ('bearing_twin_msgs/msg/Checkpoint', CHECKPOINT),
+    'diagnosis': ('bearing_twin_msgs/msg/Diagnosis', RESULT),
+    'diagnosis_checkpoint': ('bearing_twin_msgs/msg/Checkpoint', CHECKPOINT),
+    'envelope_spectrum': ('bearing_twin_msgs/msg/Spectrum', RESULT),
+    'spectrum': ('bearing_twin_msgs/msg/Spectrum', RESULT),
+    'features': ('std_msgs/msg/Float64MultiArray', RESULT),
+}
+"""Our own topics, subscribed to before anybody publishes them, so that no first block is lost.
+
+A publisher that offers less than this is found at once and subscribed to as it offers.
+"""
 
 SPECS = (
     Spec(

@@ -19,9 +19,9 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.convert import time_message
 from bearing_twin.nodes.health import Health, Level, Status
 from bearing_twin.nodes.lifecycle import ManagedNode, run
-from bearing_twin.nodes.parameters import Spec
 from bearing_twin.nodes.qos import RESULT
 from bearing_twin.nodes.rawtopics import message_class, replay_qos
+from bearing_twin.nodes.replay_config import SPECS, remapping
 from bearing_twin.recording.player import Player, Section
 
 if TYPE_CHECKING:
@@ -31,82 +31,10 @@ if TYPE_CHECKING:
 
     from bearing_twin.recording.reader import RecordedMessage
 
-__all__ = ['SPECS', 'ReplayNode', 'main']
+__all__ = ['ReplayNode', 'main']
 
 PROGRESS_PERIOD = 5.0
 LONGEST_WAIT = 0.5
-
-SPECS = (
-    Spec(
-        name='recording',
-        default='',
-        description='MCAP file or bag folder to replay.',
-        running=False,
-    ),
-    Spec(
-        name='rate',
-        default=1.0,
-        description='Pace: recorded seconds per second.',
-        low=0.001,
-        high=1e6,
-    ),
-    Spec(name='loop', default=False, description='Start again at the end.', running=False),
-    Spec(
-        name='start_offset',
-        default=0.0,
-        description='Recorded time to skip at the start.',
-        unit='s',
-        low=0.0,
-        high=1e9,
-        running=False,
-    ),
-    Spec(
-        name='duration',
-        default=0.0,
-        description='Recorded time to replay; 0: to the end.',
-        unit='s',
-        low=0.0,
-        high=1e9,
-        running=False,
-    ),
-    Spec(
-        name='topics',
-        default=[''],
-        description='Topics to replay; none given: all.',
-        running=False,
-    ),
-    Spec(
-        name='remap',
-        default=[''],
-        description="Other names for recorded topics, each as 'recorded:=new'.",
-        running=False,
-    ),
-    Spec(
-        name='clock_rate',
-        default=0.0,
-        description='Rate of /clock, which then follows recorded time; 0: no /clock.',
-        unit='Hz',
-        low=0.0,
-        high=1000.0,
-        running=False,
-    ),
-    Spec(name='start_paused', default=False, description='Wait for ~/resume.', running=False),
-    Spec(
-        name='wait_for_subscribers',
-        default=3.0,
-        description='Longest wait at the start until every topic has a subscriber.',
-        unit='s',
-        low=0.0,
-        high=3600.0,
-        running=False,
-    ),
-    Spec(
-        name='exit_at_end',
-        default=True,
-        description='End the process when everything has been replayed.',
-        running=False,
-    ),
-)
 
 
 class ReplayNode(ManagedNode):
@@ -121,7 +49,7 @@ class ReplayNode(ManagedNode):
 
     def check(self, values: Mapping[str, Any]) -> None:
         """Refuse parameters that do not fit together."""
-        _remapping(values['remap'])
+        remapping(values['remap'])
 
     def setup(self) -> None:
         """Open the recording; create publishers and services."""
@@ -141,7 +69,7 @@ class ReplayNode(ManagedNode):
             loop=p['loop'],
             paused=p['start_paused'],
         )
-        names = _remapping(p['remap'])
+        names = remapping(p['remap'])
         self._topics: dict[str, Publisher[Any]] = {}
         self._left_out: dict[str, str] = {}
         for name, topic in self._player.topics().items():
@@ -304,18 +232,6 @@ class ReplayNode(ManagedNode):
         if self._left_out:
             return Status(Level.WARN, f'{len(self._left_out)} topics are left out', values)
         return Status(Level.OK, 'paused' if player.paused else 'playing', values)
-
-
-def _remapping(rules: list[str]) -> dict[str, str]:
-    """Read rules ``recorded:=new``."""
-    names = {}
-    for rule in filter(None, rules):
-        recorded, separator, new = rule.partition(':=')
-        if not (recorded and separator and new):
-            msg = f"remap='{rule}' does not read 'recorded:=new'"
-            raise BearingTwinError(msg)
-        names[recorded] = new
-    return names
 
 
 def main(args: list[str] | None = None) -> int:

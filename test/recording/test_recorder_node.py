@@ -14,8 +14,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 import yaml
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from recorder_process import BLOCK, Source
 from rosbags.rosbag2 import Reader
+from sensor_msgs.msg import Temperature
+from std_msgs.msg import Float64
 
 from bearing_twin.nodes.launching import NodeProcesses
 from bearing_twin.recording.health import recording_health
@@ -219,3 +222,40 @@ def test_parameters_are_kept_with_the_recording(ros_domain: int, tmp_path: Path)
         iter(read_messages(tmp_path / 'saved', topics=['/diagnosis_checkpoint']))
     ).decode()
     assert yaml.safe_load(checkpoint.configuration)['window'] == 2.0
+
+
+def test_topics_of_other_kinds_are_recorded_as_they_are_offered(
+    ros_domain: int, tmp_path: Path
+) -> None:
+    bag = tmp_path / 'bag'
+    best_effort = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+    with (
+        NodeProcesses(tmp_path / 'logs', os.environ) as nodes,
+        Source() as source,
+        Source() as other,
+    ):
+        nodes.start('recorder', {'output': str(bag)})
+        source.wait_for('recorder: recording')
+        # Best effort where reliable was expected, another type under one of our names, two types.
+        temperature = source.node.create_publisher(Temperature, 'temperature', best_effort)
+        spectrum = source.node.create_publisher(Float64, 'spectrum', 10)
+        two = source.node.create_publisher(Float64, 'two', 10)
+        other.node.create_publisher(Temperature, 'two', 10)
+        source.publish_for(2.0)
+        for publisher, message in (
+            (temperature, Temperature(temperature=44.0)),
+            (spectrum, Float64(data=3.0)),
+            (two, Float64(data=4.0)),
+        ):
+            publisher.publish(message)
+        source.publish_for(1.5)
+        source.settle()
+        assert nodes.end('recorder') == 0
+        status = source.statuses[RECORDING]
+    assert status.level == b'\x01'
+    assert any(v.key == 'not recorded: /two' and 'are published' in v.value for v in status.values)
+    found = {m.topic: m for m in read_messages(bag)}
+    assert found['/temperature'].decode().temperature == 44.0
+    assert 'best_effort' in found['/temperature'].channel.qos
+    assert found['/spectrum'].type_name == 'std_msgs/msg/Float64'
+    assert '/two' not in found
