@@ -120,7 +120,7 @@ class AdapterNode(ManagedNode):
         )
         if missing:
             self._gap(missing * count)
-        stamp = info['source_timestamp'] - round(count * NANO / rate)
+        stamp = self._published(info) - round(count * NANO / rate)
         self._publish(self._builder.push(samples, stamp=stamp, rate=rate), rate)
 
     def _on_imu(self, message: Imu, info: MessageInfo) -> None:
@@ -129,7 +129,7 @@ class AdapterNode(ManagedNode):
             return
         self._problem = ''
         self._frame = self.parameters['frame_id'] or message.header.frame_id
-        stamp = stamp_ns(message.header.stamp) or info['source_timestamp']
+        stamp = stamp_ns(message.header.stamp) or self._published(info)
         missing = self._stamps.missing(stamp)
         rate = self._stamps.rate
         if not rate:
@@ -139,6 +139,12 @@ class AdapterNode(ManagedNode):
         acceleration = message.linear_acceleration
         sample = np.array([[acceleration.x], [acceleration.y], [acceleration.z]], dtype=np.float32)
         self._publish(self._builder.push(sample, stamp=stamp, rate=rate), rate)
+
+    def _published(self, info: MessageInfo) -> int:
+        """Return when a message without a stamp was published, ns."""
+        simulated = self.get_parameter('use_sim_time').value
+        known = 0 if simulated else info['source_timestamp']
+        return int(known or self.get_clock().now().nanoseconds)
 
     def _gap(self, missing: int) -> None:
         self._lost += max(0, missing)

@@ -8,7 +8,6 @@ import math
 import sys
 from collections import deque
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import yaml
@@ -17,22 +16,14 @@ from std_srvs.srv import Trigger
 
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.dynamics.simulator import Block
-from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes import realtime
 from bearing_twin.nodes.convert import checkpoint_message
 from bearing_twin.nodes.cycle import BlockCycle
 from bearing_twin.nodes.diagnosis_asset import DiagnosisAsset
-from bearing_twin.nodes.diagnosis_config import build_bearing, build_settings
-from bearing_twin.nodes.fleet_config import (
-    DIAGNOSIS_SPECS,
-    SHARED,
-    SPECS,
-    TWIN_SPECS,
-    read_assets,
-)
+from bearing_twin.nodes.fleet_config import SPECS, read_assets
+from bearing_twin.nodes.fleet_member import Member
 from bearing_twin.nodes.health import Health
 from bearing_twin.nodes.lifecycle import ManagedNode, run
-from bearing_twin.nodes.parameters import ParameterSet
 from bearing_twin.nodes.qos import CHECKPOINT
 from bearing_twin.nodes.twin_asset import TwinAsset
 from bearing_twin.nodes.twin_config import build_parameters
@@ -41,24 +32,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from bearing_twin.dynamics.fleet import FleetBlock
-    from bearing_twin.nodes.fleet_config import Asset
     from bearing_twin.nodes.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
 
 __all__ = ['FleetNode', 'main']
-
-
-@dataclass
-class Member:
-    """What the fleet hosts of one asset; None where it does not."""
-
-    name: str
-    twin_parameters: ParameterSet | None = None
-    diagnosis_parameters: ParameterSet | None = None
-    twin: TwinAsset | None = None
-    diagnosis: DiagnosisAsset | None = None
-    wait: int = 0
-    """Blocks before the diagnosis begins, so that verdicts do not coincide."""
 
 
 @dataclass(frozen=True)
@@ -83,38 +60,9 @@ class FleetNode(ManagedNode):
         super().__init__('fleet', SPECS)
         p = self.parameters
         self._members = [
-            self._member(asset) for asset in read_assets(p['assets_file'], p['names'])
+            Member(self, asset, self._apply_twin, self._apply_diagnosis)
+            for asset in read_assets(p['assets_file'], p['names'])
         ]
-
-    def _member(self, asset: Asset) -> Member:
-        member = Member(asset.name)
-        prefix = asset.name.replace('/', '.')
-        try:
-            if asset.twin is not None:
-                member.twin_parameters = ParameterSet(
-                    self,
-                    TWIN_SPECS,
-                    check=_check_twin,
-                    apply=partial(self._apply_twin, member),
-                    locked=self._is_locked,
-                    prefix=f'{prefix}.twin.',
-                    given=asset.twin,
-                    inherited={name: self.parameters[name] for name in SHARED},
-                )
-            if asset.diagnosis is not None:
-                member.diagnosis_parameters = ParameterSet(
-                    self,
-                    DIAGNOSIS_SPECS,
-                    check=_check_diagnosis,
-                    apply=partial(self._apply_diagnosis, member),
-                    locked=self._is_locked,
-                    prefix=f'{prefix}.diagnosis.',
-                    given=asset.diagnosis,
-                )
-        except BearingTwinError as error:
-            msg = f'asset {asset.name}: {error}'
-            raise BearingTwinError(msg) from None
-        return member
 
     def check(self, values: Mapping[str, Any]) -> None:
         """Refuse parameters that do not fit together."""
@@ -288,16 +236,6 @@ class FleetNode(ManagedNode):
         response.success = True
         response.message = f'{len(self._members)} assets start anew'
         return response
-
-
-def _check_twin(values: Mapping[str, Any]) -> None:
-    # A fleet takes fewer defects a bearing than a single twin: it is asked, not guessed.
-    Fleet([build_parameters(values)], sample_rate=values['sample_rate'])
-
-
-def _check_diagnosis(values: Mapping[str, Any]) -> None:
-    build_bearing(values)
-    build_settings(values)
 
 
 def main(args: list[str] | None = None) -> int:

@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""One asset of a fleet: its parameters, and what the node hosts of it."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from bearing_twin.dynamics.fleet import Fleet
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes.diagnosis_config import build_bearing, build_settings
+from bearing_twin.nodes.fleet_config import DIAGNOSIS_SPECS, SHARED, TWIN_SPECS
+from bearing_twin.nodes.parameters import ParameterSet
+from bearing_twin.nodes.twin_config import build_parameters
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from bearing_twin.nodes.diagnosis_asset import DiagnosisAsset
+    from bearing_twin.nodes.fleet_config import Asset
+    from bearing_twin.nodes.lifecycle import ManagedNode
+    from bearing_twin.nodes.twin_asset import TwinAsset
+
+__all__ = ['Member']
+
+
+class Member:
+    """Parameters of one asset, and its twin and diagnosis while the node is configured.
+
+    Parameters
+    ----------
+    node
+        The fleet.
+    asset
+        What the file or the list of names says.
+    apply_twin, apply_diagnosis
+        Called with the member and all values after a change has been accepted.
+
+    Raises
+    ------
+    BearingTwinError
+        If a parameter is refused; the text names the asset.
+    """
+
+    def __init__(
+        self,
+        node: ManagedNode,
+        asset: Asset,
+        apply_twin: Callable[[Member, Mapping[str, Any]], None],
+        apply_diagnosis: Callable[[Member, Mapping[str, Any]], None],
+    ) -> None:
+        self.name = asset.name
+        self.twin_parameters: ParameterSet | None = None
+        self.diagnosis_parameters: ParameterSet | None = None
+        self.twin: TwinAsset | None = None
+        self.diagnosis: DiagnosisAsset | None = None
+        self.wait = 0
+        """Blocks before the diagnosis begins, so that verdicts do not coincide."""
+        prefix = asset.name.replace('/', '.')
+        try:
+            if asset.twin is not None:
+                self.twin_parameters = ParameterSet(
+                    node,
+                    TWIN_SPECS,
+                    check=_check_twin,
+                    apply=partial(apply_twin, self),
+                    locked=lambda: node.configured,
+                    prefix=f'{prefix}.twin.',
+                    given=asset.twin,
+                    inherited={name: node.parameters[name] for name in SHARED},
+                )
+            if asset.diagnosis is not None:
+                self.diagnosis_parameters = ParameterSet(
+                    node,
+                    DIAGNOSIS_SPECS,
+                    check=_check_diagnosis,
+                    apply=partial(apply_diagnosis, self),
+                    locked=lambda: node.configured,
+                    prefix=f'{prefix}.diagnosis.',
+                    given=asset.diagnosis,
+                )
+        except BearingTwinError as error:
+            msg = f'asset {asset.name}: {error}'
+            raise BearingTwinError(msg) from None
+
+
+def _check_twin(values: Mapping[str, Any]) -> None:
+    # A fleet takes fewer defects a bearing than a single twin: it is asked, not guessed.
+    Fleet([build_parameters(values)], sample_rate=values['sample_rate'])
+
+
+def _check_diagnosis(values: Mapping[str, Any]) -> None:
+    build_bearing(values)
+    build_settings(values)
