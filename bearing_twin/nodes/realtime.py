@@ -26,7 +26,7 @@ MCL_CURRENT, MCL_FUTURE = 1, 2
 SPECS = (
     Spec(
         name='catch_up_blocks',
-        default=5,
+        default=25,
         description='Most blocks published at once after being late; older ones are dropped.',
         low=1,
         high=100,
