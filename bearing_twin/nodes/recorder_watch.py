@@ -62,11 +62,16 @@ class RecordingWatch:
             # Rerun takes a second to load, which a recorder without it should not wait for.
             from bearing_twin.view.logger import RerunLogger
 
-            self._rerun = RerunLogger(
-                recording_id=str(writer.path.absolute()),
-                rrd=Path(values['rerun_file']) if values['rerun_file'] else None,
-                serve=(values['rerun_address'], port) if (port := values['rerun_port']) else None,
-            )
+            port = values['rerun_port']
+            try:
+                self._rerun = RerunLogger(
+                    recording_id=str(writer.path.absolute()),
+                    rrd=Path(values['rerun_file']) if values['rerun_file'] else None,
+                    serve=(values['rerun_address'], port) if port else None,
+                )
+            except BearingTwinError as error:
+                self.problem = f'nothing is drawn: {error}'
+                logger.error(self.problem)
 
     def see(self, topic: str, type_name: str, cdr: bytes, received: int) -> None:
         """Look at one message; ``received`` in ns."""

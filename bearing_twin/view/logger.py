@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import logging
+import socket
 from typing import TYPE_CHECKING, Any
 
 import rerun as rr
@@ -106,11 +107,12 @@ class RerunLogger:
             sinks.append(rr.FileSink(str(rrd)))
         if serve is not None:
             address, port = serve
+            _check_free(address, port)
             sinks.append(rr.GrpcServerSink(address, port, server_memory_limit=memory_limit))
         try:
             self._recording.set_sinks(*sinks)
         except Exception as error:
-            msg = f'Rerun cannot start ({error}); is the port taken or the disk full?'
+            msg = f'Rerun cannot write {rrd} ({error}); choose another place'
             raise BearingTwinError(msg) from None
 
     def log(
@@ -206,3 +208,14 @@ class RerunLogger:
                 self._scenes.values(), timeline=base.timeline, lines=sorted(self._native_lines)
             )
         )
+
+
+def _check_free(address: str, port: int) -> None:
+    """Rerun itself only logs that it cannot serve."""
+    try:
+        with socket.socket(socket.AF_INET6 if ':' in address else socket.AF_INET) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind((address, port))
+    except OSError as error:
+        msg = f'Rerun cannot be served at {address}:{port} ({error.strerror}); choose another port'
+        raise BearingTwinError(msg) from None

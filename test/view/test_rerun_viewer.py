@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The viewer itself, without a display: no view reports an error and none is empty."""
+
+import io
+import os
+import socket
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from bearing_twin import cli
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.reader import read_messages
+from bearing_twin.view.logger import RerunLogger
+from bearing_twin.view.opening import draw_recordings
+from bearing_twin.view.viewer import LOOPBACK, HeadlessViewer
+
+pytestmark = pytest.mark.vulkan
+
+SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
+WRITING = {'TextDocument', 'TextLog'}
+COLOURED, WRITTEN = 30, 300
+"""Fewest coloured pixels of a picture that is not empty, and fewest bright ones of a text."""
+
+
+@pytest.fixture(scope='module')
+def recordings(tmp_path_factory):
+    """Return a healthy recording and one with a defect."""
+    pytest.importorskip('bearing_twin_msgs', reason='the message package is not built')
+    from bearing_twin.nodes.offline_run import run_offline
+
+    folder = tmp_path_factory.mktemp('viewer')
+    for defect in ('none', 'outer'):
+        run_offline(SCHEDULE, folder / defect, twin={'defect': defect})
+    return [folder / 'none', folder / 'outer']
+
+
+@pytest.fixture(scope='module', autouse=True)
+def _vulkan(tmp_path_factory):
+    rrd = tmp_path_factory.mktemp('probe') / 'probe.rrd'
+    with RerunLogger(recording_id='probe', rrd=rrd):
+        pass
+    try:
+        HeadlessViewer([str(rrd)], size=(200, 200)).close()
+    except BearingTwinError as error:
+        if 'Vulkan' not in str(error) or os.environ.get('BEARING_TWIN_VULKAN') == 'required':
+            raise
+        pytest.skip(str(error))
+
+
+def problems(viewer):
+    """Return what is wrong with the views that are on the screen."""
+    found = []
+    views = [view for view in viewer.client.get_state().views if view.visible]
+    assert views
+    for view in views:
+        found += [f'{view.name}: {r.severity} {r.summary}' for r in view.reports]
+        try:
+            shot = viewer.client.take_screenshot(view.view_id)
+        except ConnectionError:
+            # Only the parameters are on tabs, of which one is in front.
+            assert view.name.endswith('checkpoint'), f'{view.name} is not on the screen'
+            continue
+        rgb = matplotlib.image.imread(io.BytesIO(shot))[..., :3]
+        if view.view_class in WRITING:
+            full = (rgb.min(axis=2) > 0.5).sum() > WRITTEN
+        else:
+            # Grounds, grids and axes are grey; whatever shows data has a colour.
+            full = (np.ptp(rgb, axis=2) > 0.25).sum() > COLOURED
+        if not full:
+            found.append(f'{view.name} ({view.view_class}, {view.origin}) is empty')
+    return found
+
+
+def test_a_recording_fills_every_view(recordings, tmp_path):
+    rrd = tmp_path / 'outer.rrd'
+    assert draw_recordings(recordings[1:], rrd) == {}
+    with HeadlessViewer([str(rrd)]) as viewer:
+        viewer.wait()
+        names = {view.name for view in viewer.client.get_state().views}
+        assert {'Verdict', 'Verdict over time', 'Waveform over temperature'} <= names
+        assert problems(viewer) == []
+
+
+def test_two_recordings_fill_every_view(recordings, tmp_path):
+    rrd = tmp_path / 'both.rrd'
+    assert draw_recordings(recordings, rrd) == {}
+    with HeadlessViewer([str(rrd)]) as viewer:
+        viewer.wait(38.0)
+        names = [view.name for view in viewer.client.get_state().views]
+        assert {'Verdict: none', 'Verdict: outer'} <= set(names)
+        assert names.count('Squared envelope spectrum [over Hz]') == 2
+        assert problems(viewer) == []
+
+
+def test_a_late_viewer_of_a_running_server_sees_the_past(recordings):
+    with socket.socket() as probe:
+        probe.bind((LOOPBACK, 0))
+        port = probe.getsockname()[1]
+    with RerunLogger(recording_id='live', serve=(LOOPBACK, port)) as logger:
+        for message in read_messages(recordings[1]):
+            logger.log(message.topic, message.type_name, message.decode(), message.log_time)
+        with HeadlessViewer([f'rerun+http://{LOOPBACK}:{port}/proxy']) as viewer:
+            viewer.wait()
+            assert problems(viewer) == []
+
+
+def test_the_command_writes_a_picture(recordings, tmp_path):
+    target = tmp_path / 'shot.png'
+    arguments = ['view', str(recordings[1]), '--screenshot', str(target), '--size', '900x600']
+    assert cli.main([*arguments, '--at', '20']) == 0
+    assert matplotlib.image.imread(target).shape[:2] == (600, 900)
+    assert cli.main([*arguments, '--at', '2000']) == 1
