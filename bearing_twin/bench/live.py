@@ -8,18 +8,17 @@ import os
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
 
 from bearing_twin.bench.end_to_end import cpu_seconds, wait_for
+from bearing_twin.dynamics import Fleet, preset
 from bearing_twin.nodes.launching import NodeProcesses, local_environment
-from bearing_twin.nodes.twin_config import SPECS, build_simulator
 
 __all__ = ['measure']
 
-FEW, MANY = 2, 10
+FEW, MANY = 2, 16
 """Bearings of the two runs whose difference is the cost of one bearing."""
 SETTLE, MEASURED = 4.0, 8.0
-BLOCKS = 500
+BLOCK, BLOCKS = 1024, 60
 
 
 def measure() -> dict[str, float]:
@@ -30,16 +29,17 @@ def measure() -> dict[str, float]:
     dict
         ``live_bearings_per_core``: twins of a fleet that one core carries with vibration and state
         published over DDS to a recorder in another process; ``..._with_diagnosis``: with a
-        diagnosis each in the same process; ``..._without_dds``: the equations of motion alone.
+        diagnosis each in the same process; ``..._without_dds``: the equations of motion alone,
+        with the state that each block publishes.
         ``live_share_per_bearing`` and ``live_share_of_the_process`` are the two parts of the
         first: of a core, for each bearing and for the process as such.
     """
     per_twin, process = _cost(diagnosis=False)
-    per_both, _ = _cost(diagnosis=True)
+    per_both, process_of_both = _cost(diagnosis=True)
     without = _advance_share()
     return {
         'live_bearings_per_core': (1.0 - process) / per_twin,
-        'live_bearings_per_core_with_diagnosis': (1.0 - process) / per_both,
+        'live_bearings_per_core_with_diagnosis': (1.0 - process_of_both) / per_both,
         'live_bearings_per_core_without_dds': 1.0 / without,
         'live_share_per_bearing': per_twin,
         'live_share_of_the_process': process,
@@ -47,17 +47,17 @@ def measure() -> dict[str, float]:
 
 
 def _advance_share() -> float:
-    """CPU time of one twin's equations of motion over real time."""
-    values: dict[str, Any] = {spec.name: spec.default for spec in SPECS}
-    values['defect'] = 'inner'
-    simulator = build_simulator(values)
-    size = values['block_size']
-    simulator.advance(size, 20.0, 25.4)
+    """CPU time of one twin's equations of motion in a fleet, and of its state, over real time."""
+    fleet = Fleet([preset('incipient', defect='inner')] * MANY)
+    fleet.advance(BLOCK, 20.0, 25.4)
+    fleet.condition(0)
     began = time.process_time()
     for _ in range(BLOCKS):
-        simulator.advance(size, 20.0, 25.4)
+        fleet.advance(BLOCK, 20.0, 25.4)
+        for index in range(MANY):
+            fleet.condition(index)
     spent = time.process_time() - began
-    return float(spent * values['sample_rate'] / (BLOCKS * size))
+    return spent * fleet.sample_rate / (BLOCKS * BLOCK * MANY)
 
 
 def _cost(*, diagnosis: bool) -> tuple[float, float]:
