@@ -12,7 +12,7 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 export AMENT_PREFIX_PATH := $(CURDIR)/$(VENV)
 
-.PHONY: demo test lint setup soak fuzz clean
+.PHONY: demo test lint setup soak fuzz screenshots clean
 
 demo: setup
 	$(BIN)/bearing-twin demo
@@ -30,6 +30,9 @@ soak: setup
 
 fuzz: setup
 	$(BIN)/python -m pytest -s -m fuzz
+
+screenshots: setup
+	$(BIN)/python docs/screenshots.py
 
 setup: $(VENV)/package.stamp
 

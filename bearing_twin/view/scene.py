@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import rerun as rr
 
+from bearing_twin.bearing.catalogue import find_bearing
+from bearing_twin.bearing.geometry import fault_orders
+from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.canvas import Canvas
 from bearing_twin.view.generic import draw_anything
 from bearing_twin.view.lanes import Lane
@@ -151,11 +154,13 @@ class Scene:
         return 'temperature'
 
     def _draw_checkpoint(self, name: str, message: Any, time: int) -> None:
-        lines = [f'### {message.node}', f'{message.kind}, bearing_twin {message.version}', '']
-        lines += ['| parameter | value |', '|---|---|']
-        for row in str(message.configuration).splitlines():
-            key, _, value = row.partition(':')
-            lines.append(f'| {key.strip()} | {value.strip().strip(chr(39))} |')
+        lines = [f'### {message.node}: {message.kind}, bearing_twin {message.version}', '']
+        rows = [row.partition(':') for row in str(message.configuration).splitlines()]
+        values = {key.strip(): value.strip().strip("'") for key, _, value in rows}
+        lines += _bearing_lines(values.get('bearing', ''))
+        cells = [f'| {key} | {value} ' for key, value in values.items() if value] + ['| | ']
+        lines += ['', '| parameter | value | parameter | value |', '|---|---|---|---|']
+        lines += [f'{a}{b}|' for a, b in zip(cells[::2], cells[1::2], strict=False)]
         self._canvas.put(
             f'{name}/parameters',
             time,
@@ -189,3 +194,18 @@ def _entity(text: str) -> str:
     """Return a part of an entity path that stands for any text."""
     kept = ''.join(c if c.isalnum() or c in '-_.' else '_' for c in text.strip())
     return '_'.join(filter(None, kept.split('_'))) or 'unnamed'
+
+
+def _bearing_lines(name: str) -> list[str]:
+    """Return what is known about a bearing of the catalogue, Markdown."""
+    try:
+        bearing = find_bearing(name)
+    except BearingTwinError:
+        return []
+    orders = fault_orders(bearing)
+    return [
+        f'Bearing **{bearing.name}**: {bearing.n_balls} balls of {1e3 * bearing.d_ball:g} mm on '
+        f'{1e3 * bearing.d_pitch:g} mm, contact angle {math.degrees(bearing.contact_angle):g}°. '
+        f'Orders without slip: BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f}, '
+        f'BSF {orders.bsf:.3f}, FTF {orders.ftf:.4f}.'
+    ]
