@@ -73,7 +73,7 @@ class RecorderNode(ManagedNode):
             self.create_service(Trigger, '~/split', self._on_split),
             self.create_service(Trigger, '~/snapshot', self._on_snapshot),
         ]
-        self._health = Health(self, str(self._writer.path))
+        self._health = Health(self, self.get_namespace())
         self._health.add('recording', self._status)
         self.get_logger().info(f'recording to {self._writer.path}')
 

@@ -94,7 +94,7 @@ class ReplayNode(ManagedNode):
             )
         ]
         self._wake = threading.Condition()
-        self._health = Health(self, p['recording'])
+        self._health = Health(self, self.get_namespace())
         self._health.add('replay', self._status)
 
     def start(self) -> None:
