@@ -70,15 +70,13 @@ LANE_LEVELS = (
 LINE: dict[str, Colour] = {
     'vertical': (66, 165, 245),
     'horizontal': (158, 157, 36),
-    'envelope': (96, 125, 139),
     'measured': (239, 83, 80),
     'used': (255, 167, 38),
     'first': (66, 165, 245),
     'second': (102, 187, 106),
     'third': (255, 167, 38),
     'fourth': (171, 71, 188),
-    'shaft': (120, 144, 156),
-    'spectrum': (144, 164, 174),
+    'spectrum': (96, 125, 139),
     'ground': (128, 128, 128),
 }
 """Colours of lines by what they show."""

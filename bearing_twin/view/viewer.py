@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 import os
 import re
+import signal
 import socket
 import subprocess
 import sys
@@ -104,12 +105,15 @@ def show_in_browser(
     with subprocess.Popen(
         command, env=_environment(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     ) as server:
-        announce(f'http://{shown}:{port}/?url={quote(data, safe="")}')
+        # The server is a process of its own and would outlive a termination of this one.
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
+            announce(f'http://{shown}:{port}/?url={quote(data, safe="")}')
             return server.wait()
         except KeyboardInterrupt:
-            server.terminate()
             return 0
+        finally:
+            server.terminate()
 
 
 class HeadlessViewer:
