@@ -157,7 +157,7 @@ def _solid(scene: Scene) -> list[View]:
     return [
         rrb.Spatial3DView(
             origin=f'{path}/bearing',
-            name=f'Bearing: {SLOWED:g} x slower, displacement x {MAGNIFIED:g}, red: defect',
+            name=f'Bearing {SLOWED:g} x slower, shift x {MAGNIFIED:g}',
             eye_controls=rrb.EyeControls3D(
                 position=[14.0, -22.0, 105.0], look_target=[0.0, -6.0, 0.0], eye_up=[0.0, 1.0, 0.0]
             ),
