@@ -69,6 +69,11 @@ RIVAL = 1.4
 BLURRED = 0.9
 """Sidebands over teeth above which a comb may itself be a sideband of another fault."""
 
+GATED = 0.5
+"""Sidebands over teeth above which impacts are gated, not swayed. A force that varies as 1 + cos,
+the most that a rotating load does to a fixed place, makes shaft sidebands of 0.49 in the squared
+envelope. A damaged outer race stands still; an inner race passes through the load zone."""
+
 _SLIP_COST = 0.02
 _STEADY = 0.004
 _SIDEBANDS = 4
@@ -105,6 +110,8 @@ class Candidate:
     """Number of teeth that do not hide behind a shaft harmonic."""
     sidebands: float
     """Mean amplitude of the shaft sidebands over that of the teeth."""
+    cage_sidebands: float
+    """The same for sidebands at the cage's frequency; of the outer race only, else 0."""
 
     @property
     def evidence(self) -> float:
@@ -146,6 +153,7 @@ class Judge:
     def __init__(self, spectra: OrderSpectra, bearing: Bearing, speed: ShaftSpeed) -> None:
         self.orders = fault_orders(bearing)
         self._slipped = fault_orders(bearing, SLIP[1])
+        self._n_balls = bearing.n_balls
         self._uncertainty = speed.uncertainty
         self.top = len(spectra.logs) * spectra.step
         shaft = np.arange(1.0, self.top + 1.0)
@@ -179,9 +187,47 @@ class Judge:
         alive = int((~self._silent[spectra.rows(teeth)]).sum())
         tested = family in _RACES and z[at] >= Z_FAULT
         sidebands = sideband_ratio(spectra, found, band) if tested else _UNTESTED
+        of_cage = 0.0
+        if tested and family == 'outer':
+            # A ball passes the outer race n_balls times a cage turn, whatever the slip.
+            of_cage = sideband_ratio(spectra, found, band, found / self._n_balls)
         return Candidate(
-            family, found, float(slip[at]), float(z[at]), index, band, alive, sidebands
+            family, found, float(slip[at]), float(z[at]), index, band, alive, sidebands, of_cage
         )
+
+    def teeth_of(self, cage: Candidate, others: Sequence[Candidate]) -> bool:
+        """Whether all that shows are teeth of the comb of a cage, itself not yet significant."""
+        gated = [c for c in others if c.cage_sidebands > GATED]
+        rest = [c for c in others if c.cage_sidebands <= GATED]
+        if not others or (rest and not (cage.z >= Z_FAULT and cage.index >= INDEX_STRIKE)):
+            return False
+        return bool(gated) and _rules(cage, rest, self._all.step)
+
+    def mirrored(self, outer: Candidate) -> float | None:
+        """Amplitude of the inner race's comb over that of an outer race's, where they coincide.
+
+        The outer race's comb may be a shaft sideband of the inner race's if that one, an integer
+        above it, lies where a slip about as likely may put it. None if it does not.
+        """
+        order = self.orders.bpfi
+        slope = (self._slipped.bpfi - order) / SLIP[1]
+        # Not much less likely than the slip of the outer race that it would replace.
+        likely = math.hypot(outer.slip, _SLIP_COST)
+        slack = self._uncertainty * order + 2.0 * self._all.step
+        first = math.ceil(order + slope * max(SLIP[0], -likely) - slack - outer.order)
+        last = math.floor(order + slope * min(SLIP[1], likely) + slack - outer.order)
+        sides = [side for side in range(first, last + 1) if side]
+        if not sides:
+            return None
+        # The inner race's own teeth may hide behind shaft harmonics: they are looked at here.
+        near = np.arange(-2.0, 2.25, 0.25) * self._all.step
+        own = _comb_power(self._all, outer.order, outer.band)
+        power = max(
+            _comb_power(self._all, outer.order + side + away, outer.band)
+            for side in sides
+            for away in near
+        )
+        return math.sqrt(power / max(own, 1e-30))
 
     def hidden(self, family: str) -> Candidate | None:
         """Comb of a family that shows, but whose teeth hide behind the shaft's harmonics."""
@@ -242,10 +288,17 @@ def modulation_index(
     return float(index[band]), band
 
 
-def sideband_ratio(spectra: OrderSpectra, order: float, band: int) -> float:
-    """Amplitude of the lines one and two orders beside the teeth of a comb over the teeth's."""
+def _comb_power(spectra: OrderSpectra, order: float, band: int) -> float:
+    """Relative power of the lines of a comb in one band, lines capped."""
     teeth = order * np.arange(1, HARMONICS + 1)
-    sides = np.array([0.0, -2.0, -1.0, 1.0, 2.0])
+    rows = spectra.rows(teeth[:, None] + spectra.step * np.arange(-1, 2))
+    return float(spectra.excess[rows, len(spectra.carrier) + band].sum())
+
+
+def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 1.0) -> float:
+    """Amplitude of the lines one and two gaps beside the teeth of a comb over the teeth's."""
+    teeth = order * np.arange(1, HARMONICS + 1)
+    sides = gap * np.array([0.0, -2.0, -1.0, 1.0, 2.0])
     rows = spectra.rows(sides[:, None, None] + teeth[:, None] + spectra.step * np.arange(-1, 2))
     power = spectra.excess[rows, len(spectra.carrier) + band].sum(axis=(1, 2))
     return float(np.sqrt(power[1:].mean() / max(float(power[0]), 1e-30)))
@@ -309,7 +362,31 @@ def decide(
     cage = next((c for c in strong if c.family == 'cage'), None)
     if cage is not None and cage.index >= INDEX_FAULT and _rules(cage, others, spectra.step):
         return _judge_cage(judge, cage, candidates, revolutions)
+    if judge.teeth_of(candidates['cage'], others):
+        text = (
+            f'{others[0]}; as high stand the other multiples of the cage order: a cage that '
+            'strikes, or a ball that strikes once a cage turn; a longer window tells'
+        )
+        return Verdict(
+            'suspect', 'suspect', ('cage',), 0.5, (str(candidates['cage']), text), candidates
+        )
     strong = others
+    outer = next((c for c in strong if c.family == 'outer' and c.sidebands > GATED), None)
+    mirrored = judge.mirrored(outer) if outer else None
+    if outer and mirrored is not None and mirrored * RIVAL > 1.0:
+        strong = [c for c in strong if c is not outer]
+        if mirrored < BLURRED or all(c.family != 'inner' for c in strong):
+            inner = candidates['inner']
+            text = (
+                f'the comb at {outer.order:.3f} orders has shaft sidebands of '
+                f'{outer.sidebands:.1f} of its height and may be one of the inner race, which '
+                'passes through the load zone; a longer window or steadier conditions part them'
+            )
+            level = 'fault' if outer.index >= INDEX_FAULT else 'suspect'
+            return Verdict(
+                'ambiguous', level, ('inner', 'outer'), 0.5,
+                (str(outer), str(inner), text), candidates, outer,
+            )  # fmt: skip
     hidden = [] if strong else [c for c in map(judge.hidden, FAMILIES[:3]) if c is not None]
     if hidden:
         text = (
