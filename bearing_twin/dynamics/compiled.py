@@ -1,11 +1,21 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Compilation of the kernels: cached where that is possible, and never stale."""
+"""Compilation of the kernels: cached where that is possible, and never stale.
+
+Numba's cache looks at the file of a function only, not at those of the functions that it calls.
+Here the sources of all of them are part of the folder's name, so code compiled from other sources
+is never found, wherever the cache lies.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
+import os
+import shutil
+import tempfile
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -14,10 +24,12 @@ import numba as nb
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ['FAST', 'compiled']
+__all__ = ['FAST', 'cache_folder', 'compiled']
 
 FAST = frozenset({'contract', 'reassoc', 'nsz', 'arcp', 'nnan', 'ninf'})
 """Floating point freedom of the kernels; the same machine still gives the same bits."""
+
+_numba: Any = nb.config
 
 F = TypeVar('F', bound='Callable[..., Any]')
 
@@ -45,34 +57,61 @@ def compiled(*, inline: bool = False, fast: frozenset[str] = frozenset()) -> Cal
             'fastmath': set(fast) or False,
             'error_model': 'numpy',
         }
+        folder = cache_folder()
+        if folder is None:
+            plain: F = nb.njit(**options)(function)
+            return plain
+        # Numba reads the folder while it decorates; other users of numba keep theirs.
+        before = _numba.CACHE_DIR
+        _numba.CACHE_DIR = str(folder)
         try:
-            dispatcher: F = nb.njit(cache=True, **options)(function)
-        except RuntimeError:  # no writable folder for the cache
-            dispatcher = nb.njit(**options)(function)
-        return dispatcher
+            cached: F = nb.njit(cache=True, **options)(function)
+        finally:
+            _numba.CACHE_DIR = before
+        return cached
 
     return decorate
 
 
-def _drop_stale() -> None:
-    """Remove cached code that was compiled from other sources.
+@functools.cache
+def cache_folder() -> Path | None:
+    """Folder of the code compiled from the present sources; None where none can be written.
 
-    The cache looks at the file of a function only, not at those of the functions that it calls.
+    ``NUMBA_CACHE_DIR`` if it is set; otherwise beside the sources, and where these belong to
+    someone else the user's cache folder (``XDG_CACHE_HOME``, by default ``~/.cache``).
     """
+    bases = [Path(__file__).parent / '__pycache__']
+    if _numba.CACHE_DIR:
+        bases = [Path(_numba.CACHE_DIR)]
+    elif os.environ.get('XDG_CACHE_HOME'):
+        bases.append(Path(os.environ['XDG_CACHE_HOME']))
+    else:
+        with contextlib.suppress(RuntimeError):  # a user without a home
+            bases.append(Path.home() / '.cache')
+    name = f'bearing_twin-{_digest()}'
+    for base in bases:
+        folder = base / name
+        with contextlib.suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder):
+                os.utime(folder)
+            _drop_old(base)
+            return folder.resolve()
+    return None
+
+
+def _digest() -> str:
+    """Return the digest of what compiled code depends on, besides the processor."""
     here = Path(__file__).parent
     digest = hashlib.sha256(nb.__version__.encode())
     for folder in (here, here.parent / 'thermal'):
         for source in sorted(folder.glob('*.py')):
             digest.update(source.read_bytes())
-    stamp = here / '__pycache__' / 'kernels.sha256'
-    with contextlib.suppress(OSError):
-        if stamp.is_file() and stamp.read_text() == digest.hexdigest():
-            return
-        for folder in (here, here.parent / 'thermal'):
-            for index in (folder / '__pycache__').glob('*.nb[ic]'):
-                index.unlink()
-        stamp.parent.mkdir(exist_ok=True)
-        stamp.write_text(digest.hexdigest())
+    return digest.hexdigest()[:16]
 
 
-_drop_stale()
+def _drop_old(base: Path) -> None:
+    """Remove what other sources left behind and nobody has used for 30 days."""
+    for folder in base.glob('bearing_twin-' + '?' * 16):
+        if time.time() - folder.stat().st_mtime > 30 * 86400:
+            shutil.rmtree(folder, ignore_errors=True)

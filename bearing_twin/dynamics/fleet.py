@@ -32,7 +32,7 @@ __all__ = ['Fleet', 'FleetBlock']
 FloatArray = npt.NDArray[np.float64]
 Array = npt.NDArray[Any]
 
-_MAGIC = b'BFleet\x00\x01'
+_MAGIC = b'BFleet\x00\x02'
 _FIELDS = struct.Struct('<dQII')
 
 
@@ -89,7 +89,7 @@ class Fleet:
             raise BearingTwinError(msg)
         self.next_sample = 0
         groups = -(-size // fk.L)
-        n_balls = max(p.bearing.n_balls for p in parameters)
+        n_balls = _even(max(p.bearing.n_balls for p in parameters))
         self._w = np.zeros((groups, fk.WORK_ROWS, fk.L), np.float32)
         self._balls = np.zeros((groups, n_balls, fk.BALL_ROWS, fk.L), np.float32)
         self._phases = np.zeros((groups, fk.PHASE_ROWS + 3, fk.L))
@@ -117,11 +117,11 @@ class Fleet:
         self._oversample = filters.oversampling(sample_rate)
         taps = filters.decimator(self._oversample)
         self._delay = (len(taps) - 1) / 2.0 / self._oversample / self.sample_rate
-        memory = len(taps) - self._oversample
-        padding = np.zeros(-len(taps) % fk.TAPS)
-        self._taps = np.concatenate([taps, padding]).astype(np.float32)
+        padded = np.concatenate([np.zeros(self._oversample - 1), taps])
+        self._taps = padded.reshape(-1, self._oversample).T.ravel().astype(np.float32)
         self._tick = simulator.tick
-        self._history = np.zeros((groups, memory * 2 * fk.L), np.float32)
+        memory = (len(padded) // self._oversample - 1) * 2 * fk.L
+        self._history = np.zeros((groups, self._oversample, memory), np.float32)
 
     def __len__(self) -> int:
         return len(self._parameters)
@@ -379,7 +379,7 @@ class Fleet:
         self._drift[index], self._rings[index] = snapshot.drift, snapshot.rings
         members = [self._parameters[min(group * fk.L + i, len(self) - 1)] for i in range(fk.L)]
         cut = [member.defects for member in members]
-        self._balls_in[group] = max(member.bearing.n_balls for member in members)
+        self._balls_in[group] = _even(max(member.bearing.n_balls for member in members))
         self._spalls_in[group] = max(len(defects) for defects in cut)
         self._smooth_in[group] = any(
             d.profile in ('halfsine', 'smooth') for defects in cut for d in defects
@@ -389,6 +389,11 @@ class Fleet:
 # Rows of the work array that are carried on: motion and sensor, and the rotated sines.
 _CARRIED = np.array([*range(fk.STATE_ROWS), fk.C, fk.S, fk.CS, fk.SS])
 _TURNED = np.array([0, 1, 2, fk.PHASE_ROWS, fk.PHASE_ROWS + 1, fk.PHASE_ROWS + 2])
+
+
+def _even(n_balls: int) -> int:
+    """Balls come in twos; one that is too many is too small to touch."""
+    return n_balls + n_balls % 2
 
 
 def _place_spall(

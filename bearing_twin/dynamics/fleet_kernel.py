@@ -6,7 +6,8 @@
 
 The same equations, scheme and random numbers as `kernel`, with the bearings in the lanes of the
 vector unit. All lanes take every branch, so the contact is written with selections; the work
-arrays are flat with compile-time offsets, so that the compiler sees that nothing overlaps.
+arrays are flat with compile-time offsets, so that the compiler sees that nothing overlaps. Other
+offsets are unsigned or sliced off, since an index that might be negative is gathered lane by lane.
 Phases are kept in double precision between grid points and relative to them in between, so a fleet
 does not drift. Speeds are constant between two grid points (1.25 ms at 25.6 kHz).
 """
@@ -51,11 +52,12 @@ CONSTANTS = 20
 _KB0, _KB1, _DEPTH0, _DEPTH1, _GAP0, _GAP1, _FOOT0, _FOOT1 = range(42, 50)
 C, S, _CD, _SD, CS, SS, _CSD, _SSD, _TURNING, _OMEGA, _PULL = range(50, 61)
 _KB, _FACTOR, _GAP, _FOOT = range(61, 65)
-# The relative motion that the balls feel, and the sums over the balls.
-_X, _Y, _VX, _VY, _AX, _AY = range(65, 71)
-_FX, _FY, _GX, _GY = range(71, 75)
+# The relative motion that the balls feel, its velocity and acceleration as seen from the cage, and
+# the sums over the balls.
+_X, _Y, _VX, _VY, _UX, _UY, _BX, _BY = range(65, 73)
+_FX, _FY, _GX, _GY = range(73, 77)
 # Predicted state: positions, velocities, accelerations.
-_QP, _VP, _AP = 75, 79, 83
+_QP, _VP, _AP = 77, 81, 85
 # Accelerations and jerks at the end of the step, and what the sensor gives.
 _AN, _JN, _OUT = 89, 93, 97
 SPALLS = 99
@@ -75,7 +77,7 @@ CAGE, SHAFT, SPIN, FTF_ORDER, SPIN_ORDER, JITTER, NOISE_STD, FIRST_ANGLE = range
 PHASE_ROWS = 8 + 4 * MAX_SPALLS
 
 _F, _U = np.float32, np.uint64
-_ROW = np.uint64(2 * L)
+_ROW, _LANES, _FROM = np.uint64(2 * L), np.uint64(L), np.uint64(_OUT * L)
 _ZERO, _ONE, _HALF_, _ONE_HALF = _F(0.0), _F(1.0), _F(0.5), _F(1.5)
 _TWO_PI = 2.0 * math.pi
 
@@ -91,12 +93,16 @@ def _predict(w, h):
             w[(_VP + d) * L + i] = v + h * (a + half * j)
             w[(_QP + d) * L + i] = w[(_Q + d) * L + i] + h * (v + half * (a + third * j))
     for i in range(L):
-        w[_X * L + i] = w[_QP * L + i] - w[(_QP + 2) * L + i]
-        w[_Y * L + i] = w[(_QP + 1) * L + i] - w[(_QP + 3) * L + i]
-        w[_VX * L + i] = w[_VP * L + i] - w[(_VP + 2) * L + i]
-        w[_VY * L + i] = w[(_VP + 1) * L + i] - w[(_VP + 3) * L + i]
-        w[_AX * L + i] = w[_AP * L + i] - w[(_AP + 2) * L + i]
-        w[_AY * L + i] = w[(_AP + 1) * L + i] - w[(_AP + 3) * L + i]
+        turning = w[_TURNING * L + i]
+        x = w[_QP * L + i] - w[(_QP + 2) * L + i]
+        y = w[(_QP + 1) * L + i] - w[(_QP + 3) * L + i]
+        vx = w[_VP * L + i] - w[(_VP + 2) * L + i]
+        vy = w[(_VP + 1) * L + i] - w[(_VP + 3) * L + i]
+        w[_X * L + i], w[_Y * L + i], w[_VX * L + i], w[_VY * L + i] = x, y, vx, vy
+        w[_UX * L + i], w[_UY * L + i] = vx + turning * y, vy - turning * x
+        ax = w[_AP * L + i] - w[(_AP + 2) * L + i]
+        ay = w[(_AP + 1) * L + i] - w[(_AP + 3) * L + i]
+        w[_BX * L + i], w[_BY * L + i] = ax + turning * vy, ay - turning * vx
         w[_FX * L + i] = _ZERO
         w[_FY * L + i] = _ZERO
         w[_GX * L + i] = _ZERO
@@ -190,44 +196,78 @@ def _spoil_smooth(w, spall, step, per_second):
         w[at + _TAKEN_RATE * L + i] = factor * slope * metres * w[at + _DU * L + i] * per_second
 
 
-@compiled(fast=FAST)
-def _ball(w, balls, j, spalls):
-    """Add the force of ball ``j`` and its rate to the sums."""
-    number = _F(j)
-    at = j * BALL_ROWS * L
+@compiled(inline=True, fast=FAST)
+def _contact(c, s, gap, gap_rate, x, y, vx, vy, ux, uy, bx, by, kb, cb):
+    """Force of a ball along its direction (c, s) and the rate of that, or zeros."""
+    delta = x * c + y * s - gap
+    closed = delta if delta > _ZERO else _ZERO
+    stiff = kb * np.sqrt(closed)
+    force = stiff * closed + cb * (vx * c + vy * s)
+    rate = _ONE_HALF * stiff * (ux * c + uy * s - gap_rate) + cb * (bx * c + by * s)
+    loaded = (delta > _ZERO) & (force > _ZERO)
+    return force if loaded else _ZERO, rate if loaded else _ZERO
+
+
+@compiled(inline=True, fast=FAST)
+def _two_balls(w, balls, j, spalls):
+    """Add the forces of balls ``j`` and ``j + 1`` and their rates to the sums."""
+    number, following = _F(j), _F(j + 1)
+    two = balls[j * BALL_ROWS * L : (j + 2) * BALL_ROWS * L]
     first = SPALLS * L
     for i in range(L):
-        c0, s0 = w[C * L + i], w[S * L + i]
-        bc, bs = balls[at + i], balls[at + L + i]
-        c, s = c0 * bc - s0 * bs, s0 * bc + c0 * bs
-        gap, gap_rate = w[_GAP * L + i] + balls[at + 2 * L + i], _ZERO
+        c0, s0, gap = w[C * L + i], w[S * L + i], w[_GAP * L + i]
+        pc, ps = two[i], two[L + i]
+        qc, qs = two[3 * L + i], two[4 * L + i]
+        p_gap, q_gap = gap + two[2 * L + i], gap + two[5 * L + i]
+        p_rate = q_rate = _ZERO
         if spalls > 0:
-            here = w[first + BALL * L + i] == number
-            gap += w[first + _TAKEN * L + i] if here else _ZERO
-            gap_rate += w[first + _TAKEN_RATE * L + i] if here else _ZERO
+            ball = w[first + BALL * L + i]
+            taken, taken_rate = w[first + _TAKEN * L + i], w[first + _TAKEN_RATE * L + i]
+            p_gap += taken if ball == number else _ZERO
+            p_rate += taken_rate if ball == number else _ZERO
+            q_gap += taken if ball == following else _ZERO
+            q_rate += taken_rate if ball == following else _ZERO
         if spalls > 1:
             for k in range(1, MAX_SPALLS):
                 more = first + k * SPALL_ROWS * L
-                here = w[more + BALL * L + i] == number
-                gap += w[more + _TAKEN * L + i] if here else _ZERO
-                gap_rate += w[more + _TAKEN_RATE * L + i] if here else _ZERO
+                ball = w[more + BALL * L + i]
+                taken, taken_rate = w[more + _TAKEN * L + i], w[more + _TAKEN_RATE * L + i]
+                p_gap += taken if ball == number else _ZERO
+                p_rate += taken_rate if ball == number else _ZERO
+                q_gap += taken if ball == following else _ZERO
+                q_rate += taken_rate if ball == following else _ZERO
         x, y, vx, vy = w[_X * L + i], w[_Y * L + i], w[_VX * L + i], w[_VY * L + i]
-        turning, cb = w[_TURNING * L + i], w[_CB * L + i]
-        delta = x * c + y * s - gap
-        closed = delta if delta > _ZERO else _ZERO
-        v = vx * c + vy * s
-        stiff = w[_KB * L + i] * np.sqrt(closed)
-        force = stiff * closed + cb * v
-        rate = _ONE_HALF * stiff * (v + turning * (y * c - x * s) - gap_rate) + cb * (
-            w[_AX * L + i] * c + w[_AY * L + i] * s + turning * (vy * c - vx * s)
-        )
-        loaded = (delta > _ZERO) & (force > _ZERO)
-        force = force if loaded else _ZERO
-        rate = rate if loaded else _ZERO
-        w[_FX * L + i] += force * c
-        w[_FY * L + i] += force * s
-        w[_GX * L + i] += rate * c
-        w[_GY * L + i] += rate * s
+        ux, uy, bx, by = w[_UX * L + i], w[_UY * L + i], w[_BX * L + i], w[_BY * L + i]
+        kb, cb = w[_KB * L + i], w[_CB * L + i]
+        c, s = c0 * pc - s0 * ps, s0 * pc + c0 * ps
+        force, rate = _contact(c, s, p_gap, p_rate, x, y, vx, vy, ux, uy, bx, by, kb, cb)
+        d, t = c0 * qc - s0 * qs, s0 * qc + c0 * qs
+        other, change = _contact(d, t, q_gap, q_rate, x, y, vx, vy, ux, uy, bx, by, kb, cb)
+        w[_FX * L + i] += force * c + other * d
+        w[_FY * L + i] += force * s + other * t
+        w[_GX * L + i] += rate * c + change * d
+        w[_GY * L + i] += rate * s + change * t
+
+
+@compiled(fast=FAST)
+def _balls(w, balls, n_balls):
+    """Add up all balls where there is no spall; ``n_balls`` is even."""
+    for j in range(0, n_balls, 2):
+        _two_balls(w, balls, j, 0)
+
+
+@compiled(fast=FAST)
+def _balls_over_a_spall(w, balls, n_balls):
+    """As `_balls` with one spall a bearing."""
+    for j in range(0, n_balls, 2):
+        _two_balls(w, balls, j, 1)
+
+
+@compiled(fast=FAST)
+def _balls_over_spalls(w, balls, n_balls):
+    """As `_balls` with up to `MAX_SPALLS` spalls a bearing."""
+    for j in range(0, n_balls, 2):
+        _two_balls(w, balls, j, 2)
 
 
 @compiled(fast=FAST)
@@ -260,7 +300,7 @@ def _react(w):
 
 
 @compiled(inline=True, fast=FAST)
-def _sense(w, axis, h, raw, at):
+def _sense(w, axis, h):
     """Sensor along one axis of the housing: the parabola through start, middle and end."""
     eighth = _F(0.125) * h
     for i in range(L):
@@ -274,8 +314,15 @@ def _sense(w, axis, h, raw, at):
         nv += w[_M1 * L + i] * middle + w[_E1 * L + i] * end
         w[(_ZX + 2 * axis) * L + i], w[(_WX + 2 * axis) * L + i] = nz, nv
         w[(_OUT + axis) * L + i] = w[_O0 * L + i] * nz + w[_O1 * L + i] * nv + w[_OD * L + i] * end
-    for i in range(L):
-        raw[at + axis * L + i] = w[(_OUT + axis) * L + i]
+
+
+@compiled(fast=FAST)
+def _sense_both(w, h, raw, at):
+    """Sensors of both axes, to the two rows of ``raw`` at the unsigned ``at``."""
+    _sense(w, 0, h)
+    _sense(w, 1, h)
+    for i in range(_ROW):
+        raw[at + i] = w[_FROM + i]
 
 
 @compiled(fast=FAST)
@@ -334,19 +381,20 @@ def _grid_point(w, phases, keys, inputs, growth, index, within, steps, h, spalls
 
 
 @compiled(fast=FAST)
-def _some_taps(tile, row, raw, at, taps, first):
-    """Add `TAPS` taps, written out: as a loop they would be gathered instead of the lanes.
+def _some_taps(tile, raw, begin, taps, first, size):
+    """Add `TAPS` taps to ``size`` values: one long loop over samples, axes and lanes.
 
-    Unsigned indices cannot count from the end, which keeps the loop simple.
+    Written out, since an inner loop over the taps would be vectorised instead. Unsigned indices
+    cannot count from the end, which keeps the loop simple.
     """
-    row, at, first = np.uint64(row), np.uint64(at), np.uint64(first)
+    begin, first = np.uint64(begin), np.uint64(first)
     t0, t1, t2 = taps[first], taps[first + _U(1)], taps[first + _U(2)]
     t3, t4, t5 = taps[first + _U(3)], taps[first + _U(4)], taps[first + _U(5)]
     t6, t7, t8 = taps[first + _U(6)], taps[first + _U(7)], taps[first + _U(8)]
     t9, t10 = taps[first + _U(9)], taps[first + _U(10)]
-    for i in range(_U(2 * L)):
-        k = at + i
-        tile[row + i] += (
+    for i in range(np.uint64(size)):
+        k = begin + i
+        tile[i] += (
             (t0 * raw[k] + t1 * raw[k + _ROW] + t2 * raw[k + _U(2) * _ROW])
             + (t3 * raw[k + _U(3) * _ROW] + t4 * raw[k + _U(4) * _ROW])
             + (t5 * raw[k + _U(5) * _ROW] + t6 * raw[k + _U(6) * _ROW])
@@ -356,19 +404,28 @@ def _some_taps(tile, row, raw, at, taps, first):
 
 
 @compiled(fast=FAST)
-def _noise(tile, row, level, keys, index):
-    for i in range(L):
+def _noise(tile, at, level, keys, index):
+    for i in range(_LANES):
         pair = normal_pair(index, NOISE, keys[i])
-        tile[row + i] = level[i] * pair[0]
-        tile[row + L + i] = level[i] * pair[1]
+        tile[at + i] = level[i] * pair[0]
+        tile[at + _LANES + i] = level[i] * pair[1]
 
 
-@compiled(fast=FAST)
-def _filter(raw, start, taps, level, keys, index, tile, row):
-    """One output sample of every lane: the sensor's noise and the decimated signal."""
-    _noise(tile, row, level, keys, index)
-    for k in range(0, taps.shape[0], TAPS):
-        _some_taps(tile, row, raw, start + k * 2 * L, taps, k)
+@compiled()
+def _decimate(tile, raw, taps, oversample, level, keys, first, count):
+    """Fill ``tile`` with ``count`` output samples: the sensors' noise and the decimated signal.
+
+    ``raw`` holds the internal samples by their place within an output sample (polyphase), so that
+    a tap is the same shift for all output samples.
+    """
+    for k in range(count):
+        _noise(tile, np.uint64(k) * _ROW, level, keys, first + k)
+    stride = raw.shape[0] // oversample
+    each = taps.shape[0] // oversample
+    for phase in range(oversample):
+        for tap in range(0, each, TAPS):
+            begin = phase * stride + tap * 2 * L
+            _some_taps(tile, raw, begin, taps, phase * each + tap, count * 2 * L)
 
 
 @compiled()
@@ -398,17 +455,18 @@ def advance_group(
     w
         float32[WORK_ROWS * L]: work array; its first `STATE_ROWS` rows are the state.
     balls, n_balls
-        float32[n * BALL_ROWS * L]: the balls; how many of them are in use.
+        float32[n * BALL_ROWS * L]: the balls; how many of them are in use, an even number.
     phases
         float64[PHASE_ROWS + 3, L]: phases at the last grid point and what they follow.
     history
-        float32[(taps - oversample) * 2 * L]: memory of the decimator.
+        float32[oversample, (t - 1) * 2 * L]: memory of the decimator.
     keys, level
         uint64[L], float32[L]: seeds; standard deviation of the noise.
     ramp, drift
         float64[2, 6, L]: inputs, as for a single bearing.
     taps
-        float32[TAPS * t]: the decimator, padded with zeros.
+        float32[oversample * t]: the decimator by the place of an internal sample within an output
+        sample; t is a multiple of `TAPS`.
     spalls, smooth
         Most spalls of any lane; whether any has a profile with a cosine.
     first, since_tick
@@ -419,10 +477,12 @@ def advance_group(
         float32[2, L, n]: acceleration of the sensors, m/s^2.
     """
     n = out.shape[2]
-    memory = history.shape[0]
-    raw = np.zeros(memory + (CHUNK * oversample + TAPS) * 2 * L, np.float32)
+    memory = history.shape[1]
+    stride = memory + CHUNK * 2 * L
+    raw = np.empty(oversample * stride, np.float32)
     tile = np.empty(CHUNK * 2 * L, np.float32)
-    raw[:memory] = history
+    for phase in range(oversample):
+        raw[phase * stride : phase * stride + memory] = history[phase]
     inputs, growth = np.empty((6, L)), np.empty((6, L))
     step_size, per_second = _F(h), _F(1.0 / h)
     done = 0
@@ -459,35 +519,31 @@ def advance_group(
                 for k in range(spalls):
                     _spoil_smooth(w, k, number, per_second)
             _predict(w, step_size)
-            for j in range(n_balls):
-                _ball(w, balls, j, spalls)
+            if spalls > 1:
+                _balls_over_spalls(w, balls, n_balls)
+            elif spalls > 0:
+                _balls_over_a_spall(w, balls, n_balls)
+            else:
+                _balls(w, balls, n_balls)
             _react(w)
-            at = memory + (step - begin) * 2 * L
-            _sense(w, 0, step_size, raw, at)
-            _sense(w, 1, step_size, raw, at)
+            sample, phase = divmod(step - begin, oversample)
+            at = phase * stride + memory + sample * 2 * L
+            _sense_both(w, step_size, raw, np.uint64(at))
             _correct(w, step_size)
-        for k in range(count):
-            _filter(
-                raw,
-                k * oversample * 2 * L,
-                taps,
-                level,
-                keys,
-                first + done + k,
-                tile,
-                k * 2 * L,
-            )
+        _decimate(tile, raw, taps, oversample, level, keys, first + done, count)
         for axis in range(2):
             for i in range(L):
                 for k in range(count):
                     out[axis, i, done + k] = tile[(2 * k + axis) * L + i]
-        moved = count * oversample * 2 * L
-        for i in range(memory):
-            raw[i] = raw[moved + i]
+        moved = count * 2 * L
+        for phase in range(oversample):
+            for i in range(memory):
+                raw[phase * stride + i] = raw[phase * stride + moved + i]
         done += count
         if (first + done) % CHUNK == 0:
             for i in range(L):
                 for row in range(3):
                     phase = phases[row, i] + CHUNK * oversample * h * phases[PHASE_ROWS + row, i]
                     phases[row, i] = phase - math.floor(phase)
-    history[:] = raw[:memory]
+    for phase in range(oversample):
+        history[phase] = raw[phase * stride : phase * stride + memory]

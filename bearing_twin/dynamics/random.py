@@ -39,14 +39,27 @@ _EIGHTH = _F(0.25 * math.pi)
 
 
 @compiled(inline=True)
+def _philox_round(low, high, key):
+    product = low * _MULTIPLIER
+    return (product >> _SHIFT) ^ key ^ high, product & _LOW, (key + _WEYL) & _LOW
+
+
+@compiled(inline=True)
 def philox(counter_low, counter_high, key):
-    """Ten rounds of Philox2x32 on uint64 values below 2^32; returns two of them."""
-    low, high = counter_low, counter_high
-    for _ in range(10):
-        product = low * _MULTIPLIER
-        low = (product >> _SHIFT) ^ key ^ high
-        high = product & _LOW
-        key = (key + _WEYL) & _LOW
+    """Ten rounds of Philox2x32 on uint64 values below 2^32; returns two of them.
+
+    Written out: a loop in here would keep the caller's loop over samples from being vectorised.
+    """
+    low, high, key = _philox_round(counter_low, counter_high, key)
+    low, high, key = _philox_round(low, high, key)
+    low, high, key = _philox_round(low, high, key)
+    low, high, key = _philox_round(low, high, key)
+    low, high, key = _philox_round(low, high, key)
+    low, high, key = _philox_round(low, high, key)
+    low, high, key = _philox_round(low, high, key)
+    low, high, key = _philox_round(low, high, key)
+    low, high, key = _philox_round(low, high, key)
+    low, high, key = _philox_round(low, high, key)
     return low, high
 
 

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = 'bearing_twin/dynamics'
+
+# A compiled function calls one of another file, as the kernels do.
+RUN = """
+from bearing_twin.dynamics import compiled
+from bearing_twin.dynamics.caller import outer
+print(compiled.cache_folder(), outer(1.0))
+"""
+CALLER = """
+from bearing_twin.dynamics.callee import inner
+from bearing_twin.dynamics.compiled import compiled
+
+@compiled()
+def outer(x):
+    return inner(x)
+"""
+CALLEE = """
+from bearing_twin.dynamics.compiled import compiled
+
+@compiled()
+def inner(x):
+    return x + {}
+"""
+
+
+@pytest.fixture
+def tree(tmp_path):
+    """Only the compilation, with two small files as kernels."""
+    folder = tmp_path / 'tree' / PACKAGE
+    folder.mkdir(parents=True)
+    (tmp_path / 'tree/bearing_twin/__init__.py').touch()
+    (folder / '__init__.py').touch()
+    (folder / 'compiled.py').write_bytes((ROOT / PACKAGE / 'compiled.py').read_bytes())
+    (folder / 'caller.py').write_text(CALLER)
+    (folder / 'callee.py').write_text(CALLEE.format('1.0'))
+    return tmp_path / 'tree'
+
+
+def run(tree, **environment):
+    inherited = {k: v for k, v in os.environ.items() if k not in ('NUMBA_CACHE_DIR', 'PYTHONPATH')}
+    done = subprocess.run(
+        [sys.executable, '-B', '-c', RUN],
+        cwd=tree,
+        env=inherited | {key: str(value) for key, value in environment.items()},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    folder, value = done.stdout.split()
+    return folder, float(value)
+
+
+@pytest.mark.parametrize('where', ['named', 'beside the sources', 'at home'])
+def test_a_change_in_a_called_file_is_seen_wherever_the_cache_lies(tree, tmp_path, where):
+    cache, environment = tree / PACKAGE / '__pycache__', {}
+    if where == 'named':
+        cache = tmp_path / 'named'
+        environment = {'NUMBA_CACHE_DIR': cache}
+    elif where == 'at home':
+        cache.touch()  # a file where the folder should be: nothing can be written, not by root
+        cache = tmp_path / 'home'
+        environment = {'XDG_CACHE_HOME': cache}
+    folder, value = run(tree, **environment)
+    assert value == 2.0
+    assert Path(folder).parent == cache
+    assert list(Path(folder).rglob('*.nbi'))
+    assert run(tree, **environment) == (folder, 2.0)
+    (tree / PACKAGE / 'callee.py').write_text(CALLEE.format('2.0'))
+    other, value = run(tree, **environment)
+    assert (other != folder, value) == (True, 3.0)
+
+
+@pytest.mark.parametrize('variable', ['NUMBA_CACHE_DIR', 'XDG_CACHE_HOME'])
+def test_where_no_cache_can_be_written_it_runs_all_the_same(tree, variable):
+    (tree / PACKAGE / '__pycache__').touch()
+    assert run(tree, **{variable: '/dev/null/cache'}) == ('None', 2.0)
