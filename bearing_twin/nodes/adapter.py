@@ -102,7 +102,7 @@ class AdapterNode(ManagedNode):
 
     def _on_array(self, message: Float32MultiArray, info: MessageInfo) -> None:
         self._arrived = time.monotonic()
-        if not self._sources.accept(info['publisher_gid'], self._arrived):
+        if not self._sources.accept(info.get('publisher_gid'), self._arrived):
             return
         p = self.parameters
         rate = p['sample_rate']
@@ -116,7 +116,7 @@ class AdapterNode(ManagedNode):
         self._problem = ''
         count = samples.shape[1]
         missing = self._sequence.missing(
-            info['publisher_gid'], info['publication_sequence_number']
+            info.get('publisher_gid'), info['publication_sequence_number']
         )
         if missing:
             self._gap(missing * count)
@@ -125,7 +125,7 @@ class AdapterNode(ManagedNode):
 
     def _on_imu(self, message: Imu, info: MessageInfo) -> None:
         self._arrived = time.monotonic()
-        if not self._sources.accept(info['publisher_gid'], self._arrived):
+        if not self._sources.accept(info.get('publisher_gid'), self._arrived):
             return
         self._problem = ''
         self._frame = self.parameters['frame_id'] or message.header.frame_id
@@ -185,7 +185,7 @@ class AdapterNode(ManagedNode):
             level, message = Level.STALE, f'no samples for {age:.1f} s'
         elif self._problem:
             level, message = Level.ERROR, f'message refused: {self._problem}'
-        elif self._sources.ignored:
+        elif self._sources.contested(time.monotonic()):
             level, message = Level.ERROR, 'several sources on one topic: only the first is used'
         elif not rate:
             level, message = Level.WARN, 'estimating the sample rate'

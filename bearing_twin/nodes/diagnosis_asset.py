@@ -164,7 +164,8 @@ class DiagnosisAsset:
         self._shaft.offer(message.name, message.velocity, now=time.monotonic())
 
     def _on_vibration(self, message: Vibration, info: MessageInfo) -> None:
-        if self._sources.accept(info['publisher_gid'], time.monotonic()):
+        # Jazzy does not tell who sent it: then all is one source.
+        if self._sources.accept(info.get('publisher_gid'), time.monotonic()):
             self.take(message, self._temperature)
 
     def take(self, message: Vibration, temperature: float) -> None:
@@ -177,6 +178,7 @@ class DiagnosisAsset:
         temperature
             Temperature of the bearing, degC; NaN where it is not known.
         """
+        self._arrived = time.monotonic()
         try:
             block = read_vibration(message, self.parameters['axis'])
         except BearingTwinError as error:
@@ -188,7 +190,6 @@ class DiagnosisAsset:
         if self._gaps.count(block.first_sample, block.samples.size):
             self._checkpoint_due = -math.inf
         self._problem = ''
-        self._arrived = time.monotonic()
         stamp = stamp_ns(message.header.stamp)
         if block.first_sample >= self._checkpoint_due:
             self._publish_checkpoint(block, stamp)
@@ -273,6 +274,7 @@ class DiagnosisAsset:
             refused=self._refused,
             problem=self._problem,
             ignored=self._sources.ignored,
+            contested=self._sources.contested(now),
             gaps=self._gaps,
             shaft_problem=self._shaft.problem(now),
         )

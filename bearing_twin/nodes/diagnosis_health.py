@@ -26,6 +26,7 @@ def input_status(
     refused: int,
     problem: str,
     ignored: int,
+    contested: bool,
     gaps: GapCounter,
     shaft_problem: str,
 ) -> Status:
@@ -34,13 +35,15 @@ def input_status(
     Parameters
     ----------
     age
-        Time since the last usable block, s; NaN before the first.
+        Time since the last block, used or refused, s; NaN before the first.
     blocks, refused
         Blocks used and refused.
     problem
         Why the last refused block was refused; '' if the last block was used.
     ignored
         Blocks of a second source on the same topic.
+    contested
+        Whether one of them came just now.
     gaps
         Samples lost and restarts of the source.
     shaft_problem
@@ -52,7 +55,7 @@ def input_status(
         level, message = Level.STALE, f'no vibration for {age:.1f} s'
     elif problem:
         level, message = Level.ERROR, f'block refused: {problem}'
-    elif ignored:
+    elif contested:
         level, message = Level.ERROR, 'several sources on one topic: only the first is used'
     elif shaft_problem:
         level, message = Level.WARN, shaft_problem

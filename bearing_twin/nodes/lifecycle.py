@@ -53,6 +53,8 @@ class ManagedNode(LifecycleNode):
         super().__init__(name)
         self.configured = False
         self.active = False
+        self.failed = False
+        """Whether the work has ended in an error: the exit status of the process."""
         self.parameters = ParameterSet(
             self, (*specs, AUTOSTART), check=self.check, apply=self._apply, locked=self._is_locked
         )
@@ -191,26 +193,28 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
     node: ManagedNode | None = None
     _never_wait_for_the_network()
     try:
-        with rclpy.init(args=list(args) if args is not None else None):
-            try:
-                node = node_class()  # type: ignore[call-arg]
-                node.bring_up()
-                executor = SingleThreadedExecutor()
-                executor.add_node(node)
-                _spin(executor, node)
-            finally:
-                _end_undisturbed()
-                if node is not None:
-                    node.shut_down()
+        # Not as a context manager, which it is since Kilted only.
+        rclpy.init(args=list(args) if args is not None else None)
+        try:
+            node = node_class()  # type: ignore[call-arg]
+            node.bring_up()
+            executor = SingleThreadedExecutor()
+            executor.add_node(node)
+            _spin(executor, node)
+        finally:
+            _end_undisturbed()
+            if node is not None:
+                node.shut_down()
+            rclpy.try_shutdown()
     except (KeyboardInterrupt, ExternalShutdownException):
-        return 0
+        return 1 if node is not None and node.failed else 0
     except BearingTwinError as error:
         print(f'{node_class.__name__}: {error}', file=sys.stderr)
         return 1
     finally:
         # rclpy has put Python's own handler back.
         _end_undisturbed()
-    return 0
+    return 1 if node.failed else 0
 
 
 def _end_undisturbed() -> None:

@@ -8,6 +8,7 @@ import math
 import sys
 import threading
 import time
+import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -94,6 +95,7 @@ class ReplayNode(ManagedNode):
             )
         ]
         self._wake = threading.Condition()
+        self._problem = ''
         self._health = Health(self, self.get_namespace())
         self._health.add('replay', self._status)
 
@@ -128,6 +130,25 @@ class ReplayNode(ManagedNode):
             self._wake.notify()
 
     def _play(self) -> None:
+        try:
+            self._play_through()
+        except Exception as error:
+            if self.context.ok():
+                self._fail(error)
+
+    def _fail(self, error: Exception) -> None:
+        """Say that the recording cannot be played on, and end with an error."""
+        if isinstance(error, BearingTwinError):
+            self.get_logger().error(str(error))
+        else:
+            # A defect of ours must be seen where it happened.
+            self.get_logger().fatal(traceback.format_exc())
+        self._problem = str(error)
+        self.failed = True
+        self._health.publish()
+        self.context.try_shutdown()
+
+    def _play_through(self) -> None:
         self._await_subscribers()
         player = self._player
         self.get_logger().info(
@@ -229,6 +250,8 @@ class ReplayNode(ManagedNode):
             'paused': player.paused,
             **{f'left out: {topic}': reason for topic, reason in self._left_out.items()},
         }
+        if self._problem:
+            return Status(Level.ERROR, self._problem, values)
         if self._left_out:
             return Status(Level.WARN, f'{len(self._left_out)} topics are left out', values)
         return Status(Level.OK, 'paused' if player.paused else 'playing', values)

@@ -16,9 +16,10 @@ __all__ = ['ShaftSpeed']
 class ShaftSpeed:
     """Hold the shaft speed in use and say where it comes from.
 
-    A joint that is not in the message, has no velocity, is NaN, infinite or faster than
-    ``highest`` leaves the last valid speed in use; :attr:`problem` then says so. The direction of
-    rotation does not matter to a bearing: the magnitude is used.
+    A joint without velocity, or with one that is NaN, infinite or faster than ``highest``, leaves
+    the last valid speed in use; :attr:`problem` then says so. A message that does not name the
+    joint says nothing of it: several publishers may share joint_states, each with its part. The
+    direction of rotation does not matter to a bearing: the magnitude is used.
 
     Parameters
     ----------
@@ -54,11 +55,13 @@ class ShaftSpeed:
 
     def offer(self, names: Sequence[str], velocities: Sequence[float], *, now: float) -> None:
         """Take one JointState: names, and velocities in rad/s; ``now`` in s."""
-        try:
-            velocity = velocities[list(names).index(self.joint)]
-        except (ValueError, IndexError):
+        if self.joint not in names:
+            return
+        index = list(names).index(self.joint)
+        if index >= len(velocities):
             self._problem = f"joint_states has no velocity of joint '{self.joint}'"
             return
+        velocity = velocities[index]
         hz = abs(velocity) / (2.0 * math.pi)
         if not hz <= self.highest:
             self._problem = f'speed {hz:.6g} Hz is not within 0..{self.highest:g} Hz'

@@ -107,7 +107,8 @@ def _node_section(name: str, folder: Path) -> str:
         arguments = ['--ros-args', '--log-level', 'error', '--disable-rosout-logs']
         for key, value in parameters.items():
             arguments += ['-p', f'{key}:={value}']
-        with rclpy.init(args=arguments):
+        rclpy.init(args=arguments)
+        try:
             node = node_class()  # type: ignore[call-arg]
             try:
                 node.bring_up()
@@ -116,6 +117,8 @@ def _node_section(name: str, folder: Path) -> str:
             finally:
                 node.shut_down()
                 node.destroy_node()
+        finally:
+            rclpy.try_shutdown()
     head = ('topic', '', 'type', 'quality of service', 'meaning')
     return '\n'.join(
         [

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.nodes.health import Level, Status
@@ -18,7 +19,7 @@ TEXTS = {
     TemperatureStatus.OK: 'temperature is fresh',
     TemperatureStatus.WAITING: 'no temperature yet: the start temperature is used',
     TemperatureStatus.STALE: 'temperature is stale: the last valid one is held',
-    TemperatureStatus.INVALID: 'temperature is NaN or infinite: the last valid one is held',
+    TemperatureStatus.INVALID: 'temperature is no number or impossible: the last valid is held',
     TemperatureStatus.CLAMPED: (
         f'temperature is outside {TABLE_LOW:g}..{TABLE_HIGH:g} degC: the nearest end is used'
     ),
@@ -30,6 +31,8 @@ def temperature_status(temperature: GatedTemperature, shaft_problem: str) -> Sta
     """Status of the inputs: temperature and, where a joint is named, shaft speed."""
     ok = temperature.status is TemperatureStatus.OK and not shaft_problem
     message = TEXTS[temperature.status]
+    if temperature.status is TemperatureStatus.INVALID and math.isnan(temperature.age):
+        message = 'temperature is no number or impossible: the start temperature is used'
     if shaft_problem:
         message = f'{message}; {shaft_problem}'
     return Status(

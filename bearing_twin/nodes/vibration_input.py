@@ -104,22 +104,37 @@ class SourceLock:
 
     Two interleaved streams are no signal. The first source is kept; another one takes over when
     it has been silent for ``timeout`` seconds.
+
+    Parameters
+    ----------
+    timeout
+        Silence after which another source takes over, s.
+    remember
+        Time for which a source that was ignored counts as still there, s.
     """
 
-    def __init__(self, timeout: float = 2.0) -> None:
+    def __init__(self, timeout: float = 2.0, remember: float = 5.0) -> None:
         self.timeout = timeout
+        self.remember = remember
         self.ignored = 0
         """Blocks of other sources since the last change of source."""
         self._source: object = None
         self._heard = -math.inf
+        self._ignored_at = -math.inf
 
     def accept(self, source: object, now: float) -> bool:
         """Whether a block of ``source`` that arrived at ``now`` (s) is to be used."""
         if source != self._source:
             if now - self._heard <= self.timeout:
                 self.ignored += 1
+                self._ignored_at = now
                 return False
             self._source = source
             self.ignored = 0
+            self._ignored_at = -math.inf
         self._heard = now
         return True
+
+    def contested(self, now: float) -> bool:
+        """Whether another source has been heard lately, seen at ``now`` (s)."""
+        return now - self._ignored_at < self.remember

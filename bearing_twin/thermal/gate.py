@@ -15,6 +15,10 @@ TABLE_LOW = 20.0
 TABLE_HIGH = 110.0
 """Highest temperature of the paper's tables 1-3, degC."""
 
+PHYSICAL_LOW = -273.15
+PHYSICAL_HIGH = 1000.0
+"""Absolute zero, and what no bearing survives, degC: a reading beyond is a broken sensor."""
+
 RESTART_AFTER = 3
 """Readings in a row with rising stamps after which a clock that went back is believed."""
 
@@ -51,12 +55,16 @@ class TemperatureGate:
     ============================  =============================================================
     none yet                      ``start`` is used, WAITING
     older than ``timeout``        the last valid value is held, STALE
-    NaN or infinite               rejected, the last valid value is held, INVALID
+    NaN, infinite, or outside     rejected, the last valid value is held, INVALID; none of them is
+    -273.15..1000 degC            a temperature of a bearing
     outside the tables            the nearest end of 20..110 degC is used, CLAMPED
     stamp not after the last one  rejected, the last valid value is held, BACKWARDS; three
                                   readings in a row with rising stamps are a restarted source
                                   and are believed
     ============================  =============================================================
+
+    STALE wins over what the latest reading was: a source that sends nothing usable for longer
+    than ``timeout`` is no better than a silent one.
 
     Age is measured with the receiver's clock, so that a replayed recording with stamps of last
     year is not stale; stamps only order the readings.
@@ -92,7 +100,7 @@ class TemperatureGate:
             The receiver's clock, s.
         """
         self._measured = value
-        if not math.isfinite(value):
+        if not PHYSICAL_LOW <= value <= PHYSICAL_HIGH:
             self._status = TemperatureStatus.INVALID
         elif stamp and self._stamp is not None and not self._believe(stamp):
             self._status = TemperatureStatus.BACKWARDS
@@ -114,7 +122,7 @@ class TemperatureGate:
         self._arrived = min(self._arrived, now)
         age = now - self._arrived
         status = self._status
-        if age > self.timeout and status in (TemperatureStatus.OK, TemperatureStatus.CLAMPED):
+        if age > self.timeout:
             status = TemperatureStatus.STALE
         return GatedTemperature(self._used, self._measured, age, status)
 

@@ -24,11 +24,11 @@ OK = b'\x00'
 LISTENER = """
 import rclpy
 from bearing_twin_msgs.msg import Vibration
-with rclpy.init():
-    node = rclpy.create_node('slow')
-    node.create_subscription(Vibration, 'vibration', lambda _: None, 50)
-    print('listening', flush=True)
-    rclpy.spin(node)
+rclpy.init()
+node = rclpy.create_node('slow')
+node.create_subscription(Vibration, 'vibration', lambda _: None, 50)
+print('listening', flush=True)
+rclpy.spin(node)
 """
 
 

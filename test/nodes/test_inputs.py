@@ -11,7 +11,7 @@ import pytest
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.shaft import ShaftSpeed
 from bearing_twin.nodes.statefile import StateFolder
-from bearing_twin.nodes.vibration_input import SourceLock, read_vibration
+from bearing_twin.nodes.vibration_input import GapCounter, SourceLock, read_vibration
 
 
 def test_shaft_speed_comes_from_the_named_joint_whatever_its_direction():
@@ -26,7 +26,6 @@ def test_shaft_speed_comes_from_the_named_joint_whatever_its_direction():
 @pytest.mark.parametrize(
     ('names', 'velocities', 'text'),
     [
-        (['gear'], [1.0], "joint 'motor'"),
         (['gear', 'motor'], [1.0], "joint 'motor'"),
         (['motor'], [math.nan], 'not within'),
         (['motor'], [math.inf], 'not within'),
@@ -39,6 +38,15 @@ def test_unusable_joint_states_leave_the_speed(names, velocities, text):
     shaft.offer(names, velocities, now=1.0)
     assert shaft.hz == pytest.approx(10.0)
     assert text in shaft.problem(1.0)
+
+
+def test_joint_states_without_the_joint_say_nothing_of_it():
+    shaft = ShaftSpeed(nominal=25.4, joint='motor', timeout=5.0)
+    shaft.offer(['motor'], [2 * math.pi * 10.0], now=0.0)
+    shaft.offer(['gear'], [1.0], now=1.0)
+    assert shaft.problem(1.0) == ''
+    shaft.offer(['gear'], [1.0], now=6.0)
+    assert 'held' in shaft.problem(6.0)
 
 
 def message(**changes):
@@ -86,8 +94,51 @@ def test_second_source_is_ignored_until_the_first_falls_silent():
     assert not lock.accept('b', 0.02)
     assert lock.accept('a', 0.04)
     assert lock.ignored == 1
+    assert lock.contested(1.0)
+    assert not lock.contested(5.1)
     assert lock.accept('b', 2.1)
     assert not lock.accept('a', 2.2)
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    ('age', 'problem', 'contested', 'level', 'text'),
+    [
+        (0.1, 'sample_rate=0', False, 'ERROR', 'sample_rate=0'),
+        (3.0, 'sample_rate=0', False, 'STALE', 'no vibration for'),
+        (math.nan, '', False, 'STALE', 'no vibration yet'),
+        (0.1, '', True, 'ERROR', 'several sources'),
+        (0.1, '', False, 'OK', 'fresh'),
+    ],
+)
+def test_the_reason_of_a_refusal_is_not_hidden(age, problem, contested, level, text):
+    from bearing_twin.nodes.diagnosis_health import input_status
+
+    status = input_status(
+        age=age,
+        blocks=0 if math.isnan(age) else 5,
+        refused=1,
+        problem=problem,
+        ignored=3,
+        contested=contested,
+        gaps=GapCounter(),
+        shaft_problem='',
+    )
+    assert status.level.name == level
+    assert text in status.message
+
+
+@pytest.mark.ros
+def test_before_the_first_valid_temperature_the_start_temperature_is_named():
+    from bearing_twin.nodes.twin_health import temperature_status
+    from bearing_twin.thermal.gate import TemperatureGate
+
+    gate = TemperatureGate(start=30.0)
+    gate.offer(math.nan, stamp=0, now=1.0)
+    assert 'start temperature' in temperature_status(gate.at(1.0), '').message
+    gate.offer(40.0, stamp=0, now=2.0)
+    gate.offer(math.nan, stamp=0, now=3.0)
+    assert 'last valid' in temperature_status(gate.at(3.0), '').message
 
 
 @pytest.mark.parametrize('name', ['', '.', '..', '../x', '/etc/passwd', 'a/b', 'a\0b'])

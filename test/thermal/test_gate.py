@@ -33,7 +33,7 @@ def test_stale_holds_the_last_value_and_recovers():
     assert gate.at(106.0).status is TemperatureStatus.OK
 
 
-@pytest.mark.parametrize('bad', [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize('bad', [math.nan, math.inf, -math.inf, -273.2, 1000.1])
 def test_invalid_value_is_rejected_and_shown(bad):
     gate = TemperatureGate()
     gate.offer(60.0, stamp=SECOND, now=1.0)
@@ -50,6 +50,15 @@ def test_outside_the_tables_is_clamped_and_flagged(value, used):
     assert gate.offer(value, stamp=SECOND, now=1.0) is TemperatureStatus.CLAMPED
     assert gate.at(1.0).used == used
     assert gate.at(1.0).measured == value
+
+
+@pytest.mark.parametrize(('value', 'stamp'), [(math.nan, 0), (400.0, 0), (90.0, SECOND)])
+def test_stale_wins_over_what_the_latest_reading_was(value, stamp):
+    gate = TemperatureGate(timeout=5.0)
+    gate.offer(60.0, stamp=SECOND, now=100.0)
+    gate.offer(value, stamp=stamp, now=100.1)
+    assert gate.at(100.2).status is not TemperatureStatus.STALE
+    assert gate.at(106.0).status is TemperatureStatus.STALE
 
 
 def test_backward_stamp_is_rejected():
