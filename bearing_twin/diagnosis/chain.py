@@ -18,7 +18,7 @@ from bearing_twin.diagnosis.comb import (
     accumulate,
     order_spectra,
 )
-from bearing_twin.diagnosis.decision import decide, family_order
+from bearing_twin.diagnosis.decision import Verdict, decide, family_order, sideband_ratio
 from bearing_twin.diagnosis.gate import HEALTHY_TURNS, check_record
 from bearing_twin.diagnosis.report import insufficient, report
 from bearing_twin.diagnosis.result import (
@@ -51,6 +51,7 @@ __all__ = [
 _TREE_DEPTH = 3
 _WINDOW_TURNS = 256.0
 _CLEARER = 1.1
+_SIDEBANDS_SHOWN = 0.25
 
 
 @dataclass(frozen=True)
@@ -120,9 +121,7 @@ def analyse_window(
     power = scaled.real**2 + scaled.imag**2
     speed = refine_shaft_hz(power, bin_hz, envelopes, shaft_hz, settings.speed_tolerance)
     return Window(
-        order_spectra(
-            envelopes, power, [band[0] for band in tree.bands], speed.shaft_hz, shaft_hz
-        ),
+        order_spectra(envelopes, [band[0] for band in tree.bands], speed.shaft_hz, shaft_hz),
         speed,
         tree.bands,
         envelopes,
@@ -152,10 +151,14 @@ def conclude(
     verdict = decide(accumulate(windows), bearing, speed, turns)
     if speed.shaft_hz != shaft_hz_given:
         # A fault beside an integer order can pass for a shaft that runs a little off: the speed
-        # under which the fault shows more clearly is the right one.
-        given = ShaftSpeed(shaft_hz_given, speed.uncertainty, speed.score)
-        other = decide(accumulate([w.at_given_speed() for w in windows]), bearing, given, turns)
-        if other.evidence > _CLEARER * verdict.evidence:
+        # under which the fault shows more clearly is then the right one.
+        apart = abs(speed.shaft_hz / shaft_hz_given - 1.0)
+        given = ShaftSpeed(shaft_hz_given, max(speed.uncertainty, apart), speed.score)
+        at_given = accumulate([window.at_given_speed() for window in windows])
+        other = decide(at_given, bearing, given, turns)
+        if other.evidence > _CLEARER * verdict.evidence and _mistaken(
+            at_given, other, speed.shaft_hz / shaft_hz_given
+        ):
             verdict, newest = other, replace(newest, speed=given)
     if verdict.result == 'healthy' and turns < HEALTHY_TURNS:
         needed = HEALTHY_TURNS / newest.speed.shaft_hz
@@ -181,6 +184,24 @@ def conclude(
         shaft_hz_given=shaft_hz_given,
         temperature=temperature,
     )
+
+
+def _mistaken(at_given: OrderSpectra, verdict: Verdict, gap: float) -> bool:
+    """Whether the lines of a fault were mistaken for the harmonics of the shaft.
+
+    They can be where the fault's order is a whole number at the refined speed, unless the fault
+    itself has sidebands ``gap`` (refined over given speed) apart: the shaft does turn like that.
+    """
+    found = verdict.strongest
+    if found is None:
+        return False
+    order = found.order / gap
+    if abs(order - round(order)) > 3.0 * at_given.step:
+        return False
+    refined, given = (
+        sideband_ratio(at_given, found.order, found.band, side) for side in (gap, 1.0)
+    )
+    return refined < max(_CLEARER * given, _SIDEBANDS_SHOWN)
 
 
 def diagnose_record(

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bearing_twin.diagnosis.spectra import local_floor
-
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
@@ -50,8 +48,6 @@ class OrderSpectra:
     """(K, W B): mean of log(1 + power / floor)."""
     excess: NDArray[np.float32]
     """(K, 2 B): relative power above the floor, lines kept and lines capped."""
-    direct: NDArray[np.float32]
-    """(K,): mean of log(1 + power / floor) of the spectrum itself."""
     carrier: NDArray[np.float32]
     """(B,): lower edge of each band, orders."""
     given: float = 1.0
@@ -68,10 +64,10 @@ class OrderSpectra:
 
     def silenced(self, orders: Iterable[float], half_width: float) -> OrderSpectra:
         """Copy in which the bins within ``half_width`` orders of ``orders`` say nothing."""
-        logs, excess, direct = self.logs.copy(), self.excess.copy(), self.direct.copy()
+        logs, excess = self.logs.copy(), self.excess.copy()
         hidden = self.near(orders, half_width)
-        logs[hidden], excess[hidden], direct[hidden] = NEUTRAL, 0.0, NEUTRAL
-        return replace(self, logs=logs, excess=excess, direct=direct)
+        logs[hidden], excess[hidden] = NEUTRAL, 0.0
+        return replace(self, logs=logs, excess=excess)
 
     def near(self, orders: Iterable[float], half_width: float) -> NDArray[np.bool_]:
         """(K,) mask of the bins within ``half_width`` orders of any of ``orders``."""
@@ -94,7 +90,6 @@ class OrderSpectra:
 
 def order_spectra(
     spectra: EnvelopeSpectra,
-    power: NDArray[np.float32],
     edges: Sequence[float],
     shaft_hz: float,
     given_hz: float,
@@ -105,8 +100,6 @@ def order_spectra(
     ----------
     spectra
         Squared envelope spectra.
-    power
-        Power spectrum of the signal itself, bin k at k bin_hz.
     edges
         Lower edge of each band, Hz.
     shaft_hz, given_hz
@@ -115,15 +108,10 @@ def order_spectra(
     whitenings, bands, count = spectra.power.shape
     logs = np.log1p(spectra.power / spectra.floor).reshape(whitenings * bands, count)
     excess = np.maximum(spectra.power[:2] - spectra.floor[:2], 0.0).reshape(2 * bands, count)
-    direct = np.full(count, NEUTRAL, dtype=np.float32)
-    low = power[1 : count + 1]
-    width = max(int(4.0 * shaft_hz / spectra.bin_hz), 32)
-    direct[: len(low)] = np.log1p(low / local_floor(low, width))
     return OrderSpectra(
         spectra.bin_hz / shaft_hz,
         np.ascontiguousarray(logs.T),
         np.ascontiguousarray(excess.T),
-        direct,
         np.asarray(edges, dtype=np.float32) / np.float32(shaft_hz),
         given_hz / shaft_hz,
     )
@@ -137,14 +125,12 @@ def accumulate(windows: Sequence[OrderSpectra]) -> OrderSpectra:
     orders = newest.step * np.arange(1, len(newest.logs) + 1)
     total = sum(window.weight for window in windows)
     logs, excess = np.zeros_like(newest.logs), np.zeros_like(newest.excess)
-    direct = np.zeros_like(newest.direct)
     for window in windows:
         rows = window.rows(orders)
         share = np.float32(window.weight / total)
         logs += share * window.logs[rows]
         excess += share * window.excess[rows]
-        direct += share * window.direct[rows]
-    return replace(newest, logs=logs, excess=excess, direct=direct, weight=total)
+    return replace(newest, logs=logs, excess=excess, weight=total)
 
 
 @dataclass(frozen=True)

@@ -54,8 +54,8 @@ SLIP = (-0.015, 0.06)
 """Cage slip looked for. Below zero: a contact angle that the geometry does not know of."""
 
 INDEX_STRIKE = 2.0
-"""Modulation index of the cage's comb above which the envelope is more strike than ripple: half of
-the 4 that sharp impacts alone reach with four teeth."""
+"""Modulation index of the cage's comb, with lines kept and with lines capped, above which the
+envelope is more strike than ripple: half of the 4 that sharp impacts reach with four teeth."""
 
 JOINT_SLIP = 0.008
 """Two faults of one bearing share one cage: their slips agree to this much."""
@@ -75,6 +75,8 @@ the most that a rotating load does to a fixed place, makes shaft sidebands of 0.
 envelope. A damaged outer race stands still; an inner race passes through the load zone."""
 
 _SLIP_COST = 0.02
+_SLOW_CAGE = 0.12
+_HANN_BINS = 1.5
 _STEADY = 0.004
 _SIDEBANDS = 4
 _RACES = ('inner', 'outer')
@@ -195,39 +197,66 @@ class Judge:
             family, found, float(slip[at]), float(z[at]), index, band, alive, sidebands, of_cage
         )
 
-    def teeth_of(self, cage: Candidate, others: Sequence[Candidate]) -> bool:
-        """Whether all that shows are teeth of the comb of a cage, itself not yet significant."""
-        gated = [c for c in others if c.cage_sidebands > GATED]
-        rest = [c for c in others if c.cage_sidebands <= GATED]
-        if not others or (rest and not (cage.z >= Z_FAULT and cage.index >= INDEX_STRIKE)):
-            return False
-        return bool(gated) and _rules(cage, rest, self._all.step)
+    def capped_index(self, cage: Candidate) -> float:
+        """Modulation index of the cage's comb with lines capped."""
+        power = _comb_power(self.spectra, cage.order, cage.band) / _HANN_BINS
+        return 2.0 * math.sqrt(power)
 
-    def mirrored(self, outer: Candidate) -> float | None:
-        """Amplitude of the inner race's comb over that of an outer race's, where they coincide.
+    def teeth_of_cage(self, found: Sequence[Candidate]) -> bool:
+        """Whether the combs found are teeth of one comb of the cage's frequency.
 
-        The outer race's comb may be a shaft sideband of the inner race's if that one, an integer
-        above it, lies where a slip about as likely may put it. None if it does not.
+        Either the outer race's has cage sidebands as high as its teeth; or there are several, and
+        a cage with more slip than is looked for shows more than any of them.
+        """
+        cages = [c.order / self._n_balls for c in found if c.cage_sidebands > GATED]
+        slow = self.slow_cage() if len(found) > 1 else None
+        if slow is not None and slow.z >= max(c.z for c in found):
+            sides = [sideband_ratio(self.spectra, c.order, c.band, slow.order) for c in found]
+            cages += [slow.order] if min(sides) > GATED else []
+        return any(all(_on_comb(c, cage, self._all.step) for c in found) for cage in cages)
+
+    def slow_cage(self) -> Candidate | None:
+        """Best comb of a cage that slips by up to ``_SLOW_CAGE``, whatever that costs."""
+        slowest = self.orders.ftf + (self._slipped.ftf - self.orders.ftf) / SLIP[1] * _SLOW_CAGE
+        first, last = np.searchsorted(self._scores.grid, (slowest, self.orders.ftf))
+        if last <= first:
+            return None
+        at = int(first + np.argmax(self._scores.z[first:last]))
+        order, z = float(self._scores.grid[at]), float(self._scores.z[at])
+        slip = _SLOW_CAGE * (self.orders.ftf - order) / (self.orders.ftf - slowest)
+        found = Candidate('cage', order, slip, z, 0.0, 0, HARMONICS, _UNTESTED, 0.0)
+        return found if z >= Z_CAGE else None
+
+    def mirrored(self, other: Candidate) -> float | None:
+        """Amplitude of the inner race's comb over that of another's, where they coincide.
+
+        A comb may be a shaft sideband of the inner race's if that one, an integer beside it, lies
+        where a slip about as likely may put it. None if it does not.
         """
         order = self.orders.bpfi
         slope = (self._slipped.bpfi - order) / SLIP[1]
         # Not much less likely than the slip of the outer race that it would replace.
-        likely = math.hypot(outer.slip, _SLIP_COST)
+        likely = math.hypot(other.slip, _SLIP_COST)
         slack = self._uncertainty * order + 2.0 * self._all.step
-        first = math.ceil(order + slope * max(SLIP[0], -likely) - slack - outer.order)
-        last = math.floor(order + slope * min(SLIP[1], likely) + slack - outer.order)
+        first = math.ceil(order + slope * max(SLIP[0], -likely) - slack - other.order)
+        last = math.floor(order + slope * min(SLIP[1], likely) + slack - other.order)
         sides = [side for side in range(first, last + 1) if side]
         if not sides:
             return None
         # The inner race's own teeth may hide behind shaft harmonics: they are looked at here.
         near = np.arange(-2.0, 2.25, 0.25) * self._all.step
-        own = _comb_power(self._all, outer.order, outer.band)
+        own = _comb_power(self._all, other.order, other.band)
         power = max(
-            _comb_power(self._all, outer.order + side + away, outer.band)
+            _comb_power(self._all, other.order + side + away, other.band)
             for side in sides
             for away in near
         )
         return math.sqrt(power / max(own, 1e-30))
+
+    @property
+    def steady(self) -> bool:
+        """Whether the shaft speed is known well enough to compare slips and place sidebands."""
+        return self._uncertainty <= _STEADY
 
     def hidden(self, family: str) -> Candidate | None:
         """Comb of a family that shows, but whose teeth hide behind the shaft's harmonics."""
@@ -255,7 +284,7 @@ class Judge:
 
     def joint_slips(self, primary: Candidate) -> tuple[float, float]:
         """Slip that another fault of the same bearing may have, given the primary one's."""
-        if self._uncertainty > _STEADY or primary.family == 'cage':
+        if not self.steady or primary.family == 'cage':
             return SLIP
         return primary.slip - JOINT_SLIP, primary.slip + JOINT_SLIP
 
@@ -277,7 +306,7 @@ def modulation_index(
     teeth = order * np.arange(1, HARMONICS + 1)
     rows = spectra.rows(teeth[:, None] + spectra.step * np.arange(-1, 2))
     # A line spreads over three bins of the Hann window, whose noise bandwidth is 1.5 bins.
-    power = spectra.excess[rows.ravel(), lines].sum(axis=0) / 1.5
+    power = spectra.excess[rows.ravel(), lines].sum(axis=0) / _HANN_BINS
     if family == 'outer':
         # Half of the range stays in any case, for low sample rates.
         limit = min(CARRIER * order, 0.5 * float(spectra.carrier.max()))
@@ -302,29 +331,6 @@ def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 
     rows = spectra.rows(sides[:, None, None] + teeth[:, None] + spectra.step * np.arange(-1, 2))
     power = spectra.excess[rows, len(spectra.carrier) + band].sum(axis=(1, 2))
     return float(np.sqrt(power[1:].mean() / max(float(power[0]), 1e-30)))
-
-
-def cage_shakes(judge: Judge, order: float) -> bool:
-    """Whether the signal itself, not only its envelope, repeats with the cage.
-
-    A worn cage or a displaced ball changes the forces once a cage turn, which shows as lines at
-    multiples of the cage frequency. A damaged ball strikes with a strength that varies with the
-    cage's position: only the envelope repeats.
-    """
-    spectra = judge.spectra
-    # Below the ball pass order, which is a multiple of the cage's and shows in good bearings too.
-    teeth = np.arange(1, 7)
-
-    def comb(grid: NDArray[np.float64]) -> NDArray[np.float64]:
-        rows = spectra.rows(np.outer(grid, teeth).ravel())
-        return np.asarray(spectra.direct[rows].reshape(len(grid), -1).mean(axis=1), dtype=float)
-
-    step = spectra.step / (2 * teeth[-1])
-    beside = order * np.concatenate((np.arange(0.80, 0.96, 0.0005), np.arange(1.04, 1.2, 0.0005)))
-    null = comb(beside)
-    center, upper = np.quantile(null, (0.5, 0.8413))
-    found = comb(order + step * np.arange(-6, 7)).max()
-    return bool(found >= center + Z_FAULT * max(upper - center, 1e-3))
 
 
 def decide(
@@ -362,30 +368,25 @@ def decide(
     cage = next((c for c in strong if c.family == 'cage'), None)
     if cage is not None and cage.index >= INDEX_FAULT and _rules(cage, others, spectra.step):
         return _judge_cage(judge, cage, candidates, revolutions)
-    if judge.teeth_of(candidates['cage'], others):
-        text = (
-            f'{others[0]}; as high stand the other multiples of the cage order: a cage that '
-            'strikes, or a ball that strikes once a cage turn; a longer window tells'
-        )
-        return Verdict(
-            'suspect', 'suspect', ('cage',), 0.5, (str(candidates['cage']), text), candidates
-        )
     strong = others
-    outer = next((c for c in strong if c.family == 'outer' and c.sidebands > GATED), None)
-    mirrored = judge.mirrored(outer) if outer else None
-    if outer and mirrored is not None and mirrored * RIVAL > 1.0:
-        strong = [c for c in strong if c is not outer]
-        if mirrored < BLURRED or all(c.family != 'inner' for c in strong):
+    for gated in [c for c in strong if c.family in ('outer', 'ball')]:
+        sidebands = sideband_ratio(judge.spectra, gated.order, gated.band)
+        mirrored = judge.mirrored(gated) if sidebands > GATED else None
+        if mirrored is None or mirrored * RIVAL <= 1.0:
+            continue
+        leads = all(c.evidence <= gated.evidence for c in strong)
+        strong = [c for c in strong if c is not gated]
+        if leads and (mirrored < BLURRED or all(c.family != 'inner' for c in strong)):
             inner = candidates['inner']
             text = (
-                f'the comb at {outer.order:.3f} orders has shaft sidebands of '
-                f'{outer.sidebands:.1f} of its height and may be one of the inner race, which '
-                'passes through the load zone; a longer window or steadier conditions part them'
+                f'the comb at {gated.order:.3f} orders has shaft sidebands of {sidebands:.1f} of '
+                'its height and may be one of the inner race, which passes through the load '
+                'zone; a longer window or steadier conditions part them'
             )
-            level = 'fault' if outer.index >= INDEX_FAULT else 'suspect'
+            level = 'fault' if gated.index >= INDEX_FAULT else 'suspect'
             return Verdict(
-                'ambiguous', level, ('inner', 'outer'), 0.5,
-                (str(outer), str(inner), text), candidates, outer,
+                'ambiguous', level, ('inner', gated.family), 0.5,
+                (str(gated), str(inner), text), candidates, gated,
             )  # fmt: skip
     hidden = [] if strong else [c for c in map(judge.hidden, FAMILIES[:3]) if c is not None]
     if hidden:
@@ -431,17 +432,36 @@ def decide(
         if other is not primary:
             again = judge.best(other.family, rest, judge.joint_slips(primary))
             if again.z >= Z_FAULT and again.teeth >= 2:
-                (found if again.index >= INDEX_FAULT else weak).append(again)
-    faults = tuple(c.family for c in found if c.index >= INDEX_FAULT)
+                sure = again.index >= INDEX_FAULT and judge.steady
+                (found if sure else weak).append(again)
+    named = [c for c in found if c.index >= INDEX_FAULT]
+    doubtful = [c for c in weak if c.index >= INDEX_FAULT]
+    if named and judge.teeth_of_cage([*named, *doubtful]):
+        text = (
+            'as high stand the other multiples of the cage order: a cage that strikes, or a ball '
+            'that strikes once a cage turn; a longer window tells'
+        )
+        return Verdict(
+            'suspect', 'suspect', ('cage',), 0.5, (*map(str, named), text), candidates, named[0]
+        )
+    faults = tuple(c.family for c in named)
     margin = primary.z - max((c.z for c in weak), default=0.0)
     confidence = 1.0 - math.exp(-max(margin, 0.0) / Z_FAULT)
     reasons = [str(c) for c in (*found, *weak)]
     candidates |= {c.family: c for c in (*found, *weak)}
+    if faults and doubtful:
+        reasons.append(
+            'the shaft speed is not known well enough to name a second fault beside the first: '
+            'its lines may be sidebands; give a measured speed'
+        )
+        if max(c.z for c in doubtful) * RIVAL > primary.z:
+            both = (primary.family, *(c.family for c in doubtful))
+            return Verdict('ambiguous', 'fault', both, 0.5, tuple(reasons), candidates, primary)
     if not faults:
         reasons.append(f'modulation index below {INDEX_FAULT:g}: not an alarm')
-        named = tuple(c.family for c in (*found, *weak))
+        suspects = tuple(c.family for c in (*found, *weak))
         return Verdict(
-            'suspect', 'suspect', named, confidence, tuple(reasons), candidates, primary
+            'suspect', 'suspect', suspects, confidence, tuple(reasons), candidates, primary
         )
     return Verdict(faults[0], 'fault', faults, confidence, tuple(reasons), candidates, primary)
 
@@ -453,13 +473,17 @@ def _rules(cage: Candidate, others: Sequence[Candidate], step: float) -> bool:
     a cage turn has harmonics everywhere, the ball pass order of the outer race among them.
     """
     for other in others:
-        multiple = round(other.order / cage.order)
-        away = abs(other.order - multiple * cage.order)
-        on_comb = away <= (2.0 + 0.25 * multiple) * step
         weaker = other.z < cage.z and other.index <= cage.index
-        if other.index >= INDEX_FAULT and not (on_comb and weaker):
+        if other.index >= INDEX_FAULT and not (_on_comb(other, cage.order, step) and weaker):
             return False
     return True
+
+
+def _on_comb(candidate: Candidate, cage_order: float, step: float) -> bool:
+    """Whether every second tooth of a comb, at least, lies on a multiple of the cage's order."""
+    multiple = round(2.0 * candidate.order / cage_order)
+    away = abs(2.0 * candidate.order - multiple * cage_order)
+    return away <= (4.0 + 0.25 * multiple) * step
 
 
 def _judge_cage(
@@ -468,10 +492,10 @@ def _judge_cage(
     """Tell a cage fault from a ball that strikes once a cage turn."""
     confidence = 1.0 - math.exp(-cage.z / Z_CAGE)
     turns = revolutions * judge.orders.ftf
-    if cage.index < INDEX_STRIKE and not cage_shakes(judge, cage.order):
+    if min(cage.index, judge.capped_index(cage)) < INDEX_STRIKE:
         text = (
-            'ball and cage coincide: the envelope repeats with the cage, the signal itself does '
-            'not; a ball strikes once a cage turn, or the cage is damaged'
+            'ball and cage coincide: the envelope ripples with the cage; a ball strikes while it '
+            'passes the load zone, once a cage turn, or the cage is damaged'
         )
         return Verdict(
             'ambiguous',

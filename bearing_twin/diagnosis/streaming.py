@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = ['StreamingDiagnoser']
 
-_VERSION = 1
+_VERSION = 2
 _STEADY = 0.005
 
 
@@ -160,7 +160,6 @@ class StreamingDiagnoser:
         for number, (_, orders) in enumerate(self._earlier):
             arrays[f'logs{number}'] = orders.logs
             arrays[f'excess{number}'] = orders.excess
-            arrays[f'direct{number}'] = orders.direct
             arrays[f'carrier{number}'] = orders.carrier
         values = {
             'trend': self._trend.values(),
@@ -188,7 +187,6 @@ class StreamingDiagnoser:
                         float(step),
                         arrays[f'logs{n}'],
                         arrays[f'excess{n}'],
-                        arrays[f'direct{n}'],
                         arrays[f'carrier{n}'],
                         float(given),
                     ),

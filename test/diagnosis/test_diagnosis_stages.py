@@ -103,7 +103,7 @@ def _orders(x, shaft_hz, top=25.0):
     )
     power = np.abs(spectrum).astype(np.float32) ** 2
     edges = [low for low, _ in tree.bands]
-    return order_spectra(envelopes, power, edges, shaft_hz, shaft_hz), envelopes, power, bin_hz
+    return order_spectra(envelopes, edges, shaft_hz, shaft_hz), envelopes, power, bin_hz
 
 
 def _train(rng, order, shaft_hz, seconds, noise=1.0):
