@@ -17,7 +17,7 @@ from bearing_twin.dynamics import filters, kernel, laws
 from bearing_twin.dynamics import fleet_kernel as fk
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.condition import Condition, condition
-from bearing_twin.dynamics.simulator import Simulator, check_speed
+from bearing_twin.dynamics.simulator import Simulator, check_speed, identity
 from bearing_twin.dynamics.tables import ball_table, constants, defect_table
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import check_temperature
@@ -32,8 +32,8 @@ __all__ = ['Fleet', 'FleetBlock']
 FloatArray = npt.NDArray[np.float64]
 Array = npt.NDArray[Any]
 
-_MAGIC = b'BFleet\x00\x02'
-_FIELDS = struct.Struct('<dQII')
+_MAGIC = b'BFleet\x00\x03'
+_FIELDS = struct.Struct('<dQIII')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,6 +80,8 @@ class Fleet:
         if not size:
             msg = 'a fleet needs at least one bearing'
             raise BearingTwinError(msg)
+        for index, each in enumerate(parameters):
+            _check_defects(index, each)
         self._parameters = list(parameters)
         self._temperatures = self._checked('temperatures', temperatures, check_temperature)
         self._shaft_hz = self._checked('shaft_hz', shaft_hz, check_speed)
@@ -205,7 +207,8 @@ class Fleet:
     def reconfigure(self, index: int, parameters: TwinParameters) -> None:
         """Change the parameters of one bearing while running; its state is carried on.
 
-        The number of balls and the inner ring's temperature start anew where they differ.
+        The inner ring's temperature is carried on as well if the mode stays physical. Parameters
+        that are refused change nothing.
         """
         self._check_index(index)
         if parameters.bearing.n_balls > self._balls.shape[1]:
@@ -214,6 +217,7 @@ class Fleet:
                 f'{self._balls.shape[1]} of this fleet; start a new fleet with it'
             )
             raise BearingTwinError(msg)
+        _check_defects(index, parameters)
         state = self._motion(index)
         simulator = Simulator(
             parameters,
@@ -222,9 +226,11 @@ class Fleet:
             temperature=float(self._temperatures[index]),
             shaft_hz=float(self._shaft_hz[index]),
         )
-        simulator.adopt(state, self.next_sample)
-        self._parameters[index] = parameters
         group, lane = divmod(index, fk.L)
+        carried = parameters.thermal_mode == 'physical' and not math.isnan(self._rings[index, 0])
+        rings = (float(self._rings[index, 0]), float(self._rings[index, 1]))
+        simulator.adopt(state, self.next_sample, rings if carried else None)
+        self._parameters[index] = parameters
         sensor = self._w[group, 16:20, lane].copy()
         self._place(index, simulator)
         self._w[group, 16:20, lane] = sensor
@@ -234,7 +240,10 @@ class Fleet:
         body = b''.join(
             part.astype(part.dtype.newbyteorder('<')).tobytes() for part in self._state()
         )
-        fields = _FIELDS.pack(self.sample_rate, self.next_sample, len(self), self._balls.shape[1])
+        fields = _FIELDS.pack(
+            self.sample_rate, self.next_sample, len(self), self._balls.shape[1],
+            identity(self._parameters),
+        )  # fmt: skip
         return _MAGIC + struct.pack('<I', zlib.crc32(body, zlib.crc32(fields))) + fields + body
 
     def load(self, data: bytes) -> None:
@@ -256,14 +265,15 @@ class Fleet:
         ):
             msg = f'saved state of {len(data)} bytes is truncated or damaged; start without it'
             raise BearingTwinError(msg)
-        rate, next_sample, size, n_balls = _FIELDS.unpack_from(data, head)
+        rate, next_sample, size, n_balls, whose = _FIELDS.unpack_from(data, head)
         parts = self._state()
         body = data[head + _FIELDS.size :]
-        own = (self.sample_rate, len(self), self._balls.shape[1])
-        if (rate, size, n_balls) != own or len(body) != sum(part.nbytes for part in parts):
+        own = (self.sample_rate, len(self), self._balls.shape[1], identity(self._parameters))
+        if (rate, size, n_balls, whose) != own or len(body) != sum(part.nbytes for part in parts):
             msg = (
                 f'saved state is for {size} bearings at {rate} Hz, this fleet has {own[1]} at '
-                f'{own[0]} Hz; load it with its own configuration'
+                f'{own[0]} Hz, or their geometries or thermal modes differ; load it with its own '
+                'configuration'
             )
             raise BearingTwinError(msg)
         loaded, at = [], 0
@@ -276,7 +286,9 @@ class Fleet:
         for temperature, speed in zip(temperatures, speeds, strict=True):
             check_temperature(float(temperature))
             check_speed(float(speed))
-        if next_sample >= 2**62 or any((part > 1e20).any() for part in numbers):
+        motion = np.concatenate([part.ravel() for part in loaded[:4]])
+        beyond = any((part > 1e20).any() for part in numbers)
+        if next_sample >= 2**62 or beyond or not np.isfinite(motion).all():
             msg = 'saved state holds values that no simulation reaches; start without it'
             raise BearingTwinError(msg)
         for part, values in zip(parts, loaded, strict=True):
@@ -339,12 +351,6 @@ class Fleet:
         snapshot = simulator.snapshot()
         group, lane = divmod(index, fk.L)
         spalls = snapshot.defects
-        if len(spalls) > fk.MAX_SPALLS:
-            msg = (
-                f'bearing {index} of the fleet has {len(spalls)} defects, more than '
-                f'{fk.MAX_SPALLS}; merge some, or use a Simulator for it'
-            )
-            raise BearingTwinError(msg)
         w, const, state = self._w[group, :, lane], snapshot.const, snapshot.state
         w[:16] = state[:16]
         table = snapshot.resonator
@@ -389,6 +395,15 @@ class Fleet:
 # Rows of the work array that are carried on: motion and sensor, and the rotated sines.
 _CARRIED = np.array([*range(fk.STATE_ROWS), fk.C, fk.S, fk.CS, fk.SS])
 _TURNED = np.array([0, 1, 2, fk.PHASE_ROWS, fk.PHASE_ROWS + 1, fk.PHASE_ROWS + 2])
+
+
+def _check_defects(index: int, parameters: TwinParameters) -> None:
+    if len(parameters.defects) > fk.MAX_SPALLS:
+        msg = (
+            f'bearing {index} of the fleet has {len(parameters.defects)} defects, more than '
+            f'{fk.MAX_SPALLS}; merge some, or use a Simulator for it'
+        )
+        raise BearingTwinError(msg)
 
 
 def _even(n_balls: int) -> int:

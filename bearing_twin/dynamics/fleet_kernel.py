@@ -351,7 +351,7 @@ def _grid_point(w, phases, keys, inputs, growth, index, within, steps, h, spalls
         walk = phases[JITTER, i] * normal_pair(index, WALK, keys[i])[0]
         carried = hz * (1.0 - slip)
         turning = phases[FTF_ORDER, i] * carried + walk * math.sqrt(hz)
-        rolling = phases[SPIN_ORDER, i] * carried
+        rolling = phases[SPIN_ORDER, i] / phases[FTF_ORDER, i] * turning
         w[_TURNING * L + i] = _TWO_PI * turning
         w[_OMEGA * L + i] = _TWO_PI * hz
         w[_PULL * L + i] = w[_UNBALANCE * L + i] * (_TWO_PI * hz) ** 2

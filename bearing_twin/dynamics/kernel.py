@@ -213,12 +213,13 @@ def _turn(state, const, defects, balls, base, step, n_balls, walk, begin, table,
     c, s = state[CAGE_COS], state[CAGE_SIN]
     cs, ss = state[SHAFT_COS], state[SHAFT_SIN]
     wander = walk * math.sqrt(base[SHAFT_HZ])
+    spin_per_cage = const[SPIN_ORDER] / const[FTF_ORDER]  # the balls roll as fast as they travel
     for i in range(table.shape[0]):
         middle, end = begin + i + 0.5, begin + i + 1.0
         hz = base[SHAFT_HZ] + step[SHAFT_HZ] * middle
         carried = hz * (1.0 - (base[SLIP] + step[SLIP] * middle))
         turning = const[FTF_ORDER] * carried + wander
-        rolling = const[SPIN_ORDER] * carried
+        rolling = turning * spin_per_cage
         cage += h * turning
         shaft += h * hz
         spin += h * rolling

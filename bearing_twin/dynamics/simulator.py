@@ -15,12 +15,15 @@ import numpy.typing as npt
 
 from bearing_twin.dynamics import filters, kernel, laws
 from bearing_twin.dynamics.condition import Condition, condition
+from bearing_twin.dynamics.stability import check_step
 from bearing_twin.dynamics.statics import equilibrium
 from bearing_twin.dynamics.tables import ball_table, constants, defect_table
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import check_temperature
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from bearing_twin.dynamics.parameters import TwinParameters
 
 __all__ = ['Block', 'Simulator', 'warm_up']
@@ -29,8 +32,8 @@ FloatArray = npt.NDArray[np.float64]
 
 MAX_SHAFT_HZ = 500.0
 _MAX_BLOCK = 1 << 24
-_FIELDS = struct.Struct('<dIQddH')
-_MAGIC = b'BTwin\x00\x02\x00'
+_FIELDS = struct.Struct('<dIQddI')
+_MAGIC = b'BTwin\x00\x03\x00'
 _TICK = 0.1
 """Interval at which the inner ring's temperature is advanced, s; its time constant is seconds."""
 
@@ -40,7 +43,7 @@ class Block:
     """Housing acceleration as an accelerometer sees it."""
 
     first_sample: int
-    """Running index of ``x[0]``."""
+    """Running index of ``x[0]``. The signal lags the condition by `Simulator.delay`."""
     x: npt.NDArray[np.float32]
     """Horizontal, m/s^2."""
     y: npt.NDArray[np.float32]
@@ -68,9 +71,9 @@ class Snapshot:
 class Simulator:
     """Advances the equations of motion of one bearing and carries their state.
 
-    The equations run at 51.2 kHz or above with the classical Runge-Kutta method of order 4; the
-    sensor's resonance is applied there, then the signal is decimated. The decimator delays the
-    signal by `delay` against the condition.
+    The equations run at 76.8 kHz or above with Hermite's method of order 4; the sensor's resonance
+    is applied there, then the signal is decimated. The decimator delays the signal by `delay`
+    against the condition: `Block.x` [k] shows what happened `delay` before its sample's time.
 
     Inputs are ramped linearly over the block in which they are commanded, so that stiffness and
     defect depth follow the temperature without a step. With held inputs, splitting a block or
@@ -109,6 +112,7 @@ class Simulator:
         self.tick = max(1, round(_TICK * sample_rate))
         self._drift = np.zeros((2, laws.INPUTS))
         self._rings = (math.nan, math.nan)
+        self._values = np.zeros(laws.CONDITION_SIZE)
         self._configure(parameters)
         self.reset(seed)
 
@@ -166,11 +170,7 @@ class Simulator:
         physical = self._parameters.thermal_mode == 'physical'
         self._configure(parameters)
         if physical and parameters.thermal_mode == 'physical':
-            outer, hz = self._temperature, self._shaft_hz
-            self._values = self._evaluate(outer, outer, hz)
-            self._drift[0] = self._difference(outer, self._rings[0], hz)
-            ahead = self._difference(outer, self._rings[1], hz)
-            self._drift[1] = (ahead - self._drift[0]) / self.tick
+            self._carry_rings(self._rings)
         else:
             self._settle_ring()
         self._restart_motion()
@@ -245,7 +245,7 @@ class Simulator:
         data = body.astype('<f8').tobytes()
         fields = (
             self.sample_rate, self._seed, self.next_sample, self._temperature, self._shaft_hz,
-            self._parameters.bearing.n_balls,
+            identity([self._parameters]),
         )  # fmt: skip
         crc = zlib.crc32(data, zlib.crc32(_FIELDS.pack(*fields)))
         return _MAGIC + struct.pack('<I', crc) + _FIELDS.pack(*fields) + data
@@ -256,8 +256,8 @@ class Simulator:
         Raises
         ------
         BearingTwinError
-            If ``data`` is damaged, of another version, or of another sample rate or number of
-            balls; the state is then unchanged.
+            If ``data`` is damaged, of another version, or of another sample rate, bearing
+            geometry or thermal mode; the state is then unchanged.
         """
         data = bytes(data)
         if data[: len(_MAGIC)] != _MAGIC:
@@ -270,18 +270,21 @@ class Simulator:
         ):
             msg = f'saved state of {len(data)} bytes is truncated or damaged; start without it'
             raise BearingTwinError(msg)
-        rate, seed, next_sample, temperature, shaft_hz, n_balls = _FIELDS.unpack_from(data, head)
-        own = (self.sample_rate, self._parameters.bearing.n_balls)
+        rate, seed, next_sample, temperature, shaft_hz, whose = _FIELDS.unpack_from(data, head)
+        own = (self.sample_rate, identity([self._parameters]))
         sizes = [self._state.size, self._history.size, self._drift.size, 2]
-        if (rate, n_balls) != own or len(body) != 8 * sum(sizes):
+        if (rate, whose) != own or len(body) != 8 * sum(sizes):
             msg = (
-                f'saved state is for {n_balls} balls at {rate} Hz, the simulator for {own[1]} at '
-                f'{own[0]} Hz; load it with its own configuration'
+                f'saved state at {rate:g} Hz belongs to another sample rate, bearing geometry or '
+                f'thermal mode than this {self._parameters.bearing.name} at {own[0]:g} Hz in the '
+                f'{self._parameters.thermal_mode} mode; load it with its own configuration'
             )
             raise BearingTwinError(msg)
         values = np.frombuffer(body, dtype='<f8').astype(float)
         phases = values[kernel.CAGE : kernel.SPIN + 1]
+        moved, rings = values[kernel.Q : kernel.V], values[-2:]
         bounded = np.isfinite(values).all() and np.abs(values).max() < 1e15
+        bounded = bounded and np.abs(moved).max() < 1.0 and np.abs(rings).max() < 300.0
         if not (bounded and (phases >= 0.0).all() and (phases < 2.0).all()):
             msg = 'saved state holds values that no simulation reaches; start without it'
             raise BearingTwinError(msg)
@@ -300,9 +303,16 @@ class Simulator:
         physical = self._parameters.thermal_mode == 'physical'
         self._rings = (float(rings[0]), float(rings[1])) if physical else (math.nan, math.nan)
 
-    def adopt(self, state: FloatArray, next_sample: int) -> None:
-        """Take over phases, positions and velocities in the layout of `kernel`."""
+    def adopt(
+        self, state: FloatArray, next_sample: int, rings: tuple[float, float] | None = None
+    ) -> None:
+        """Take over phases, positions and velocities in the layout of `kernel`.
+
+        ``rings``, degC, are the inner ring's temperatures at the last and the next thermal tick.
+        """
         self.next_sample = next_sample
+        if rings is not None:
+            self._carry_rings(rings)
         self._state[:] = state
         self._restart_motion()
 
@@ -324,6 +334,7 @@ class Simulator:
     def _configure(self, parameters: TwinParameters) -> None:
         p = parameters
         step = 1.0 / (self.sample_rate * self._oversample)
+        check_step(p, step)
         self._parameters = p
         self._law = laws.law_table(p)
         self._resonator = filters.resonator(p.resonance_hz, p.resonance_damping, step)
@@ -361,6 +372,14 @@ class Simulator:
             self._rings = (inner, inner)
             self._drift[0] = self._difference(outer, inner, hz)
 
+    def _carry_rings(self, rings: tuple[float, float]) -> None:
+        """Go on from these temperatures of the inner ring with the parameters in force."""
+        outer, hz = self._temperature, self._shaft_hz
+        self._values = self._evaluate(outer, outer, hz)
+        self._rings = rings
+        self._drift[0] = self._difference(outer, rings[0], hz)
+        self._drift[1] = (self._difference(outer, rings[1], hz) - self._drift[0]) / self.tick
+
     def _advance_ring(self, outer: float, shaft_hz: float) -> None:
         """One tick: the inner ring goes on towards its balance with outer ring and shaft."""
         inner = self._rings[1]
@@ -378,11 +397,29 @@ class Simulator:
         return self._rings[0] + (self._rings[1] - self._rings[0]) * share
 
 
-def warm_up() -> None:
-    """Compile, or load from the cache, everything that a running simulator calls."""
+def identity(parameters: Sequence[TwinParameters]) -> int:
+    """Checksum of what a saved state cannot change: geometries and thermal modes."""
+    known = [
+        (b.n_balls, b.d_ball, b.d_pitch, b.contact_angle, p.thermal_mode)
+        for p in parameters
+        for b in [p.bearing]
+    ]
+    return zlib.crc32(repr(known).encode())
+
+
+def warm_up(*, fleet: bool = False) -> None:
+    """Compile, or load from the cache, everything that a running simulator calls.
+
+    With ``fleet`` also what a :class:`Fleet` calls.
+    """
     from bearing_twin.dynamics.presets import preset
 
-    Simulator(preset('incipient', thermal_mode='physical')).advance(16, 30.0, 25.0)
+    parameters = preset('incipient', thermal_mode='physical')
+    Simulator(parameters).advance(16, 30.0, 25.0)
+    if fleet:
+        from bearing_twin.dynamics.fleet import Fleet
+
+        Fleet([parameters]).advance(2561, 30.0, 25.0)  # beyond a thermal tick
 
 
 def check_speed(shaft_hz: float) -> float:
