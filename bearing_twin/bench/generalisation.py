@@ -104,16 +104,16 @@ def _disturb(case: Case, n: int, rng: np.random.Generator) -> np.ndarray[Any, An
     if case.machine == 'shaft':
         # Unbalance, misalignment and looseness: many harmonics, halves among them.
         step = case.shaft_hz * float(rng.choice((0.5, 1.0)))
-        return np.sum([tone(step * k) / np.sqrt(k) for k in range(1, 40)], axis=0)
+        return np.asarray(np.sum([tone(step * k) / np.sqrt(k) for k in range(1, 40)], axis=0))
     if case.machine == 'gear':
         # Two meshes, one of them on another shaft whose turns are no multiple of this one's.
         meshes = (int(rng.integers(13, 60)), float(rng.uniform(13.0, 60.0)))
         lines = [(k * m * case.shaft_hz) for m in meshes for k in (1, 2, 3)]
-        return np.sum([tone(hz, 0.7) for hz in lines if hz < nyquist], axis=0)
+        return np.asarray(np.sum([tone(hz, 0.7) for hz in lines if hz < nyquist], axis=0))
     if case.machine == 'mains':
         stray = rng.uniform(10.0, nyquist, 20)
         hum = float(rng.choice((50.0, 60.0)))
-        return np.sum([tone(hz) for hz in (*(hum * np.arange(1, 20)), *stray)], axis=0)
+        return np.asarray(np.sum([tone(hz) for hz in (*(hum * np.arange(1, 20)), *stray)], axis=0))
     if case.machine == 'modulated':
         # Noise of a flow or a seal that swells once a turn.
         swell = 1.0 + 0.8 * np.cos(shaft + rng.uniform(0.0, 6.3))

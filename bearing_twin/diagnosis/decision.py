@@ -432,19 +432,19 @@ def decide(
         if other is not primary:
             again = judge.best(other.family, rest, judge.joint_slips(primary))
             if again.z >= Z_FAULT and again.teeth >= 2:
-                sure = again.index >= INDEX_FAULT and judge.steady
-                (found if sure else weak).append(again)
-    named = [c for c in found if c.index >= INDEX_FAULT]
+                certain = again.index >= INDEX_FAULT and judge.steady
+                (found if certain else weak).append(again)
+    sure = [c for c in found if c.index >= INDEX_FAULT]
     doubtful = [c for c in weak if c.index >= INDEX_FAULT]
-    if named and judge.teeth_of_cage([*named, *doubtful]):
+    if sure and judge.teeth_of_cage([*sure, *doubtful]):
         text = (
             'as high stand the other multiples of the cage order: a cage that strikes, or a ball '
             'that strikes once a cage turn; a longer window tells'
         )
         return Verdict(
-            'suspect', 'suspect', ('cage',), 0.5, (*map(str, named), text), candidates, named[0]
+            'suspect', 'suspect', ('cage',), 0.5, (*map(str, sure), text), candidates, sure[0]
         )
-    faults = tuple(c.family for c in named)
+    faults = tuple(c.family for c in sure)
     margin = primary.z - max((c.z for c in weak), default=0.0)
     confidence = 1.0 - math.exp(-max(margin, 0.0) / Z_FAULT)
     reasons = [str(c) for c in (*found, *weak)]
@@ -455,8 +455,8 @@ def decide(
             'its lines may be sidebands; give a measured speed'
         )
         if max(c.z for c in doubtful) * RIVAL > primary.z:
-            both = (primary.family, *(c.family for c in doubtful))
-            return Verdict('ambiguous', 'fault', both, 0.5, tuple(reasons), candidates, primary)
+            either = (primary.family, *(c.family for c in doubtful))
+            return Verdict('ambiguous', 'fault', either, 0.5, tuple(reasons), candidates, primary)
     if not faults:
         reasons.append(f'modulation index below {INDEX_FAULT:g}: not an alarm')
         suspects = tuple(c.family for c in (*found, *weak))

@@ -19,11 +19,13 @@ from bearing_twin.diagnosis.result import FAMILIES, FAULT_CODES, Diagnosis, Seve
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.chain import Window
     from bearing_twin.diagnosis.decision import Verdict
 
-__all__ = ['insufficient', 'report']
+__all__ = ['coarse_spectrum', 'insufficient', 'report']
 
 _EMPTY = np.zeros(0, dtype=np.float32)
 
@@ -58,6 +60,7 @@ def report(
         line_hz = teeth.astype(np.float32)
         line_level = values[rows] / floor[rows]
     unit = window.severity.unit
+    amplitude, first_hz, group_hz = coarse_spectrum(window.amplitude, window.bin_hz)
     return Diagnosis(
         result=verdict.result,
         level=verdict.level,
@@ -92,10 +95,10 @@ def report(
         spectrum=Spectrum(
             kind='spectrum',
             unit=unit,
-            start_hz=0.0,
-            bin_hz=window.bin_hz,
+            start_hz=first_hz,
+            bin_hz=group_hz,
             band=(0.0, 0.5 * sample_rate),
-            values=window.amplitude,
+            values=amplitude,
             floor=_EMPTY,
         ),
         envelope_spectrum=Spectrum(
@@ -108,6 +111,32 @@ def report(
             floor=floor,
         ),
     )
+
+
+def coarse_spectrum(
+    amplitude: NDArray[np.float32], bin_hz: float
+) -> tuple[NDArray[np.float32], float, float]:
+    """Largest amplitude in each group of bins, about 1 Hz wide: lines keep their height.
+
+    For show and trends; the decision uses the full resolution.
+
+    Parameters
+    ----------
+    amplitude
+        One-sided amplitude spectrum, bin k at k bin_hz, shape (K,).
+    bin_hz
+        Hz.
+
+    Returns
+    -------
+    Amplitudes, the middle of the first group and the spacing of the groups, Hz. The same as given
+    where bins are wider than 2/3 Hz already.
+    """
+    group = max(round(1.0 / bin_hz), 1)
+    count = -(-len(amplitude) // group)
+    padded = np.zeros(count * group, dtype=np.float32)
+    padded[: len(amplitude)] = amplitude
+    return padded.reshape(count, group).max(axis=1), 0.5 * (group - 1) * bin_hz, group * bin_hz
 
 
 def insufficient(

@@ -50,7 +50,9 @@ class Spectrum:
     """Values over equally spaced frequencies, with their local noise floor where there is one."""
 
     kind: str
-    """``'spectrum'`` (amplitude) or ``'squared_envelope_spectrum'``."""
+    """``'spectrum'``: largest amplitude, in ``unit``, in each step of about 1 Hz (see
+    :func:`bearing_twin.diagnosis.report.coarse_spectrum`); or ``'squared_envelope_spectrum'``:
+    power of the squared envelope relative to that of its mean, at full resolution."""
     unit: str
     start_hz: float
     bin_hz: float

@@ -11,6 +11,7 @@ from scipy import signal, stats
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.comb import NEUTRAL, accumulate, comb_scores, order_spectra
 from bearing_twin.diagnosis.gate import check_record
+from bearing_twin.diagnosis.report import coarse_spectrum
 from bearing_twin.diagnosis.severity import iso_zone, measure_severity
 from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample_to_angle
 from bearing_twin.diagnosis.spectra import band_tree, envelope_spectra, local_floor, whiten
@@ -202,3 +203,16 @@ def test_iso_zones_of_group_1_flexible():
     assert [iso_zone(v, 1, 'flexible') for v in (3.5, 3.6, 7.2, 11.5)] == list('ABCD')
     assert iso_zone(5.0, 0, 'flexible') == ''
     assert fault_orders(find_bearing('6205')).bpfi == pytest.approx(5.4152, abs=1e-3)
+
+
+def test_coarse_spectrum_keeps_the_height_and_place_of_lines():
+    amplitude = np.full(1 + 80_000, 0.01, dtype=np.float32)
+    amplitude[[0, 1003, 80_000]] = (3.0, 7.0, 5.0)
+    values, start_hz, bin_hz = coarse_spectrum(amplitude, 0.125)
+    assert bin_hz == pytest.approx(1.0)
+    at = start_hz + bin_hz * np.flatnonzero(values > 1.0)
+    assert values[values > 1.0].tolist() == [3.0, 7.0, 5.0]
+    assert at == pytest.approx([0.0, 1003 * 0.125, 10_000.0], abs=0.5)
+    same, start_hz, bin_hz = coarse_spectrum(amplitude, 1.0)
+    assert np.array_equal(same, amplitude)
+    assert (start_hz, bin_hz) == (0.0, 1.0)
