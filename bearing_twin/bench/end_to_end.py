@@ -13,6 +13,7 @@ import numpy as np
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.convert import stamp_ns
+from bearing_twin.nodes.domain import quiet_domain
 from bearing_twin.nodes.launching import NodeProcesses, local_environment
 from bearing_twin.recording.reader import read_messages
 
@@ -45,8 +46,7 @@ def live_run(seconds: float) -> dict[str, float]:
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        domain = 1 + os.getpid() % 100
-        environment = local_environment(domain)
+        environment = local_environment(quiet_domain(os.getpid()))
         with NodeProcesses(folder / 'logs', environment) as nodes:
             nodes.start(
                 'recorder',

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from bearing_twin.bench.end_to_end import cpu_seconds, wait_for
 from bearing_twin.dynamics import Fleet, preset
+from bearing_twin.nodes.domain import quiet_domain
 from bearing_twin.nodes.launching import NodeProcesses, local_environment
 
 __all__ = ['measure']
@@ -74,7 +75,7 @@ def _fleet_share(count: int, *, diagnosis: bool) -> float:
         parts = 'twin: {defect: inner}' + (', diagnosis: {}' if diagnosis else '')
         assets = '\n'.join(f'  bearing_{k}: {{{parts}}}' for k in range(count))
         (folder / 'assets.yaml').write_text(f'assets:\n{assets}\n')
-        environment = local_environment(1 + os.getpid() % 100)
+        environment = local_environment(quiet_domain(os.getpid()))
         with NodeProcesses(folder / 'logs', environment) as nodes:
             nodes.start('recorder', {'output': str(folder / 'bag')})
             nodes.start('fleet', {'assets_file': str(folder / 'assets.yaml')})

@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.cli.demo_summary import summarise
+from bearing_twin.dynamics.presets import preset
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.launching import NodeProcesses, local_environment
+from bearing_twin.nodes.launching import COMPILING, NodeProcesses, local_environment
 from bearing_twin.recording.reader import recording_info
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ['configure', 'run']
 
+SLOWEST, FASTEST = 0.001, 1e6
 START_TIMEOUT = 90.0
 """Time for four processes to come up, the kernel's first compilation included, s."""
 
@@ -40,7 +42,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         '--out', type=Path, default=Path('runs'), help='folder for the run (default ./runs)'
     )
     parser.add_argument(
-        '--domain-id', type=int, help='ROS domain (default: one derived from the process id)'
+        '--domain-id', type=int, help='ROS domain (default: one in which nobody is)'
     )
     parser.add_argument('--no-rerun', action='store_true', help='write no Rerun recording')
     parser.add_argument('--json', action='store_true', help='print the result as JSON')
@@ -50,9 +52,12 @@ def run(args: argparse.Namespace) -> int:
     """Run the demo; return 0 if the fault was found and no block was lost."""
     recording = args.recording or _shipped_schedule()
     info = recording_info(recording)
-    folder = args.out / f'demo-{datetime.now():%Y%m%d-%H%M%S}'
-    folder.mkdir(parents=True)
-    domain = args.domain_id if args.domain_id is not None else 1 + os.getpid() % 100
+    if not SLOWEST <= args.rate <= FASTEST:
+        msg = f'--rate {args.rate:g} is not within {SLOWEST:g}..{FASTEST:g}'
+        raise BearingTwinError(msg)
+    preset('incipient', defect=args.defect)
+    domain = _choose_domain(args.domain_id)
+    folder = make_folder(args.out)
     say = (lambda *_: None) if args.json else print
     say(f'recording  {recording} ({info.duration:.0f} s at pace {args.rate:g})')
     say(f'nodes      twin, diagnosis, recorder, replay in ROS domain {domain}')
@@ -63,6 +68,42 @@ def run(args: argparse.Namespace) -> int:
     return 0 if summary.good else 1
 
 
+def make_folder(out: Path) -> Path:
+    """Make a folder of its own for a run.
+
+    Raises
+    ------
+    BearingTwinError
+        If none can be made in ``out``.
+    """
+    name = f'demo-{datetime.now():%Y%m%d-%H%M%S}'
+    count = 0
+    while True:
+        count += 1
+        folder = out / (name if count == 1 else f'{name}-{count}')
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            if out.is_dir():
+                continue
+            msg = f'{out} is not a folder; choose another --out'
+            raise BearingTwinError(msg) from None
+        except OSError as error:
+            msg = f'{folder} cannot be made ({error.strerror}); choose another --out'
+            raise BearingTwinError(msg) from None
+        return folder
+
+
+def _choose_domain(asked: int | None) -> int:
+    os.environ.update(local_environment(0))
+    from bearing_twin.nodes.domain import check_domain, quiet_domain
+
+    if asked is None:
+        return quiet_domain(os.getpid())
+    check_domain(asked)
+    return asked
+
+
 def _shipped_schedule() -> Path:
     """Return the paper's schedule, from the working tree or from where it is installed."""
     here = Path(__file__).parents[2]
@@ -70,7 +111,7 @@ def _shipped_schedule() -> Path:
         path = folder / 'recordings' / 'paper_schedule.mcap'
         if path.exists():
             return path
-    msg = "paper_schedule.mcap is missing; write it with 'bearing-twin schedule'"
+    msg = "paper_schedule.mcap is missing; write it with 'bearing-twin schedule -o FILE'"
     raise BearingTwinError(msg)
 
 
@@ -89,8 +130,16 @@ def _run_nodes(
         nodes.start('recorder', recorder)
         nodes.start('diagnosis', {'bearing': '6307'})
         watcher.wait_for_listeners(2, nodes.check, START_TIMEOUT)
-        nodes.start('twin', {'bearing': '6307', 'defect': args.defect})
-        watcher.wait_for_vibration(nodes.check, START_TIMEOUT)
+        # The recorder and the diagnosis: so that nothing is published before they hear it.
+        twin = {'bearing': '6307', 'defect': args.defect, 'wait_for_subscribers': 2}
+        nodes.start('twin', twin)
+        compiling = _CompilingNote(folder / 'logs' / 'twin.log', quiet=args.json)
+
+        def check() -> None:
+            nodes.check()
+            compiling.look()
+
+        watcher.wait_for_vibration(check, START_TIMEOUT)
         nodes.start('replay', {'recording': str(recording), 'rate': args.rate})
         deadline = time.monotonic() + info.duration / args.rate + START_TIMEOUT
         while nodes.running('replay'):
@@ -103,3 +152,17 @@ def _run_nodes(
         for name in ('twin', 'diagnosis', 'recorder'):
             watcher.show(1.0, quiet=args.json)
             nodes.end(name)
+
+
+class _CompilingNote:
+    """Say once that the twin compiles, which only its first start on a machine does."""
+
+    def __init__(self, log: Path, *, quiet: bool) -> None:
+        self._log = log
+        self._said = quiet
+
+    def look(self) -> None:
+        """Look into the twin's log."""
+        if not self._said and COMPILING in self._log.read_text(errors='replace'):
+            print(f'twin       {COMPILING}', flush=True)
+            self._said = True

@@ -5,18 +5,25 @@
 from __future__ import annotations
 
 import json
+import math
+import shlex
+import shutil
+import sys
 from collections import Counter
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.vibration_input import GapCounter
 from bearing_twin.recording.reader import read_messages
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
 __all__ = ['Summary', 'summarise']
+
+LEVEL_FAULT = 2
+"""``LEVEL_FAULT`` of ``Diagnosis.msg``."""
+FAMILIES = {'inner': (1, 'bpfi'), 'outer': (1, 'bpfo'), 'ball': (2, 'bsf'), 'cage': (1, 'ftf')}
+"""Strikes of each family, in multiples of a frequency of ``TwinState.msg``."""
 
 
 @dataclass(frozen=True)
@@ -28,9 +35,14 @@ class Summary:
     defect: str
     result: str
     verdicts: dict[str, int]
+    false_alarms: int
+    """Verdicts at level FAULT that named a family that the twin does not have."""
     confidence: float
     fault_hz: float
     fault_hz_expected: float
+    """By the diagnosis, without slip."""
+    fault_hz_twin: float
+    """By the twin, with its slip; NaN without a fault."""
     blocks_published: int
     blocks_recorded: int
     blocks_late: int
@@ -46,7 +58,8 @@ class Summary:
         """Whether the fault was named and no sample was lost on the way."""
         wanted = 'healthy' if self.defect == 'none' else self.defect
         lost = self.samples_lost_by_diagnosis + self.samples_lost_by_recorder
-        return self.result == wanted and lost == 0 and self.blocks_dropped == 0
+        clean = lost == 0 and self.blocks_dropped == 0 and self.false_alarms == 0
+        return clean and self.result in wanted.split('+')
 
     def to_json(self) -> str:
         """Return one JSON object."""
@@ -56,10 +69,13 @@ class Summary:
         """Return the table."""
         found = self.result
         if self.fault_hz == self.fault_hz:
-            error = 100.0 * (self.fault_hz / self.fault_hz_expected - 1.0)
-            found += f' at {self.fault_hz:.2f} Hz, expected {self.fault_hz_expected:.2f} Hz'
-            found += f' ({error:+.2f} %), confidence {self.confidence:.2f}'
+            found += f' at {self.fault_hz:.2f} Hz'
+            if self.fault_hz_twin == self.fault_hz_twin:
+                error = 100.0 * (self.fault_hz / self.fault_hz_twin - 1.0)
+                found += f', the twin with its slip {self.fault_hz_twin:.2f} Hz ({error:+.2f} %)'
+            found += f', confidence {self.confidence:.2f}'
         verdicts = ', '.join(f'{name} {count}' for name, count in self.verdicts.items())
+        missing = self.blocks_dropped + max(0, self.blocks_published - self.blocks_recorded)
         lost = f'{self.samples_lost_by_diagnosis} by the diagnosis, '
         lost += f'{self.samples_lost_by_recorder} by the recorder'
         rows = [
@@ -69,8 +85,7 @@ class Summary:
             ('verdicts', verdicts),
             (
                 'blocks',
-                f'{self.blocks_published} published, {self.blocks_recorded} recorded, '
-                f'{self.blocks_late} late, {self.blocks_dropped} dropped',
+                f'{self.blocks_published} published, {self.blocks_late} late, {missing} lost',
             ),
             ('samples lost', lost),
             ('lateness', f'{self.lateness_max_ms:.1f} ms at most'),
@@ -100,7 +115,7 @@ def summarise(folder: Path, defect: str) -> Summary:
     state: Any = None
     verdict: Any = None
     verdicts: Counter[str] = Counter()
-    recorded = 0
+    recorded = false_alarms = 0
     gaps = GapCounter()
     lost_by_diagnosis = 0
     for message in read_messages(folder / 'bag'):
@@ -116,6 +131,8 @@ def summarise(folder: Path, defect: str) -> Summary:
         elif message.topic == '/diagnosis':
             verdict = message.decode()
             verdicts[verdict.result_name] += 1
+            alarm = verdict.level == LEVEL_FAULT and verdict.result_name in FAMILIES
+            false_alarms += alarm and verdict.result_name not in defect.split('+')
         elif message.topic == '/diagnostics':
             for status in message.decode().status:
                 for item in status.values:
@@ -136,9 +153,11 @@ def summarise(folder: Path, defect: str) -> Summary:
         defect=defect,
         result=verdict.result_name,
         verdicts=dict(verdicts),
+        false_alarms=false_alarms,
         confidence=verdict.confidence,
         fault_hz=verdict.fault_hz,
         fault_hz_expected=verdict.fault_hz_expected,
+        fault_hz_twin=_frequency(state, verdict.result_name),
         blocks_published=state.blocks_published,
         blocks_recorded=recorded,
         blocks_late=state.blocks_late,
@@ -147,5 +166,21 @@ def summarise(folder: Path, defect: str) -> Summary:
         samples_lost_by_recorder=gaps.lost,
         lateness_max_ms=worst * 1e3,
         files=files,
-        open_with=f'bearing-twin view {folder}',
+        open_with=f'{_command()} view {shlex.quote(str(folder))}',
     )
+
+
+def _frequency(state: Any, family: str) -> float:
+    """Return the frequency at which the twin's slip lets a family strike, Hz."""
+    factor, name = FAMILIES.get(family, (math.nan, 'bpfi'))
+    return factor * float(getattr(state, name))
+
+
+def _command() -> str:
+    """Return our command as it can be typed here."""
+    found = shutil.which('bearing-twin')
+    beside = Path(sys.executable).parent / 'bearing-twin'
+    if found or not beside.exists():
+        return 'bearing-twin'
+    here = Path.cwd()
+    return shlex.quote(str(beside.relative_to(here) if beside.is_relative_to(here) else beside))

@@ -77,6 +77,9 @@ class Watcher:
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
             self._executor.spin_once(timeout_sec=left)
+        if self._node.count_publishers('twin_state') > 1:
+            msg = 'another twin has come into this ROS domain: name one of your own (--domain-id)'
+            raise BearingTwinError(msg)
         state, verdict = self._state, self._verdict
         if quiet or state is None:
             return

@@ -17,7 +17,10 @@ if TYPE_CHECKING:
     from pathlib import Path
     from types import TracebackType
 
-__all__ = ['NodeProcesses', 'local_environment']
+__all__ = ['COMPILING', 'NodeProcesses', 'local_environment']
+
+COMPILING = 'compiling the kernel (first start only)'
+"""What a twin logs when its start takes long for that reason."""
 
 
 def local_environment(domain_id: int) -> dict[str, str]:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 from typing import TYPE_CHECKING, Any
 
 from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
@@ -15,7 +16,9 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes import realtime
 from bearing_twin.nodes.cycle import BlockCycle
 from bearing_twin.nodes.health import Health
+from bearing_twin.nodes.launching import COMPILING
 from bearing_twin.nodes.lifecycle import ManagedNode, run
+from bearing_twin.nodes.parameters import Spec
 from bearing_twin.nodes.statefile import StateFolder
 from bearing_twin.nodes.twin_asset import TwinAsset
 from bearing_twin.nodes.twin_config import SPECS, build_parameters, build_simulator
@@ -28,6 +31,19 @@ if TYPE_CHECKING:
 __all__ = ['TwinNode', 'main']
 
 
+WAIT = Spec(
+    name='wait_for_subscribers',
+    default=0,
+    description='Subscribers of vibration for which the first block waits, for 10 s at most.',
+    low=0,
+    high=100,
+    running=False,
+)
+LONGEST_WAIT = 10.0
+SLOW_START = 2.0
+"""Time after which building the simulator must be compiling, s."""
+
+
 class TwinNode(ManagedNode):
     """Advance the bearing's equations of motion in step with the clock.
 
@@ -36,7 +52,7 @@ class TwinNode(ManagedNode):
     """
 
     def __init__(self) -> None:
-        super().__init__('twin', (*SPECS, *realtime.SPECS))
+        super().__init__('twin', (*SPECS, *realtime.SPECS, WAIT))
 
     def check(self, values: Mapping[str, Any]) -> None:
         """Refuse parameters that do not fit together."""
@@ -46,10 +62,13 @@ class TwinNode(ManagedNode):
     def setup(self) -> None:
         """Compile and warm the kernel; create publishers, subscriptions, services."""
         p = self.parameters
-        self._simulator = build_simulator(p.values)
-        # The first blocks compile and touch everything before the first deadline exists.
-        self._simulator.advance(p['block_size'], p['start_temperature'], p['shaft_hz'])
-        self._simulator.reset()
+        note = threading.Timer(SLOW_START, self.get_logger().info, [COMPILING])
+        note.daemon = True
+        note.start()
+        try:
+            self._warm_up()
+        finally:
+            note.cancel()
         self._states = StateFolder(p['state_directory'])
         self._asset = TwinAsset(self, p)
         self._cycle = BlockCycle(self, p, self._publish_block)
@@ -63,9 +82,17 @@ class TwinNode(ManagedNode):
         self._health.add('temperature input', self._asset.status)
         self._health.add('real time', self._cycle.status)
 
+    def _warm_up(self) -> None:
+        p = self.parameters
+        self._simulator = build_simulator(p.values)
+        # The first blocks compile and touch everything before the first deadline exists.
+        self._simulator.advance(p['block_size'], p['start_temperature'], p['shaft_hz'])
+        self._simulator.reset()
+
     def start(self) -> None:
         """Start the clock of the blocks."""
         p = self.parameters
+        self._asset.await_subscribers(p['wait_for_subscribers'], LONGEST_WAIT)
         self._asset.ask_checkpoint()
         self._cycle.start()
         self.get_logger().info(

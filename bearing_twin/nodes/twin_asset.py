@@ -116,6 +116,14 @@ class TwinAsset:
         """Let a checkpoint precede the next block, since the state does not follow from before."""
         self._checkpoint_due = 0
 
+    def await_subscribers(self, count: int, longest: float) -> None:
+        """Wait until ``count`` subscribers hear the vibration, for ``longest`` s at most."""
+        deadline = time.monotonic() + longest
+        while self._vibration.get_subscription_count() < count:
+            if time.monotonic() > deadline or not self._node.context.ok():
+                return
+            time.sleep(0.02)
+
     def inputs(self) -> tuple[GatedTemperature, float]:
         """Return temperature and shaft speed (Hz) for the block to be computed now."""
         return self._gate.at(time.monotonic()), self._shaft.hz

@@ -1,0 +1,19 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The demo and the benchmarks stay out of domains in which somebody is."""
+
+import pytest
+
+from bearing_twin.errors import BearingTwinError
+
+
+@pytest.mark.ros
+def test_an_inhabited_domain_is_seen_and_passed_over(probe, ros_domain):
+    from bearing_twin.nodes.domain import check_domain, inhabitants, quiet_domain
+
+    assert '/probe' in inhabitants(ros_domain)
+    assert quiet_domain(ros_domain - 1) != ros_domain
+    with pytest.raises(BearingTwinError, match='/probe'):
+        check_domain(ros_domain)
+    with pytest.raises(BearingTwinError, match='not within'):
+        check_domain(5000)
