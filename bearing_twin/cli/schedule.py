@@ -25,8 +25,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         '-o',
         '--output',
         type=Path,
-        default=Path('recordings/paper_schedule.mcap'),
-        help='recording to make; never overwritten (default recordings/paper_schedule.mcap)',
+        required=True,
+        help='recording to make; never overwritten',
     )
     parser.add_argument(
         '--from-npz',

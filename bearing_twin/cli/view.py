@@ -63,6 +63,9 @@ def run(args: argparse.Namespace) -> int:
     if bool(args.live) == bool(args.recordings):
         msg = 'name a recording, or --live for what is running'
         raise BearingTwinError(msg)
+    if args.live and args.save:
+        msg = '--save keeps recordings only; a recorder keeps what is live with -p rerun_file:=RRD'
+        raise BearingTwinError(msg)
     with tempfile.TemporaryDirectory(prefix='bearing_twin_view_') as folder:
         sources = [live_url(args.live)] if args.live else _sources(args, Path(folder))
         if args.screenshot:
@@ -89,14 +92,24 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
         msg = f'{args.save} exists and is not overwritten; name another file'
         raise BearingTwinError(msg)
     if pictures:
+        if args.save:
+            _copy(pictures[0], args.save)
         return [str(pictures[0])]
     rrd = folder / f'{paths[0].resolve().stem}.rrd'
     problems = draw_recordings(paths, rrd, progress=_progress if sys.stderr.isatty() else None)
     for topic, reason in problems.items():
         print(f'{topic} is not drawn: {reason}', file=sys.stderr)
     if args.save:
-        shutil.copyfile(rrd, args.save)
+        _copy(rrd, args.save)
     return [str(rrd)]
+
+
+def _copy(source: Path, target: Path) -> None:
+    try:
+        shutil.copyfile(source, target)
+    except OSError as error:
+        msg = f'{target} cannot be written ({error.strerror}); name another file'
+        raise BearingTwinError(msg) from None
 
 
 def _screenshot(args: argparse.Namespace, sources: list[str]) -> int:

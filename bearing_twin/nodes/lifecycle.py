@@ -191,6 +191,14 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
     INT and TERM end it cleanly: files are finished, the status is 0.
     """
     node: ManagedNode | None = None
+    stray = _stray(sys.argv[1:] if args is None else args)
+    if stray:
+        print(
+            f"{_program(node_class)}: unknown argument '{stray}'; parameters and remappings go "
+            "behind --ros-args, e.g. '--ros-args -p NAME:=VALUE'",
+            file=sys.stderr,
+        )
+        return 2
     _never_wait_for_the_network()
     try:
         # Not as a context manager, which it is since Kilted only.
@@ -209,12 +217,29 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
     except (KeyboardInterrupt, ExternalShutdownException):
         return 1 if node is not None and node.failed else 0
     except BearingTwinError as error:
-        print(f'{node_class.__name__}: {error}', file=sys.stderr)
+        print(f'{_program(node_class)}: {error}', file=sys.stderr)
         return 1
     finally:
         # rclpy has put Python's own handler back.
         _end_undisturbed()
     return 1 if node.failed else 0
+
+
+def _program(node_class: type[ManagedNode]) -> str:
+    return node_class.__name__.removesuffix('Node').lower()
+
+
+def _stray(words: Sequence[str]) -> str:
+    """Return the first word that is not between ``--ros-args`` and ``--``; '' if there is none."""
+    inside = False
+    for word in words:
+        if word == '--ros-args':
+            inside = True
+        elif inside:
+            inside = word != '--'
+        else:
+            return word
+    return ''
 
 
 def _end_undisturbed() -> None:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameters of the nodes: one table a node, declared, checked and applied in one place.
 
-The tables below are also what the parameter tables of the README are generated from.
+The nodes' tables are also what ``docs/nodes.md`` is generated from.
 """
 
 from __future__ import annotations
@@ -135,7 +135,12 @@ class ParameterSet:
     def _declare(self, node: Node, spec: Spec, default: Any) -> Any:
         name = self._prefix + spec.name
         kind = type(spec.default).__name__
-        hint = ' (write a decimal point, e.g. 5.0)' if kind == 'float' else ''
+        hint = ''
+        if kind == 'float':
+            hint = ' (write a decimal point, e.g. 5.0)'
+        elif kind == 'str':
+            # The shell takes one pair of quotes away, YAML the other.
+            hint = f' (quote a text that looks like a number twice: {name}:="\'6307\'")'
         if type(default) is not type(spec.default):
             msg = f'parameter {name}={default!r} must be of type {kind}{hint}'
             raise BearingTwinError(msg)
@@ -181,6 +186,12 @@ class ParameterSet:
         return {n: named[self._prefix + n] for n in self._specs if self._prefix + n in named}
 
     def _on_set(self, parameters: list[Parameter[Any]]) -> SetParametersResult:
+        if self._locked() and any(p.name == 'use_sim_time' for p in parameters):
+            reason = (
+                'use_sim_time cannot change while the node runs: its stamps would jump; start the '
+                "node anew with '-p use_sim_time:=true'"
+            )
+            return SetParametersResult(successful=False, reason=reason)
         ours = self._ours(parameters)
         if not ours:
             return SetParametersResult(successful=True)

@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What is asked for is done or refused, never ignored."""
+
+import subprocess
+import sys
+
+import pytest
+
+from bearing_twin.cli import main
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    ('words', 'status', 'text'),
+    [
+        (['--bogus'], 2, "'--bogus'"),
+        (['--ros-args', '-p', 'bearing:=6307'], 1, '''bearing:="'6307'"'''),
+    ],
+)
+def test_a_node_refuses_what_it_cannot_take(ros_domain, words, status, text):
+    ran = subprocess.run(
+        [sys.executable, '-m', 'bearing_twin', 'run', 'twin', *words],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert ran.returncode == status
+    assert text in ran.stderr
+    assert 'Traceback' not in ran.stderr
+
+
+def test_a_picture_is_kept_and_what_is_live_is_not(tmp_path, capsys):
+    source, target = tmp_path / 'a.rrd', tmp_path / 'b.rrd'
+    source.write_bytes(b'picture')
+    assert main(['view', str(source), '--save', str(target)]) == 0
+    assert target.read_bytes() == b'picture'
+    assert main(['view', '--live', '--save', str(tmp_path / 'c.rrd')]) == 1
+    assert '--save' in capsys.readouterr().err
+
+
+@pytest.mark.ros
+def test_simulated_time_is_not_switched_on_under_a_running_node(nodes, probe):
+    nodes.start('twin', {})
+    probe.until(lambda: probe.state('/twin') == 'active', 'the twin')
+    accepted, reason = probe.set_parameters('/twin', use_sim_time=True)
+    assert not accepted
+    assert 'use_sim_time' in reason
