@@ -28,15 +28,23 @@ LIVE_SECONDS = 30.0
 MOMENT = 24.0
 
 
-def take(sources: list[str], name: str, *, seconds: float | None = None, view: str = '') -> None:
-    """Take one picture of the window, or of the view whose name begins so."""
+def take(
+    sources: list[str],
+    name: str,
+    *,
+    seconds: float | None = None,
+    view: str = '',
+    width: int = SIZE[0],
+) -> None:
+    """Take one picture of the window's left part, or of the view whose name begins so."""
     target = IMAGES / f'{name}.png'
     with HeadlessViewer(sources, size=SIZE) as viewer:
         viewer.wait(seconds)
         views = [v for v in viewer.client.get_state().views if view and v.name.startswith(view)]
         viewer.client.save_screenshot(str(target), *(v.view_id for v in views[:1]))
     with Image.open(target) as picture:
-        picture.convert('RGB').save(target, optimize=True)
+        kept = picture.crop((0, 0, min(width, picture.width), picture.height))
+        kept.convert('RGB').save(target, optimize=True)
     print(f'{target.relative_to(ROOT)} {target.stat().st_size / 1e3:.0f} kB')
 
 
@@ -67,7 +75,8 @@ def main() -> int:
         take([str(folder / 'inner.rrd')], 'recording', seconds=MOMENT)
         take([str(folder / 'inner.rrd')], 'bearing', seconds=MOMENT, view='Bearing')
         take([str(folder / 'both.rrd')], 'comparison', seconds=MOMENT)
-        take([str(next(runs[1].glob('*.mcap')))], 'unmodified_rerun')
+        # Without the selection panel, which shows the path of a temporary file.
+        take([str(next(runs[1].glob('*.mcap')))], 'unmodified_rerun', width=1298)
         live(folder)
     return 0
 

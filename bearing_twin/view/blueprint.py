@@ -140,15 +140,16 @@ def _verdict(scene: Scene, *, title: str = '', evidence: bool = True) -> list[Vi
             f'{state}/temperature_status' for state in _of(scene, 'twin_state')
         ]
         views: list[View] = [
-            rrb.TextDocumentView(
-                origin=f'{path}/words', name=f'Verdict: {title}' if title else 'Verdict'
+            rrb.Spatial2DView(
+                origin=f'{path}/card', name=f'Verdict: {title}' if title else 'Verdict'
             ),
+            rrb.TextDocumentView(origin=f'{path}/words', name='Reasons'),
             _lanes('Verdict over time', lanes),
         ]
-        shares = [1, 2]
+        shares = [4, 3, 5]
         if evidence:
             views.append(_lines('Evidence: comb score [sd]', [f'{path}/evidence/**']))
-            shares.append(1)
+            shares.append(4)
         rows.append(rrb.Horizontal(*views, column_shares=shares))
     return rows
 

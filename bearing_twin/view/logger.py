@@ -34,8 +34,9 @@ COMPLAINTS = 20
 class RerunLogger:
     """Draw messages to a Rerun file, to a Rerun server, or to both.
 
-    Viewers connect to the server when they like and get the recent past; one that is absent, slow
-    or killed delays nobody. Nothing that a message holds raises: what cannot be drawn is counted
+    Viewers connect to the server when they like and get the recent past; one that is absent or
+    killed delays nobody, one frozen for minutes does: Rerun waits once its buffers are full.
+    Nothing that a message holds raises: what cannot be drawn is counted
     in `failed` and explained in `problems`.
 
     Parameters
@@ -118,7 +119,7 @@ class RerunLogger:
     def log(
         self, topic: str, type_name: str, message: Any, time_ns: int, *, side: str = ''
     ) -> None:
-        """Draw a message that was received at ``time_ns``; never raises, never waits.
+        """Draw a message that was received at ``time_ns``; never raises.
 
         Parameters
         ----------

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bearing_twin.view.report_svg import BINS, FAMILY_COLOURS, FAMILY_LABELS, WIDTH, pretty
+from bearing_twin.view.spectra import HARMONICS, cursors
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,32 +20,17 @@ if TYPE_CHECKING:
 
 __all__ = ['cursor_lines', 'envelope_spectrum', 'spectrum']
 
-HARMONICS = 4
-
 
 def cursor_lines(message: Any, harmonics: int = HARMONICS) -> list[tuple[str, float, bool]]:
     """Return where the defects strike as (family, frequency in Hz, whether it is a sideband).
 
-    A defect on the inner ring passes the load zone once a turn of the shaft and one on a ball
-    once a turn of the cage, so that their harmonics carry sidebands at that distance (Randall and
-    Antoni, Mechanical Systems and Signal Processing 25, 2011, section 2).
+    Those of the viewer (:func:`bearing_twin.view.spectra.cursors`) and the shaft's harmonics.
     """
-    families = (
-        ('shaft', message.shaft_hz, 0.0),
-        ('inner', message.bpfi, message.shaft_hz),
-        ('outer', message.bpfo, 0.0),
-        ('ball', 2.0 * message.bsf, message.ftf),
-        ('cage', message.ftf, 0.0),
-    )
     lines: list[tuple[str, float, bool]] = []
-    for family, frequency, side in families:
-        if not frequency > 0.0:
-            continue
-        for k in range(1, harmonics + 1):
-            lines.append((family, k * frequency, False))
-            if side > 0.0:
-                lines.append((family, k * frequency - side, True))
-                lines.append((family, k * frequency + side, True))
+    if message.shaft_hz > 0.0:
+        lines += [('shaft', k * message.shaft_hz, False) for k in range(1, harmonics + 1)]
+    for family, places in cursors(message, harmonics=harmonics).items():
+        lines += [(family, frequency, height < 1.0) for frequency, height in places]
     return lines
 
 

@@ -10,8 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 
+from bearing_twin.view.style import FAMILIES, VERDICTS
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from bearing_twin.view.style import Colour
 
 __all__ = [
     'BINS',
@@ -25,35 +29,19 @@ __all__ = [
     'svg_element',
 ]
 
-FAMILY_COLOURS = {
-    'inner': '#c62828',
-    'outer': '#1565c0',
-    'ball': '#e65100',
-    'cage': '#7b1fa2',
-    'shaft': '#78909c',
-}
-"""Dark enough for white paper; told apart in print by their labels too."""
 
-FAMILY_LABELS = {
-    'inner': 'BPFI',
-    'outer': 'BPFO',
-    'ball': '2×BSF',
-    'cage': 'FTF',
-    'shaft': 'shaft',
-}
-DEFECTS = ('inner', 'outer', 'ball', 'cage')
+def _hex(colour: Colour) -> str:
+    return '#{:02x}{:02x}{:02x}'.format(*colour)
+
+
+FAMILY_COLOURS = {family.key: _hex(family.colour) for family in FAMILIES} | {'shaft': '#78909c'}
+"""Those of the viewer; told apart in print by their labels too."""
+
+FAMILY_LABELS = {f.key: f.label.replace(' x ', '×') for f in FAMILIES} | {'shaft': 'shaft'}
+DEFECTS = tuple(family.key for family in FAMILIES)
 """In the order of the per-family arrays of a Diagnosis."""
 
-VERDICT_COLOURS = {
-    'healthy': '#2e7d32',
-    'inner': '#c62828',
-    'outer': '#ad1457',
-    'ball': '#e65100',
-    'cage': '#7b1fa2',
-    'suspect': '#f9a825',
-    'ambiguous': '#6d4c41',
-    'insufficient': '#757575',
-}
+VERDICT_COLOURS = {state.key: _hex(state.colour) for state in VERDICTS}
 
 BINS = 2400
 """Most points of a drawn spectrum; of neighbouring bins the highest is kept."""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.view.canvas import Canvas
 
-__all__ = ['SpectrumBars', 'cursors']
+__all__ = ['HARMONICS', 'SpectrumBars', 'cursors']
 
 BARS = 300
 """Most bars drawn, of a pixel or two each; of neighbouring bins the highest is kept."""

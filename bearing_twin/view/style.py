@@ -44,7 +44,7 @@ VERDICTS = (
     State('ball', 'BALL FAULT', (230, 81, 0)),
     State('cage', 'CAGE FAULT', (142, 36, 170)),
     State('suspect', 'SUSPECT', (249, 168, 37)),
-    State('ambiguous', 'FAULT, PLACE UNCERTAIN', (198, 40, 40)),
+    State('ambiguous', 'FAULT, PLACE UNCERTAIN', (121, 85, 72)),
     State('insufficient', 'NO STATEMENT', (117, 117, 117)),
 )
 """By the constants of Diagnosis.result. Green is healthy, grey is none, all else wants a look."""

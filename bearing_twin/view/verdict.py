@@ -1,13 +1,16 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Diagnosis: the verdict as a lane and in words, its evidence and the severity as trends."""
+"""Diagnosis: the verdict as a card, a lane and in words; evidence and severity as trends."""
 
 from __future__ import annotations
 
+import io
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import rerun as rr
+from PIL import Image, ImageDraw, ImageFont
 
 from bearing_twin.view.lanes import Lane
 from bearing_twin.view.style import FAMILIES, LINE, VERDICTS
@@ -16,6 +19,10 @@ if TYPE_CHECKING:
     from bearing_twin.view.canvas import Canvas
 
 __all__ = ['VerdictPicture']
+
+CARD = (640, 280)
+"""Width and height of the card, pixels."""
+MARGIN = 28
 
 
 class VerdictPicture:
@@ -28,7 +35,14 @@ class VerdictPicture:
 
     def draw(self, diagnosis: Any, time: int) -> None:
         """Draw a diagnosis at ``time`` in ns."""
-        self._lane.set(int(diagnosis.result), time)
+        number = int(diagnosis.result)
+        self._lane.set(number, time)
+        # Every time, not only when it changes: a server forgets the oldest first.
+        self._canvas.put(
+            f'{self._name}/card',
+            time,
+            rr.EncodedImage(contents=_card(number), media_type='image/png'),
+        )
         self._canvas.put(
             f'{self._name}/words',
             time,
@@ -57,11 +71,48 @@ class VerdictPicture:
         )
 
 
+@lru_cache(maxsize=len(VERDICTS) + 1)
+def _card(number: int) -> bytes:
+    """Return a verdict as a coloured PNG with letters as large as fit: read from across a room.
+
+    The headings of a viewer's text are of one size, a few millimetres on a screen.
+    """
+    known = 0 <= number < len(VERDICTS)
+    state = VERDICTS[number] if known else VERDICTS[-1]
+    text = _two_lines(state.label) if known else f'VERDICT {number}'
+    image = Image.new('RGB', CARD, state.colour)
+    draw = ImageDraw.Draw(image)
+    size = 160
+    while True:
+        font = ImageFont.load_default(size)
+        left, top, right, bottom = draw.multiline_textbbox((0, 0), text, font, spacing=0.2 * size)
+        fits = right - left <= CARD[0] - 2 * MARGIN and bottom - top <= CARD[1] - 2 * MARGIN
+        if fits or size <= 20:
+            break
+        size -= 4
+    place = ((CARD[0] - left - right) / 2, (CARD[1] - top - bottom) / 2)
+    luminance = sum(w * c for w, c in zip((0.2126, 0.7152, 0.0722), state.colour, strict=True))
+    ink = 'black' if luminance > 140.0 else 'white'
+    draw.multiline_text(place, text, ink, font, spacing=0.2 * size, align='center')
+    buffer = io.BytesIO()
+    image.quantize(16).save(buffer, 'PNG', optimize=True)
+    return buffer.getvalue()
+
+
+def _two_lines(text: str) -> str:
+    """Return a text broken at the space that leaves the shortest lines."""
+    breaks = [k for k, letter in enumerate(text) if letter == ' ']
+    if not breaks:
+        return text
+    best = min(breaks, key=lambda k: max(k, len(text) - k - 1))
+    return f'{text[:best]}\n{text[best + 1 :]}'
+
+
 def words(diagnosis: Any) -> str:
     """Return a diagnosis as Markdown."""
     number = int(diagnosis.result)
     label = VERDICTS[number].label if 0 <= number < len(VERDICTS) else diagnosis.result_name
-    lines = [f'# {label}', '']
+    lines = [f'**{label}**', '']
     faults = ', '.join(diagnosis.faults)
     lines.append(
         f'confidence **{diagnosis.confidence:.0%}**' + (f', found: {faults}' if faults else '')
