@@ -33,13 +33,19 @@ def _beta(factor: settings.Factor) -> FloatArray:
     return np.array([equations.beta0(factor, t) for t in settings.TEMPERATURE_NODES])
 
 
-def _draw(title: str, text: str, curves: dict[str, FloatArray]) -> Figure:
+def _note(force: FloatArray, beta: FloatArray) -> str:
+    """Say how the force goes with beta0, from the curve itself."""
+    _, rows = np.unique(beta, return_index=True)
+    slopes = np.diff(force[rows])
+    if np.all(slopes < 0.0):
+        return 'falls with β₀'
+    return 'rises with β₀' if np.all(slopes > 0.0) else 'not monotonic in β₀'
+
+
+def _draw(title: str, text: str, curves: dict[str, FloatArray], notes: dict[str, str]) -> Figure:
     figure = new_figure(title)
     panels = figure.subplots(1, 2)
-    notes = ('force falls with β₀: 0.4 < β₀ C_d0/δ < 1', 'force rises with β₀: β₀ C_d0/δ < 0.4')
-    for axes, (name, force), note, colour in zip(
-        panels, curves.items(), notes, COLOURS[:2], strict=True
-    ):
+    for axes, (name, force), colour in zip(panels, curves.items(), COLOURS[:2], strict=True):
         axes.plot(settings.TEMPERATURE_NODES, force, 'o-', color=colour, linewidth=1.8)
         change = 100.0 * (force[-1] / force[0] - 1.0)
         axes.text(
@@ -47,7 +53,7 @@ def _draw(title: str, text: str, curves: dict[str, FloatArray]) -> Figure:
             ha='right', va='center', color=colour,
         )  # fmt: skip
         axes.margins(y=0.15)
-        label(axes, f'{name.replace("approach", "δ")}  ({note})', TEMPERATURE_LABEL, text)
+        label(axes, f'{name.replace("approach", "δ")}  ({notes[name]})', TEMPERATURE_LABEL, text)
         axes.set_xticks(settings.TEMPERATURE_NODES)
     return figure
 
@@ -58,22 +64,24 @@ def _title(number: int, what: str, factor: settings.Factor) -> str:
 
 def single_stiffness(_: Study, *, number: int, factor: settings.Factor) -> Figure:
     """Draw figure 6, 13 or 20: F_x with beta0 on K_b alone, cos(theta) = sin(theta)."""
-    scale = unit_force() * math.sqrt(0.5)
+    scale, beta = unit_force() * math.sqrt(0.5), _beta(factor)
     curves = {
-        name: scale * equations.static_force(_beta(factor), 1.0, ratio)
+        name: scale * equations.static_force(beta, 1.0, ratio)
         for name, ratio in settings.FORMULA_RATIOS.items()
     }
-    return _draw(_title(number, 'F_x, stiffness K_b alone', factor), 'F_x / N', curves)
+    notes = {name: _note(force, beta) for name, force in curves.items()}
+    return _draw(_title(number, 'F_x, stiffness K_b alone', factor), 'F_x / N', curves, notes)
 
 
 def single_damping(_: Study, *, number: int, factor: settings.Factor) -> Figure:
     """Draw figure 7, 14 or 21: F_x with beta0 on C_d alone, cos(theta) = sin(theta)."""
-    scale = unit_force() * math.sqrt(0.5)
+    scale, beta = unit_force() * math.sqrt(0.5), _beta(factor)
     curves = {
-        name: scale * equations.static_force(1.0, _beta(factor), ratio)
+        name: scale * equations.static_force(1.0, beta, ratio)
         for name, ratio in settings.FORMULA_RATIOS.items()
     }
-    return _draw(_title(number, "F_x, 'damping' C_d alone", factor), 'F_x / N', curves)
+    notes = {name: _note(force, beta) for name, force in curves.items()}
+    return _draw(_title(number, "F_x, 'damping' C_d alone", factor), 'F_x / N', curves, notes)
 
 
 def resultant(_: Study, *, number: int, factor: settings.Factor) -> Figure:
@@ -83,4 +91,5 @@ def resultant(_: Study, *, number: int, factor: settings.Factor) -> Figure:
     for name, ratio in settings.FORMULA_RATIOS.items():
         f_x = component * equations.static_force(beta, beta, ratio)
         curves[name] = np.hypot(f_x, f_x)
-    return _draw(_title(number, 'Resultant force F', factor), 'F / N', curves)
+    notes = {name: _note(force, beta) for name, force in curves.items()}
+    return _draw(_title(number, 'Resultant force F', factor), 'F / N', curves, notes)

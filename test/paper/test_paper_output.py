@@ -14,6 +14,7 @@ import pytest
 
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.paper import settings
 from bearing_twin.paper.claims import rounded
 from bearing_twin.paper.figures import FIGURES
 from bearing_twin.paper.output import MARKER, prepare_folder
@@ -21,6 +22,12 @@ from bearing_twin.paper.report import figure_name
 
 DOCS = Path(__file__).resolve().parents[2] / 'docs' / 'paper.md'
 NUMBERS = (*range(4, 11), *range(12, 18), *range(19, 25), *range(27, 31), 32)
+FORCE_FIGURES = {
+    'expansion': (6, 7, 8),
+    'hardness': (13, 14, 15),
+    'friction': (20, 21, 22),
+    'all': (27,),
+}
 KEYS = ['id', 'where', 'claim', 'paper_value', 'our_value', 'verdict', 'why']
 
 
@@ -71,6 +78,17 @@ def test_every_axis_has_its_quantity_and_unit(study, number):
             labels = [axes.get_ylabel()]
         for label in labels:
             assert ' / ' in label, f'figure {number}: {label!r} has no unit'
+
+
+@pytest.mark.parametrize('number', [6, 7, 8, 13, 14, 15, 20, 21, 22, 27])
+def test_force_panels_say_what_their_curves_do(study, number):
+    factor = next(f for f, numbers in FORCE_FIGURES.items() if number in numbers)
+    beta = np.array([settings.factor_of(factor).at(t) for t in settings.TEMPERATURE_NODES])
+    for axes in FIGURES[str(number)].draw(study).axes:
+        force = np.asarray(axes.lines[0].get_ydata())
+        rising = np.polyfit(beta, force, 1)[0] > 0.0
+        assert ('rises' if rising else 'falls') in axes.get_title()
+        assert ('falls' if rising else 'rises') not in axes.get_title()
 
 
 def test_waterfalls_are_three_dimensional(study):
