@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from bearing_twin.paper.verdicts import NOT_CHECKABLE, UNDER_SETTINGS, Verdict, all_settings
+from bearing_twin.paper.verdicts import NOT_CHECKABLE, Verdict, all_settings
 
 __all__ = ['Claim', 'percent', 'percents', 'rounded']
 
@@ -33,19 +33,24 @@ class Claim:
     why: str
     """Rule and reason; where settings decide, the settings as well."""
     verdict: Verdict = NOT_CHECKABLE
-    """Computed from the numbers by the rule that `why` names; from `holds` where that is given."""
-    holds: Mapping[str, bool] | None = None
-    """Under which settings or readings the claim holds."""
+    """Computed from the numbers by the rule that `why` names; from `as_printed` where given."""
+    as_printed: Mapping[str, bool] | None = None
+    """Whether the claim holds as it is printed, under each setting that the paper leaves open."""
+    as_read: Mapping[str, bool] | None = None
+    """Whether it holds under readings or additions of ours. They never lift the verdict."""
 
     def __post_init__(self) -> None:
-        if self.holds is None:
-            return
-        verdict = all_settings(self.holds)
-        object.__setattr__(self, 'verdict', verdict)
-        if verdict == UNDER_SETTINGS:
-            good = '; '.join(name for name, held in self.holds.items() if held)
-            bad = '; '.join(name for name, held in self.holds.items() if not held)
-            object.__setattr__(self, 'why', f'{self.why} Holds: {good}. Fails: {bad}.')
+        if self.as_printed is not None:
+            object.__setattr__(self, 'verdict', all_settings(self.as_printed))
+            if len(set(self.as_printed.values())) > 1:
+                object.__setattr__(
+                    self, 'why', self.why + _outcome('As printed ', self.as_printed)
+                )
+        if self.as_read is not None:
+            if self.as_printed is None:
+                msg = f'{self.id}: a reading needs what is printed beside it'
+                raise ValueError(msg)
+            object.__setattr__(self, 'why', self.why + _outcome('As read ', self.as_read))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields, numbers rounded to 6 digits, ready for JSON."""
@@ -58,6 +63,16 @@ class Claim:
             'verdict': self.verdict,
             'why': self.why,
         }
+
+
+def _outcome(lead: str, held: Mapping[str, bool]) -> str:
+    """Write under which names a claim holds and fails."""
+    text = ''
+    for word, good in (('holds', True), ('fails', False)):
+        names = '; '.join(name for name, outcome in held.items() if bool(outcome) is good)
+        if names:
+            text += f' {lead}{word}: {names}.'
+    return text
 
 
 def rounded(value: Any, digits: int = 6) -> Any:

@@ -16,6 +16,7 @@ from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims import Claim, percents
 from bearing_twin.paper.claims_trend import COLD, HOT
+from bearing_twin.paper.dimensions import derived, dimension, is_homogeneous
 from bearing_twin.paper.verdicts import same_direction, within
 
 if TYPE_CHECKING:
@@ -25,20 +26,7 @@ if TYPE_CHECKING:
 __all__ = ['circulation', 'model_claims', 'static_position', 'system_matrix', 'unclosed']
 
 _Law = Callable[..., tuple[float, float]]
-Dimension = tuple[float, float, float, float]
 
-# Exponents of kg, m, s, A.
-LENGTH: Dimension = (0, 1, 0, 0)
-DAMPING: Dimension = (1, 0, -1, 0)
-ACCELERATION: Dimension = (0, 1, -2, 0)
-VOLT: Dimension = (1, 2, -3, -1)
-
-EQUATION_25 = (
-    'F_X = sum K_b0 [1 + a (T - T0) + Dh (H - H0)/H0 + h (mu - mu0)/mu0] '
-    '{[(x_in - x_out) cos t + (y_in - y_out) sin t - c_r - b C_d0 x '
-    '[1 + a (T - T0) + Dh (H - H0)/H0 + h (mu - mu0)/mu0] }^1.5 cos t'
-)
-"""Brackets as printed."""
 RK4_LIMIT = 2.78
 """Extent of the stability region of RK4 along both axes, |h lambda|."""
 SAMPLE_RATE = 25600.0
@@ -74,27 +62,32 @@ def unclosed(text: str) -> int:
     return lost + len(open_ones)
 
 
-def static_position(parameters: TwinParameters) -> float:
+def static_position(parameters: TwinParameters, beta0: float = 1.0) -> float:
     """Vertical displacement of the inner ring at which the balls carry the load, m.
 
-    One ball stands in the load direction, so that there is no horizontal force.
+    One ball stands in the load direction, so that there is no horizontal force. ``beta0`` scales
+    the stiffness of the contacts.
     """
     theta = equations.ball_angles(parameters.bearing.n_balls, -math.pi / 2)
 
     def excess(y: float) -> float:
-        _, f_y = equations.total_force(0.0, y, theta, parameters.clearance, parameters.k_b0)
+        k_b = beta0 * parameters.k_b0
+        _, f_y = equations.total_force(0.0, y, theta, parameters.clearance, k_b)
         return -f_y - parameters.load
 
     return float(brentq(excess, -1e-3, 0.0, xtol=1e-15))
 
 
-def system_matrix(parameters: TwinParameters) -> npt.NDArray[np.float64]:
-    """State matrix (8, 8) of the model linearised at static equilibrium, contact loaded."""
+def system_matrix(parameters: TwinParameters, beta0: float = 1.0) -> npt.NDArray[np.float64]:
+    """State matrix (8, 8) of the model linearised at static equilibrium, contact loaded.
+
+    ``beta0`` scales the stiffness of the contacts.
+    """
     p = parameters
     theta = equations.ball_angles(p.bearing.n_balls, -math.pi / 2)
-    y = static_position(p)
+    y = static_position(p, beta0)
     delta = equations.deformation_eq8(0.0, y, theta, p.clearance)
-    slope = 1.5 * p.k_b0 * np.sqrt(np.maximum(delta, 0.0))
+    slope = 1.5 * beta0 * p.k_b0 * np.sqrt(np.maximum(delta, 0.0))
     loaded = np.where(delta > 0.0, p.contact_damping, 0.0)
     mass = np.diag([p.inner_mass, p.inner_mass, p.outer_mass, p.outer_mass])
     normals = np.array([np.cos(theta), np.sin(theta)])
@@ -153,7 +146,8 @@ def _geometry_claims() -> list[Claim]:
             claim='x sin(theta) + y cos(theta) and x cos(theta) + y sin(theta) are both delta_i',
             paper_value='same symbol delta_i',
             our_value={'same theta': mixed, 'theta counted from the vertical in equation 5': same},
-            holds={'same theta': mixed, 'theta from the vertical': same},
+            as_printed={'same theta': mixed},
+            as_read={'theta from the vertical in equation 5': same},
             why='Rule: equal for all balls. Reading taken: equation 8, theta from +x.',
         ),
         Claim(
@@ -162,7 +156,8 @@ def _geometry_claims() -> list[Claim]:
             claim='components F_X and F_Y of the contact forces',
             paper_value='elastic forces',
             our_value=skew,
-            holds={name: value < 1e-6 for name, value in skew.items()},
+            as_printed={'equation 7': skew['as printed'] < 1e-6},
+            as_read={'equation 8': skew['as read'] < 1e-6},
             why=(
                 'Rule: elastic forces have a potential, so dF_X/dy = dF_Y/dx (skew part of the '
                 'stiffness over its norm below 1e-6). Equation 7 uses another deformation in '
@@ -175,10 +170,10 @@ def _geometry_claims() -> list[Claim]:
             claim='no contact force outside the load zone',
             paper_value=0.0,
             our_value={'as printed, undefined forces': undefined, 'of balls': len(theta)},
-            holds={
-                'as printed': undefined == 0,
-                'with max(delta, 0)': bool(np.all(read[delta <= 0.0] == 0.0)),
+            as_printed={
+                'delta^1.5': undefined == 0,
             },
+            as_read={'max(delta, 0)^1.5': bool(np.all(read[delta <= 0.0] == 0.0))},
             why=(
                 'Rule: force 0 where delta <= 0, `extended` at rest. The text says so, the '
                 'equations do not: delta^1.5 of a negative number is not real.'
@@ -188,22 +183,46 @@ def _geometry_claims() -> list[Claim]:
 
 
 def _dimension_claims() -> list[Claim]:
+    p = preset('extended', bearing=settings.BEARING)
+    y, angle = static_position(p), -math.pi / 2
+
+    def bracket(y: float, clearance: float, depth: float) -> float:
+        theta = np.array([angle])
+        return float(equations.deformation_eq8(0.0, y, theta, clearance, depth)[0])
+
+    def newton(k_b: float, deformation: float, mass: float) -> float:
+        return float(equations.ball_forces(np.array([deformation]), k_b)[0] / mass)
+
+    def subtracted(unit: str) -> bool:
+        """Whether C_d in ``unit`` can stand in the bracket of equation 8."""
+        depth = (0.1 * abs(y), unit)
+        quantities = {'y': (y, 'm'), 'clearance': (p.clearance, 'm'), 'depth': depth}
+        return is_homogeneous(bracket, quantities)
+
+    acceleration = derived(
+        newton,
+        {
+            'k_b': (p.k_b0, 'N/m^1.5'),
+            'deformation': (settings.APPROACH, 'm'),
+            'mass': (p.outer_mass, 'kg'),
+        },
+    )
+    damping, drawn = settings.C_D_UNIT, settings.AMPLITUDE_UNIT
     return [
         Claim(
             id='c-d-is-a-depth',
             where='equation 8, section 3 first paragraph',
             claim="'friction damping C_d' is subtracted from the clearance",
-            paper_value='damping, N s/m',
-            our_value='length, m',
-            holds={
-                reading: dimension == LENGTH
-                for reading, dimension in (
-                    ('C_d a damping', DAMPING),
-                    ('C_d the depth of the spall, b its switch', LENGTH),
-                )
+            paper_value=f'damping, {damping}',
+            our_value={
+                f'homogeneous, C_d in {unit}': subtracted(unit)
+                for unit in dict.fromkeys((damping, 'm'))
             },
+            as_printed={f'C_d a damping, {damping}': subtracted(damping)},
+            as_read={'C_d the depth of the spall, m, b its switch': subtracted('m')},
             why=(
-                'Rule: only like dimensions are subtracted. Equation 8 is the published defect '
+                'Rule: the bracket of equation 8, evaluated in other units of kg, m, s and A, '
+                'scales as one dimension. Equation 8 is the published defect '
                 'model with depth C_d and switch beta (Feng; Sawalhi and Randall; Mishra 2017). '
                 "Section 3 also calls K_b, a stiffness, 'friction damping'."
             ),
@@ -212,13 +231,14 @@ def _dimension_claims() -> list[Claim]:
             id='amplitude-in-volts',
             where='sections 3.1 to 3.4, waterfall figures',
             claim="the axis 'amplitude V' shows acceleration",
-            paper_value='V',
-            our_value='m/s^2',
-            holds={
-                unit: dimension == ACCELERATION
-                for unit, dimension in (('V', VOLT), ('m/s^2', (0, 1, -2, 0)))
-            },
-            why='Rule: unit has the dimension of an acceleration. No sensitivity is given.',
+            paper_value=drawn,
+            our_value={'exponents of kg, m, s, A': acceleration},
+            as_printed={drawn: dimension(drawn) == acceleration},
+            as_read={'m/s^2': dimension('m/s^2') == acceleration},
+            why=(
+                'Rule: the unit has the dimension of F/m, equation 19, found by evaluating it '
+                'with equation 6 in other units. No sensitivity is given.'
+            ),
         ),
     ]
 
@@ -229,6 +249,8 @@ def _resultant_claims() -> list[Claim]:
     housing, rotor = p.outer_mass, p.inner_mass
     angles = {'pi/2': math.pi / 2, 'pi/3': math.pi / 3, '0': 0.0}
     values = {name: equations.resultant_as_printed(f_x, f_y, a) for name, a in angles.items()}
+    right = {name: math.isclose(v, math.hypot(f_x, f_y)) for name, v in values.items()}
+    right_angle = {'pi/2': right.pop('pi/2')}
     return [
         Claim(
             id='resultant-angle',
@@ -236,7 +258,8 @@ def _resultant_claims() -> list[Claim]:
             claim="'different values are used' for the angle between F_x and F_y",
             paper_value='different angles',
             our_value=values,
-            holds={name: math.isclose(v, math.hypot(f_x, f_y)) for name, v in values.items()},
+            as_printed=right,
+            as_read=right_angle,
             why=(
                 'Rule: resultant of F_x = 3 N, F_y = 4 N is 5 N. The components are at right '
                 'angles, so only pi/2 is right.'
@@ -274,10 +297,8 @@ def _friction_equation() -> Claim:
         claim='with the friction factor the force decreases with temperature',
         paper_value='decreases',
         our_value=percents({'as printed': printed, 'friction factor in both': read}),
-        holds={
-            'as printed': same_direction(-1, printed, 0.0),
-            'friction factor in both': same_direction(-1, read, 0.0),
-        },
+        as_printed={'hardness factor in C_d': same_direction(-1, printed, 0.0)},
+        as_read={'friction factor in both': same_direction(-1, read, 0.0)},
         why=(
             'Rule: sign of F(110)/F(20) - 1 at C_d0/approach = 0.7. Equation 23 has the hardness '
             'factor inside C_d, pasted from equation 21, and the weight of friction is printed '
@@ -287,7 +308,7 @@ def _friction_equation() -> Claim:
 
 
 def _brackets() -> Claim:
-    count = unclosed(EQUATION_25)
+    count = unclosed(settings.EQUATION_25)
     return Claim(
         id='brackets-of-equation-25',
         where='equation 25',
@@ -318,7 +339,7 @@ def _solver() -> Claim:
             'rk4_stable_below_us': largest_step * 1e6,
             'sample_us': 1e6 / SAMPLE_RATE,
         },
-        holds={'explicit step limited by stability': largest_step < 1.0 / SAMPLE_RATE},
+        as_printed={'explicit step limited by stability': largest_step < 1.0 / SAMPLE_RATE},
         why=(
             'Rule: stiff if stability forbids explicit RK4 one step per sample of 25.6 kHz. '
             "'Rigid' stands for stiff; this model is not."

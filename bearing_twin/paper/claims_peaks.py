@@ -56,13 +56,16 @@ def peak_claims(study: Study) -> list[Claim]:
         ]
         for preset in settings.PRESET_NAMES
     }
+    hits = {
+        preset: [abs(lag) <= TIME_DIGIT / 2 for lag in lags] for preset, lags in delays.items()
+    }
     holds = {
         'impact instants k/f_in': all(
             abs(i - t) <= TIME_DIGIT / 2 for i, t in zip(instants, times, strict=True)
         )
     }
-    for preset, lags in delays.items():
-        holds[f'peaks of {preset}'] = max(lags) - min(lags) <= TIME_DIGIT
+    for preset, hit in hits.items():
+        holds[f'peaks of {preset}'] = all(hit)
     interval = frequency_interval(times, numbers)
     slipping = study.frequencies['incipient', 'mu_proportional', HOT].prescribed
     rigid = study.frequencies['incipient', 'none', HOT].prescribed
@@ -73,11 +76,13 @@ def peak_claims(study: Study) -> list[Claim]:
             claim='peaks at 0.079, 0.277, 0.435 and 0.633 s',
             paper_value=times,
             our_value={'impacts': numbers, 'instants_s': instants, 'peak_delay_s': delays},
-            holds=holds,
+            as_printed=holds,
             why=(
                 'Rule: with t0 = 0 at an impact in the load direction, impacts '
-                f'{numbers} fall at the quoted times to the digit, and the simulated peaks at '
-                '20 degC follow them by one delay, constant to 1 ms. The shaft has then made '
+                f'{numbers}, and the simulated peaks at 20 degC, round to the quoted times. The '
+                'peaks do in '
+                + ', '.join(f'{sum(hit)} of {len(hit)} ({name})' for name, hit in hits.items())
+                + '. At the impacts the shaft has made '
                 f'{", ".join(f"{t:.2f}" for t in turns)} turns: the defect is under the load.'
             ),
         ),
@@ -91,7 +96,7 @@ def peak_claims(study: Study) -> list[Claim]:
                 'last_peak_without_slip_s': numbers[-1] / rigid,
                 'last_peak_with_slip_s': numbers[-1] / slipping,
             },
-            holds={'126.823 Hz': interval[0] <= settings.F_IN['fig32'] <= interval[1]},
+            as_printed={'126.823 Hz': interval[0] <= settings.F_IN['fig32'] <= interval[1]},
             why=(
                 f'Rule: 126.823 Hz inside the interval {interval[0]:.2f} to {interval[1]:.2f} Hz '
                 'that four times, rounded to 1 ms, with one common delay, allow. The waterfalls '

@@ -41,6 +41,9 @@ CLEARANCE_HOT = CLEARANCE_COLD + clearance_change(
     29.0, 20.0, 20.0, settings.BEARING.d_pitch, settings.BEARING.d_ball
 )
 """Radial clearance with rings of one temperature, and with the inner ring 9 K hotter, m."""
+LITERATURE_LOADS = (500.0, 2000.0)
+LITERATURE_WIDTHS = (0.8e-3, 1.6e-3, 2.8e-3)
+LITERATURE_DEPTHS = (15e-6, 40e-6)
 GRID_LOADS = (500.0, 1000.0, 2000.0, 4000.0)
 GRID_WIDTHS = (0.4e-3, 0.8e-3, 1.2e-3, 1.6e-3, 2.0e-3, 2.4e-3, 2.8e-3, 3.2e-3, 4.0e-3, 4.8e-3)
 GRID_DEPTHS = (15e-6, 40e-6, 60e-6)
@@ -120,8 +123,9 @@ class Study:
     """By place of the defect."""
     clearance: Mapping[str, tuple[float, float]]
     """Amplitude with the cold and the hot clearance, by preset, m/s^2."""
-    literature: Mapping[str, float]
-    """Relative change of the amplitude from 20 to 110 degC, all factors, by published preset."""
+    literature: Mapping[str, FloatArray]
+    """Relative change of the amplitude from 20 to 110 degC, all factors, by published preset; one
+    for each of `LITERATURE_LOADS`, `LITERATURE_WIDTHS` and `LITERATURE_DEPTHS`."""
     small_mu: Mapping[tuple[str, str], float]
     """Relative change of the amplitude from 20 to 110 degC with `SMALL_DELTA_MU`, by preset and
     factor."""
@@ -185,10 +189,14 @@ def run_study(*, processes: int = 2, quiet: bool = False) -> Study:
         for t in (cold, hot)
     ]
     literature_specs = [
-        RunSpec(preset=name, factor='all', temperature=t, seconds=_beat())
+        RunSpec(
+            preset=name, factor='all', temperature=t, load=w, width=b, depth=h, seconds=_beat(),
+            rate=FREQUENCY_RATE,
+        )
         for name in settings.LITERATURE_PRESETS
+        for w in LITERATURE_LOADS for b in LITERATURE_WIDTHS for h in LITERATURE_DEPTHS
         for t in (cold, hot)
-    ]
+    ]  # fmt: skip
     grid_specs = [
         RunSpec(
             preset='extended', factor='friction', temperature=t, load=w, width=b, depth=h,
@@ -215,8 +223,9 @@ def run_study(*, processes: int = 2, quiet: bool = False) -> Study:
         small[mu_key] = last / first - 1.0
     literature = {}
     for name in settings.LITERATURE_PRESETS:
-        first, last = float(next(done)), float(next(done))
-        literature[name] = last / first - 1.0
+        size = 2 * len(LITERATURE_LOADS) * len(LITERATURE_WIDTHS) * len(LITERATURE_DEPTHS)
+        cold_hot = np.array([float(next(done)) for _ in range(size)]).reshape(-1, 2)
+        literature[name] = cold_hot[:, 1] / cold_hot[:, 0] - 1.0
     pairs = np.array([float(value) for value in done]).reshape(-1, 2)
     beta_hot = settings.factor_of('friction').at(hot)
     slopes = np.log(pairs[:, 1] / pairs[:, 0]) / np.log(beta_hot)
