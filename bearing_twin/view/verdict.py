@@ -112,7 +112,7 @@ def words(diagnosis: Any) -> str:
     """Return a diagnosis as Markdown."""
     number = int(diagnosis.result)
     label = VERDICTS[number].label if 0 <= number < len(VERDICTS) else diagnosis.result_name
-    lines = [f'**{label}**', '']
+    lines = [f'# {label}', '']
     faults = ', '.join(diagnosis.faults)
     lines.append(
         f'confidence **{diagnosis.confidence:.0%}**' + (f', found: {faults}' if faults else '')
