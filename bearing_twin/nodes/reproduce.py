@@ -243,6 +243,9 @@ class _DiagnosisCheck:
 
     def _push(self, message: RecordedMessage) -> None:
         block = message.decode()
+        while self._checkpoints and _before(self._checkpoints[0], block):
+            # A late joiner gets the last checkpoint of a time before the recording.
+            self._checkpoints.popleft()
         if self._checkpoints and int(self._checkpoints[0].first_sample) == int(block.first_sample):
             self._resume(self._checkpoints.popleft())
         if self._run is None:
@@ -285,6 +288,8 @@ class _DiagnosisCheck:
             self._result.notes.append(f'{self._topic}: parameters were changed {at}')
         if self._run is not None and self._run.state == state:
             return
+        if self._run is None and self._window_began_before(int(checkpoint.first_sample)):
+            return
         if self._run is not None:
             self._result.notes.append(f'{self._topic}: the diagnosis was restarted {at}')
         self._run = DiagnosisRun(values, state)
@@ -293,3 +298,17 @@ class _DiagnosisCheck:
             agreement = self._result.topics.setdefault(self._topic, Agreement())
             agreement.skipped += 1
             self._verdicts.popleft()
+
+    def _window_began_before(self, sample: int) -> bool:
+        """Whether the next verdict rests on samples from before a checkpoint."""
+        for _, verdict in self._verdicts:
+            if verdict.first_sample + verdict.sample_count > sample:
+                return bool(verdict.first_sample < sample)
+        return False
+
+
+def _before(checkpoint: Any, block: Any) -> bool:
+    """Whether a checkpoint lies before a block in index and in time: a new twin begins at 0."""
+    return int(checkpoint.first_sample) < int(block.first_sample) and stamp_ns(
+        checkpoint.header.stamp
+    ) < stamp_ns(block.header.stamp)

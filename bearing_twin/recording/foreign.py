@@ -19,6 +19,7 @@ import numpy as np
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.csvfile import read_csv
 from bearing_twin.recording.matfile import read_mat
+from bearing_twin.recording.mcapfile import refuse_special
 from bearing_twin.recording.mcapsignal import read_vibration_topic
 from bearing_twin.recording.npz import read_npz
 
@@ -120,6 +121,7 @@ def _read_file(path: Path, channel: str | None) -> dict[str, Any]:
     if reader is None:
         msg = f'{path}: files ending in {", ".join(readers)} and .mcap are read'
         raise BearingTwinError(msg)
+    refuse_special(path)
     try:
         size = path.stat().st_size
     except OSError as error:

@@ -52,6 +52,7 @@ __all__ = [
     'open_mcap',
     'read_record',
     'read_summary',
+    'refuse_special',
     'walk',
 ]
 
@@ -100,6 +101,19 @@ class RawRecord(NamedTuple):
     length: int
 
 
+def refuse_special(path: Path) -> None:
+    """Refuse pipes, sockets and devices: opening one may wait forever, reading one never end.
+
+    Raises
+    ------
+    BearingTwinError
+        If the path is there and is neither a file nor a folder, or leads there.
+    """
+    if path.exists() and not path.is_file() and not path.is_dir():
+        msg = f'{path} is no file but a pipe, socket or device; copy its content into a file'
+        raise BearingTwinError(msg)
+
+
 def open_mcap(path: Path) -> BinaryIO:
     """Open an MCAP file.
 
@@ -108,6 +122,7 @@ def open_mcap(path: Path) -> BinaryIO:
     BearingTwinError
         If it cannot be opened or does not begin as an MCAP file does.
     """
+    refuse_special(path)
     try:
         file = path.open('rb')
     except OSError as error:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.mcapfile import refuse_special
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -31,6 +32,7 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
     BearingTwinError
         If the file is damaged, or an array holds Python objects or is too large.
     """
+    refuse_special(path)
     arrays: dict[str, Any] = {}
     try:
         with zipfile.ZipFile(path) as archive:

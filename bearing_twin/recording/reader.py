@@ -18,6 +18,7 @@ from bearing_twin.recording.mcapfile import (
     open_mcap,
     read_record,
     read_summary,
+    refuse_special,
     walk,
 )
 from bearing_twin.recording.messages import (
@@ -96,17 +97,20 @@ def recording_files(path: Path) -> list[Path]:
     Raises
     ------
     BearingTwinError
-        If there is none.
+        If there is none, or one is a pipe, socket or device.
     """
     if path.is_dir():
         files = sorted(path.glob('*.mcap'), key=_natural)
         if files:
+            for file in files:
+                refuse_special(file)
             return files
         msg = f'{path} is no recording: no .mcap file is in it'
         raise BearingTwinError(msg)
     if not path.exists():
         msg = f'{path} does not exist'
         raise BearingTwinError(msg)
+    refuse_special(path)
     return [path]
 
 

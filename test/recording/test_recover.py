@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import fcntl
+import os
 import random
 import shutil
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ from recording_samples import START, TEMPERATURE, VIBRATION, temperature_cdr, wr
 from rosbags.rosbag2 import Reader
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.foreign import read_signal
 from bearing_twin.recording.mcapfile import UnfinishedRecording
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover
@@ -147,3 +149,22 @@ def test_topic_with_two_types_in_two_files(tmp_path: Path) -> None:
         writer.write('/t', TEMPERATURE, temperature_cdr(3, 21.0), log_time=3, publish_time=3)
     types = [m.type_name for m in read_messages(tmp_path / 'run')]
     assert types == [TEMPERATURE, VIBRATION, TEMPERATURE]
+
+
+@pytest.mark.parametrize('kind', ['mcap', 'npz', 'mat', 'wav', 'csv'])
+def test_a_pipe_or_a_device_is_no_recording(kind: str, tmp_path: Path) -> None:
+    pipe, device = tmp_path / f'pipe.{kind}', tmp_path / f'device.{kind}'
+    os.mkfifo(pipe)
+    device.symlink_to('/dev/zero')
+    for path in (pipe, device):
+        with pytest.raises(BearingTwinError, match='pipe, socket or device'):
+            read_signal(path)
+    if kind == 'mcap':
+        for path in (pipe, device, tmp_path):
+            with pytest.raises(BearingTwinError, match='pipe, socket or device'):
+                recording_info(path)
+            with pytest.raises(BearingTwinError, match='pipe, socket or device'):
+                recover(path, tmp_path / 'out')
+        assert not (tmp_path / 'out').exists()
+        # The recorder looks here when it starts.
+        assert find_unfinished(tmp_path) == []
