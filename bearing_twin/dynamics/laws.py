@@ -87,7 +87,8 @@ def law_table(p: TwinParameters) -> FloatArray:
 def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatArray) -> None:
     """Fill ``out`` (CONDITION_SIZE) for ring temperatures in degC and a shaft speed in Hz.
 
-    In the paper's mode ``inner`` is not used and what the paper has no quantity for is NaN.
+    In the paper's mode ``inner`` is not used, the ring temperatures are NaN, and the lubricant has
+    the one temperature measured.
     """
     alpha = np.interp(outer, gcr15.TEMPERATURES, gcr15.EXPANSION_TABLE) * law[ALPHA_UNIT]
     hardness = np.interp(outer, gcr15.TEMPERATURES, gcr15.HARDNESS_TABLE)
@@ -102,8 +103,9 @@ def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatA
         factor = _beta0(outer - law[T0], alpha, hardness, mu, weights)
         out[K_B], out[DEPTH], out[BETA0] = factor * law[K_B0], factor, factor
         out[CLEARANCE] = law[CLEARANCE0]
-        for i in range(INNER, CONDITION_SIZE):
-            out[i] = math.nan
+        # The paper knows one temperature; the lubricant, and with it the life, needs no more.
+        out[INNER] = out[OUTER] = math.nan
+        _lubricate(law, outer, outer, hz, out)
     else:
         out[DEPTH] = out[BETA0] = 1.0
         out[K_B] = law[K_B0] * _relative_modulus(0.5 * (inner + outer))

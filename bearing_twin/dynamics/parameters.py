@@ -11,7 +11,7 @@ from typing import Literal
 from bearing_twin.bearing import Bearing, load_deflection_factor
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.friction import SERIES
-from bearing_twin.thermal.gcr15 import Beta0
+from bearing_twin.thermal.gcr15 import FRICTION_TABLE, Beta0
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin.thermal.rings import ThermalNetwork
 
@@ -189,6 +189,9 @@ class TwinParameters:
             raise BearingTwinError(msg)
         if self.resonance_hz != 0.0:
             check_range('resonance_hz', self.resonance_hz, 500.0, 11000.0, 'Hz, or 0 for none')
+        if self.slip_model == 'mu_proportional':
+            hottest = self.slip * float(FRICTION_TABLE.max()) / self.beta0.reference_friction
+            check_range('slip at the highest friction of table 3', hottest, 0.0, 0.1, '(slip)')
         if len(self.defects) > MAX_DEFECTS:
             msg = f'{len(self.defects)} defects are more than {MAX_DEFECTS}; merge some'
             raise BearingTwinError(msg)

@@ -74,11 +74,13 @@ def life_factor(kappa: float, contamination_load: float) -> float:
     Parameters
     ----------
     kappa
-        Viscosity ratio; the standard's 0.1 to 4 is not left.
+        Viscosity ratio. Above 4 the standard takes 4; below 0.1 it makes no statement: NaN.
     contamination_load
         ``e_C C_u / P``.
     """
-    kappa = min(max(kappa, 0.1), 4.0)
+    if not kappa >= 0.1:
+        return math.nan
+    kappa = min(kappa, 4.0)
     if kappa < 0.4:
         film = 2.5671 - 2.2649 / kappa**0.054381
     elif kappa < 1.0:

@@ -375,13 +375,24 @@ def test_inner_ring_follows_with_its_time_constant():
     assert (target - reached) / (target - start) == pytest.approx(math.exp(-1.0), abs=0.02)
 
 
-def test_life_falls_with_temperature_and_paper_mode_has_none():
+@pytest.mark.parametrize('mode', ['paper', 'physical'])
+def test_life_falls_with_temperature(mode):
     def life(temperature):
-        parameters = quiet(thermal_mode='physical', load=3000.0)
+        parameters = quiet(thermal_mode=mode, load=3000.0)
         return Simulator(parameters, temperature=temperature).condition().life_hours
 
     assert life(20.0) > 5.0 * life(110.0) > 0.0
-    assert math.isnan(Simulator(quiet()).condition().life_hours)
+
+
+def test_no_life_where_the_standard_makes_no_statement():
+    slow = Simulator(quiet(), temperature=110.0, shaft_hz=0.2).condition()
+    assert slow.kappa < 0.1
+    assert math.isnan(slow.life_hours)
+
+
+def test_slip_is_refused_where_friction_would_make_it_absurd():
+    with pytest.raises(BearingTwinError, match='highest friction'):
+        quiet(slip=0.05)
 
 
 # --- presets, fleet ----------------------------------------------------------------------------
