@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 import sys
 import xml.etree.ElementTree as ElementTree
-from pathlib import Path
 
 from setuptools import find_packages, setup
 

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Take the pictures of docs/images: live, a recording, a comparison, the bearing.
+"""
+Take the pictures of docs/images: live, a recording, a comparison, the bearing.
 
 Run by ``make screenshots``; needs a Vulkan device, in software or not.
 """
@@ -8,17 +9,16 @@ Run by ``make screenshots``; needs a Vulkan device, in software or not.
 from __future__ import annotations
 
 import os
+from pathlib import Path
 import sys
 import tempfile
 import time
-from pathlib import Path
 
-from PIL import Image
-
-from bearing_twin.nodes.launching import NodeProcesses, local_environment
+from bearing_twin.nodes.launching import local_environment, NodeProcesses
 from bearing_twin.nodes.offline_run import run_offline
 from bearing_twin.view.opening import draw_recordings
-from bearing_twin.view.viewer import LOOPBACK, HeadlessViewer, free_port
+from bearing_twin.view.viewer import free_port, HeadlessViewer, LOOPBACK
+from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / 'docs' / 'images'

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import importlib.util
 import os
+from pathlib import Path
 import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
-from pathlib import Path
 
 from setuptools import Distribution, setup
 from setuptools.command.build_py import build_py

@@ -3,9 +3,9 @@
 """The rooms: what each may import, and that the core runs without ROS, MCAP and Rerun."""
 
 import ast
+from pathlib import Path
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 

@@ -6,12 +6,11 @@ import importlib.util
 import inspect
 from pathlib import Path
 
-import pytest
-
 from bearing_twin.nodes.fleet_config import SPECS as FLEET
 from bearing_twin.nodes.recorder_config import SPECS as RECORDER
 from bearing_twin.nodes.replay_config import SPECS as REPLAY
 from bearing_twin.nodes.twin_config import SPECS as TWIN
+import pytest
 
 launch = pytest.importorskip('launch', reason='launch is part of an installed ROS 2 only')
 pytest.importorskip('launch_ros', reason='launch_ros is part of an installed ROS 2 only')

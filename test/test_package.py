@@ -3,14 +3,13 @@
 """The package as ROS and pip see it."""
 
 import importlib
+from pathlib import Path
 import re
 import xml.etree.ElementTree as ElementTree
-from pathlib import Path
-
-import pytest
 
 import bearing_twin
 from bearing_twin.cli import COMMANDS
+import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 

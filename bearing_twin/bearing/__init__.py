@@ -5,9 +5,9 @@
 from bearing_twin.bearing.catalogue import catalogue, find_bearing
 from bearing_twin.bearing.geometry import (
     Bearing,
-    FaultFrequencies,
     fault_frequencies,
     fault_orders,
+    FaultFrequencies,
 )
 from bearing_twin.bearing.hertz import contact_stiffness, load_deflection_factor
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 import csv
 import difflib
 import functools
-import math
 from importlib import resources
+import math
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -42,12 +42,14 @@ def catalogue() -> Mapping[str, Bearing]:
 
 
 def find_bearing(name: str) -> Bearing:
-    """Return the bearing called ``name``; upper and lower case are the same.
+    """
+    Return the bearing called ``name``; upper and lower case are the same.
 
     Raises
     ------
     BearingTwinError
         If there is none of that name; the text lists the closest ones.
+
     """
     by_folded = {known.casefold(): bearing for known, bearing in catalogue().items()}
     found = by_folded.get(name.strip().casefold())

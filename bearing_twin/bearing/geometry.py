@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+import math
 from typing import NamedTuple
 
 from bearing_twin.errors import BearingTwinError
@@ -14,7 +14,8 @@ __all__ = ['Bearing', 'FaultFrequencies', 'fault_frequencies', 'fault_orders']
 
 
 class FaultFrequencies(NamedTuple):
-    """The four characteristic frequencies of a bearing with a fixed outer ring.
+    """
+    The four characteristic frequencies of a bearing with a fixed outer ring.
 
     The unit is that of the shaft speed they were computed with: Hz for :func:`fault_frequencies`,
     multiples of the shaft speed ("orders") for :func:`fault_orders`.
@@ -32,7 +33,8 @@ class FaultFrequencies(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Bearing:
-    """Internal geometry of a rolling element bearing.
+    """
+    Internal geometry of a rolling element bearing.
 
     Parameters
     ----------
@@ -53,6 +55,7 @@ class Bearing:
     ------
     BearingTwinError
         If the elements do not fit on the pitch circle or a value is out of its range.
+
     """
 
     name: str
@@ -89,7 +92,8 @@ class Bearing:
 
 
 def fault_orders(bearing: Bearing, slip: float = 0.0) -> FaultFrequencies:
-    """Characteristic frequencies as multiples of the shaft speed.
+    """
+    Characteristic frequencies as multiples of the shaft speed.
 
     Parameters
     ----------
@@ -104,6 +108,7 @@ def fault_orders(bearing: Bearing, slip: float = 0.0) -> FaultFrequencies:
     Zhang et al., Symmetry 2023, 15, 2166, section 2, with d the ball and D the pitch diameter
     (the paper's text calls them ring diameters; its numbers are ball and pitch diameter).
     The ball spin is taken in the frame of the slipping cage.
+
     """
     g = bearing.gamma
     ftf = 0.5 * (1.0 - g) * (1.0 - slip)
@@ -114,7 +119,8 @@ def fault_orders(bearing: Bearing, slip: float = 0.0) -> FaultFrequencies:
 
 
 def fault_frequencies(bearing: Bearing, shaft_hz: float, slip: float = 0.0) -> FaultFrequencies:
-    """Characteristic frequencies in Hz at a shaft speed ``shaft_hz`` in Hz.
+    """
+    Characteristic frequencies in Hz at a shaft speed ``shaft_hz`` in Hz.
 
     See :func:`fault_orders` for ``slip`` and the source.
     """

@@ -21,7 +21,8 @@ POISSON_STEEL = 0.3
 
 
 def elliptic_integrals(m: float) -> tuple[float, float]:
-    """Complete elliptic integrals K(m) and E(m), 0 <= m < 1, by the arithmetic-geometric mean.
+    """
+    Complete elliptic integrals K(m) and E(m), 0 <= m < 1, by the arithmetic-geometric mean.
 
     Abramowitz and Stegun, Handbook of Mathematical Functions, 17.6.
     """
@@ -42,7 +43,8 @@ def contact_stiffness(
     young: float = YOUNG_STEEL,
     poisson: float = POISSON_STEEL,
 ) -> float:
-    """Load-deflection factor of one ball on one race, N/m^1.5.
+    """
+    Load-deflection factor of one ball on one race, N/m^1.5.
 
     Parameters
     ----------
@@ -60,6 +62,7 @@ def contact_stiffness(
     Harris and Kotzalas, Essential Concepts of Bearing Technology, 5th ed., chapter 6: the
     ellipticity is the root of F(rho) = ((k^2 + 1) E - 2 K) / ((k^2 - 1) E), the approach is
     delta = delta* (3 Q / (2 sum(rho) E'))^(2/3) sum(rho) / 2, here with exact integrals.
+
     """
     if not 0.5 < conformity < 1.0:
         msg = f'{conformity=} of the {race} race is outside 0.5..1; typical values are 0.515..0.53'
@@ -96,7 +99,8 @@ def load_deflection_factor(
     young: float = YOUNG_STEEL,
     poisson: float = POISSON_STEEL,
 ) -> float:
-    """Load-deflection factor K_b of a ball between both races, N/m^1.5.
+    """
+    Load-deflection factor K_b of a ball between both races, N/m^1.5.
 
     Two contacts in series: ``K = (K_i^(-2/3) + K_o^(-2/3))^(-3/2)`` (Harris and Kotzalas,
     chapter 7).

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The smallest fault that the chain shows, and the healthy level, simulated with the twin.
+"""
+The smallest fault that the chain shows, and the healthy level, simulated with the twin.
 
 ``python -m bearing_twin.bench.detection_power`` writes ``detection_power.json`` of
 ``bearing_twin/diagnosis`` anew (some minutes) and prints it as a table.
@@ -8,18 +9,17 @@
 
 from __future__ import annotations
 
-import json
 from itertools import product
+import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-import bearing_twin.diagnosis
 from bearing_twin.bearing import find_bearing
+import bearing_twin.diagnosis
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.simulator import Simulator
+import numpy as np
 
 __all__ = ['main', 'simulate_table']
 

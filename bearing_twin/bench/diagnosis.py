@@ -7,11 +7,10 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-import numpy as np
-from scipy import signal
-
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis import diagnose_record
+import numpy as np
+from scipy import signal
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -40,13 +39,15 @@ def fault_signal(seconds: float = 1.0) -> NDArray[np.float64]:
 
 
 def measure() -> dict[str, float]:
-    """Measure one second at 25.6 kHz, all stages, one core.
+    """
+    Measure one second at 25.6 kHz, all stages, one core.
 
     Returns
     -------
     dict
         ``diagnosis_ms``; ``kurtogram_ms`` of PySDKit's fast kurtogram at level 6 and
         ``kurtogram_ratio``, the first over the second, where PySDKit is installed.
+
     """
     x = fault_signal()
     bearing = find_bearing('6307')

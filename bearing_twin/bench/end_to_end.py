@@ -5,17 +5,16 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 import tempfile
 import time
-from pathlib import Path
-
-import numpy as np
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.convert import stamp_ns
 from bearing_twin.nodes.domain import quiet_domain
-from bearing_twin.nodes.launching import NodeProcesses, local_environment
+from bearing_twin.nodes.launching import local_environment, NodeProcesses
 from bearing_twin.recording.reader import read_messages
+import numpy as np
 
 __all__ = ['cpu_seconds', 'live_run', 'wait_for']
 
@@ -28,7 +27,8 @@ NODES = ('twin', 'diagnosis', 'recorder')
 
 
 def live_run(seconds: float) -> dict[str, float]:
-    """Run twin, diagnosis and recorder (MCAP and Rerun, served and filed) for one bearing.
+    """
+    Run twin, diagnosis and recorder (MCAP and Rerun, served and filed) for one bearing.
 
     Parameters
     ----------
@@ -43,6 +43,7 @@ def live_run(seconds: float) -> dict[str, float]:
         ``lateness_p50_ms``, ``_p99_ms``, ``_max_ms``: of publishing against the deadline;
         ``delivery_p99_ms``, ``_max_ms``: from a block's last sample to the recorder having it;
         ``lost_blocks``: published in that time but not in the recording.
+
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -78,12 +79,14 @@ def live_run(seconds: float) -> dict[str, float]:
 
 
 def wait_for(bag: Path, nodes: NodeProcesses) -> None:
-    """Wait until a recording grows.
+    """
+    Wait until a recording grows.
 
     Raises
     ------
     BearingTwinError
         If a process ends or nothing is recorded.
+
     """
     deadline = time.monotonic() + START_TIMEOUT
     while sum(path.stat().st_size for path in bag.glob('*.mcap')) < RECORDED:

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What the diagnosis says on simulated machines that nobody tuned it for.
+"""
+What the diagnosis says on simulated machines that nobody tuned it for.
 
 ``python -m bearing_twin.bench.generalisation [CASES]`` draws machines at random: bearing of the
 catalogue, speed, sample rate, load, slip, place and size of the defect, sensor gain without a
@@ -10,17 +11,16 @@ mains, amplitude modulation, impulses). It prints a table of the answers by the 
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+import sys
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import catalogue, find_bearing
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.simulator import Simulator
+import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis import Diagnosis

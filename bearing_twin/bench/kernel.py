@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Speed and error of the kernels, against scipy's stiff solvers in the same run.
+"""
+Speed and error of the kernels, against scipy's stiff solvers in the same run.
 
 Everything is included: defect, sensor resonance, decimation to 25.6 kHz, jitter and noise, and for
 the fleet a temperature that changes with every block. Times are those of the processor, best of
@@ -9,17 +10,16 @@ several, on one core.
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 from functools import partial
+import time
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.reference import solve
 from bearing_twin.dynamics.simulator import Simulator, warm_up
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -45,7 +45,8 @@ _JUDGED = (
 
 
 def measure() -> dict[str, float]:
-    """Measure; takes about 30 s.
+    """
+    Measure; takes about 30 s.
 
     Returns
     -------
@@ -57,6 +58,7 @@ def measure() -> dict[str, float]:
         ``fleet_bearings_per_core``: bearings that one core runs in real time, each with its own
         temperature, speed, seed and place of one of three kinds of defect.
         ``alike_bearings_per_core``: the same where all have an inner defect and one speed.
+
     """
     warm_up(fleet=True)
     simulator = Simulator(preset('incipient'))

@@ -5,14 +5,14 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 import tempfile
 import time
-from pathlib import Path
 
 from bearing_twin.bench.end_to_end import cpu_seconds, wait_for
 from bearing_twin.dynamics import Fleet, preset
 from bearing_twin.nodes.domain import quiet_domain
-from bearing_twin.nodes.launching import NodeProcesses, local_environment
+from bearing_twin.nodes.launching import local_environment, NodeProcesses
 
 __all__ = ['measure']
 
@@ -23,7 +23,8 @@ BLOCK, BLOCKS = 1024, 60
 
 
 def measure() -> dict[str, float]:
-    """Measure what one bearing costs.
+    """
+    Measure what one bearing costs.
 
     Returns
     -------
@@ -34,6 +35,7 @@ def measure() -> dict[str, float]:
         with the state that each block publishes.
         ``live_share_per_bearing`` and ``live_share_of_the_process`` are the two parts of the
         first: of a core, for each bearing and for the process as such.
+
     """
     per_twin, process = _cost(diagnosis=False)
     per_both, process_of_both = _cost(diagnosis=True)

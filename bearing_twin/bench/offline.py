@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 import tempfile
 import time
-from pathlib import Path
 
 from bearing_twin.nodes.offline_run import run_offline
 from bearing_twin.nodes.reproduce import reproduce
@@ -18,13 +18,15 @@ RUNS = 3
 
 
 def measure() -> dict[str, float]:
-    """Run the paper's schedule offline, and verify the recording that comes out.
+    """
+    Run the paper's schedule offline, and verify the recording that comes out.
 
     Returns
     -------
     dict
         ``offline_rtf``: recorded seconds per second, of the fastest of three runs after a first
         one that loads and compiles; ``verify_rtf``: the same of re-running and comparing.
+
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -4,16 +4,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 import tempfile
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.nodes.offline_run import run_offline
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.view.logger import RerunLogger
-from bearing_twin.view.viewer import LOOPBACK, free_port
+from bearing_twin.view.viewer import free_port, LOOPBACK
 
 if TYPE_CHECKING:
     from bearing_twin.recording.reader import RecordedMessage
@@ -24,7 +24,8 @@ RUNS = 2
 
 
 def measure() -> dict[str, float]:
-    """Draw a recording of twin and diagnosis at 25.6 kHz as the recorder does.
+    """
+    Draw a recording of twin and diagnosis at 25.6 kHz as the recorder does.
 
     Returns
     -------
@@ -33,6 +34,7 @@ def measure() -> dict[str, float]:
         is one core), of the cheaper of two runs after a first one that loads;
         ``view_bytes_per_second``: size of the file; ``view_longest_ms``: longest call that the
         recorder waited for.
+
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The ``bearing-twin`` command: one module a sub-command.
+"""
+The ``bearing-twin`` command: one module a sub-command.
 
 A sub-command NAME lives in ``bearing_twin/cli/NAME.py`` and offers ``configure(parser)``, which
 adds its arguments, and ``run(args) -> int``, which does the work and returns the exit status.

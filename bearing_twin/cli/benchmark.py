@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``bearing-twin benchmark``: score the diagnosis on a folder of labelled records.
+"""
+``bearing-twin benchmark``: score the diagnosis on a folder of labelled records.
 
 The folder holds an ``index.json``: ``bearings`` (name to n_elements, element_d_mm, pitch_d_mm,
 contact_deg) and ``records`` (id, dataset, file, label, rpm, bearing_name and, where known,
@@ -10,19 +11,19 @@ to set anything.
 
 from __future__ import annotations
 
-import difflib
-import json
-import math
-import os
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+import difflib
 from itertools import repeat
+import json
+import math
+import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing
-from bearing_twin.diagnosis import FAMILIES, diagnose_record
+from bearing_twin.diagnosis import diagnose_record, FAMILIES
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.foreign import read_signal
 
@@ -86,12 +87,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def read_cases(folder: Path) -> list[Case]:
-    """Labelled records of a folder; those without a label of ours are left out.
+    """
+    Labelled records of a folder; those without a label of ours are left out.
 
     Raises
     ------
     BearingTwinError
         If there is no usable index.json.
+
     """
     try:
         index = json.loads((folder / 'index.json').read_text('utf-8'))

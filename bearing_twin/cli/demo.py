@@ -4,17 +4,17 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 import os
+from pathlib import Path
 import sys
 import time
-from datetime import datetime
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.cli.demo_summary import summarise
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.launching import COMPILING, NodeProcesses, local_environment
+from bearing_twin.nodes.launching import COMPILING, local_environment, NodeProcesses
 from bearing_twin.recording.reader import recording_info
 
 if TYPE_CHECKING:
@@ -69,12 +69,14 @@ def run(args: argparse.Namespace) -> int:
 
 
 def make_folder(out: Path) -> Path:
-    """Make a folder of its own for a run.
+    """
+    Make a folder of its own for a run.
 
     Raises
     ------
     BearingTwinError
         If none can be made in ``out``.
+
     """
     name = f'demo-{datetime.now():%Y%m%d-%H%M%S}'
     count = 0

@@ -4,14 +4,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from dataclasses import asdict, dataclass
 import json
 import math
+from pathlib import Path
 import shlex
 import shutil
 import sys
-from collections import Counter
-from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 from bearing_twin.errors import BearingTwinError
@@ -97,7 +97,8 @@ class Summary:
 
 
 def summarise(folder: Path, defect: str) -> Summary:
-    """Read the run back.
+    """
+    Read the run back.
 
     Parameters
     ----------
@@ -110,6 +111,7 @@ def summarise(folder: Path, defect: str) -> Summary:
     ------
     BearingTwinError
         If the recording holds no twin state or no verdict.
+
     """
     low, high, worst = float('inf'), float('-inf'), 0.0
     state: Any = None

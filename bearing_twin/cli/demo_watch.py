@@ -8,12 +8,11 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-import rclpy
-from bearing_twin_msgs.msg import Diagnosis, TwinState
-from rclpy.executors import SingleThreadedExecutor
-
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.qos import RESULT, STREAM
+from bearing_twin_msgs.msg import Diagnosis, TwinState
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -4,18 +4,18 @@
 
 from __future__ import annotations
 
-import json
-import math
-import os
-import sys
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
+import json
+import math
+import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+import sys
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, find_bearing
-from bearing_twin.diagnosis import Diagnosis, DiagnosisSettings, diagnose_record
+from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.foreign import read_signal
 

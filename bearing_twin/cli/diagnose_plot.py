@@ -6,18 +6,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import matplotlib
-import numpy as np
-
-matplotlib.use('Agg')
 from matplotlib.figure import Figure
+import numpy as np
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from matplotlib.axes import Axes
-
     from bearing_twin.diagnosis import Diagnosis, Spectrum
+    from matplotlib.axes import Axes
 
 __all__ = ['draw']
 

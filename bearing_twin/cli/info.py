@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 from datetime import datetime, timezone
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 

@@ -4,16 +4,15 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 import json
+from pathlib import Path
 import sys
 import time
-from dataclasses import asdict
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import yaml
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+import yaml
 
 if TYPE_CHECKING:
     import argparse

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 

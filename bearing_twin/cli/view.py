@@ -4,11 +4,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 import re
 import shutil
 import sys
 import tempfile
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError

@@ -4,11 +4,11 @@
 
 from bearing_twin.diagnosis.chain import diagnose_record
 from bearing_twin.diagnosis.result import (
+    Diagnosis,
     FAMILIES,
     FAULT_CODES,
     LEVELS,
     RESULTS,
-    Diagnosis,
     Severity,
     Spectrum,
 )

@@ -4,41 +4,39 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
+import math
 from typing import TYPE_CHECKING
-
-import numpy as np
-from scipy import fft
 
 from bearing_twin.bearing import fault_orders
 from bearing_twin.diagnosis.comb import (
-    HARMONICS,
-    OrderSpectra,
     accumulate,
+    HARMONICS,
     order_spectra,
+    OrderSpectra,
 )
-from bearing_twin.diagnosis.decision import Verdict, decide, family_order, sideband_ratio
-from bearing_twin.diagnosis.gate import HEALTHY_TURNS, check_record
+from bearing_twin.diagnosis.decision import decide, family_order, sideband_ratio, Verdict
+from bearing_twin.diagnosis.gate import check_record, HEALTHY_TURNS
 from bearing_twin.diagnosis.report import insufficient, report
 from bearing_twin.diagnosis.result import (
-    FAMILIES,
     Diagnosis,
+    FAMILIES,
     Severity,
 )
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.severity import measure_severity
-from bearing_twin.diagnosis.shaft import ShaftSpeed, refine_shaft_hz
+from bearing_twin.diagnosis.shaft import refine_shaft_hz, ShaftSpeed
 from bearing_twin.diagnosis.spectra import band_tree, envelope_spectra, line_cap, whiten
 from bearing_twin.errors import BearingTwinError
+import numpy as np
+from scipy import fft
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import ArrayLike, NDArray
-
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
+    from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     'Window',
@@ -89,7 +87,8 @@ def analyse_window(
     *,
     unit: str = '',
 ) -> Window:
-    """Everything that is computed before windows are averaged and judged.
+    """
+    Everything that is computed before windows are averaged and judged.
 
     The window must have passed :func:`check_record`.
     """
@@ -187,7 +186,8 @@ def conclude(
 
 
 def _mistaken(at_given: OrderSpectra, verdict: Verdict, gap: float) -> bool:
-    """Whether the lines of a fault were mistaken for the harmonics of the shaft.
+    """
+    Whether the lines of a fault were mistaken for the harmonics of the shaft.
 
     They can be where the fault's order is a whole number at the refined speed, unless the fault
     itself has sidebands ``gap`` (refined over given speed) apart: the shaft does turn like that.
@@ -215,7 +215,8 @@ def diagnose_record(
     temperature: float = math.nan,
     settings: DiagnosisSettings | None = None,
 ) -> Diagnosis:
-    """Diagnose a whole record.
+    """
+    Diagnose a whole record.
 
     Parameters
     ----------
@@ -241,6 +242,7 @@ def diagnose_record(
     BearingTwinError
         If x is not one-dimensional or a setting is outside its range. A record that cannot be
         diagnosed is no error: the result is ``insufficient`` and the reasons say why.
+
     """
     settings = settings or DiagnosisSettings()
     if speed_tolerance is not None:

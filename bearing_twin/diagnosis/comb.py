@@ -12,9 +12,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from numpy.typing import NDArray
-
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
+    from numpy.typing import NDArray
 
 __all__ = [
     'HARMONICS',
@@ -37,7 +36,8 @@ _LOWEST_ORDER = 0.3
 
 @dataclass(frozen=True)
 class OrderSpectra:
-    """Envelope spectra over shaft orders: one window's, or the mean of several.
+    """
+    Envelope spectra over shaft orders: one window's, or the mean of several.
 
     Row k belongs to order (k + 1) step. Columns are bands, whitening by whitening.
     """
@@ -94,7 +94,8 @@ def order_spectra(
     shaft_hz: float,
     given_hz: float,
 ) -> OrderSpectra:
-    """Put the spectra of one window over orders of ``shaft_hz``.
+    """
+    Put the spectra of one window over orders of ``shaft_hz``.
 
     Parameters
     ----------
@@ -104,6 +105,7 @@ def order_spectra(
         Lower edge of each band, Hz.
     shaft_hz, given_hz
         Shaft speed refined and handed in, Hz.
+
     """
     whitenings, bands, count = spectra.power.shape
     logs = np.log1p(spectra.power / spectra.floor).reshape(whitenings * bands, count)
@@ -169,7 +171,8 @@ def _teeth(spectra: OrderSpectra, grid: NDArray[np.float64]) -> NDArray[np.float
 
 
 def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) -> CombScores:
-    """Score every comb whose fundamental lies between 0.3 orders and ``highest_order``.
+    """
+    Score every comb whose fundamental lies between 0.3 orders and ``highest_order``.
 
     The score of a comb is the sum of log(1 + power / floor) over its teeth. Each band is
     standardised over the whole grid, the best band is taken at each order, the whitenings are

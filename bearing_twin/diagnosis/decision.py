@@ -4,25 +4,23 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from bearing_twin.bearing import fault_orders
-from bearing_twin.diagnosis.comb import HARMONICS, OrderSpectra, comb_scores
+from bearing_twin.diagnosis.comb import comb_scores, HARMONICS, OrderSpectra
 from bearing_twin.diagnosis.gate import CAGE_TURNS
 from bearing_twin.diagnosis.result import FAMILIES
 from bearing_twin.diagnosis.spectra import WHITENINGS
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from bearing_twin.bearing import Bearing, FaultFrequencies
     from bearing_twin.diagnosis.shaft import ShaftSpeed
+    from numpy.typing import NDArray
 
 __all__ = [
     'INDEX_FAULT',
@@ -117,7 +115,8 @@ class Candidate:
 
     @property
     def evidence(self) -> float:
-        """What faults that claim the same lines are compared by.
+        """
+        Return what faults that claim the same lines are compared by.
 
         The sidebands of a race fault are weaker than its teeth, so a comb that stands beside
         stronger lines is more likely a sideband itself.
@@ -203,7 +202,8 @@ class Judge:
         return 2.0 * math.sqrt(power)
 
     def teeth_of_cage(self, found: Sequence[Candidate]) -> bool:
-        """Whether the combs found are teeth of one comb of the cage's frequency.
+        """
+        Whether the combs found are teeth of one comb of the cage's frequency.
 
         Either the outer race's has cage sidebands as high as its teeth; or there are several, and
         a cage with more slip than is looked for shows more than any of them.
@@ -228,7 +228,8 @@ class Judge:
         return found if z >= Z_CAGE else None
 
     def mirrored(self, other: Candidate) -> float | None:
-        """Amplitude of the inner race's comb over that of another's, where they coincide.
+        """
+        Amplitude of the inner race's comb over that of another's, where they coincide.
 
         A comb may be a shaft sideband of the inner race's if that one, an integer beside it, lies
         where a slip about as likely may put it. None if it does not.
@@ -268,7 +269,8 @@ class Judge:
         return found if found.z >= Z_FAULT and found.index >= INDEX_FAULT else None
 
     def without(self, candidate: Candidate) -> OrderSpectra:
-        """Spectra without the lines that a fault explains: its harmonics and their sidebands.
+        """
+        Spectra without the lines that a fault explains: its harmonics and their sidebands.
 
         A race fault is modulated at the shaft's speed, a ball fault at the cage's.
         """
@@ -292,7 +294,8 @@ class Judge:
 def modulation_index(
     spectra: OrderSpectra, order: float, band_scores: NDArray[np.float32], family: str
 ) -> tuple[float, int]:
-    """Modulation index of a comb, the largest of the bands that show it, and that band.
+    """
+    Modulation index of a comb, the largest of the bands that show it, and that band.
 
     Root of the sum over harmonics of the squared relative amplitudes of the squared envelope,
     noise floor taken off: m for an envelope 1 + m cos. It is taken from the spectrum with capped
@@ -336,7 +339,8 @@ def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 
 def decide(
     spectra: OrderSpectra, bearing: Bearing, speed: ShaftSpeed, revolutions: float
 ) -> Verdict:
-    """Judge the envelope spectra of a window, or of several averaged.
+    """
+    Judge the envelope spectra of a window, or of several averaged.
 
     Parameters
     ----------
@@ -348,6 +352,7 @@ def decide(
         Refined shaft speed.
     revolutions
         Shaft turns in all windows together.
+
     """
     judge = Judge(spectra, bearing, speed)
     candidates = {family: judge.best(family, judge.spectra) for family in FAMILIES}
@@ -467,7 +472,8 @@ def decide(
 
 
 def _rules(cage: Candidate, others: Sequence[Candidate], step: float) -> bool:
-    """Whether the cage is behind all that shows.
+    """
+    Whether the cage is behind all that shows.
 
     Others are then either no faults, or weaker and on multiples of the cage's order: a strike once
     a cage turn has harmonics everywhere, the ball pass order of the outer race among them.

@@ -31,7 +31,8 @@ _RUN = 3
 def check_record(
     x: NDArray[np.float64], sample_rate: float, shaft_hz: float, highest_order: float
 ) -> list[str]:
-    """Reasons why a record cannot be diagnosed; empty if it can.
+    """
+    Reasons why a record cannot be diagnosed; empty if it can.
 
     Parameters
     ----------
@@ -43,6 +44,7 @@ def check_record(
         Shaft speed, Hz.
     highest_order
         Highest fault order of the bearing.
+
     """
     if len(x) == 0:
         return ['the record is empty: give at least a second of vibration']

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a window could have shown, and how the level of a healthy bearing moves with its speed.
+"""
+What a window could have shown, and how the level of a healthy bearing moves with its speed.
 
 Both come from simulations with the twin, kept as a data file beside this module; the command
 ``python -m bearing_twin.bench.detection_power`` writes it anew.
@@ -9,14 +10,13 @@ Both come from simulations with the twin, kept as a data file beside this module
 from __future__ import annotations
 
 import functools
+from importlib import resources
 import json
 import math
-from importlib import resources
 from typing import Any
 
-import numpy as np
-
 from bearing_twin.diagnosis.severity import acceleration_factor
+import numpy as np
 
 __all__ = ['expected_level', 'smallest_detectable']
 
@@ -31,7 +31,8 @@ def _table() -> dict[str, Any]:
 def smallest_detectable(
     seconds: float, shaft_hz: float, temperature: float, rms: float, unit: str, d_ball: float
 ) -> float:
-    """Smallest width of a race fault, mm, that a window could have shown; NaN if none could.
+    """
+    Smallest width of a race fault, mm, that a window could have shown; NaN if none could.
 
     The larger of the inner and the outer race's, at the simulated condition next below in window
     length and nearest in speed, temperature and noise, scaled with the ball diameter. Where the
@@ -51,6 +52,7 @@ def smallest_detectable(
         See :func:`bearing_twin.diagnosis.severity.acceleration_factor`.
     d_ball
         m.
+
     """
     table = _table()
     windows = np.asarray(table['window_s'])
@@ -71,7 +73,8 @@ def smallest_detectable(
 
 
 def expected_level(shaft_hz: float, temperature: float) -> float:
-    """Level of the healthy twin, dB re 1 m/s^2, at a speed and a temperature (NaN: 20 degC).
+    """
+    Level of the healthy twin, dB re 1 m/s^2, at a speed and a temperature (NaN: 20 degC).
 
     Only differences mean anything: they correct the level of a real bearing to the speed and
     temperature at which its baseline was learnt. Linear in log speed and in temperature, and held

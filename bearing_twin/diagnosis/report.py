@@ -4,26 +4,24 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
+import math
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.diagnosis.comb import HARMONICS
 from bearing_twin.diagnosis.decision import family_order
 from bearing_twin.diagnosis.power import smallest_detectable
-from bearing_twin.diagnosis.result import FAMILIES, FAULT_CODES, Diagnosis, Severity, Spectrum
+from bearing_twin.diagnosis.result import Diagnosis, FAMILIES, FAULT_CODES, Severity, Spectrum
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.chain import Window
     from bearing_twin.diagnosis.decision import Verdict
+    from numpy.typing import NDArray
 
 __all__ = ['coarse_spectrum', 'insufficient', 'report']
 
@@ -116,7 +114,8 @@ def report(
 def coarse_spectrum(
     amplitude: NDArray[np.float32], bin_hz: float
 ) -> tuple[NDArray[np.float32], float, float]:
-    """Largest amplitude in each group of bins, about 1 Hz wide: lines keep their height.
+    """
+    Largest amplitude in each group of bins, about 1 Hz wide: lines keep their height.
 
     For show and trends; the decision uses the full resolution.
 
@@ -131,6 +130,7 @@ def coarse_spectrum(
     -------
     Amplitudes, the middle of the first group and the spacing of the groups, Hz. The same as given
     where bins are wider than 2/3 Hz already.
+
     """
     group = max(round(1.0 / bin_hz), 1)
     count = -(-len(amplitude) // group)

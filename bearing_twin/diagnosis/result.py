@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from bearing_twin.bearing import FaultFrequencies
     import numpy as np
     from numpy.typing import NDArray
-
-    from bearing_twin.bearing import FaultFrequencies
 
 __all__ = [
     'FAMILIES',

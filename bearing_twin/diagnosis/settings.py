@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, fields
+import math
 
 from bearing_twin.errors import BearingTwinError
 
@@ -24,12 +24,14 @@ _RANGES: dict[str, tuple[float, float, str]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class DiagnosisSettings:
-    """What the user may choose.
+    """
+    What the user may choose.
 
     Raises
     ------
     BearingTwinError
         If a value is outside its range.
+
     """
 
     window: float = 8.0

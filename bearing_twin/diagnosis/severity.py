@@ -7,9 +7,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from bearing_twin.diagnosis.result import Severity
+import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -58,7 +57,8 @@ def measure_severity(
     power_group: int = 0,
     mounting: str = '',
 ) -> Severity:
-    """Numbers of one window; the baseline and the stage are the stream's to add.
+    """
+    Numbers of one window; the baseline and the stage are the stream's to add.
 
     Parameters
     ----------
@@ -72,6 +72,7 @@ def measure_severity(
         Unit of x.
     power_group, mounting
         See :func:`iso_zone`.
+
     """
     square = x * x
     mean_square = float(square.mean())

@@ -4,16 +4,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.diagnosis.spectra import local_floor
+import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
+    from numpy.typing import NDArray
 
 __all__ = ['ShaftSpeed', 'refine_shaft_hz', 'resample_to_angle']
 
@@ -40,7 +38,8 @@ def refine_shaft_hz(
     *,
     threshold: float = 5.0,
 ) -> ShaftSpeed:
-    """Look for the shaft's harmonics within the tolerance of the given speed.
+    """
+    Look for the shaft's harmonics within the tolerance of the given speed.
 
     Parameters
     ----------
@@ -60,6 +59,7 @@ def refine_shaft_hz(
     Returns
     -------
     The refined speed, or the given one with its tolerance where no harmonics stand out.
+
     """
     step = bin_hz / (2.0 * _HARMONICS)
     reach = max(tolerance * given_hz, step)
@@ -105,7 +105,8 @@ def refine_shaft_hz(
 def resample_to_angle(
     x: NDArray[np.float64], sample_rate: float, shaft_hz: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], float]:
-    """Resample a record of varying speed to equal steps of shaft angle.
+    """
+    Resample a record of varying speed to equal steps of shaft angle.
 
     Parameters
     ----------
@@ -119,6 +120,7 @@ def resample_to_angle(
     Returns
     -------
     The record over angle, and the mean speed, Hz, at which it would have its old sample rate.
+
     """
     angle = np.concatenate(([0.0], np.cumsum(0.5 * (shaft_hz[1:] + shaft_hz[:-1])))) / sample_rate
     mean_hz = float(angle[-1] / (len(x) - 1) * sample_rate)

@@ -1,14 +1,15 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""From a record to squared envelope spectra: floor, whitening, band tree, demodulation.
+"""
+From a record to squared envelope spectra: floor, whitening, band tree, demodulation.
 
 Every function works on plain arrays and can be used alone. Spectra are one-sided.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,7 +38,8 @@ _CAP, _CAP_TURNS = 4.0, 50.0
 
 
 def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
-    """Mean power of the noise around each bin, lines ignored.
+    """
+    Mean power of the noise around each bin, lines ignored.
 
     The median over half-overlapping blocks, joined linearly, divided by ln 2: the ratio of median
     and mean of the exponential distribution that the periodogram of stationary noise follows.
@@ -53,6 +55,7 @@ def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
     Returns
     -------
     Floor, same shape; at least 1e-30, so that dividing by it is safe.
+
     """
     count = power.shape[-1]
     hop = max(width // 2, 4)
@@ -74,7 +77,8 @@ def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
 
 
 def line_cap(turns: float) -> float:
-    """Power over the floor at which a line is capped, for a window of so many shaft turns.
+    """
+    Power over the floor at which a line is capped, for a window of so many shaft turns.
 
     Twice the floor in amplitude at 50 turns. A line stands out of the floor by the length of the
     window, and so do the lines of a fault whose impacts keep time: the cap grows with the window,
@@ -86,7 +90,8 @@ def line_cap(turns: float) -> float:
 def whiten(
     spectrum: NDArray[np.complex64], width: int, *, cap: float = 4.0
 ) -> NDArray[np.complex64]:
-    """Remove the colour of a record in three ways that fail differently.
+    """
+    Remove the colour of a record in three ways that fail differently.
 
     ``flat`` divides by the local floor; ``capped`` also limits each line to a few times the
     floor, so that gear and mains lines lose their weight; ``cepstral`` keeps the phase alone
@@ -104,6 +109,7 @@ def whiten(
     Returns
     -------
     Array of shape (3, K) in the order of :data:`WHITENINGS`.
+
     """
     power = spectrum.real**2 + spectrum.imag**2
     floor = local_floor(power, width)
@@ -134,7 +140,8 @@ class BandTree:
 
 
 def band_tree(bins: int, bin_hz: float, *, depth: int, narrowest_hz: float) -> BandTree:
-    """Tree over ``bins`` bins: the whole range, then 3, 7, 15, ... half-overlapping bands.
+    """
+    Tree over ``bins`` bins: the whole range, then 3, 7, 15, ... half-overlapping bands.
 
     It ends at ``depth`` halvings or where a band would be narrower than ``narrowest_hz``.
     """
@@ -162,7 +169,8 @@ class EnvelopeSpectra:
 def envelope_spectra(
     whitened: NDArray[np.complex64], tree: BandTree, *, max_hz: float, floor_width: int
 ) -> EnvelopeSpectra:
-    """Demodulate every band and return the spectrum of its squared envelope up to ``max_hz``.
+    """
+    Demodulate every band and return the spectrum of its squared envelope up to ``max_hz``.
 
     A slice of the one-sided spectrum, transformed back, is the analytic signal of an ideal band
     filter, decimated to its bandwidth (Ho and Randall 2000). The slice is padded so that the
@@ -183,6 +191,7 @@ def envelope_spectra(
     Returns
     -------
     Relative power: 1/4 of the squared modulation index of a sinusoidal modulation.
+
     """
     count = max(int(max_hz / tree.bin_hz), 16)
     parts = []

@@ -6,12 +6,11 @@ from __future__ import annotations
 
 import json
 import struct
-import zlib
 from typing import Any
-
-import numpy as np
+import zlib
 
 from bearing_twin.errors import BearingTwinError
+import numpy as np
 
 __all__ = ['pack', 'unpack']
 
@@ -29,12 +28,14 @@ def pack(version: int, values: dict[str, Any], arrays: dict[str, np.ndarray[Any,
 
 
 def unpack(data: bytes, version: int) -> tuple[dict[str, Any], dict[str, np.ndarray[Any, Any]]]:
-    """Read what :func:`pack` wrote.
+    """
+    Read what :func:`pack` wrote.
 
     Raises
     ------
     BearingTwinError
         If the bytes are not a state, are damaged, or are of another version.
+
     """
     if len(data) < _HEADER.size or data[:4] != _MAGIC:
         msg = f'{len(data)} bytes are not a saved diagnosis state; give what save() returned'

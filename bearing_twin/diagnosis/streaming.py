@@ -4,12 +4,10 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+import math
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis.chain import (
     analyse_window,
@@ -24,12 +22,12 @@ from bearing_twin.diagnosis.shaft import resample_to_angle
 from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.diagnosis.trend import Trend
 from bearing_twin.errors import BearingTwinError
+import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.result import Diagnosis
+    from numpy.typing import ArrayLike, NDArray
 
 __all__ = ['StreamingDiagnoser']
 
@@ -38,7 +36,8 @@ _STEADY = 0.005
 
 
 class StreamingDiagnoser:
-    """Sliding-window diagnosis of one axis of one sensor.
+    """
+    Sliding-window diagnosis of one axis of one sensor.
 
     The result depends on the pushed blocks alone, not on clocks: the same pushes give the same
     diagnoses to the bit. An update falls due each ``settings.update_interval`` of samples. A gap
@@ -52,6 +51,7 @@ class StreamingDiagnoser:
         Geometry.
     settings
         See :class:`DiagnosisSettings`.
+
     """
 
     def __init__(self, bearing: Bearing, settings: DiagnosisSettings | None = None) -> None:
@@ -73,7 +73,7 @@ class StreamingDiagnoser:
 
     @property
     def settings(self) -> DiagnosisSettings:
-        """Settings in use."""
+        """Return the settings in use."""
         return self._settings
 
     def reconfigure(
@@ -95,7 +95,8 @@ class StreamingDiagnoser:
         temperature: float = math.nan,
         unit: str = '',
     ) -> list[Diagnosis]:
-        """Take a block and return the diagnoses that fall due within it, oldest first.
+        """
+        Take a block and return the diagnoses that fall due within it, oldest first.
 
         Parameters
         ----------
@@ -119,6 +120,7 @@ class StreamingDiagnoser:
         ------
         BearingTwinError
             If x is not one-dimensional or the sample rate is not a positive number.
+
         """
         block = np.asarray(x, dtype=np.float64)
         if block.ndim != 1:
@@ -170,12 +172,14 @@ class StreamingDiagnoser:
         return pack(_VERSION, values, arrays)
 
     def load(self, data: bytes) -> None:
-        """Take up a saved state; the window itself starts anew.
+        """
+        Take up a saved state; the window itself starts anew.
 
         Raises
         ------
         BearingTwinError
             If the bytes are not such a state; the present state is then unchanged.
+
         """
         values, arrays = unpack(data, _VERSION)
         try:

@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+import math
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis.power import expected_level
 from bearing_twin.diagnosis.result import LEVELS
@@ -22,7 +22,8 @@ _DEEP = 1.0
 
 
 def fault_stage(index: float, level_over_baseline: float, iso_zone: str) -> int:
-    """Stage 1 (incipient) to 4 (severe) of a named fault.
+    """
+    Stage 1 (incipient) to 4 (severe) of a named fault.
 
     1: the envelope is modulated less than fully; 2: fully; 3: the level has also doubled (6 dB)
     over the asset's baseline, or the machine is in zone C; 4: it has quadrupled, or zone D.
@@ -53,7 +54,8 @@ class Trend:
     """Verdicts in a row that asked for it."""
 
     def update(self, diagnosis: Diagnosis, *, wanted: int, hold: int, full: bool) -> Diagnosis:
-        """Take a diagnosis in; return it with level over baseline, stage and held level.
+        """
+        Take a diagnosis in; return it with level over baseline, stage and held level.
 
         Parameters
         ----------
@@ -65,6 +67,7 @@ class Trend:
             Verdicts in a row before the level changes.
         full
             Whether the window was full. The first full one sets the level at once.
+
         """
         severity = diagnosis.severity
         if diagnosis.level == 'none' or not severity.rms > 0.0:
@@ -110,12 +113,14 @@ class Trend:
 
     @classmethod
     def of(cls, values: dict[str, Any]) -> Trend:
-        """Trend of saved values.
+        """
+        Trend of saved values.
 
         Raises
         ------
         BearingTwinError
             If they are not such values.
+
         """
         trend = cls()
         for name, default in vars(cls()).items():

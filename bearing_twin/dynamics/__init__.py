@@ -5,7 +5,7 @@
 from bearing_twin.dynamics.condition import Condition
 from bearing_twin.dynamics.fleet import Fleet, FleetBlock
 from bearing_twin.dynamics.parameters import Defect, TwinParameters
-from bearing_twin.dynamics.presets import PRESETS, preset
+from bearing_twin.dynamics.presets import preset, PRESETS
 from bearing_twin.dynamics.simulator import Block, Simulator, warm_up
 
 __all__ = [

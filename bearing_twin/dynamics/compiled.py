@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Compilation of the kernels: cached where that is possible, and never stale.
+"""
+Compilation of the kernels: cached where that is possible, and never stale.
 
 Numba's cache looks at the file of a function only, not at those of the functions that it calls.
 Here the sources of all of them are part of the folder's name, so code compiled from other sources
@@ -13,11 +14,11 @@ import contextlib
 import functools
 import hashlib
 import os
+from pathlib import Path
 import shutil
 import tempfile
 import time
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TYPE_CHECKING, TypeVar
 
 import numba as nb
 
@@ -35,7 +36,8 @@ F = TypeVar('F', bound='Callable[..., Any]')
 
 
 def compiled(*, inline: bool = False, fast: frozenset[str] = frozenset()) -> Callable[[F], F]:
-    """Return a decorator that compiles a function on its first call and caches the code.
+    """
+    Return a decorator that compiles a function on its first call and caches the code.
 
     Parameters
     ----------
@@ -49,6 +51,7 @@ def compiled(*, inline: bool = False, fast: frozenset[str] = frozenset()) -> Cal
     Division follows numpy: a check for zero would put an exception, and with it reference
     counting, into every inner loop. Where no cache can be written the function is compiled anew
     in each process.
+
     """
 
     def decorate(function: F) -> F:
@@ -75,7 +78,8 @@ def compiled(*, inline: bool = False, fast: frozenset[str] = frozenset()) -> Cal
 
 @functools.cache
 def cache_folder() -> Path | None:
-    """Folder of the code compiled from the present sources; None where none can be written.
+    """
+    Folder of the code compiled from the present sources; None where none can be written.
 
     ``NUMBA_CACHE_DIR`` if it is set; otherwise beside the sources, and where these belong to
     someone else the user's cache folder (``XDG_CACHE_HOME``, by default ``~/.cache``).

@@ -4,15 +4,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+import math
 from typing import TYPE_CHECKING
-
-import numpy as np
-import numpy.typing as npt
 
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.dynamics import kernel, laws
+import numpy as np
+import numpy.typing as npt
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters

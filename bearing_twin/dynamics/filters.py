@@ -27,7 +27,8 @@ def oversampling(sample_rate: float) -> int:
 
 
 def decimator(factor: int) -> FloatArray:
-    """Low-pass filter for decimation by ``factor``: linear phase, Kaiser window, unit gain at 0.
+    """
+    Low-pass filter for decimation by ``factor``: linear phase, Kaiser window, unit gain at 0.
 
     Its length is a multiple of ``factor`` plus one, its delay `_LENGTH` // 2 output samples.
     """
@@ -38,7 +39,8 @@ def decimator(factor: int) -> FloatArray:
 
 
 def resonator(frequency: float, damping: float, step: float) -> FloatArray:
-    """Exact discretisation of a sensor resonance driven by the housing's acceleration.
+    """
+    Exact discretisation of a sensor resonance driven by the housing's acceleration.
 
     ``z'' + 2 zeta w z' + w^2 z = -a`` for the sensor's mass relative to the housing; it senses
     ``-(2 zeta w z' + w^2 z)``. The acceleration is the parabola through its values at the start,
@@ -59,6 +61,7 @@ def resonator(frequency: float, damping: float, step: float) -> FloatArray:
     ndarray of shape (7, 2)
         Rows 0-1 transition matrix, rows 2-4 input at start, middle, end, row 5 output of the
         state, row 6 direct output.
+
     """
     table = np.zeros((7, 2))
     if frequency == 0.0:

@@ -4,23 +4,22 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 import math
 import struct
+from typing import Any, TYPE_CHECKING
 import zlib
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-import numpy.typing as npt
 
 from bearing_twin.dynamics import filters, kernel, laws
 from bearing_twin.dynamics import fleet_kernel as fk
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.condition import Condition, condition
-from bearing_twin.dynamics.simulator import Simulator, check_speed, identity
+from bearing_twin.dynamics.simulator import check_speed, identity, Simulator
 from bearing_twin.dynamics.tables import ball_table, constants, defect_table
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import check_temperature
+import numpy as np
+import numpy.typing as npt
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -49,7 +48,8 @@ class FleetBlock:
 
 
 class Fleet:
-    """Advances many bearings in step, in single precision, with the physics of `Simulator`.
+    """
+    Advances many bearings in step, in single precision, with the physics of `Simulator`.
 
     With the same parameters and seed a bearing of a fleet and a `Simulator` agree within single
     precision: the random numbers are the same too. Splitting a block or saving and loading in
@@ -57,7 +57,7 @@ class Fleet:
 
     Parameters
     ----------
-    parameters
+    parameters : sequence of TwinParameters
         One set a bearing. At most 4 defects each.
     sample_rate
         Output rate of all bearings, Hz, 2000 to 204800.
@@ -65,6 +65,7 @@ class Fleet:
         One seed a bearing; None: 0, 1, 2, ...
     temperatures, shaft_hz
         Values at the start, one a bearing or one for all, degC and Hz.
+
     """
 
     def __init__(
@@ -139,7 +140,8 @@ class Fleet:
         return self._delay
 
     def advance(self, n: int, temperatures: npt.ArrayLike, shaft_hz: npt.ArrayLike) -> FleetBlock:
-        """Advance all by ``n`` samples while temperatures and speeds go to the values given.
+        """
+        Advance all by ``n`` samples while temperatures and speeds go to the values given.
 
         Parameters
         ----------
@@ -147,6 +149,7 @@ class Fleet:
             Samples, 1 to 2^20.
         temperatures, shaft_hz
             Values at the end of the block, one a bearing or one for all, degC and Hz.
+
         """
         if not 1 <= n <= 1 << 20:
             msg = f'block of {n} samples is outside 1..{1 << 20}'
@@ -205,7 +208,8 @@ class Fleet:
         )  # fmt: skip
 
     def reconfigure(self, index: int, parameters: TwinParameters) -> None:
-        """Change the parameters of one bearing while running; its state is carried on.
+        """
+        Change the parameters of one bearing while running; its state is carried on.
 
         The inner ring's temperature is carried on as well if the mode stays physical. Parameters
         that are refused change nothing.
@@ -247,13 +251,15 @@ class Fleet:
         return _MAGIC + struct.pack('<I', zlib.crc32(body, zlib.crc32(fields))) + fields + body
 
     def load(self, data: bytes) -> None:
-        """Continue from a state that :meth:`save` returned.
+        """
+        Continue from a state that :meth:`save` returned.
 
         Raises
         ------
         BearingTwinError
             If ``data`` is damaged, of another version or of another fleet; the state is then
             unchanged.
+
         """
         data = bytes(data)
         head = len(_MAGIC) + 4

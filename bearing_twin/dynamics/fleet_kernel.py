@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Compiled functions take tuples and arrays of many shapes; the docstrings give their types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
-"""Compiled kernel of sixteen bearings side by side, in single precision.
+"""
+Compiled kernel of sixteen bearings side by side, in single precision.
 
 The same equations, scheme and random numbers as `kernel`, with the bearings in the lanes of the
 vector unit. All lanes take every branch, so the contact is written with selections; the work
@@ -17,13 +18,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
-from bearing_twin.dynamics.compiled import FAST, compiled
+from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.kernel import CHUNK
 from bearing_twin.dynamics.laws import CLEARANCE, DEPTH, K_B, SHAFT_HZ, SLIP, SPRING
-from bearing_twin.dynamics.random import NOISE, WALK, normal_pair
+from bearing_twin.dynamics.random import NOISE, normal_pair, WALK
+import numpy as np
+import numpy.typing as npt
 
 __all__ = ['advance_group']
 
@@ -340,7 +340,8 @@ def _correct(w, h):
 
 @compiled(fast=FAST)
 def _grid_point(w, phases, keys, inputs, growth, index, within, steps, h, spalls):
-    """Set everything that is constant or linear up to the next grid point.
+    """
+    Set everything that is constant or linear up to the next grid point.
 
     ``inputs`` (6, L) are those at the grid point, ``growth`` theirs per step. Speeds are taken at
     the middle of the ``steps`` up to the next grid point.
@@ -382,7 +383,8 @@ def _grid_point(w, phases, keys, inputs, growth, index, within, steps, h, spalls
 
 @compiled(fast=FAST)
 def _some_taps(tile, raw, begin, taps, first, size):
-    """Add `TAPS` taps to ``size`` values: one long loop over samples, axes and lanes.
+    """
+    Add `TAPS` taps to ``size`` values: one long loop over samples, axes and lanes.
 
     Written out, since an inner loop over the taps would be vectorised instead. Unsigned indices
     cannot count from the end, which keeps the loop simple.
@@ -413,7 +415,8 @@ def _noise(tile, at, level, keys, index):
 
 @compiled()
 def _decimate(tile, raw, taps, oversample, level, keys, first, count):
-    """Fill ``tile`` with ``count`` output samples: the sensors' noise and the decimated signal.
+    """
+    Fill ``tile`` with ``count`` output samples: the sensors' noise and the decimated signal.
 
     ``raw`` holds the internal samples by their place within an output sample (polyphase), so that
     a tap is the same shift for all output samples.
@@ -448,7 +451,8 @@ def advance_group(
     h: float,
     out: Array,
 ) -> None:
-    """Advance L bearings by ``out.shape[2]`` output samples.
+    """
+    Advance L bearings by ``out.shape[2]`` output samples.
 
     Parameters
     ----------
@@ -475,6 +479,7 @@ def advance_group(
         Internal steps per output sample; internal step, s.
     out
         float32[2, L, n]: acceleration of the sensors, m/s^2.
+
     """
     n = out.shape[2]
     memory = history.shape[1]

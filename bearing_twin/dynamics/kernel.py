@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Compiled functions take tuples and arrays of many shapes; the docstrings give their types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
-"""Compiled kernel of one bearing: equations of motion, resonance, decimation, noise.
+"""
+Compiled kernel of one bearing: equations of motion, resonance, decimation, noise.
 
 The equations (x right, y up, load along -y), one line an axis, y shown::
 
@@ -25,12 +26,11 @@ from __future__ import annotations
 
 import math
 
+from bearing_twin.dynamics.compiled import compiled, FAST
+from bearing_twin.dynamics.laws import CLEARANCE, DEPTH, K_B, SHAFT_HZ, SLIP, SPRING
+from bearing_twin.dynamics.random import NOISE, normal_pair, WALK
 import numpy as np
 import numpy.typing as npt
-
-from bearing_twin.dynamics.compiled import FAST, compiled
-from bearing_twin.dynamics.laws import CLEARANCE, DEPTH, K_B, SHAFT_HZ, SLIP, SPRING
-from bearing_twin.dynamics.random import NOISE, WALK, normal_pair
 
 __all__ = ['advance', 'ball_forces', 'start']
 
@@ -103,7 +103,8 @@ def path(profile, half, depth, curvature, along):
 
 @compiled(inline=True, fast=FAST)
 def _spoil(n_balls, phases, rates, factor, const, defects, gaps, step):
-    """Add to ``gaps[step]`` what the defects take away, m, and its rate, m/s.
+    """
+    Add to ``gaps[step]`` what the defects take away, m, and its rate, m/s.
 
     ``phases`` and ``rates`` are those of cage, shaft and ball spin, turns and turns/s.
     """
@@ -203,7 +204,8 @@ def _prescribe(table, i, omega, stiff, foot, sines, turning, unbalance):
 
 @compiled(fast=FAST)
 def _turn(state, const, defects, balls, base, step, n_balls, walk, begin, table, gaps):
-    """Turn shaft, cage and balls through a chunk of steps: this motion is prescribed, not felt.
+    """
+    Turn shaft, cage and balls through a chunk of steps: this motion is prescribed, not felt.
 
     Fills the rows ``begin`` onwards of ``table`` and ``gaps``. The inputs at the end of step i
     are ``base + (i + 1) step``; i counts from the grid point, whatever ``begin`` is.
@@ -339,7 +341,8 @@ def advance(
     oversample: int,
     out: npt.NDArray[np.float32],
 ) -> None:
-    """Advance one bearing by ``out.shape[1]`` output samples.
+    """
+    Advance one bearing by ``out.shape[1]`` output samples.
 
     Parameters
     ----------
@@ -363,6 +366,7 @@ def advance(
         Internal steps per output sample.
     out : float32[2, n]
         Acceleration of the sensor along x and y, m/s^2.
+
     """
     n = out.shape[1]
     memory = history.shape[1]
@@ -399,7 +403,8 @@ def advance(
 
 @compiled(inline=True, fast=FAST)
 def _inputs(ramp, drift, n, oversample, at, since_tick):
-    """Return the inputs at a grid point, ``at`` samples into the block, and their growth a step.
+    """
+    Return the inputs at a grid point, ``at`` samples into the block, and their growth a step.
 
     Relative to the grid, so that held inputs give the same bits in every block.
     """
@@ -494,7 +499,8 @@ def start(
     values: FloatArray,
     n_balls: int,
 ) -> None:
-    """Set sines, acceleration and jerk of ``state`` from its phases, positions and velocities.
+    """
+    Set sines, acceleration and jerk of ``state`` from its phases, positions and velocities.
 
     To be called where a trajectory begins and where parameters change; ``values`` are the inputs.
     """

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""From temperatures and speed to the quantities that the equations of motion take, compiled.
+"""
+From temperatures and speed to the quantities that the equations of motion take, compiled.
 
 The laws themselves live in `bearing_twin.thermal` as plain functions; here they are put together
 for one bearing, in a form that a fleet evaluates a thousand times a block.
@@ -11,12 +12,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
-
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.statics import spring_position
 from bearing_twin.thermal import friction, gcr15, life, lubricant, rings
+import numpy as np
+import numpy.typing as npt
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
@@ -85,7 +85,8 @@ def law_table(p: TwinParameters) -> FloatArray:
 
 @compiled()
 def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatArray) -> None:
-    """Fill ``out`` (CONDITION_SIZE) for ring temperatures in degC and a shaft speed in Hz.
+    """
+    Fill ``out`` (CONDITION_SIZE) for ring temperatures in degC and a shaft speed in Hz.
 
     In the paper's mode ``inner`` is not used, the ring temperatures are NaN, and the lubricant has
     the one temperature measured.

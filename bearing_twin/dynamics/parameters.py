@@ -4,14 +4,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
+import math
 from typing import Literal
 
 from bearing_twin.bearing import Bearing, load_deflection_factor
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.friction import SERIES
-from bearing_twin.thermal.gcr15 import FRICTION_TABLE, Beta0
+from bearing_twin.thermal.gcr15 import Beta0, FRICTION_TABLE
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin.thermal.rings import ThermalNetwork
 
@@ -36,7 +36,8 @@ def check_range(name: str, value: float, low: float, high: float, unit: str) -> 
 
 @dataclass(frozen=True, kw_only=True)
 class Defect:
-    """A local fault.
+    """
+    A local fault.
 
     Parameters
     ----------
@@ -58,6 +59,7 @@ class Defect:
         1/D_race))`` with s the distance to the nearer edge, + on the inner, - on the outer race.
         The literature's: ``'rect'`` (full depth at once; it makes every fixed-step scheme first
         order), ``'halfsine'``, ``'smooth'`` (raised-cosine flanks over a quarter of the width).
+
     """
 
     place: Place
@@ -81,7 +83,8 @@ class Defect:
 
 @dataclass(frozen=True, kw_only=True)
 class TwinParameters:
-    """Everything that the equations of motion need, validated.
+    """
+    Everything that the equations of motion need, validated.
 
     Sources: [P] Symmetry 2023, 15, 2166; [M] Mishra et al., J. Sound Vib. 2017, table 1; [S]
     Sawalhi and Randall, Mech. Syst. Signal Process. 2008, and theses of the same group; [C] Cheng
@@ -134,6 +137,7 @@ class TwinParameters:
     start_angle
         Angle of ball 0 and of the shaft's mark at sample 0, rad from +x. The default puts both
         in the load direction, so that an inner defect at angle 0 is struck at t = 0.
+
     """
 
     bearing: Bearing

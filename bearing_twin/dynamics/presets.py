@@ -4,13 +4,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
+import math
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, find_bearing
-from bearing_twin.dynamics.parameters import PLACES, Defect, TwinParameters
+from bearing_twin.dynamics.parameters import Defect, PLACES, TwinParameters
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
@@ -73,7 +73,8 @@ def preset(
     depth: float | None = None,
     **overrides: Any,
 ) -> TwinParameters:
-    """Return the parameters called ``name``.
+    """
+    Return the parameters called ``name``.
 
     Parameters
     ----------
@@ -92,6 +93,7 @@ def preset(
     ------
     BearingTwinError
         If a name is unknown or a value out of its range.
+
     """
     if name not in _PRESETS:
         msg = f'no preset {name!r}; choose one of {", ".join(_PRESETS)}'

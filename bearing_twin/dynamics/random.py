@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Compiled functions take tuples and arrays of many shapes; the docstrings give their types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
-"""Counter-based random numbers: sample k of a stream is a function of (seed, k), not of history.
+"""
+Counter-based random numbers: sample k of a stream is a function of (seed, k), not of history.
 
 No state has to be carried, so splitting a block or restoring a simulator changes no bit.
 Philox2x32-10 of Salmon, Moraes, Dror and Shaw, "Parallel random numbers: as easy as 1, 2, 3",
@@ -14,9 +15,8 @@ from __future__ import annotations
 
 import math
 
+from bearing_twin.dynamics.compiled import compiled, FAST
 import numpy as np
-
-from bearing_twin.dynamics.compiled import FAST, compiled
 
 __all__ = ['NOISE', 'WALK', 'normal_pair', 'philox']
 
@@ -46,7 +46,8 @@ def _philox_round(low, high, key):
 
 @compiled(inline=True)
 def philox(counter_low, counter_high, key):
-    """Ten rounds of Philox2x32 on uint64 values below 2^32; returns two of them.
+    """
+    Ten rounds of Philox2x32 on uint64 values below 2^32; returns two of them.
 
     Written out: a loop in here would keep the caller's loop over samples from being vectorised.
     """
@@ -85,7 +86,8 @@ def _log(u):
 
 @compiled(inline=True, fast=FAST)
 def normal_pair(index, stream, seed):
-    """Two independent standard normal numbers (float32) for sample ``index`` of a ``stream``.
+    """
+    Two independent standard normal numbers (float32) for sample ``index`` of a ``stream``.
 
     ``index`` counts to 2^62; ``seed`` is a uint64 below 2^32.
     """

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The same model for scipy's adaptive solvers: the yardstick of the kernels' error and speed.
+"""
+The same model for scipy's adaptive solvers: the yardstick of the kernels' error and speed.
 
 Written from the equations and not from the kernels: angles are functions of time, the path over a
 defect is looked up for every ball, and the sensor is two more states. Constant temperature and
@@ -10,17 +11,16 @@ speed, no jitter, no noise.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
-import numpy.typing as npt
-from scipy.integrate import solve_ivp
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders
 from bearing_twin.dynamics import filters, kernel, laws
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.parameters import PLACES, PROFILES
 from bearing_twin.dynamics.simulator import Simulator
+import numpy as np
+import numpy.typing as npt
+from scipy.integrate import solve_ivp
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters

@@ -4,14 +4,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 import math
 import struct
-import zlib
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
-
-import numpy as np
-import numpy.typing as npt
+import zlib
 
 from bearing_twin.dynamics import filters, kernel, laws
 from bearing_twin.dynamics.condition import Condition, condition
@@ -20,6 +17,8 @@ from bearing_twin.dynamics.statics import equilibrium
 from bearing_twin.dynamics.tables import ball_table, constants, defect_table
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import check_temperature
+import numpy as np
+import numpy.typing as npt
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -69,7 +68,8 @@ class Snapshot:
 
 
 class Simulator:
-    """Advances the equations of motion of one bearing and carries their state.
+    """
+    Advances the equations of motion of one bearing and carries their state.
 
     The equations run at 76.8 kHz or above with Hermite's method of order 4; the sensor's resonance
     is applied there, then the signal is decimated. The decimator delays the signal by `delay`
@@ -81,7 +81,7 @@ class Simulator:
 
     Parameters
     ----------
-    parameters
+    parameters : TwinParameters
         The bearing, its faults and its surroundings.
     sample_rate
         Output rate, Hz, 2000 to 204800.
@@ -91,6 +91,7 @@ class Simulator:
         Temperature at the start, degC, 20 to 110.
     shaft_hz
         Shaft speed at the start, Hz, 0 to 500.
+
     """
 
     def __init__(
@@ -162,7 +163,8 @@ class Simulator:
         self._restart_motion()
 
     def reconfigure(self, parameters: TwinParameters) -> None:
-        """Change defects, preset or thermal mode while running; the state is carried on.
+        """
+        Change defects, preset or thermal mode while running; the state is carried on.
 
         The new parameters act from the next sample on: stiffness, clearance and slip are not
         ramped, since a fault that is injected is there at once.
@@ -176,7 +178,8 @@ class Simulator:
         self._restart_motion()
 
     def advance(self, n: int, temperature: float, shaft_hz: float) -> Block:
-        """Advance by ``n`` samples while temperature and speed go to the values given.
+        """
+        Advance by ``n`` samples while temperature and speed go to the values given.
 
         Parameters
         ----------
@@ -191,6 +194,7 @@ class Simulator:
         ------
         BearingTwinError
             If a value is out of its range; the state is then unchanged.
+
         """
         if not 1 <= n <= _MAX_BLOCK:
             msg = f'block of {n} samples is outside 1..{_MAX_BLOCK}'
@@ -235,7 +239,8 @@ class Simulator:
         )
 
     def save(self) -> bytes:
-        """Return the complete state: motion, phases, filters, sample index, seed and inputs.
+        """
+        Return the complete state: motion, phases, filters, sample index, seed and inputs.
 
         It belongs to the parameters and the sample rate in force, which it does not hold.
         """
@@ -251,13 +256,15 @@ class Simulator:
         return _MAGIC + struct.pack('<I', crc) + _FIELDS.pack(*fields) + data
 
     def load(self, data: bytes) -> None:
-        """Continue from a state that :meth:`save` returned.
+        """
+        Continue from a state that :meth:`save` returned.
 
         Raises
         ------
         BearingTwinError
             If ``data`` is damaged, of another version, or of another sample rate, bearing
             geometry or thermal mode; the state is then unchanged.
+
         """
         data = bytes(data)
         if data[: len(_MAGIC)] != _MAGIC:
@@ -306,7 +313,8 @@ class Simulator:
     def adopt(
         self, state: FloatArray, next_sample: int, rings: tuple[float, float] | None = None
     ) -> None:
-        """Take over phases, positions and velocities in the layout of `kernel`.
+        """
+        Take over phases, positions and velocities in the layout of `kernel`.
 
         ``rings``, degC, are the inner ring's temperatures at the last and the next thermal tick.
         """
@@ -408,7 +416,8 @@ def identity(parameters: Sequence[TwinParameters]) -> int:
 
 
 def warm_up(*, fleet: bool = False) -> None:
-    """Compile, or load from the cache, everything that a running simulator calls.
+    """
+    Compile, or load from the cache, everything that a running simulator calls.
 
     With ``fleet`` also what a :class:`Fleet` calls.
     """

@@ -7,13 +7,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
-
 from bearing_twin.dynamics import laws
 from bearing_twin.dynamics.statics import contact, equilibrium
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import TEMPERATURES
+import numpy as np
+import numpy.typing as npt
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
@@ -31,7 +30,8 @@ _LARGEST_STEP = 1.0
 def system_matrices(
     p: TwinParameters, contact_stiffness: FloatArray, loaded: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return K and C of ``q'' = -K q - C q'`` for q = (x_i, y_i, x_o, y_o), 1/s^2 and 1/s.
+    """
+    Return K and C of ``q'' = -K q - C q'`` for q = (x_i, y_i, x_o, y_o), 1/s^2 and 1/s.
 
     ``contact_stiffness`` (2, 2), N/m, is that between the rings; ``loaded`` the balls whose
     damping acts, taken as the same in both directions.
@@ -62,7 +62,8 @@ def amplification(stiffness: FloatArray, damping: FloatArray, h: float) -> Float
 
 
 def check_step(p: TwinParameters, h: float) -> None:
-    """Refuse parameters whose fastest motion a step of ``h`` seconds does not resolve.
+    """
+    Refuse parameters whose fastest motion a step of ``h`` seconds does not resolve.
 
     The equations are linearised at the load's equilibrium with the hottest contact stiffness, and
     without contact. The step has to resolve every mode, and to be stable even at `_OVERLOAD`
@@ -72,6 +73,7 @@ def check_step(p: TwinParameters, h: float) -> None:
     ------
     BearingTwinError
         With the frequency of the fastest mode and what to change.
+
     """
     row, out = laws.law_table(p), np.empty(laws.CONDITION_SIZE)
     factors = []

@@ -6,9 +6,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from bearing_twin.dynamics.compiled import compiled
+import numpy as np
 
 __all__ = ['equilibrium', 'spring_position']
 
@@ -20,7 +19,8 @@ _POSITIONS = 8
 def contact(
     x: float, y: float, c0: float, s0: float, kb: float, clearance: float, n_balls: int
 ) -> tuple[float, float, float, float, float]:
-    """Force on the outer ring (x, y), N, and its stiffness (xx, xy, yy), N/m; healthy balls.
+    """
+    Force on the outer ring (x, y), N, and its stiffness (xx, xy, yy), N/m; healthy balls.
 
     ``c0, s0`` are cosine and sine of the angle of ball 0.
     """
@@ -46,7 +46,8 @@ def contact(
 def equilibrium(
     angle: float, spring: float, kb: float, clearance: float, compliance: float, n_balls: int
 ) -> tuple[float, float, float, float]:
-    """Return displacement between the rings (x, y), m, and force on the outer ring (x, y), N.
+    """
+    Return displacement between the rings (x, y), m, and force on the outer ring (x, y), N.
 
     Solves ``x = -F_x C``, ``y = y_i0 - F_y C`` for one cage angle, with the compliance C = 1/k_i +
     1/k_o of shaft and housing in series, by Newton's method.
@@ -72,7 +73,8 @@ def equilibrium(
 def spring_position(
     load: float, kb: float, clearance: float, compliance: float, n_balls: int
 ) -> float:
-    """Position y_i0 of the shaft spring, m, at which the mean contact force is ``load``, N.
+    """
+    Position y_i0 of the shaft spring, m, at which the mean contact force is ``load``, N.
 
     The mean is over the cage positions of one ball spacing. The grounded shaft spring would carry
     most of an applied force; moving its foot instead leaves the load with the bearing. Newton's

@@ -7,12 +7,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
-
 from bearing_twin.bearing import fault_orders
 from bearing_twin.dynamics import kernel
 from bearing_twin.dynamics.parameters import PLACES, PROFILES
+import numpy as np
+import numpy.typing as npt
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
@@ -23,7 +22,8 @@ FloatArray = npt.NDArray[np.float64]
 
 
 def constants(p: TwinParameters, sample_rate: float, oversample: int) -> FloatArray:
-    """Return the constants of one bearing, float64[kernel.CONST_SIZE].
+    """
+    Return the constants of one bearing, float64[kernel.CONST_SIZE].
 
     The cage's walk has the variance per impact of ``(2 pi jitter / Z)^2 rad^2``, as a speed that
     is held for `kernel.CHUNK` samples, over the root of the shaft speed.
@@ -67,7 +67,8 @@ def defect_table(p: TwinParameters) -> FloatArray:
 
 
 def ball_table(p: TwinParameters) -> FloatArray:
-    """Return direction in the cage and undersize of each ball, float64[3, padded].
+    """
+    Return direction in the cage and undersize of each ball, float64[3, padded].
 
     The padding is undersized by a metre, so that it never touches.
     """

@@ -7,34 +7,32 @@ from __future__ import annotations
 import math
 import sys
 import time
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from bearing_twin_msgs.msg import Vibration
-from sensor_msgs.msg import Imu
-from std_msgs.msg import Float32MultiArray, Header
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.adapter_config import IMU, SPECS, check_adapter
+from bearing_twin.nodes.adapter_config import check_adapter, IMU, SPECS
 from bearing_twin.nodes.convert import floats, stamp_ns, time_message
 from bearing_twin.nodes.health import Health, Level, Status
 from bearing_twin.nodes.lifecycle import ManagedNode, run
-from bearing_twin.nodes.qos import OVERRIDES, SENSOR, STREAM, own
+from bearing_twin.nodes.qos import OVERRIDES, own, SENSOR, STREAM
 from bearing_twin.nodes.sampling import (
-    NANO,
     BlockBuilder,
+    NANO,
     SequenceTracker,
-    StampTracker,
     split_channels,
+    StampTracker,
 )
 from bearing_twin.nodes.vibration_input import SourceLock
+from bearing_twin_msgs.msg import Vibration
+import numpy as np
+from sensor_msgs.msg import Imu
+from std_msgs.msg import Float32MultiArray, Header
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rclpy.subscription import MessageInfo
-
     from bearing_twin.nodes.sampling import SampledBlock
+    from rclpy.subscription import MessageInfo
 
 __all__ = ['AdapterNode', 'main']
 
@@ -43,7 +41,8 @@ RATE_TOLERANCE = 0.01
 
 
 class AdapterNode(ManagedNode):
-    """Turn samples as other drivers publish them into blocks that the diagnosis takes.
+    """
+    Turn samples as other drivers publish them into blocks that the diagnosis takes.
 
     ``std_msgs/Float32MultiArray`` holds many samples and no stamp: the time of publishing counts
     as that of the last sample, and gaps are seen from the middleware's message numbers.

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.parameters import Spec
@@ -103,12 +103,14 @@ SPECS = (
 
 
 def check_adapter(values: Mapping[str, Any]) -> None:
-    """Refuse parameters that do not fit together.
+    """
+    Refuse parameters that do not fit together.
 
     Raises
     ------
     BearingTwinError
         If no channel is chosen, a chosen one does not exist, or a sample rate is missing.
+
     """
     count = 3 if values['source'] == IMU else values['channels']
     chosen = (values['channel_x'], values['channel_y'])

@@ -17,7 +17,8 @@ T = TypeVar('T')
 
 
 def ahead(items: Iterable[T], *, depth: int) -> Iterator[T]:
-    """Yield ``items`` while a thread computes up to ``depth`` of them in advance.
+    """
+    Yield ``items`` while a thread computes up to ``depth`` of them in advance.
 
     An exception that ``items`` raises is raised here after what came before it. Leaving the
     iteration early ends the thread.

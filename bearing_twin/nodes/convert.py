@@ -8,21 +8,19 @@ import array
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
+from bearing_twin import __version__
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
 from builtin_interfaces.msg import Time
+import numpy as np
 from std_msgs.msg import Float64MultiArray, Header, MultiArrayDimension, MultiArrayLayout
 
-from bearing_twin import __version__
-
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
     from bearing_twin.diagnosis import Spectrum as SpectrumResult
     from bearing_twin.dynamics.simulator import Block
     from bearing_twin.nodes.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
+    from numpy.typing import NDArray
 
 __all__ = [
     'RESULTS',
@@ -212,7 +210,8 @@ def spectrum_message(
 
 
 def features_message(message: Diagnosis) -> Float64MultiArray:
-    """Return the figures people trend, in a standard type that viewers draw by themselves.
+    """
+    Return the figures people trend, in a standard type that viewers draw by themselves.
 
     The labels of the dimensions name the elements in their order.
     """

@@ -7,22 +7,20 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
+from bearing_twin.nodes import realtime
+from bearing_twin.nodes.timing import CycleStatistics
 from rclpy.clock import Clock, JumpThreshold
 from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
 
-from bearing_twin.nodes import realtime
-from bearing_twin.nodes.timing import CycleStatistics
-
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from rclpy.clock import JumpHandle, TimeJump
 
     from bearing_twin.nodes.health import Status
     from bearing_twin.nodes.lifecycle import ManagedNode
     from bearing_twin.nodes.pacer import Due
     from bearing_twin.nodes.parameters import ParameterSet
+    from rclpy.clock import JumpHandle, TimeJump
 
 __all__ = ['BlockCycle']
 
@@ -33,7 +31,8 @@ JUMP = 10.0
 
 
 class BlockCycle:
-    """Call ``publish`` for each block that is due.
+    """
+    Call ``publish`` for each block that is due.
 
     Real time is paced by the steady clock, which nobody sets; with ``use_sim_time`` by /clock.
 
@@ -41,7 +40,7 @@ class BlockCycle:
     ----------
     node
         The node.
-    parameters
+    parameters : ParameterSet
         Its parameters, with those of :mod:`bearing_twin.nodes.realtime`.
     publish
         Computes and publishes a block.
@@ -54,6 +53,7 @@ class BlockCycle:
     ------
     BearingTwinError
         If priority or memory locking are asked for and refused.
+
     """
 
     def __init__(

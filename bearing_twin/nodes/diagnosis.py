@@ -5,14 +5,13 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Any
-
-from std_srvs.srv import Trigger
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.nodes.diagnosis_asset import DiagnosisAsset
-from bearing_twin.nodes.diagnosis_config import SPECS, build_bearing, build_settings
+from bearing_twin.nodes.diagnosis_config import build_bearing, build_settings, SPECS
 from bearing_twin.nodes.health import Health
 from bearing_twin.nodes.lifecycle import ManagedNode, run
+from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -6,11 +6,7 @@ from __future__ import annotations
 
 import math
 import time
-from typing import TYPE_CHECKING, Any
-
-from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
-from sensor_msgs.msg import JointState, Temperature
-from std_msgs.msg import Float64MultiArray
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.convert import (
@@ -27,22 +23,24 @@ from bearing_twin.nodes.diagnosis_config import (
     nominal_speed,
 )
 from bearing_twin.nodes.diagnosis_health import input_status, verdict_status
-from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, RESULT, STREAM, own
+from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
 from bearing_twin.nodes.shaft import ShaftSpeed
 from bearing_twin.nodes.statefile import StateFolder
-from bearing_twin.nodes.vibration_input import GapCounter, SourceLock, read_vibration
+from bearing_twin.nodes.vibration_input import GapCounter, read_vibration, SourceLock
+from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
+from sensor_msgs.msg import JointState, Temperature
+from std_msgs.msg import Float64MultiArray
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-    from rclpy.qos import QoSProfile
-    from rclpy.subscription import MessageInfo, Subscription
 
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
     from bearing_twin.nodes.health import Status
     from bearing_twin.nodes.lifecycle import ManagedNode
     from bearing_twin.nodes.parameters import ParameterSet
     from bearing_twin.nodes.vibration_input import VibrationBlock
+    from rclpy.qos import QoSProfile
+    from rclpy.subscription import MessageInfo, Subscription
 
 __all__ = ['DiagnosisAsset']
 
@@ -50,7 +48,8 @@ NANO = 1_000_000_000
 
 
 class DiagnosisAsset:
-    """Topics, inputs and verdicts of one bearing.
+    """
+    Topics, inputs and verdicts of one bearing.
 
     Verdicts are triggered by the samples, not by a clock: the same blocks give the same verdicts.
 
@@ -58,10 +57,11 @@ class DiagnosisAsset:
     ----------
     node
         The node that hosts it.
-    parameters
+    parameters : ParameterSet
         Its parameters.
     prefix
         Put before its topics: '' or ``NAMESPACE/``.
+
     """
 
     def __init__(self, node: ManagedNode, parameters: ParameterSet, *, prefix: str = '') -> None:
@@ -169,7 +169,8 @@ class DiagnosisAsset:
             self.take(message, self._temperature)
 
     def take(self, message: Vibration, temperature: float) -> None:
-        """Diagnose one block and publish the verdict, if one is due.
+        """
+        Diagnose one block and publish the verdict, if one is due.
 
         Parameters
         ----------
@@ -177,6 +178,7 @@ class DiagnosisAsset:
             The block.
         temperature
             Temperature of the bearing, degC; NaN where it is not known.
+
         """
         self._arrived = time.monotonic()
         try:

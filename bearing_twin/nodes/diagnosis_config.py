@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing
 from bearing_twin.bearing.catalogue import find_bearing
@@ -158,12 +158,14 @@ SPECS = (
 
 
 def build_bearing(values: Mapping[str, Any]) -> Bearing:
-    """Return the bearing that the parameters name or describe.
+    """
+    Return the bearing that the parameters name or describe.
 
     Raises
     ------
     BearingTwinError
         If the catalogue has no such bearing, or the geometry cannot be read or built.
+
     """
     if values['bearing']:
         return find_bearing(values['bearing'])
@@ -186,12 +188,14 @@ def build_bearing(values: Mapping[str, Any]) -> Bearing:
 
 
 def build_settings(values: Mapping[str, Any]) -> DiagnosisSettings:
-    """Return the settings of the chain.
+    """
+    Return the settings of the chain.
 
     Raises
     ------
     BearingTwinError
         If they do not fit together.
+
     """
     return DiagnosisSettings(
         window=values['window'],

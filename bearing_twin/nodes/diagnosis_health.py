@@ -30,7 +30,8 @@ def input_status(
     gaps: GapCounter,
     shaft_problem: str,
 ) -> Status:
-    """Status of the vibration stream.
+    """
+    Status of the vibration stream.
 
     Parameters
     ----------
@@ -48,6 +49,7 @@ def input_status(
         Samples lost and restarts of the source.
     shaft_problem
         What is wrong with the shaft speed; '' if nothing.
+
     """
     if not blocks and not problem:
         level, message = Level.STALE, 'no vibration yet'

@@ -7,9 +7,8 @@ from __future__ import annotations
 import os
 import time
 
-import rclpy
-
 from bearing_twin.errors import BearingTwinError
+import rclpy
 
 __all__ = ['HIGHEST_DOMAIN', 'check_domain', 'inhabitants', 'quiet_domain']
 
@@ -22,7 +21,8 @@ LISTEN = 1.5
 
 
 def inhabitants(domain: int, listen: float = LISTEN) -> list[str]:
-    """Return the nodes of a domain, heard from this machine.
+    """
+    Return the nodes of a domain, heard from this machine.
 
     Parameters
     ----------
@@ -30,6 +30,7 @@ def inhabitants(domain: int, listen: float = LISTEN) -> list[str]:
         The domain.
     listen
         Longest time to listen, s; whoever is heard earlier ends it.
+
     """
     context = rclpy.Context()
     context.init(domain_id=domain)
@@ -66,7 +67,8 @@ def check_domain(domain: int) -> None:
 
 
 def quiet_domain(first: int, listen: float = LISTEN) -> int:
-    """Return the first domain from ``1 + first % 100`` on in which nobody is heard.
+    """
+    Return the first domain from ``1 + first % 100`` on in which nobody is heard.
 
     Parameters
     ----------
@@ -79,6 +81,7 @@ def quiet_domain(first: int, listen: float = LISTEN) -> int:
     ------
     BearingTwinError
         If every domain is in use.
+
     """
     for step in range(DOMAINS):
         domain = 1 + (first + step) % DOMAINS

@@ -4,15 +4,11 @@
 
 from __future__ import annotations
 
-import math
-import sys
 from collections import deque
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
-
-import yaml
-from bearing_twin_msgs.msg import Checkpoint
-from std_srvs.srv import Trigger
+import math
+import sys
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.dynamics.simulator import Block
@@ -20,13 +16,16 @@ from bearing_twin.nodes import realtime
 from bearing_twin.nodes.convert import checkpoint_message
 from bearing_twin.nodes.cycle import BlockCycle
 from bearing_twin.nodes.diagnosis_asset import DiagnosisAsset
-from bearing_twin.nodes.fleet_config import SPECS, read_assets
+from bearing_twin.nodes.fleet_config import read_assets, SPECS
 from bearing_twin.nodes.fleet_member import Member
 from bearing_twin.nodes.health import Health
 from bearing_twin.nodes.lifecycle import ManagedNode, run
 from bearing_twin.nodes.qos import CHECKPOINT
 from bearing_twin.nodes.twin_asset import TwinAsset
 from bearing_twin.nodes.twin_config import build_parameters
+from bearing_twin_msgs.msg import Checkpoint
+from std_srvs.srv import Trigger
+import yaml
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -49,7 +48,8 @@ class Pending:
 
 
 class FleetNode(ManagedNode):
-    """Host many twins and diagnoses, each with topics and parameters of its own.
+    """
+    Host many twins and diagnoses, each with topics and parameters of its own.
 
     The equations of all twins are advanced in one call when a period is over; the publishing, and
     what the diagnoses do with the blocks, is spread over the next one. A diagnosis whose twin is

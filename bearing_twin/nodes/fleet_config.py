@@ -4,16 +4,15 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+import re
 from typing import Any
-
-import yaml
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes import diagnosis_config, realtime, twin_config
 from bearing_twin.nodes.parameters import Spec
+import yaml
 
 __all__ = ['DIAGNOSIS_SPECS', 'SHARED', 'SPECS', 'TWIN_SPECS', 'Asset', 'read_assets']
 
@@ -66,7 +65,8 @@ class Asset:
 
 
 def read_assets(path: str, names: list[str]) -> list[Asset]:
-    """Return the assets of a file, or of a list of names where ``path`` is ''.
+    """
+    Return the assets of a file, or of a list of names where ``path`` is ''.
 
     The file holds, with either part left out where it is not wanted::
 
@@ -79,6 +79,7 @@ def read_assets(path: str, names: list[str]) -> list[Asset]:
     ------
     BearingTwinError
         If there is none, the file cannot be read, or a name is no ROS namespace.
+
     """
     if not path:
         assets = [Asset(name) for name in names if name]

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.errors import BearingTwinError
@@ -26,7 +26,8 @@ __all__ = ['Member']
 
 
 class Member:
-    """Parameters of one asset, and its twin and diagnosis while the node is configured.
+    """
+    Parameters of one asset, and its twin and diagnosis while the node is configured.
 
     Parameters
     ----------
@@ -41,6 +42,7 @@ class Member:
     ------
     BearingTwinError
         If a parameter is refused; the text names the asset.
+
     """
 
     def __init__(

@@ -5,12 +5,11 @@
 from __future__ import annotations
 
 import enum
-from typing import TYPE_CHECKING, NamedTuple
-
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rclpy.clock import Clock, ClockType
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.nodes.qos import RESULT
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.clock import Clock, ClockType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -38,7 +37,8 @@ class Status(NamedTuple):
 
 
 class Health:
-    """Publish the statuses of a node's parts on the absolute topic /diagnostics.
+    """
+    Publish the statuses of a node's parts on the absolute topic /diagnostics.
 
     The idiom of diagnostic_updater, which is not available from PyPI: named tasks, 1 Hz,
     names ``NODE: PART``, a fresh message even where nothing has changed so that an aggregator
@@ -50,6 +50,7 @@ class Health:
         The node.
     hardware_id
         Asset or sensor that the statuses speak of.
+
     """
 
     def __init__(self, node: Node, hardware_id: str) -> None:
@@ -63,7 +64,8 @@ class Health:
         )
 
     def add(self, part: str, task: Callable[[], Status], *, hardware_id: str = '') -> None:
-        """Add a part of the node.
+        """
+        Add a part of the node.
 
         Parameters
         ----------
@@ -73,6 +75,7 @@ class Health:
             Returns its status when asked.
         hardware_id
             Asset that it speaks of; '' for that of the node.
+
         """
         self._tasks[part] = (task, hardware_id or self.hardware_id)
 

@@ -33,7 +33,8 @@ def local_environment(domain_id: int) -> dict[str, str]:
 
 
 class NodeProcesses:
-    """Nodes of this package as processes; leaving the context ends those it started.
+    """
+    Nodes of this package as processes; leaving the context ends those it started.
 
     Parameters
     ----------
@@ -41,6 +42,7 @@ class NodeProcesses:
         Folder for what they print, one file a node.
     environment
         Their environment.
+
     """
 
     def __init__(self, logs: Path, environment: Mapping[str, str]) -> None:
@@ -72,13 +74,14 @@ class NodeProcesses:
         ros: tuple[str, ...] = (),
         within: tuple[str, ...] = (),
     ) -> None:
-        """Start ``bearing_twin.nodes.MODULE`` with parameters.
+        """
+        Start ``bearing_twin.nodes.MODULE`` with parameters.
 
         Parameters
         ----------
         module
             Module of the node.
-        parameters
+        parameters : mapping
             Its parameters.
         name
             Name of the process here, ``module`` if empty.
@@ -86,6 +89,7 @@ class NodeProcesses:
             More ``--ros-args``.
         within
             Command that runs the process, such as ``ip netns exec HOST``.
+
         """
         words = [*within, sys.executable, '-m', f'bearing_twin.nodes.{module}', '--ros-args']
         for key, value in parameters.items():

@@ -9,14 +9,13 @@ import os
 import signal
 import sys
 import traceback
-from typing import TYPE_CHECKING, Any
-
-import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.parameters import ParameterSet, Spec
+import rclpy
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -41,7 +40,8 @@ AUTOSTART = Spec(
 
 
 class ManagedNode(LifecycleNode):
-    """A lifecycle node with a parameter table.
+    """
+    A lifecycle node with a parameter table.
 
     ``configure`` builds what the parameters describe (and compiles), ``activate`` starts it,
     ``deactivate`` and ``cleanup`` undo the two. A subclass fills in :meth:`check`,
@@ -78,12 +78,14 @@ class ManagedNode(LifecycleNode):
         """Give up what :meth:`setup` built."""
 
     def bring_up(self) -> None:
-        """Configure and activate, if the parameter ``autostart`` says so.
+        """
+        Configure and activate, if the parameter ``autostart`` says so.
 
         Raises
         ------
         BearingTwinError
             If a transition failed; its reason is in the log.
+
         """
         if not self.parameters['autostart']:
             return
@@ -165,7 +167,8 @@ class ManagedNode(LifecycleNode):
 
 
 def _never_wait_for_the_network() -> None:
-    """Let Fast DDS drop what a pulled cable cannot take, instead of holding up the publisher.
+    """
+    Let Fast DDS drop what a pulled cable cannot take, instead of holding up the publisher.
 
     By default its sockets block for seconds when the other host has gone, and so would every
     deadline. What was dropped is sent again if it is still in the writer's history. A user who
@@ -186,7 +189,8 @@ def _spin(executor: SingleThreadedExecutor, node: ManagedNode) -> None:
 
 
 def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int:
-    """Run a node until it is told to end; return the exit status.
+    """
+    Run a node until it is told to end; return the exit status.
 
     INT and TERM end it cleanly: files are finished, the status is 0.
     """

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Twin and diagnosis without nodes, DDS or clocks: the same core, the same messages, bytes out.
+"""
+Twin and diagnosis without nodes, DDS or clocks: the same core, the same messages, bytes out.
 
 What the live nodes publish is a function of what is handed in here; ``verify`` and the offline
 replay rest on that.
@@ -8,12 +9,9 @@ replay rest on that.
 
 from __future__ import annotations
 
-import math
 from collections import Counter
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-import yaml
-from rclpy.serialization import serialize_message
+import math
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.convert import (
@@ -34,6 +32,8 @@ from bearing_twin.nodes.diagnosis_config import (
 from bearing_twin.nodes.twin_config import build_simulator
 from bearing_twin.nodes.vibration_input import read_vibration
 from bearing_twin.recording.schema import canonical_cdr, message_schema
+from rclpy.serialization import serialize_message
+import yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -66,12 +66,14 @@ def _output(topic: str, message: Any) -> Output:
 
 
 def configuration_values(text: str) -> dict[str, Any]:
-    """Read the configuration of a checkpoint.
+    """
+    Read the configuration of a checkpoint.
 
     Raises
     ------
     BearingTwinError
         If it is no table of parameters.
+
     """
     try:
         values = yaml.safe_load(text)
@@ -85,7 +87,8 @@ def configuration_values(text: str) -> dict[str, Any]:
 
 
 class TwinRun:
-    """The twin node's work on one block after the other.
+    """
+    The twin node's work on one block after the other.
 
     Parameters
     ----------
@@ -98,6 +101,7 @@ class TwinRun:
     ------
     BearingTwinError
         If they do not fit together.
+
     """
 
     def __init__(self, values: Mapping[str, Any], state: bytes | None = None) -> None:
@@ -130,12 +134,14 @@ class TwinRun:
     def block(
         self, due: Due, length: int, temperature: GatedTemperature, shaft_hz: float
     ) -> tuple[Any, tuple[Output, Output]]:
-        """Advance by ``length`` samples.
+        """
+        Advance by ``length`` samples.
 
         Returns
         -------
         message, outputs
             The vibration message; it and the twin's state as the node publishes them.
+
         """
         values = self.values
         block = self._simulator.advance(length, temperature.used, shaft_hz)
@@ -157,7 +163,8 @@ class TwinRun:
 
 
 class DiagnosisRun:
-    """The diagnosis node's work on one vibration message after the other.
+    """
+    The diagnosis node's work on one vibration message after the other.
 
     Parameters
     ----------
@@ -170,6 +177,7 @@ class DiagnosisRun:
     ------
     BearingTwinError
         If they do not fit together.
+
     """
 
     def __init__(self, values: Mapping[str, Any], state: bytes | None = None) -> None:
@@ -218,7 +226,8 @@ class DiagnosisRun:
         joint_hz: float = math.nan,
         measured: bool = False,
     ) -> Iterator[Output]:
-        """Take one vibration message; yield what the node publishes.
+        """
+        Take one vibration message; yield what the node publishes.
 
         Parameters
         ----------
@@ -235,6 +244,7 @@ class DiagnosisRun:
         ------
         BearingTwinError
             If the message cannot be used.
+
         """
         block = read_vibration(message, self.values['axis'])
         carried = not math.isnan(block.shaft_hz)

@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+import math
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes import diagnosis_config, twin_config
@@ -58,7 +58,8 @@ def run_offline(
     options: WriterOptions | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> OfflineReport:
-    """Run twin and diagnosis on the temperature and speed of a recording.
+    """
+    Run twin and diagnosis on the temperature and speed of a recording.
 
     Blocks begin with the first input and follow its log time, as the live twin follows the clock;
     an input acts on the block that is due next. The new recording holds the inputs too, and
@@ -81,6 +82,7 @@ def run_offline(
     ------
     BearingTwinError
         If there is no temperature in the source, or parameters or target do not fit.
+
     """
     info = recording_info(source)
     topics = [t for t, about in info.topics.items() if about.type_name in (TEMPERATURE, JOINTS)]

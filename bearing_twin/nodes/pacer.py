@@ -8,9 +8,8 @@ from collections import deque
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
 from bearing_twin.errors import BearingTwinError
+import numpy as np
 
 __all__ = ['Due', 'LatenessReport', 'Pacer']
 
@@ -52,7 +51,8 @@ class LatenessReport:
 
 
 class Pacer:
-    """Decide which blocks are due.
+    """
+    Decide which blocks are due.
 
     Block k covers samples ``k n .. (k+1) n - 1`` and is due when its last sample has been taken:
     ``start + (k + 1) n / rate``. Deadlines are absolute, so nothing accumulates. A caller that
@@ -73,6 +73,7 @@ class Pacer:
         Most blocks given out by one call, at least 1.
     late_after
         Lateness above which a block counts as late, s.
+
     """
 
     def __init__(self, *, block: int, rate: float, catch_up: int, late_after: float) -> None:
@@ -104,12 +105,14 @@ class Pacer:
         return round((sample - self._anchor_sample) * NANO / self.rate)
 
     def anchor(self, *, ticks: int, time: int) -> None:
-        """Let the next block begin now.
+        """
+        Let the next block begin now.
 
         Parameters
         ----------
         ticks, time
             The pacing clock and the node's clock, ns.
+
         """
         self._tick_anchor = ticks
         self._time_anchor = time

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of the nodes: one table a node, declared, checked and applied in one place.
+"""
+Parameters of the nodes: one table a node, declared, checked and applied in one place.
 
 The nodes' tables are also what ``docs/nodes.md`` is generated from.
 """
@@ -8,9 +9,9 @@ The nodes' tables are also what ``docs/nodes.md`` is generated from.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 
-import yaml
+from bearing_twin.errors import BearingTwinError
 from rcl_interfaces.msg import (
     FloatingPointRange,
     IntegerRange,
@@ -18,8 +19,7 @@ from rcl_interfaces.msg import (
     SetParametersResult,
 )
 from rclpy.exceptions import InvalidParameterTypeException
-
-from bearing_twin.errors import BearingTwinError
+import yaml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -72,7 +72,8 @@ class Spec:
 
 
 class ParameterSet:
-    """Declare the parameters of a node, check changes as a whole and apply them afterwards.
+    """
+    Declare the parameters of a node, check changes as a whole and apply them afterwards.
 
     Parameters
     ----------
@@ -97,6 +98,7 @@ class ParameterSet:
     ------
     BearingTwinError
         If a start value is unknown, has the wrong type or is refused.
+
     """
 
     def __init__(
@@ -171,7 +173,7 @@ class ParameterSet:
 
     @property
     def specs(self) -> tuple[Spec, ...]:
-        """The table."""
+        """Return the table."""
         return tuple(self._specs.values())
 
     def _validate(self, values: Mapping[str, Any]) -> None:

@@ -5,13 +5,12 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
-
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.qos import qos_profile, qos_yaml, read_qos
 from bearing_twin.recording.schema import message_schema
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,12 +32,14 @@ DEEPEST = 10_000
 
 
 def message_class(type_name: str) -> Any:
-    """Return the Python class of ``pkg/msg/Type``.
+    """
+    Return the Python class of ``pkg/msg/Type``.
 
     Raises
     ------
     BearingTwinError
         If its package is not installed.
+
     """
     parts = type_name.split('/')
     if len(parts) == 3 and parts[1] == 'msg' and all(part.isidentifier() for part in parts):
@@ -51,13 +52,15 @@ def message_class(type_name: str) -> Any:
 
 
 def published_type(publishers: Sequence[TopicEndpointInfo]) -> str:
-    """Return the type that is published on a topic.
+    """
+    Return the type that is published on a topic.
 
     Raises
     ------
     BearingTwinError
         If there are several types, or a publisher was built with another definition than the
         installed one, so that its bytes would be misread.
+
     """
     types = sorted({info.topic_type for info in publishers})
     if len(types) > 1:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.health import Level, Status
@@ -107,12 +107,14 @@ PAIRS = ('lateness', 'periodicity.mean_error', 'execution_time')
 
 
 def check_thresholds(values: Mapping[str, Any]) -> None:
-    """Refuse a warning that would come after the error.
+    """
+    Refuse a warning that would come after the error.
 
     Raises
     ------
     BearingTwinError
         If a threshold of a warning is above that of the error.
+
     """
     for name in PAIRS:
         warn, error = values[f'{name}.warn'], values[f'{name}.error']
@@ -132,7 +134,8 @@ def build_pacer(values: Mapping[str, Any]) -> Pacer:
 
 
 def raise_priority(priority: int) -> str:
-    """Give the calling thread a real-time priority; 0 leaves it normal.
+    """
+    Give the calling thread a real-time priority; 0 leaves it normal.
 
     Returns
     -------
@@ -143,6 +146,7 @@ def raise_priority(priority: int) -> str:
     ------
     BearingTwinError
         If the system refuses.
+
     """
     if not priority:
         return 'normal'
@@ -158,12 +162,14 @@ def raise_priority(priority: int) -> str:
 
 
 def lock_memory() -> None:
-    """Keep all present and future memory of the process from being swapped out.
+    """
+    Keep all present and future memory of the process from being swapped out.
 
     Raises
     ------
     BearingTwinError
         If the system refuses.
+
     """
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.mlockall(MCL_CURRENT | MCL_FUTURE):
@@ -185,7 +191,8 @@ def status(
     active: bool,
     still: bool,
 ) -> Status:
-    """Status of the deadlines for /diagnostics.
+    """
+    Status of the deadlines for /diagnostics.
 
     Parameters
     ----------
@@ -201,6 +208,7 @@ def status(
         Scheduling in force.
     active, still
         Whether the node publishes, and whether its clock (/clock) stands still.
+
     """
     periodicity, execution = cycles.periodicity, cycles.execution_time
     measures = {

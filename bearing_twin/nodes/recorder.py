@@ -6,12 +6,7 @@ from __future__ import annotations
 
 import sys
 import time
-from typing import TYPE_CHECKING, Any
-
-from rclpy.clock import Clock, ClockType
-from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.logging import get_logger
-from std_srvs.srv import Trigger
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.health import Health, Level, Status
@@ -23,11 +18,15 @@ from bearing_twin.nodes.rawtopics import (
     published_type,
     subscription_qos,
 )
-from bearing_twin.nodes.recorder_config import EXPECTED, SPECS, TopicChoice, build_writer
+from bearing_twin.nodes.recorder_config import build_writer, EXPECTED, SPECS, TopicChoice
 from bearing_twin.nodes.recorder_watch import RecordingWatch
 from bearing_twin.recording.recover import find_unfinished
 from bearing_twin.recording.schema import message_schema
 from bearing_twin.recording.snapshot import SnapshotWriter
+from rclpy.clock import Clock, ClockType
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.logging import get_logger
+from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

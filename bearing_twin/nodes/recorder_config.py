@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
-import re
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+import re
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.parameters import Spec
@@ -196,7 +196,8 @@ SPECS = (
 
 
 class TopicChoice:
-    """Which topics are recorded.
+    """
+    Which topics are recorded.
 
     Parameters
     ----------
@@ -209,6 +210,7 @@ class TopicChoice:
     ------
     BearingTwinError
         If a regular expression cannot be read.
+
     """
 
     def __init__(self, values: Mapping[str, Any], resolved: set[str]) -> None:
@@ -231,12 +233,14 @@ class TopicChoice:
 
 
 def build_writer(values: Mapping[str, Any]) -> RecordingWriter | SnapshotWriter:
-    """Return the writer that the parameters describe, its file made.
+    """
+    Return the writer that the parameters describe, its file made.
 
     Raises
     ------
     BearingTwinError
         If it exists or cannot be made, or the parameters do not fit together.
+
     """
     path = Path(values['output'] or f'bearing_twin_{datetime.now():%Y%m%d-%H%M%S}')
     options = WriterOptions(

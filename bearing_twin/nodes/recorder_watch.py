@@ -5,27 +5,25 @@
 from __future__ import annotations
 
 import contextlib
-import platform
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import yaml
+import platform
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin import __version__
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.schema import message_schema, store_from_text
 from bearing_twin.recording.snapshot import SnapshotWriter
+import yaml
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rclpy.impl.rcutils_logger import RcutilsLogger
-
     from bearing_twin.recording.writer import RecordingWriter
     from bearing_twin.view.logger import RerunLogger
+    from rclpy.impl.rcutils_logger import RcutilsLogger
 
 __all__ = ['RecordingWatch']
 
@@ -36,7 +34,8 @@ LIBRARIES = ('numpy', 'scipy', 'numba', 'mcap', 'rosbags', 'rerun-sdk', 'rclpy')
 
 
 class RecordingWatch:
-    """Look at messages as they are recorded.
+    """
+    Look at messages as they are recorded.
 
     Parameters of the nodes (from their checkpoints) and the bearings they name are attached to the
     recording; a diagnosis that turns to fault triggers a snapshot; Rerun gets everything. Trouble
@@ -60,11 +59,11 @@ class RecordingWatch:
         writer.metadata('bearing_twin.recorder', {k: str(v) for k, v in values.items()})
         if values['rerun_file'] or values['rerun_port']:
             # Rerun takes a second to load, which a recorder without it should not wait for.
-            from bearing_twin.view.logger import RerunLogger
+            from bearing_twin.view import logger as rerun
 
             port = values['rerun_port']
             try:
-                self._rerun = RerunLogger(
+                self._rerun = rerun.RerunLogger(
                     recording_id=str(writer.path.absolute()),
                     rrd=Path(values['rerun_file']) if values['rerun_file'] else None,
                     serve=(values['rerun_address'], port) if port else None,
@@ -93,12 +92,14 @@ class RecordingWatch:
             self._logger.warning(self.problem, throttle_duration_sec=60.0)
 
     def snapshot(self, now: int) -> None:
-        """Write a snapshot.
+        """
+        Write a snapshot.
 
         Raises
         ------
         BearingTwinError
             If the node records all the time, or the file cannot be made.
+
         """
         if not isinstance(self._writer, SnapshotWriter):
             msg = "everything is being recorded; snapshots need the parameter 'snapshot'"

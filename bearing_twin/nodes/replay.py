@@ -5,16 +5,12 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 import sys
 import threading
 import time
 import traceback
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-from rclpy.duration import Duration
-from rosgraph_msgs.msg import Clock
-from std_srvs.srv import Trigger
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.convert import time_message
@@ -22,15 +18,17 @@ from bearing_twin.nodes.health import Health, Level, Status
 from bearing_twin.nodes.lifecycle import ManagedNode, run
 from bearing_twin.nodes.qos import RESULT
 from bearing_twin.nodes.rawtopics import message_class, replay_qos
-from bearing_twin.nodes.replay_config import SPECS, remapping
+from bearing_twin.nodes.replay_config import remapping, SPECS
 from bearing_twin.recording.player import Player, Section
+from rclpy.duration import Duration
+from rosgraph_msgs.msg import Clock
+from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rclpy.publisher import Publisher
-
     from bearing_twin.recording.reader import RecordedMessage
+    from rclpy.publisher import Publisher
 
 __all__ = ['ReplayNode', 'main']
 
@@ -39,7 +37,8 @@ LONGEST_WAIT = 0.5
 
 
 class ReplayNode(ManagedNode):
-    """Publish the messages of a recording at their own pace, or faster.
+    """
+    Publish the messages of a recording at their own pace, or faster.
 
     The bytes go out as they were recorded. A thread of its own keeps the pace, so that services
     and parameters answer meanwhile.

@@ -83,12 +83,14 @@ SPECS = (
 
 
 def remapping(rules: list[str]) -> dict[str, str]:
-    """Read rules ``recorded:=new``.
+    """
+    Read rules ``recorded:=new``.
 
     Raises
     ------
     BearingTwinError
         If one does not read so.
+
     """
     names = {}
     for rule in filter(None, rules):

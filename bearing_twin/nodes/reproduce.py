@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Re-run a recorded run from its checkpoints, and compare byte by byte.
+"""
+Re-run a recorded run from its checkpoints, and compare byte by byte.
 
 Vibration is a function of a checkpoint of the twin and of the temperature and speed that each
 ``TwinState`` carries; a diagnosis is one of a checkpoint and of the vibration blocks, which carry
@@ -9,15 +10,15 @@ the speed, and of the temperature that it reports itself.
 
 from __future__ import annotations
 
-import heapq
-import math
 from collections import deque
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+import heapq
+import math
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.convert import stamp_ns
-from bearing_twin.nodes.offline import DiagnosisRun, TwinRun, configuration_values
+from bearing_twin.nodes.offline import configuration_values, DiagnosisRun, TwinRun
 from bearing_twin.nodes.pacer import Due
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 from bearing_twin.recording.schema import canonical_cdr
@@ -86,12 +87,14 @@ class Reproduction:
 
 
 def reproduce(path: Path) -> Reproduction:
-    """Re-run what twin and diagnosis published in a recording, and compare.
+    """
+    Re-run what twin and diagnosis published in a recording, and compare.
 
     Raises
     ------
     BearingTwinError
         If the recording cannot be read or holds no checkpoint to begin with.
+
     """
     info = recording_info(path)
     topics = [name for name, topic in info.topics.items() if topic.type_name in TYPES]
@@ -134,6 +137,8 @@ def _in_order_of_sending(messages: Iterable[RecordedMessage]) -> Iterator[Record
 
 
 class _TwinCheck:
+    """Re-run of one twin, block by block."""
+
     def __init__(self, namespace: str, result: Reproduction) -> None:
         self._topic = f'{namespace}/vibration'
         self._result = result

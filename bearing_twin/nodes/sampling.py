@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,7 +31,8 @@ irregular ones, where four times their mean deviation is added."""
 def split_channels(
     values: NDArray[np.float32], channels: int, *, interleaved: bool
 ) -> NDArray[np.float32]:
-    """Return the samples of each channel, shape (channels, n).
+    """
+    Return the samples of each channel, shape (channels, n).
 
     Parameters
     ----------
@@ -47,6 +47,7 @@ def split_channels(
     ------
     BearingTwinError
         If the values do not divide into the channels.
+
     """
     flat = np.asarray(values, dtype=np.float32).ravel()
     if flat.size % channels:
@@ -56,7 +57,8 @@ def split_channels(
 
 
 class StampTracker:
-    """See missing samples in the stamps of samples that come one by one.
+    """
+    See missing samples in the stamps of samples that come one by one.
 
     Each sample is expected one period after the one before. The expectation follows the stamps
     slowly, so that a rate that is wrong by one percent makes no gaps. Where stamps are regular a
@@ -66,6 +68,7 @@ class StampTracker:
     ----------
     rate
         Sample rate, Hz; 0 to estimate it from the first stamps.
+
     """
 
     def __init__(self, rate: float) -> None:
@@ -90,7 +93,8 @@ class StampTracker:
         return count * NANO / elapsed if count and elapsed > 0 else math.nan
 
     def missing(self, stamp: int) -> int:
-        """Return the samples missing before this one.
+        """
+        Return the samples missing before this one.
 
         Parameters
         ----------
@@ -102,6 +106,7 @@ class StampTracker:
         int
             0 where it follows the last one; negative where its stamp lies so far back that the
             clock was set back or the source restarted. While :attr:`rate` is 0 the answer is 0.
+
         """
         if not self.rate:
             self._estimate(stamp)
@@ -147,7 +152,8 @@ class SequenceTracker:
         self._last: int | None = None
 
     def missing(self, source: object, number: int | None) -> int:
-        """Return the messages missing before this one; negative after a change of source.
+        """
+        Return the messages missing before this one; negative after a change of source.
 
         Parameters
         ----------
@@ -155,6 +161,7 @@ class SequenceTracker:
             The publisher.
         number
             The publisher's running number; None where the middleware gives none (0 is returned).
+
         """
         changed = self._source is not None and source != self._source
         gap = -1 if changed else 0
@@ -175,7 +182,8 @@ class SampledBlock(NamedTuple):
 
 
 class BlockBuilder:
-    """Collect samples into blocks of equal length with a running index.
+    """
+    Collect samples into blocks of equal length with a running index.
 
     Before a gap the samples collected so far are given out as a shorter block, so that a block
     never holds a gap.
@@ -184,6 +192,7 @@ class BlockBuilder:
     ----------
     size
         Samples a block.
+
     """
 
     def __init__(self, size: int) -> None:
@@ -194,7 +203,8 @@ class BlockBuilder:
         self._stamp = 0
 
     def gap(self, missing: int) -> list[SampledBlock]:
-        """Give out what is collected; the index then skips ``missing`` samples.
+        """
+        Give out what is collected; the index then skips ``missing`` samples.
 
         A negative number starts the index again at 0: the source has restarted.
         """
@@ -203,7 +213,8 @@ class BlockBuilder:
         return blocks
 
     def push(self, samples: NDArray[np.float32], *, stamp: int, rate: float) -> list[SampledBlock]:
-        """Add samples and return the blocks that are full.
+        """
+        Add samples and return the blocks that are full.
 
         Parameters
         ----------
@@ -213,6 +224,7 @@ class BlockBuilder:
             Time of the first of them, ns.
         rate
             Sample rate, Hz.
+
         """
         blocks = []
         done = 0

@@ -14,7 +14,8 @@ __all__ = ['ShaftSpeed']
 
 
 class ShaftSpeed:
-    """Hold the shaft speed in use and say where it comes from.
+    """
+    Hold the shaft speed in use and say where it comes from.
 
     A joint without velocity, or with one that is NaN, infinite or faster than ``highest``, leaves
     the last valid speed in use; :attr:`problem` then says so. A message that does not name the
@@ -31,6 +32,7 @@ class ShaftSpeed:
         Fastest speed that is believed, Hz.
     timeout
         Age above which a measured speed is reported as stale, s.
+
     """
 
     def __init__(

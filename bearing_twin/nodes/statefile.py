@@ -15,12 +15,14 @@ LARGEST = 64 * 1024 * 1024
 
 
 class StateFolder:
-    """Read and write states by name.
+    """
+    Read and write states by name.
 
     Parameters
     ----------
     folder
         Where they lie; '' for ``bearing_twin`` in ROS_HOME (``~/.ros`` where that is not set).
+
     """
 
     def __init__(self, folder: str) -> None:
@@ -28,12 +30,14 @@ class StateFolder:
         self.folder = Path(folder) if folder else home / 'bearing_twin'
 
     def path(self, name: str) -> Path:
-        """Return where ``name`` lies.
+        """
+        Return where ``name`` lies.
 
         Raises
         ------
         BearingTwinError
             If ``name`` is not a plain file name: services must not reach outside the folder.
+
         """
         if not name or name in ('.', '..') or Path(name).name != name or '\0' in name:
             msg = f'{name!r} is not a plain file name; states lie in {self.folder}'
@@ -41,12 +45,14 @@ class StateFolder:
         return self.folder / name
 
     def save(self, name: str, state: bytes) -> Path:
-        """Write a new state.
+        """
+        Write a new state.
 
         Raises
         ------
         BearingTwinError
             If the name is not plain, the file exists or cannot be written.
+
         """
         path = self.path(name)
         try:
@@ -62,12 +68,14 @@ class StateFolder:
         return path
 
     def replace(self, name: str, state: bytes) -> Path:
-        """Write a state that the node itself keeps up to date, atomically.
+        """
+        Write a state that the node itself keeps up to date, atomically.
 
         Raises
         ------
         BearingTwinError
             If the name is not plain or the file cannot be written.
+
         """
         path = self.path(name)
         part = path.with_name(f'.{name}.part')
@@ -81,12 +89,14 @@ class StateFolder:
         return path
 
     def load(self, name: str) -> bytes:
-        """Read a state.
+        """
+        Read a state.
 
         Raises
         ------
         BearingTwinError
             If the name is not plain, or the file cannot be read or is too large to be a state.
+
         """
         path = self.path(name)
         try:

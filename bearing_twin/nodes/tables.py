@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Write the tables of ``docs/nodes.md`` from the nodes themselves.
+"""
+Write the tables of ``docs/nodes.md`` from the nodes themselves.
 
 Each node is started in this process, with no network, and asked what it has::
 
@@ -11,25 +12,23 @@ from __future__ import annotations
 
 import importlib
 import inspect
+from pathlib import Path
 import sys
 import tempfile
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-import rclpy
-import yaml
-from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.nodes.lifecycle import ManagedNode
 from bearing_twin.recording.schedule import write_temperature_recording
+import numpy as np
+import rclpy
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+import yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from rclpy.qos import QoSProfile
-
     from bearing_twin.nodes.parameters import Spec
+    from rclpy.qos import QoSProfile
 
 __all__ = ['document', 'main']
 

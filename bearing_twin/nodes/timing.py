@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -44,7 +44,8 @@ class CycleStatistics:
         self._durations: deque[float] = deque(maxlen=KEPT)
 
     def add(self, began: float, duration: float) -> None:
-        """Take note of one cycle.
+        """
+        Take note of one cycle.
 
         Parameters
         ----------
@@ -52,6 +53,7 @@ class CycleStatistics:
             When it began on the clock that paces the cycles, s.
         duration
             How long it took, s.
+
         """
         if began > self._began:
             self._intervals.append(began - self._began)

@@ -6,11 +6,7 @@ from __future__ import annotations
 
 import sys
 import threading
-from typing import TYPE_CHECKING, Any
-
-from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
-from rclpy.parameter import Parameter
-from std_srvs.srv import Trigger
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes import realtime
@@ -21,7 +17,10 @@ from bearing_twin.nodes.lifecycle import ManagedNode, run
 from bearing_twin.nodes.parameters import Spec
 from bearing_twin.nodes.statefile import StateFolder
 from bearing_twin.nodes.twin_asset import TwinAsset
-from bearing_twin.nodes.twin_config import SPECS, build_parameters, build_simulator
+from bearing_twin.nodes.twin_config import build_parameters, build_simulator, SPECS
+from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
+from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -45,7 +44,8 @@ SLOW_START = 2.0
 
 
 class TwinNode(ManagedNode):
-    """Advance the bearing's equations of motion in step with the clock.
+    """
+    Advance the bearing's equations of motion in step with the clock.
 
     The simulator and the gates do the work; this node moves messages, keeps the deadlines and
     answers services.

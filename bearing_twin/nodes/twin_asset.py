@@ -5,10 +5,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any
-
-from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration
-from sensor_msgs.msg import JointState, Temperature
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.nodes.convert import (
     checkpoint_message,
@@ -16,10 +13,12 @@ from bearing_twin.nodes.convert import (
     twin_state_message,
     vibration_message,
 )
-from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, STREAM, own
+from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, STREAM
 from bearing_twin.nodes.shaft import ShaftSpeed
 from bearing_twin.nodes.twin_health import temperature_status
 from bearing_twin.thermal.gate import TemperatureGate
+from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration
+from sensor_msgs.msg import JointState, Temperature
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -37,18 +36,20 @@ FASTEST_SHAFT = 100.0
 
 
 class TwinAsset:
-    """Topics, inputs and messages of one twin.
+    """
+    Topics, inputs and messages of one twin.
 
     Parameters
     ----------
     node
         The node that hosts it.
-    parameters
+    parameters : ParameterSet
         Its parameters.
     prefix
         Put before its topics: '' or ``NAMESPACE/``.
     checkpoints
         Whether it publishes checkpoints of its own.
+
     """
 
     def __init__(

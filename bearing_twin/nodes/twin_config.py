@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 
-from bearing_twin.dynamics.presets import PRESETS, preset
+from bearing_twin.dynamics.presets import preset, PRESETS
 from bearing_twin.dynamics.simulator import Simulator
 from bearing_twin.nodes.parameters import Spec
 
@@ -173,12 +173,14 @@ SPECS = (
 
 
 def build_parameters(values: Mapping[str, Any]) -> TwinParameters:
-    """Return the model that the parameters describe.
+    """
+    Return the model that the parameters describe.
 
     Raises
     ------
     BearingTwinError
         If they do not fit together or leave the model's validity.
+
     """
     given = {'load': values['load']} if values['load'] else {}
     return preset(

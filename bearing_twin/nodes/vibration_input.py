@@ -4,13 +4,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+import math
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,7 +37,8 @@ class VibrationBlock:
 
 
 def read_vibration(message: Any, axis: str) -> VibrationBlock:
-    """Check a ``bearing_twin_msgs/Vibration`` and take one axis out of it.
+    """
+    Check a ``bearing_twin_msgs/Vibration`` and take one axis out of it.
 
     Parameters
     ----------
@@ -52,6 +52,7 @@ def read_vibration(message: Any, axis: str) -> VibrationBlock:
     BearingTwinError
         If the block cannot be used. Samples that are NaN are let through: the gate of the
         diagnosis answers for them.
+
     """
     rate = float(message.sample_rate)
     if not LOWEST_RATE <= rate <= HIGHEST_RATE:
@@ -100,7 +101,8 @@ class GapCounter:
 
 
 class SourceLock:
-    """Listen to one publisher where several send on one topic.
+    """
+    Listen to one publisher where several send on one topic.
 
     Two interleaved streams are no signal. The first source is kept; another one takes over when
     it has been silent for ``timeout`` seconds.
@@ -111,6 +113,7 @@ class SourceLock:
         Silence after which another source takes over, s.
     remember
         Time for which a source that was ignored counts as still there, s.
+
     """
 
     def __init__(self, timeout: float = 2.0, remember: float = 5.0) -> None:

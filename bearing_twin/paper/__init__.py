@@ -5,6 +5,6 @@
 from bearing_twin.paper.claims import Claim
 from bearing_twin.paper.recompute import recompute
 from bearing_twin.paper.report import claims_table, summary_line
-from bearing_twin.paper.verdicts import VERDICTS, Verdict
+from bearing_twin.paper.verdicts import Verdict, VERDICTS
 
 __all__ = ['VERDICTS', 'Claim', 'Verdict', 'claims_table', 'recompute', 'summary_line']

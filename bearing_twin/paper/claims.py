@@ -4,14 +4,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+import math
 from typing import Any
 
+from bearing_twin.paper.verdicts import all_settings, NOT_CHECKABLE, Verdict
 import numpy as np
-
-from bearing_twin.paper.verdicts import NOT_CHECKABLE, Verdict, all_settings
 
 __all__ = ['Claim', 'percent', 'percents', 'rounded']
 

@@ -7,14 +7,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from bearing_twin.bearing import fault_frequencies, find_bearing
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims import Claim
 from bearing_twin.paper.claims_model import system_matrix
 from bearing_twin.paper.verdicts import within
+import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.paper.study import FrequencyPoint, Study
@@ -228,7 +227,8 @@ def _line_name(line: float) -> str:
 
 
 def _contact_mode(name: str, temperature: float) -> float:
-    """Frequency of the fastest mode, in which the rings move on the balls, Hz.
+    """
+    Frequency of the fastest mode, in which the rings move on the balls, Hz.
 
     Of a preset at rest, with the friction term of beta0 at ``temperature`` on its contacts.
     """

@@ -4,17 +4,16 @@
 
 from __future__ import annotations
 
-import numpy as np
-from scipy.stats import kendalltau
-
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims import Claim
 from bearing_twin.paper.claims_trend import COLD, HOT
 from bearing_twin.paper.verdicts import within
 from bearing_twin.thermal import gcr15
-from bearing_twin.thermal.friction import SERIES, friction_moment, sliding_friction
+from bearing_twin.thermal.friction import friction_moment, SERIES, sliding_friction
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin.thermal.rings import EXPANSION_STEEL, relative_modulus
+import numpy as np
+from scipy.stats import kendalltau
 
 __all__ = ['material_claims']
 

@@ -4,13 +4,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
+import math
 from typing import TYPE_CHECKING
-
-import numpy as np
-import numpy.typing as npt
-from scipy.optimize import brentq
 
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
@@ -18,6 +14,9 @@ from bearing_twin.paper.claims import Claim, percents
 from bearing_twin.paper.claims_trend import COLD, HOT
 from bearing_twin.paper.dimensions import derived, dimension, is_homogeneous
 from bearing_twin.paper.verdicts import same_direction, within
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics import TwinParameters
@@ -63,7 +62,8 @@ def unclosed(text: str) -> int:
 
 
 def static_position(parameters: TwinParameters, beta0: float = 1.0) -> float:
-    """Vertical displacement of the inner ring at which the balls carry the load, m.
+    """
+    Vertical displacement of the inner ring at which the balls carry the load, m.
 
     One ball stands in the load direction, so that there is no horizontal force. ``beta0`` scales
     the stiffness of the contacts.
@@ -79,7 +79,8 @@ def static_position(parameters: TwinParameters, beta0: float = 1.0) -> float:
 
 
 def system_matrix(parameters: TwinParameters, beta0: float = 1.0) -> npt.NDArray[np.float64]:
-    """State matrix (8, 8) of the model linearised at static equilibrium, contact loaded.
+    """
+    State matrix (8, 8) of the model linearised at static equilibrium, contact loaded.
 
     ``beta0`` scales the stiffness of the contacts.
     """
@@ -102,7 +103,8 @@ def system_matrix(parameters: TwinParameters, beta0: float = 1.0) -> npt.NDArray
 
 
 def circulation(*, as_printed: bool) -> float:
-    """Skew part of the contact stiffness over its size; 0 if the forces have a potential.
+    """
+    Skew part of the contact stiffness over its size; 0 if the forces have a potential.
 
     Equation 7 as printed, or equation 8 as read, for `extended` at static equilibrium plus a
     sideways displacement of 2 um, with the balls a tenth of a spacing off the load direction.

@@ -29,7 +29,8 @@ def impact_numbers(times: Sequence[float], frequency: float) -> list[int]:
 
 
 def frequency_interval(times: Sequence[float], numbers: Sequence[int]) -> tuple[float, float]:
-    """Impact frequencies (Hz) compatible with peak ``times`` (s) of the ``numbers``-th impacts.
+    """
+    Impact frequencies (Hz) compatible with peak ``times`` (s) of the ``numbers``-th impacts.
 
     Every time is rounded to 1 ms and follows its impact by one unknown constant delay. Such a
     delay exists if and only if every pair of times agrees:

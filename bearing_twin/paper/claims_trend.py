@@ -6,8 +6,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims import Claim, percent, percents
@@ -21,14 +19,14 @@ from bearing_twin.paper.study import (
     STARTS,
 )
 from bearing_twin.paper.verdicts import same_direction, share
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    import numpy.typing as npt
-
     from bearing_twin.dynamics import TwinParameters
     from bearing_twin.paper.study import Study
+    import numpy.typing as npt
 
 __all__ = ['falling_window', 'formula_change', 'trend_claims']
 
@@ -48,7 +46,8 @@ _WORD = {-1: 'decreases', 1: 'increases'}
 def formula_change(
     factor: settings.Factor, ratio: float, delta_mu: float = settings.DELTA_MU
 ) -> float:
-    """Relative change of the static force from 20 to 110 degC at ``ratio`` = C_d0/approach.
+    """
+    Relative change of the static force from 20 to 110 degC at ``ratio`` = C_d0/approach.
 
     NaN if the contact is already lost at 20 degC.
     """
@@ -59,7 +58,8 @@ def formula_change(
 
 
 def falling_window(step: float = 0.001) -> tuple[float, float]:
-    """Smallest and largest C_d0/approach at which the formula gives all four stated trends.
+    """
+    Smallest and largest C_d0/approach at which the formula gives all four stated trends.
 
     Contact has to be kept at every temperature.
     """
@@ -248,7 +248,8 @@ def _formula_verifies(study: Study) -> Claim:
 
 
 def _own_ratio(parameters: TwinParameters) -> float:
-    """Spall depth that a ball reaches, over the static approach of the most loaded ball.
+    """
+    Spall depth that a ball reaches, over the static approach of the most loaded ball.
 
     The ball carries 4.37 W/Z (Stribeck, no clearance). It sinks no deeper than its radius lets it
     between the edges, ``(w/2)^2 (1/d + 1/(D - d))`` on the inner race.

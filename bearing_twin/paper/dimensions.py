@@ -29,12 +29,14 @@ _RESCALED = (2.0, 3.0, 5.0, 7.0)
 
 
 def dimension(unit: str) -> Dimension:
-    """Dimension of a unit, e.g. ``'N s/m'`` or ``'N/m^1.5'``; everything after / divides.
+    """
+    Dimension of a unit, e.g. ``'N s/m'`` or ``'N/m^1.5'``; everything after / divides.
 
     Raises
     ------
     KeyError
         If a symbol is not known.
+
     """
     above, _, below = unit.partition('/')
     total = [0.0] * len(_RESCALED)
@@ -49,7 +51,8 @@ def dimension(unit: str) -> Dimension:
 def derived(
     term: Callable[..., float], quantities: Mapping[str, tuple[float, str]]
 ) -> Dimension | None:
-    """Dimension of the value of ``term``, from values and units of its arguments.
+    """
+    Dimension of the value of ``term``, from values and units of its arguments.
 
     Each base unit is changed in turn; the exponent is the logarithm of the change of the value.
     None if the term is not homogeneous: if the change depends on the values, as it does where

@@ -4,15 +4,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-
-import numpy as np
+import math
 
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims_model import static_position
 from bearing_twin.paper.figures_force import unit_force
+import numpy as np
 
 __all__ = ['EquationRow', 'equation_table']
 

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The paper's numbered equations, as printed and as read.
+"""
+The paper's numbered equations, as printed and as read.
 
 The numbers are those of the paper: 1 to 8 of section 2, 9 to 12 the fault frequencies, 13 to 19
 section 3.1, 20 and 21 hardness, 22 and 23 friction, 24 and 25 all factors together.
@@ -12,11 +13,10 @@ import functools
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
-
 from bearing_twin.paper import settings
 from bearing_twin.thermal import gcr15
+import numpy as np
+import numpy.typing as npt
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
@@ -62,7 +62,8 @@ def deformation_eq5(x: float, y: float, theta: FloatArray, clearance: float) -> 
 def deformation_eq8(
     x: float, y: float, theta: FloatArray, clearance: float, depth: FloatArray | float = 0.0
 ) -> FloatArray:
-    """Bracket of equation 8, m: angles from the horizontal, ``x cos + y sin - c_r - b C_d``.
+    """
+    Bracket of equation 8, m: angles from the horizontal, ``x cos + y sin - c_r - b C_d``.
 
     ``depth`` is b C_d per ball; equations 3 and 4 define x and y as inner minus outer ring.
     """
@@ -70,7 +71,8 @@ def deformation_eq8(
 
 
 def ball_forces(deformation: FloatArray, k_b: float) -> FloatArray:
-    """Equation 6 as read, N: ``K max(delta, 0)^1.5``, since a ball cannot pull.
+    """
+    Equation 6 as read, N: ``K max(delta, 0)^1.5``, since a ball cannot pull.
 
     As printed there is no ``max``: NaN for every ball that is not loaded.
     """
@@ -89,7 +91,8 @@ def total_force(
 def forces_as_printed(
     x: float, y: float, theta: FloatArray, clearance: float, k_b: float
 ) -> tuple[float, float]:
-    """Equation 7 as printed, N, but with ``max(., 0)``.
+    """
+    Equation 7 as printed, N, but with ``max(., 0)``.
 
     F_X takes the deformation of equation 8 and projects with sin; F_Y takes that of equation 5
     and projects with cos.
@@ -125,7 +128,8 @@ def expansion_term(temperature: float, unit: float = 1e-5) -> float:
 
 
 def alpha_strain(temperature: float, unit: float = 1e-5) -> float:
-    """Strain that follows from equation 13 with an instantaneous coefficient: integral of alpha.
+    """
+    Strain that follows from equation 13 with an instantaneous coefficient: integral of alpha.
 
     By the trapezoid rule over table 1, which is exact for a table that is interpolated linearly.
     """
@@ -145,7 +149,8 @@ def beta0(factor: settings.Factor, temperature: float, delta_mu: float | None = 
 def static_force(
     beta_stiffness: FloatArray | float, beta_depth: FloatArray | float, ratio: float
 ) -> FloatArray:
-    """Force of one ball, equations 15, 21, 23 and 25, over ``K_b0 approach^1.5``.
+    """
+    Force of one ball, equations 15, 21, 23 and 25, over ``K_b0 approach^1.5``.
 
     ``beta_K (1 - beta_C ratio)^1.5`` with ``ratio = b C_d0 / approach``, where the approach is
     ``x cos + y sin - c_r``, held constant as the paper does; 0 once contact is lost. Setting
@@ -166,7 +171,8 @@ def friction_force_as_printed(temperature: float, ratio: float) -> float:
 
 
 def resultant_as_printed(f_x: float, f_y: float, angle: float) -> float:
-    """Equation 17, ``sqrt(F_x^2 + F_y^2 + 2 F_x F_y cos(angle))``, N.
+    """
+    Equation 17, ``sqrt(F_x^2 + F_y^2 + 2 F_x F_y cos(angle))``, N.
 
     F_x and F_y are at right angles, so ``angle`` can only be pi/2.
     """

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-import functools
 from dataclasses import dataclass
+import functools
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -20,10 +20,9 @@ from bearing_twin.paper import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from matplotlib.figure import Figure
-
     from bearing_twin.paper.settings import Factor
     from bearing_twin.paper.study import Study
+    from matplotlib.figure import Figure
 
 __all__ = ['FIGURES', 'Drawing']
 

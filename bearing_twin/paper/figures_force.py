@@ -7,17 +7,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from bearing_twin.bearing import load_deflection_factor
+from bearing_twin.paper import equations, settings
+from bearing_twin.paper.figures_style import COLOURS, label, new_figure, TEMPERATURE_LABEL
 import numpy as np
 import numpy.typing as npt
 
-from bearing_twin.bearing import load_deflection_factor
-from bearing_twin.paper import equations, settings
-from bearing_twin.paper.figures_style import COLOURS, TEMPERATURE_LABEL, label, new_figure
-
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from bearing_twin.paper.study import Study
+    from matplotlib.figure import Figure
 
 __all__ = ['resultant', 'single_damping', 'single_stiffness', 'unit_force']
 

@@ -6,15 +6,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from bearing_twin.paper.figures_style import label, new_figure
 from bearing_twin.paper.study import GRID_CLEARANCES, GRID_DEPTHS, GRID_LOADS, GRID_WIDTHS
+import numpy as np
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from bearing_twin.paper.study import Study
+    from matplotlib.figure import Figure
 
 __all__ = ['grid_map']
 

@@ -6,13 +6,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bearing_twin.paper.figures_style import COLOURS, TEMPERATURE_LABEL, label, new_figure
+from bearing_twin.paper.figures_style import COLOURS, label, new_figure, TEMPERATURE_LABEL
 from bearing_twin.thermal import gcr15
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from bearing_twin.paper.study import Study
+    from matplotlib.figure import Figure
 
 __all__ = ['expansion', 'friction', 'hardness']
 

@@ -10,10 +10,9 @@ from bearing_twin.paper import settings
 from bearing_twin.paper.figures_style import COLOURS, label, new_figure
 
 if TYPE_CHECKING:
+    from bearing_twin.paper.study import FrequencyPoint, Study
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from bearing_twin.paper.study import FrequencyPoint, Study
 
 __all__ = ['signal', 'spectrum']
 

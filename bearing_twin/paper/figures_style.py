@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 
 from matplotlib import colormaps
 from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -6,22 +6,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from bearing_twin.paper import settings
 from bearing_twin.paper.figures_style import (
     COLOURS,
-    TEMPERATURE_LABEL,
     label,
     new_figure,
     temperature_colour,
+    TEMPERATURE_LABEL,
 )
+import numpy as np
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-    from matplotlib.figure import Figure
-
     from bearing_twin.paper.study import Study
+    from matplotlib.figure import Figure
+    import numpy.typing as npt
 
 __all__ = ['peaks', 'waterfall']
 

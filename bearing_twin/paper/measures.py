@@ -25,7 +25,8 @@ _TOP_SHARE = 0.2
 
 
 def amplitude(acceleration: FloatArray, rate: float, impact_hz: float) -> float:
-    """Impact amplitude: mean of the largest 20 % of the maxima of |a - mean(a)|, m/s^2.
+    """
+    Impact amplitude: mean of the largest 20 % of the maxima of |a - mean(a)|, m/s^2.
 
     There is one maximum for each period of ``impact_hz``. The largest fifth are the impacts in
     the load zone.
@@ -73,7 +74,8 @@ def line_contrast(
 def line_frequency(
     acceleration: FloatArray, rate: float, near: float, *, harmonics: int = 3, reach: float = 2.5
 ) -> float:
-    """Frequency of an envelope line, Hz, from its first harmonics, interpolated between bins.
+    """
+    Frequency of an envelope line, Hz, from its first harmonics, interpolated between bins.
 
     The envelope is padded eightfold; the maximum within ``reach`` (Hz) of each harmonic is refined
     by a parabola through the logarithms and weighted by (order x amplitude)^2. Notable: with a

@@ -18,12 +18,14 @@ MARKER = '.bearing-twin-paper'
 
 
 def prepare_folder(folder: Path) -> None:
-    """Create ``folder``, or accept it if it is empty or was written by this command.
+    """
+    Create ``folder``, or accept it if it is empty or was written by this command.
 
     Raises
     ------
     BearingTwinError
         If it is a file, holds anything else, or cannot be written.
+
     """
     try:
         if folder.is_file():

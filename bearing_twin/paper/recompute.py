@@ -7,8 +7,6 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
-from tqdm import tqdm
-
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.paper.figures import FIGURES
 from bearing_twin.paper.figures_style import save
@@ -16,6 +14,7 @@ from bearing_twin.paper.judge import judge
 from bearing_twin.paper.output import prepare_folder
 from bearing_twin.paper.report import figure_name, render_report
 from bearing_twin.paper.study import run_study
+from tqdm import tqdm
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -27,7 +26,8 @@ __all__ = ['recompute', 'write_results']
 
 
 def recompute(folder: Path, *, processes: int = 2, quiet: bool = False) -> list[Claim]:
-    """Recompute the paper into ``folder`` and return the claims.
+    """
+    Recompute the paper into ``folder`` and return the claims.
 
     Parameters
     ----------
@@ -37,6 +37,7 @@ def recompute(folder: Path, *, processes: int = 2, quiet: bool = False) -> list[
         Processes for the simulations, 1 or more.
     quiet
         No progress bars.
+
     """
     prepare_folder(folder)
     study = run_study(processes=processes, quiet=quiet)

@@ -4,20 +4,19 @@
 
 from __future__ import annotations
 
+from concurrent.futures import as_completed, ProcessPoolExecutor
 import dataclasses
+from dataclasses import dataclass
 import math
 import multiprocessing
 import signal
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
+from bearing_twin.dynamics import preset, Simulator, warm_up
+from bearing_twin.paper import settings
 import numpy as np
 import numpy.typing as npt
 from tqdm import tqdm
-
-from bearing_twin.dynamics import Simulator, preset, warm_up
-from bearing_twin.paper import settings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -36,7 +35,8 @@ _SETTLING_IMPACTS = 50
 
 @dataclass(frozen=True, kw_only=True)
 class RunSpec:
-    """One simulation at a held temperature, free of jitter and noise.
+    """
+    One simulation at a held temperature, free of jitter and noise.
 
     Parameters
     ----------
@@ -58,6 +58,7 @@ class RunSpec:
         Weight of friction in beta0.
     load, width, depth, clearance
         Instead of the preset's, N and m.
+
     """
 
     preset: str
@@ -112,7 +113,8 @@ class Record:
 
 
 def simulate(spec: RunSpec) -> Record:
-    """Run one simulation.
+    """
+    Run one simulation.
 
     The paper sets t0 = 0 at an impact. The run starts 50 impacts earlier, at the shaft angle from
     which the defect is back in the load direction at t = 0, so that the transient is gone by then.
@@ -145,7 +147,8 @@ def simulate(spec: RunSpec) -> Record:
 def in_parallel(
     work: Callable[[S], R], items: Sequence[S], *, processes: int, text: str, quiet: bool = False
 ) -> list[R]:
-    """Return ``work(item)`` of all items, in order, from several processes, with a progress bar.
+    """
+    Return ``work(item)`` of all items, in order, from several processes, with a progress bar.
 
     ``processes`` = 1 stays in this process. The others are started afresh, not forked, because
     this one may have threads (a progress bar, a ROS context).

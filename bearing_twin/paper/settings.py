@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What the paper states, and what it leaves open and we had to choose.
+"""
+What the paper states, and what it leaves open and we had to choose.
 
 Zhang, C.; Liu, T.; Wang, Y.; He, H.; Zhang, C. Symmetry 2023, 15, 2166 (CC BY).
 """
@@ -8,10 +9,10 @@ Zhang, C.; Liu, T.; Wang, Y.; He, H.; Zhang, C. Symmetry 2023, 15, 2166 (CC BY).
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal
+from typing import Literal, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing
-from bearing_twin.thermal.gcr15 import TEMPERATURES, Beta0
+from bearing_twin.thermal.gcr15 import Beta0, TEMPERATURES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

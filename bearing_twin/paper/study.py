@@ -7,13 +7,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
-
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.paper import measures, settings
-from bearing_twin.paper.runs import RunSpec, in_parallel, simulate
+from bearing_twin.paper.runs import in_parallel, RunSpec, simulate
 from bearing_twin.thermal.rings import clearance_change
+import numpy as np
+import numpy.typing as npt
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal
+from typing import Literal, TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,7 +34,8 @@ VERDICTS: tuple[Verdict, ...] = (REPRODUCED, UNDER_SETTINGS, CONTRADICTED, NOT_C
 
 
 def within(paper: float | None, ours: float | None, tolerance: float) -> Verdict:
-    """Judge one number: reproduced if ``|ours - paper| <= tolerance``.
+    """
+    Judge one number: reproduced if ``|ours - paper| <= tolerance``.
 
     Not checkable where either is missing (None).
     """
@@ -44,7 +45,8 @@ def within(paper: float | None, ours: float | None, tolerance: float) -> Verdict
 
 
 def all_settings(holds: Mapping[str, bool]) -> Verdict:
-    """Judge a statement tested under several settings or readings.
+    """
+    Judge a statement tested under several settings or readings.
 
     Reproduced if it holds under all of them, contradicted if under none, otherwise reproduced
     only under stated settings; not checkable if nothing could be tested.
@@ -57,7 +59,8 @@ def all_settings(holds: Mapping[str, bool]) -> Verdict:
 
 
 def share(fraction: float, *, tolerance: float = 0.05) -> Verdict:
-    """Judge a general statement by the fraction of a grid of settings in which it holds.
+    """
+    Judge a general statement by the fraction of a grid of settings in which it holds.
 
     Reproduced from ``1 - tolerance`` on, contradicted up to ``tolerance``.
     """

@@ -1,15 +1,16 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``metadata.yaml`` of a bag folder, and the same as a record of an MCAP file.
+"""
+``metadata.yaml`` of a bag folder, and the same as a record of an MCAP file.
 
 Version, fields and their order are those of rosbag2_storage (``metadata_io.cpp``) since Jazzy.
 """
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+import os
+from typing import Any, TYPE_CHECKING
 
 import yaml
 

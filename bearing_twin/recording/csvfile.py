@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+import numpy as np
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -25,7 +24,8 @@ UNIT = re.compile(r'[\[(](m/s\^?2|m/s²|g)[\])]')
 
 
 def read_csv(path: Path) -> dict[str, Any]:
-    """Read the columns of a text file by name, or by ``c0``, ``c1``, ... without a heading.
+    """
+    Read the columns of a text file by name, or by ``c0``, ``c1``, ... without a heading.
 
     A column of times in seconds becomes ``fs``; ``fs = ...``, ``rpm = ...`` before the numbers and
     a unit in brackets in a heading are taken as well.
@@ -34,6 +34,7 @@ def read_csv(path: Path) -> dict[str, Any]:
     ------
     BearingTwinError
         If there are no columns of numbers.
+
     """
     try:
         text = path.read_text(encoding='utf-8-sig', errors='replace')

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Vibration signals from files of other people: npz, mat, wav, csv, and MCAP recordings.
+"""
+Vibration signals from files of other people: npz, mat, wav, csv, and MCAP recordings.
 
 Nothing in a file is executed (npz and mat are read without pickle), nothing it claims is believed
 before memory is spent on it: reading takes at most about three times ``LARGEST_FILE``.
@@ -8,13 +9,11 @@ before memory is spent on it: reading takes at most about three times ``LARGEST_
 
 from __future__ import annotations
 
-import math
-import warnings
 from dataclasses import dataclass
 from io import BytesIO
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+import math
+from typing import Any, TYPE_CHECKING
+import warnings
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.csvfile import read_csv
@@ -22,6 +21,7 @@ from bearing_twin.recording.matfile import read_mat
 from bearing_twin.recording.mcapfile import refuse_special
 from bearing_twin.recording.mcapsignal import read_vibration_topic
 from bearing_twin.recording.npz import read_npz
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -64,7 +64,8 @@ class Signal:
 def read_signal(
     path: Path, *, channel: str | None = None, sample_rate: float | None = None
 ) -> Signal:
-    """Read one vibration channel of a file.
+    """
+    Read one vibration channel of a file.
 
     =========  ====================================================================================
     ``.npz``   array ``x`` (or the longest one), ``fs``, ``rpm``, ``bearing_name``, ``label``; of a
@@ -90,6 +91,7 @@ def read_signal(
     ------
     BearingTwinError
         If the file cannot be read, holds no such channel, or its sample rate is not known.
+
     """
     if path.is_dir() or path.suffix == '.mcap':
         found = read_vibration_topic(path, channel, most=MOST_SAMPLES)

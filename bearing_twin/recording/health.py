@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcapfile import open_mcap
-from bearing_twin.recording.messages import Selection, in_file_order
+from bearing_twin.recording.messages import in_file_order, Selection
 from bearing_twin.recording.reader import known_fields, recording_files
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ class RecordingHealth:
 
     @property
     def problems(self) -> list[str]:
-        """What an engineer should know, in words; empty for a sound recording."""
+        """Return what an engineer should know, in words; empty for a sound recording."""
         found = list(self.damage)
         for name, topic in sorted(self.topics.items()):
             if topic.backwards:
@@ -71,12 +71,14 @@ class RecordingHealth:
 
 
 def recording_health(path: Path) -> RecordingHealth:
-    """Read a recording from front to back and check it.
+    """
+    Read a recording from front to back and check it.
 
     Raises
     ------
     BearingTwinError
         If there is no recording, or a file is no MCAP file.
+
     """
     health = RecordingHealth()
     checks: dict[str, _TopicCheck] = {}
@@ -97,6 +99,8 @@ def recording_health(path: Path) -> RecordingHealth:
 
 
 class _TopicCheck:
+    """What has been seen of one topic."""
+
     def __init__(self) -> None:
         self.health = TopicHealth()
         self._last_time: int | None = None

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Variables of MATLAB files from outside (versions 4 to 7; 7.3 is HDF5 and is refused).
+"""
+Variables of MATLAB files from outside (versions 4 to 7; 7.3 is HDF5 and is refused).
 
 Own code, because scipy.io.loadmat (1.17) ends the process with a segmentation fault on damaged
 files. The format is that of "MAT-File Format", The MathWorks, 2019; only what a recording of a
@@ -11,12 +12,11 @@ from __future__ import annotations
 
 import math
 import struct
+from typing import Any, TYPE_CHECKING
 import zlib
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from bearing_twin.errors import BearingTwinError
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -42,7 +42,8 @@ VERSION_4 = ('f8', 'f4', 'i4', 'i2', 'u2', 'u1')
 
 
 def read_mat(path: Path) -> dict[str, Any]:
-    """Read the numeric arrays, scalars and texts of a ``.mat`` file.
+    """
+    Read the numeric arrays, scalars and texts of a ``.mat`` file.
 
     Fields of structs are given by their own name; where two have the same one, the first wins.
     A CWRU record's ``X123RPM`` and ``X123_DE_time`` are given as ``rpm`` and ``DE_time``.
@@ -51,6 +52,7 @@ def read_mat(path: Path) -> dict[str, Any]:
     ------
     BearingTwinError
         If the file is damaged, too large when unpacked, nested too deeply or of version 7.3.
+
     """
     try:
         content = path.read_bytes()

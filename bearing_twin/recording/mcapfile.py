@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Records of one MCAP file, read within stated bounds whatever the file claims.
+"""
+Records of one MCAP file, read within stated bounds whatever the file claims.
 
 The records are those of the MCAP specification (https://mcap.dev/spec) and are parsed by the mcap
 package. Walking the file and unpacking chunks is done here, because a reader of files from outside
@@ -9,13 +10,13 @@ must neither believe a length that the file states nor unpack without a limit.
 
 from __future__ import annotations
 
-import struct
-import zlib
 from io import BytesIO
-from typing import TYPE_CHECKING, BinaryIO, NamedTuple
+import struct
+from typing import BinaryIO, NamedTuple, TYPE_CHECKING
+import zlib
 
+from bearing_twin.errors import BearingTwinError
 import lz4.frame  # type: ignore[import-untyped]
-import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
@@ -35,8 +36,7 @@ from mcap.records import (
     Schema,
     Statistics,
 )
-
-from bearing_twin.errors import BearingTwinError
+import zstandard
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -102,12 +102,14 @@ class RawRecord(NamedTuple):
 
 
 def refuse_special(path: Path) -> None:
-    """Refuse pipes, sockets and devices: opening one may wait forever, reading one never end.
+    """
+    Refuse pipes, sockets and devices: opening one may wait forever, reading one never end.
 
     Raises
     ------
     BearingTwinError
         If the path is there and is neither a file nor a folder, or leads there.
+
     """
     if path.exists() and not path.is_file() and not path.is_dir():
         msg = f'{path} is no file but a pipe, socket or device; copy its content into a file'
@@ -115,12 +117,14 @@ def refuse_special(path: Path) -> None:
 
 
 def open_mcap(path: Path) -> BinaryIO:
-    """Open an MCAP file.
+    """
+    Open an MCAP file.
 
     Raises
     ------
     BearingTwinError
         If it cannot be opened or does not begin as an MCAP file does.
+
     """
     refuse_special(path)
     try:
@@ -136,12 +140,14 @@ def open_mcap(path: Path) -> BinaryIO:
 
 
 def walk(file: BinaryIO, start: int, stop: int) -> Iterator[RawRecord]:
-    """Step over the top-level records between two offsets.
+    """
+    Step over the top-level records between two offsets.
 
     Raises
     ------
     UnfinishedRecording
         If the bytes end inside a record.
+
     """
     offset = start
     while offset < stop:
@@ -159,12 +165,14 @@ def walk(file: BinaryIO, start: int, stop: int) -> Iterator[RawRecord]:
 
 
 def read_record(file: BinaryIO, raw: RawRecord) -> McapRecord | None:
-    """Parse one record; None for a kind that is not in the specification.
+    """
+    Parse one record; None for a kind that is not in the specification.
 
     Raises
     ------
     BrokenRecording
         If its content is damaged or larger than ``LARGEST_RECORD``.
+
     """
     if raw.opcode not in PARSERS and raw.opcode != Opcode.MESSAGE:
         return None
@@ -176,12 +184,14 @@ def read_record(file: BinaryIO, raw: RawRecord) -> McapRecord | None:
 
 
 def chunk_records(chunk: Chunk, offset: int) -> Iterator[McapRecord]:
-    """Unpack a chunk and parse the schemas, channels and messages in it.
+    """
+    Unpack a chunk and parse the schemas, channels and messages in it.
 
     Raises
     ------
     BrokenRecording
         If the chunk is damaged (CRC, sizes, content) or larger than ``LARGEST_CHUNK``.
+
     """
     data = _unpack(chunk, offset)
     view = memoryview(data)
@@ -201,7 +211,8 @@ def chunk_records(chunk: Chunk, offset: int) -> Iterator[McapRecord]:
 
 
 def read_summary(file: BinaryIO, size: int) -> list[McapRecord]:
-    """Read the summary section at the end of a finished file; empty where it has none.
+    """
+    Read the summary section at the end of a finished file; empty where it has none.
 
     Raises
     ------
@@ -209,6 +220,7 @@ def read_summary(file: BinaryIO, size: int) -> list[McapRecord]:
         If the file has no footer.
     BrokenRecording
         If the summary is damaged.
+
     """
     end = size - FOOTER_LENGTH - len(MAGIC)
     tail = b''

@@ -5,20 +5,18 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
     from bearing_twin.recording.reader import RecordedMessage, TopicInfo
+    from numpy.typing import NDArray
 
 __all__ = ['read_vibration_topic']
 
@@ -43,7 +41,8 @@ SETTLED = 0.05
 
 
 def read_vibration_topic(path: Path, channel: str | None, *, most: int) -> dict[str, Any]:
-    """Read the longest stretch without a gap of one topic.
+    """
+    Read the longest stretch without a gap of one topic.
 
     Parameters
     ----------
@@ -59,6 +58,7 @@ def read_vibration_topic(path: Path, channel: str | None, *, most: int) -> dict[
     ------
     BearingTwinError
         If there is no such topic, several and none named, or the signal is too long.
+
     """
     info = recording_info(path)
     topic, axis = _topic(path, info.topics, channel)

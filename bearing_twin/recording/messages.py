@@ -4,26 +4,25 @@
 
 from __future__ import annotations
 
-import heapq
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, BinaryIO
-
-from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, ChunkIndex, McapRecord, Message, Schema
+import heapq
+from typing import Any, BinaryIO, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcapfile import (
-    MAGIC,
     BrokenRecording,
-    RawRecord,
-    UnfinishedRecording,
     chunk_records,
+    MAGIC,
+    RawRecord,
     read_record,
     read_summary,
+    UnfinishedRecording,
     walk,
 )
 from bearing_twin.recording.schema import store_from_text
+from mcap.opcode import Opcode
+from mcap.records import Channel, Chunk, ChunkIndex, McapRecord, Message, Schema
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
@@ -82,12 +81,14 @@ class RecordedMessage:
         return self.channel.type_name
 
     def decode(self) -> Any:
-        """Return an object with the fields of the ROS message, number arrays as numpy arrays.
+        """
+        Return an object with the fields of the ROS message, number arrays as numpy arrays.
 
         Raises
         ------
         BearingTwinError
             If schema or bytes are damaged or of another encoding.
+
         """
         channel = self.channel
         if channel.encoding != 'cdr' or channel.schema_encoding != 'ros2msg':
@@ -107,7 +108,8 @@ class RecordedMessage:
 
 @contextmanager
 def known_fields(topic: str, type_name: str) -> Iterator[None]:
-    """Turn what goes wrong with the fields of a decoded message into a BearingTwinError.
+    """
+    Turn what goes wrong with the fields of a decoded message into a BearingTwinError.
 
     A recording brings its own definition of a type, which may lack the fields we know, or have
     them of other types.
@@ -166,12 +168,14 @@ class Catalogue:
             )
 
     def message(self, record: Message, offset: int) -> RecordedMessage:
-        """Return a message with its channel.
+        """
+        Return a message with its channel.
 
         Raises
         ------
         BrokenRecording
             If its channel has not been described before.
+
         """
         channel = self.channels.get(record.channel_id)
         if channel is None:

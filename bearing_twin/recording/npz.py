@@ -5,13 +5,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any, BinaryIO, TYPE_CHECKING
 import zipfile
-from typing import TYPE_CHECKING, Any, BinaryIO
-
-import numpy as np
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcapfile import refuse_special
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -25,12 +24,14 @@ MOST_MEMBERS = 10_000
 
 
 def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any]:
-    """Read the arrays of an ``.npz`` file; all, or those of ``wanted`` that are there.
+    """
+    Read the arrays of an ``.npz`` file; all, or those of ``wanted`` that are there.
 
     Raises
     ------
     BearingTwinError
         If the file is damaged, or an array holds Python objects or is too large.
+
     """
     refuse_special(path)
     arrays: dict[str, Any] = {}

@@ -5,16 +5,15 @@
 from __future__ import annotations
 
 import contextlib
+from dataclasses import dataclass, field
 import fcntl
 import os
 import time
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
-
-from mcap.writer import CompressionType, Writer
 
 from bearing_twin import __version__
 from bearing_twin.recording.bagmetadata import BagFile, BagTopic
+from mcap.writer import CompressionType, Writer
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -56,7 +55,8 @@ class _Spool:
 
 
 class OutputFile:
-    """Write one file of a recording.
+    """
+    Write one file of a recording.
 
     While it is open it is locked (flock), by which a recording in progress is told from one that
     a crash has left.
@@ -69,6 +69,7 @@ class OutputFile:
         ``zstd``, ``lz4`` or ``none``.
     chunk_size
         Size at which a chunk is closed, bytes.
+
     """
 
     def __init__(self, path: Path, *, compression: str, chunk_size: int) -> None:
@@ -136,12 +137,14 @@ class OutputFile:
             )
 
     def drain(self, *, fsync: bool = False) -> str:
-        """Close the chunk and give everything to the operating system.
+        """
+        Close the chunk and give everything to the operating system.
 
         Returns
         -------
         str
             Why the disk did not take it, '' if it did. What it did not take waits.
+
         """
         self._writer.flush()  # type: ignore[no-untyped-call]
         return self._push(fsync=fsync)
@@ -151,7 +154,8 @@ class OutputFile:
         self._writer.finish()  # type: ignore[no-untyped-call]
 
     def close(self) -> str:
-        """Give everything to the operating system and close the file; returns as :meth:`drain`.
+        """
+        Give everything to the operating system and close the file; returns as :meth:`drain`.
 
         A file that has vanished counts as closed.
         """

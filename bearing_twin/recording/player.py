@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -35,7 +35,8 @@ class Section:
 
 
 class Player:
-    """Give out the messages of a recording when they are due.
+    """
+    Give out the messages of a recording when they are due.
 
     The caller's clock (seconds, any origin, never going back) drives it; recorded time runs
     ``rate`` times as fast while playing and stands still while paused.
@@ -57,6 +58,7 @@ class Player:
     ------
     BearingTwinError
         If the recording cannot be read, has nothing to play, or a value makes no sense.
+
     """
 
     def __init__(
@@ -114,7 +116,7 @@ class Player:
 
     @property
     def rate(self) -> float:
-        """Recorded seconds per second of the caller's clock."""
+        """Return recorded seconds per second of the caller's clock."""
         return self._rate
 
     @rate.setter
@@ -128,7 +130,7 @@ class Player:
 
     @property
     def position(self) -> int:
-        """Recorded time reached, ns."""
+        """Return the recorded time reached, ns."""
         return self.start + int(self._elapsed)
 
     @property

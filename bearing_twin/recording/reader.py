@@ -4,32 +4,31 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, BinaryIO
-
-from mcap.records import Attachment, AttachmentIndex, Header, Metadata, MetadataIndex, Statistics
+import re
+from typing import BinaryIO, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcapfile import (
-    MAGIC,
     BrokenRecording,
-    UnfinishedRecording,
+    MAGIC,
     open_mcap,
     read_record,
     read_summary,
     refuse_special,
+    UnfinishedRecording,
     walk,
 )
 from bearing_twin.recording.messages import (
     Catalogue,
-    RecordedChannel,
-    RecordedMessage,
-    Selection,
     in_file_order,
     in_time_order,
     known_fields,
+    RecordedChannel,
+    RecordedMessage,
+    Selection,
 )
+from mcap.records import Attachment, AttachmentIndex, Header, Metadata, MetadataIndex, Statistics
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
@@ -92,12 +91,14 @@ class RecordingInfo:
 
 
 def recording_files(path: Path) -> list[Path]:
-    """Return the MCAP files of a recording, in their order.
+    """
+    Return the MCAP files of a recording, in their order.
 
     Raises
     ------
     BearingTwinError
         If there is none, or one is a pipe, socket or device.
+
     """
     if path.is_dir():
         files = sorted(path.glob('*.mcap'), key=_natural)
@@ -122,7 +123,8 @@ def read_messages(
     end: int | None = None,
     recover: bool = False,
 ) -> Iterator[RecordedMessage]:
-    """Yield the messages of a recording in the order of their log time.
+    """
+    Yield the messages of a recording in the order of their log time.
 
     Files without an index (unfinished ones, or written without chunks) are read in the order in
     which they were written. Memory stays within that of a few chunks.
@@ -143,6 +145,7 @@ def read_messages(
     ------
     BearingTwinError
         If a file cannot be read, is unfinished or damaged.
+
     """
     keep = Selection(topics, start, end)
     for file_path in recording_files(path):
@@ -168,7 +171,8 @@ def _natural(path: Path) -> list[tuple[int, str]]:
 
 
 def recording_info(path: Path) -> RecordingInfo:
-    """Say what is inside a recording, from its summary where it has one.
+    """
+    Say what is inside a recording, from its summary where it has one.
 
     A file without end is read from front to back, as far as it goes.
 
@@ -176,6 +180,7 @@ def recording_info(path: Path) -> RecordingInfo:
     ------
     BearingTwinError
         If there is no recording, or a file is no MCAP file.
+
     """
     info = RecordingInfo(path, recording_files(path))
     for file_path in info.files:

@@ -5,27 +5,26 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
 from dataclasses import dataclass, field
+import fcntl
 from typing import TYPE_CHECKING
-
-from mcap.opcode import Opcode
-from mcap.records import Attachment, Header, Metadata
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcapfile import (
-    MAGIC,
     BrokenRecording,
-    UnfinishedRecording,
+    MAGIC,
     open_mcap,
     read_record,
     read_summary,
+    UnfinishedRecording,
     walk,
 )
-from bearing_twin.recording.messages import Selection, in_file_order
+from bearing_twin.recording.messages import in_file_order, Selection
 from bearing_twin.recording.reader import recording_files
 from bearing_twin.recording.schema import MessageSchema
 from bearing_twin.recording.writer import RecordingWriter
+from mcap.opcode import Opcode
+from mcap.records import Attachment, Header, Metadata
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -64,7 +63,8 @@ class RecoveryReport:
 
 
 def recover(source: Path, target: Path) -> RecoveryReport:
-    """Write every message in the complete chunks of ``source`` to the new recording ``target``.
+    """
+    Write every message in the complete chunks of ``source`` to the new recording ``target``.
 
     Parameters
     ----------
@@ -78,6 +78,7 @@ def recover(source: Path, target: Path) -> RecoveryReport:
     BearingTwinError
         If the source is no recording of ROS 2 or still being written, or the target exists or
         cannot be written.
+
     """
     files = recording_files(source)
     for path in files:
@@ -92,7 +93,8 @@ def recover(source: Path, target: Path) -> RecoveryReport:
 
 
 def find_unfinished(folder: Path) -> list[Path]:
-    """Return the recordings of our own recorder under ``folder`` that a crash has left.
+    """
+    Return the recordings of our own recorder under ``folder`` that a crash has left.
 
     Looked at are the MCAP files in the folder and in the bag folders in it.
     """

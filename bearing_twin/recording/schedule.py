@@ -6,13 +6,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from rosbags.typesys import Stores, get_typestore
-
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.npz import read_npz
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+import numpy as np
+from rosbags.typesys import get_typestore, Stores
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -30,7 +29,8 @@ START = 1_577_836_800 * NANO
 def paper_schedule(
     duration: float = 40.0, rate: float = 10.0
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return times (s) and temperatures (degC): 20 to 110 degC in proportion to time.
+    """
+    Return times (s) and temperatures (degC): 20 to 110 degC in proportion to time.
 
     Parameters
     ----------
@@ -43,6 +43,7 @@ def paper_schedule(
     -------
     times, temperatures
         Shape ``(round(duration * rate) + 1,)``.
+
     """
     times = np.arange(round(duration * rate) + 1) / rate
     return times, 20.0 + 90.0 * times / times[-1]
@@ -51,7 +52,8 @@ def paper_schedule(
 def load_trend(
     path: Path, *, until: float | None = None, every: float | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Read a measured temperature from an ``.npz`` file with ``temp_t_s`` and ``temp_C``.
+    """
+    Read a measured temperature from an ``.npz`` file with ``temp_t_s`` and ``temp_C``.
 
     Parameters
     ----------
@@ -66,6 +68,7 @@ def load_trend(
     ------
     BearingTwinError
         If the file has no such arrays of equal length, or the times do not rise.
+
     """
     arrays = read_npz(path, ('temp_t_s', 'temp_C'))
     missing = {'temp_t_s', 'temp_C'} - arrays.keys()
@@ -103,7 +106,8 @@ def write_temperature_recording(
     topic: str = '/temperature',
     frame_id: str = 'bearing_housing',
 ) -> None:
-    """Write readings as a recording of ``sensor_msgs/Temperature``.
+    """
+    Write readings as a recording of ``sensor_msgs/Temperature``.
 
     Parameters
     ----------
@@ -120,6 +124,7 @@ def write_temperature_recording(
     ------
     BearingTwinError
         If the path exists or cannot be written.
+
     """
     store = get_typestore(Stores.ROS2_KILTED)
     temperature, header, time = (

@@ -4,18 +4,17 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from dataclasses import dataclass
 from functools import cache, lru_cache
+import os
 from pathlib import Path
+import sys
 from typing import TYPE_CHECKING
 
-from rosbags.interfaces import Nodetype
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-from rosbags.typesys.store import Typestore
-
 from bearing_twin.errors import BearingTwinError
+from rosbags.interfaces import Nodetype
+from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+from rosbags.typesys.store import Typestore
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -49,7 +48,8 @@ class MessageSchema:
 
 @cache
 def message_schema(type_name: str) -> MessageSchema:
-    """Find the schema of a message type.
+    """
+    Find the schema of a message type.
 
     The ``.msg`` files of the installed packages are taken, comments included; without ROS those of
     this project and, for the common packages of ROS 2, the definitions that rosbags carries.
@@ -58,6 +58,7 @@ def message_schema(type_name: str) -> MessageSchema:
     ------
     BearingTwinError
         If the type or one of its dependencies is not known.
+
     """
     texts: dict[str, str] = {}
     store = Typestore()
@@ -70,12 +71,14 @@ def message_schema(type_name: str) -> MessageSchema:
 
 @lru_cache(maxsize=256)
 def store_from_text(type_name: str, text: str) -> Typestore:
-    """Return a type store that decodes ``type_name`` as the embedded schema ``text`` says.
+    """
+    Return a type store that decodes ``type_name`` as the embedded schema ``text`` says.
 
     Raises
     ------
     BearingTwinError
         If the text is no schema.
+
     """
     if len(text) > LONGEST_SCHEMA:
         msg = f'the schema of {type_name} has {len(text)} characters; at most {LONGEST_SCHEMA}'
@@ -92,7 +95,8 @@ def store_from_text(type_name: str, text: str) -> Typestore:
 
 
 def canonical_cdr(type_name: str, text: str, cdr: bytes) -> bytes:
-    """Return a serialised message with the padding between its fields set to zero.
+    """
+    Return a serialised message with the padding between its fields set to zero.
 
     CDR aligns numbers to their size. Fast CDR leaves the bytes in between as they happen to be in
     memory, so that equal messages differ there; they carry nothing.
@@ -101,6 +105,7 @@ def canonical_cdr(type_name: str, text: str, cdr: bytes) -> bytes:
     ------
     BearingTwinError
         If schema or message are damaged.
+
     """
     store = store_from_text(type_name, text)
     try:

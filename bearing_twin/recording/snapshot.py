@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.outfile import Attached
@@ -29,7 +29,8 @@ class _Kept(NamedTuple):
 
 
 class SnapshotWriter:
-    """Keep the last seconds of all topics; on :meth:`trigger` write them and what follows.
+    """
+    Keep the last seconds of all topics; on :meth:`trigger` write them and what follows.
 
     It is used like a RecordingWriter. The bag folder is made at the first trigger; each further
     one goes on in a new file of it.
@@ -49,6 +50,7 @@ class SnapshotWriter:
     ------
     BearingTwinError
         If the path exists or is no folder name.
+
     """
 
     def __init__(
@@ -78,7 +80,7 @@ class SnapshotWriter:
 
     @property
     def problem(self) -> str:
-        """What keeps messages from the disk; '' if nothing."""
+        """Return what keeps messages from the disk; '' if nothing."""
         return self._writer.problem if self._writer else ''
 
     @property
@@ -124,12 +126,14 @@ class SnapshotWriter:
             self._kept_bytes -= len(self._kept.popleft().cdr)
 
     def trigger(self, log_time: int) -> None:
-        """Write what is kept, and what follows until ``after`` seconds past ``log_time`` (ns).
+        """
+        Write what is kept, and what follows until ``after`` seconds past ``log_time`` (ns).
 
         Raises
         ------
         BearingTwinError
             If the folder cannot be made.
+
         """
         self.snapshots += 1
         if self._writer is None:

@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
-import time
 from collections import deque
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+import time
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.bagmetadata import BagFile, metadata_record, write_metadata_file
@@ -60,7 +60,8 @@ class _Waiting(NamedTuple):
 
 
 class RecordingWriter:
-    """Write messages to a recording that others can read at any time.
+    """
+    Write messages to a recording that others can read at any time.
 
     A path that ends in ``.mcap`` is a single file, any other one a bag folder ``NAME`` with
     ``NAME_0.mcap``, ``NAME_1.mcap``, ... and ``metadata.yaml``.
@@ -80,6 +81,7 @@ class RecordingWriter:
     ------
     BearingTwinError
         If the path exists, cannot be made, or the options do not fit together.
+
     """
 
     def __init__(self, path: Path, options: WriterOptions | None = None) -> None:
@@ -151,7 +153,8 @@ class RecordingWriter:
         qos: str = '',
         schema: MessageSchema | None = None,
     ) -> None:
-        """Write one serialised message.
+        """
+        Write one serialised message.
 
         Parameters
         ----------
@@ -171,6 +174,7 @@ class RecordingWriter:
         ------
         BearingTwinError
             If the definition of the type is not known, or a time cannot be stored.
+
         """
         schema = schema or message_schema(type_name)
         if not (0 <= log_time < LATEST and 0 <= publish_time < LATEST):
@@ -225,12 +229,14 @@ class RecordingWriter:
         self._file = self._open()
 
     def close(self) -> None:
-        """Finish the recording; a second call does nothing.
+        """
+        Finish the recording; a second call does nothing.
 
         Raises
         ------
         BearingTwinError
             If the end could not be written: what has been flushed can then be recovered.
+
         """
         if self._closed:
             return

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Friction moment of a radially loaded deep groove ball bearing: the SKF model.
+"""
+Friction moment of a radially loaded deep groove ball bearing: the SKF model.
 
 SKF, Rolling bearings catalogue, "Bearing friction, power loss and starting torque". Plain
 functions of floats, so that the simulator can compile them.
@@ -46,7 +47,8 @@ def friction_moment(
     replenishment: float,
     mu: float,
 ) -> float:
-    """Friction moment without seals and drag, N m.
+    """
+    Friction moment without seals and drag, N m.
 
     Parameters
     ----------
@@ -64,6 +66,7 @@ def friction_moment(
         K_rs.
     mu
         Sliding friction coefficient.
+
     """
     dm = d_pitch * 1e3
     product = nu * 1e6 * speed_rpm

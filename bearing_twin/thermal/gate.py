@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 import enum
 import math
-from dataclasses import dataclass
 
 __all__ = ['TABLE_HIGH', 'TABLE_LOW', 'GatedTemperature', 'TemperatureGate', 'TemperatureStatus']
 
@@ -48,7 +48,8 @@ class GatedTemperature:
 
 
 class TemperatureGate:
-    """Hold the last valid temperature and say in what state the input is.
+    """
+    Hold the last valid temperature and say in what state the input is.
 
     ============================  =============================================================
     input                         behaviour
@@ -75,6 +76,7 @@ class TemperatureGate:
         Temperature before the first reading, degC; clamped to the tables.
     timeout
         Age above which a reading is stale, s.
+
     """
 
     def __init__(self, *, start: float = TABLE_LOW, timeout: float = 5.0) -> None:
@@ -88,7 +90,8 @@ class TemperatureGate:
         self._status = TemperatureStatus.WAITING
 
     def offer(self, value: float, *, stamp: int, now: float) -> TemperatureStatus:
-        """Take one reading.
+        """
+        Take one reading.
 
         Parameters
         ----------
@@ -98,6 +101,7 @@ class TemperatureGate:
             Time of the measurement, ns; 0 where the source gives none (then order is not checked).
         now
             The receiver's clock, s.
+
         """
         self._measured = value
         if not PHYSICAL_LOW <= value <= PHYSICAL_HIGH:

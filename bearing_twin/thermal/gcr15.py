@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""GCr15 bearing steel between 20 and 110 degC: tables 1 to 3 of the paper and its factor beta0.
+"""
+GCr15 bearing steel between 20 and 110 degC: tables 1 to 3 of the paper and its factor beta0.
 
 Zhang, C.; Liu, T.; Wang, Y.; He, H.; Zhang, C. Symmetry 2023, 15, 2166.
 """
@@ -10,10 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
-
-from bearing_twin.errors import BearingTwinError
 
 __all__ = [
     'BETA0_HIGH',
@@ -56,12 +56,14 @@ which the model was looked at, and the contact is lost or the force is not monot
 
 
 def check_temperature(temperature: float) -> float:
-    """Return ``temperature`` if it is finite and inside the tables.
+    """
+    Return ``temperature`` if it is finite and inside the tables.
 
     Raises
     ------
     BearingTwinError
         Otherwise: the friction table jumps threefold in 10 K, so nothing is extrapolated.
+
     """
     low, high = TEMPERATURES[0], TEMPERATURES[-1]
     if not low <= temperature <= high:
@@ -74,7 +76,8 @@ def check_temperature(temperature: float) -> float:
 
 
 def alpha(temperature: float, unit: float = 1e-5) -> float:
-    """Instantaneous linear thermal expansion coefficient, 1/K, by linear interpolation.
+    """
+    Instantaneous linear thermal expansion coefficient, 1/K, by linear interpolation.
 
     Parameters
     ----------
@@ -83,6 +86,7 @@ def alpha(temperature: float, unit: float = 1e-5) -> float:
     unit
         Unit of table 1, 1/K. Printed is '10^5 K^-1'. ``1e-5`` repairs the lost minus sign and
         keeps the paper's numbers; ``1e-6`` is the magnitude of real steel (12e-6/K).
+
     """
     return float(np.interp(check_temperature(temperature), TEMPERATURES, EXPANSION_TABLE)) * unit
 
@@ -100,7 +104,8 @@ def friction(temperature: float) -> float:
 def beta0(
     rise: float, alpha: float, hardness: float, friction: float, weights: tuple[float, ...]
 ) -> float:
-    """Return the paper's factor on stiffness and defect depth, without any check.
+    """
+    Return the paper's factor on stiffness and defect depth, without any check.
 
     Parameters
     ----------
@@ -111,6 +116,7 @@ def beta0(
     weights
         Weight of expansion (0 or 1), of hardness and friction over their reference values, and
         these reference values.
+
     """
     expansion, delta_h, delta_mu, h0, mu0 = weights
     change = delta_h * (hardness - h0) / h0 + delta_mu * (friction - mu0) / mu0
@@ -119,7 +125,8 @@ def beta0(
 
 @dataclass(frozen=True, kw_only=True)
 class Beta0:
-    """The paper's factor on stiffness K_b and defect depth C_d, each term switchable.
+    """
+    The paper's factor on stiffness K_b and defect depth C_d, each term switchable.
 
     ``beta0 = 1 + alpha(T) (T - T0) + delta_h (H(T) - H0)/H0 + delta_mu (mu(T) - mu0)/mu0``
 
@@ -143,6 +150,7 @@ class Beta0:
     Symmetry 2023, 15, 2166, section 3.4. Its friction term carries the hardness symbol by
     mistake; here each term has its own weight. ``alpha(T) (T - T0)`` is kept literally, although
     the strain would be the integral of alpha.
+
     """
 
     expansion: bool = True

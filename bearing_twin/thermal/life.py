@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Load ratings and modified rating life of radial ball bearings.
+"""
+Load ratings and modified rating life of radial ball bearings.
 
 ISO 281:2007 (dynamic rating, modified life) and ISO 76:2006 (static rating).
 """
@@ -69,7 +70,8 @@ def fatigue_limit(bearing: Bearing) -> float:
 
 
 def life_factor(kappa: float, contamination_load: float) -> float:
-    """Life modification factor a_ISO of radial ball bearings (ISO 281, 9.3.3.5), 0.1 to 50.
+    """
+    Life modification factor a_ISO of radial ball bearings (ISO 281, 9.3.3.5), 0.1 to 50.
 
     Parameters
     ----------
@@ -77,6 +79,7 @@ def life_factor(kappa: float, contamination_load: float) -> float:
         Viscosity ratio. Above 4 the standard takes 4; below 0.1 it makes no statement: NaN.
     contamination_load
         ``e_C C_u / P``.
+
     """
     if not kappa >= 0.1:
         return math.nan

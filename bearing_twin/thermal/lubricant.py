@@ -1,14 +1,15 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Viscosity of the lubricant, and what it means for the contact.
+"""
+Viscosity of the lubricant, and what it means for the contact.
 
 Plain functions of floats, so that the simulator can compile them.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+import math
 
 from bearing_twin.errors import BearingTwinError
 
@@ -18,7 +19,8 @@ _KELVIN = 273.15
 
 
 def viscosity(temperature: float, a: float, b: float) -> float:
-    """Kinematic viscosity, m^2/s, at ``temperature`` in degC.
+    """
+    Kinematic viscosity, m^2/s, at ``temperature`` in degC.
 
     ASTM D341: ``log10(log10(nu + 0.7)) = a - b log10(T)`` with nu in mm^2/s, T in kelvin.
     """
@@ -27,7 +29,8 @@ def viscosity(temperature: float, a: float, b: float) -> float:
 
 
 def rated_viscosity(speed_rpm: float, mean_diameter: float) -> float:
-    """Viscosity nu_1 that separates the surfaces, m^2/s; kappa = nu / nu_1.
+    """
+    Viscosity nu_1 that separates the surfaces, m^2/s; kappa = nu / nu_1.
 
     ISO 281:2007, 9.3.3.2, with the mean diameter in m. At rest there is none: infinite.
     """
@@ -41,7 +44,8 @@ def rated_viscosity(speed_rpm: float, mean_diameter: float) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Lubricant:
-    """An oil by its two viscosities, and how it reaches the contacts.
+    """
+    An oil by its two viscosities, and how it reaches the contacts.
 
     Parameters
     ----------
@@ -53,6 +57,7 @@ class Lubricant:
         Sliding friction with metallic contact and on a full film: 0.12 and 0.05 (mineral oil).
     contamination
         e_C of ISO 281: 1 extreme cleanliness, 0.5 normal, 0.1 severe contamination.
+
     """
 
     viscosity_40: float = 68e-6

@@ -1,14 +1,15 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Temperatures of the two rings, and the clearance that they leave.
+"""
+Temperatures of the two rings, and the clearance that they leave.
 
 Plain functions of floats, so that the simulator can compile them.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+import math
 
 from bearing_twin.errors import BearingTwinError
 
@@ -28,7 +29,8 @@ EXPANSION_STEEL = 12e-6
 def clearance_change(
     inner: float, outer: float, reference: float, d_pitch: float, d_ball: float
 ) -> float:
-    """Change of the radial clearance (half the diametral one) against uniform ``reference``, m.
+    """
+    Change of the radial clearance (half the diametral one) against uniform ``reference``, m.
 
     ``dG_r = alpha [(D_p + d)(T_o - T0) - (D_p - d)(T_i - T0) - 2 d (T_b - T0)]`` is diametral;
     the balls are taken midway between the rings. Harris and Kotzalas, Essential Concepts of
@@ -64,7 +66,8 @@ def inner_ring_step(
     ring_to_ring: float,
     ring_to_shaft: float,
 ) -> float:
-    """Inner ring temperature after ``duration`` seconds towards ``target``, degC; exact.
+    """
+    Inner ring temperature after ``duration`` seconds towards ``target``, degC; exact.
 
     The node's balance is ``C_i dT_i/dt = P/2 - G_io (T_i - T_o) - G_is (T_i - T_sh)``.
     """
@@ -74,7 +77,8 @@ def inner_ring_step(
 
 @dataclass(frozen=True, kw_only=True)
 class ThermalNetwork:
-    """Two nodes, inner and outer ring, of which the outer is measured.
+    """
+    Two nodes, inner and outer ring, of which the outer is measured.
 
     ::
 
@@ -92,6 +96,7 @@ class ThermalNetwork:
     shaft_ratio
         Rise of the shaft over ambient by the rise of the outer ring, 0 to 2: above 1 where heat
         comes in along the shaft (motor, pump, turbine), below 1 where the housing is heated.
+
     """
 
     inner_capacity: float = 80.0
@@ -122,7 +127,8 @@ class ThermalNetwork:
         return self.ambient + self.shaft_ratio * (outer - self.ambient)
 
     def unexplained_heat(self, inner: float, outer: float, rate: float, power: float) -> float:
-        """Heat that must enter the outer ring from outside to explain the sensor, W.
+        """
+        Heat that must enter the outer ring from outside to explain the sensor, W.
 
         Far from zero where the bearing's own friction should set the temperature, it says that
         the sensor, the friction or the surroundings are not what the twin takes them for.
@@ -135,6 +141,7 @@ class ThermalNetwork:
             dT_o/dt, K/s.
         power
             Heat of friction, W.
+
         """
         exchanged = self.ring_to_ring * (inner - outer) - self.ring_to_ambient * (
             outer - self.ambient

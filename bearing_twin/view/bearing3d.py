@@ -4,21 +4,19 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-import rerun as rr
+import math
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.view import shapes
 from bearing_twin.view.style import LINE
+import numpy as np
+import rerun as rr
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from bearing_twin.bearing.geometry import Bearing
     from bearing_twin.view.canvas import Canvas
+    from numpy.typing import NDArray
 
 __all__ = ['MAGNIFIED', 'SLOWED', 'Bearing3D', 'contact_forces']
 
@@ -39,7 +37,8 @@ OUTER_DEFECT_ANGLE = -0.5 * math.pi
 def contact_forces(
     angles: NDArray[np.floating[Any]], x: float, y: float, clearance: float, stiffness: float
 ) -> NDArray[np.float64]:
-    """Return the Hertz contact force in N of balls at some angles, shape (n,).
+    """
+    Return the Hertz contact force in N of balls at some angles, shape (n,).
 
     Parameters
     ----------
@@ -56,6 +55,7 @@ def contact_forces(
     -----
     Zhang et al., Symmetry 2023, 15, 2166, equations of the contact deformation and force, without
     the defect's depth.
+
     """
     deformation = x * np.cos(angles) + y * np.sin(angles) - clearance
     return np.asarray(stiffness * np.maximum(deformation, 0.0) ** 1.5)
@@ -91,7 +91,8 @@ class _Pose:
 
 
 class Bearing3D:
-    """Draw the bearing pose after pose.
+    """
+    Draw the bearing pose after pose.
 
     It turns slowed down, while the clock of the timeline runs on: angles are the true ones,
     divided by `SLOWED`. Forces are those of balls at the places where they are drawn, at the

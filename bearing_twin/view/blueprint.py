@@ -6,9 +6,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import rerun.blueprint as rrb
-
 from bearing_twin.view.bearing3d import MAGNIFIED, SLOWED
+import rerun.blueprint as rrb
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -33,7 +32,8 @@ View = rrb.View | rrb.Container
 def layout(
     scenes: Mapping[str, Scene], *, timeline: str, side_by_side: bool = False
 ) -> rrb.Blueprint:
-    """Return the blueprint for what the scenes hold.
+    """
+    Return the blueprint for what the scenes hold.
 
     Parameters
     ----------
@@ -43,6 +43,7 @@ def layout(
         Timeline to follow.
     side_by_side
         Whether scenes stand beside each other, to be compared, instead of on tabs.
+
     """
     bearings = {title: scene for title, scene in scenes.items() if _is_bearing(scene)}
     others = {title: scene for title, scene in scenes.items() if scene.contents}
@@ -71,7 +72,8 @@ def layout(
 def automatic(
     scenes: Iterable[Scene], *, timeline: str, lines: Iterable[str] = ()
 ) -> rrb.Blueprint:
-    """Return a blueprint with one view for the numbers of a topic; the viewer adds the rest.
+    """
+    Return a blueprint with one view for the numbers of a topic; the viewer adds the rest.
 
     ``lines`` are topics that Rerun itself draws as time series.
     """

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 
 import numpy as np
 import rerun as rr
@@ -13,10 +13,9 @@ import rerun as rr
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import ArrayLike, NDArray
-
     from bearing_twin.view.style import Colour
     from bearing_twin.view.timebase import Timebase
+    from numpy.typing import ArrayLike, NDArray
 
 __all__ = ['Canvas']
 
@@ -72,7 +71,8 @@ class Canvas:
     def points(
         self, time: int, series: Mapping[str, tuple[float, str, Colour]], *, width: float = 1.5
     ) -> None:
-        """Log one value of several time series, given as value, label and colour by name.
+        """
+        Log one value of several time series, given as value, label and colour by name.
 
         What is not finite is left out: a line has a gap where a quantity does not exist.
         """

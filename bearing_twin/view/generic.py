@@ -6,12 +6,11 @@ from __future__ import annotations
 
 import math
 import numbers
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-import rerun as rr
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.view.style import LINE
+import numpy as np
+import rerun as rr
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,7 +28,8 @@ SKIPPED = ('header', 'stamp', 'layout')
 
 
 def scalars(message: Any, prefix: str = '') -> Iterator[tuple[str, Any]]:
-    """Yield (path, number or numeric array) of every field, nested messages included.
+    """
+    Yield (path, number or numeric array) of every field, nested messages included.
 
     Constants (upper case) and time stamps are left out.
     """

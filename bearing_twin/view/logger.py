@@ -6,15 +6,14 @@ from __future__ import annotations
 
 import logging
 import socket
-from typing import TYPE_CHECKING, Any
-
-import rerun as rr
-from rerun.chunk import McapReader
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.blueprint import APPLICATION, automatic, layout
-from bearing_twin.view.scene import Scene, namespace_of
+from bearing_twin.view.scene import namespace_of, Scene
 from bearing_twin.view.timebase import Timebase
+import rerun as rr
+from rerun.chunk import McapReader
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -32,7 +31,8 @@ COMPLAINTS = 20
 
 
 class RerunLogger:
-    """Draw messages to a Rerun file, to a Rerun server, or to both.
+    """
+    Draw messages to a Rerun file, to a Rerun server, or to both.
 
     Viewers connect to the server when they like and get the recent past; one that is absent or
     killed delays nobody, one frozen for minutes does: Rerun waits once its buffers are full.
@@ -64,6 +64,7 @@ class RerunLogger:
     ------
     BearingTwinError
         If the file exists or cannot be made, or the port is taken.
+
     """
 
     def __init__(
@@ -119,7 +120,8 @@ class RerunLogger:
     def log(
         self, topic: str, type_name: str, message: Any, time_ns: int, *, side: str = ''
     ) -> None:
-        """Draw a message that was received at ``time_ns``; never raises.
+        """
+        Draw a message that was received at ``time_ns``; never raises.
 
         Parameters
         ----------
@@ -131,6 +133,7 @@ class RerunLogger:
             When it was received, ns.
         side
             One of the `sides`, where there are any.
+
         """
         try:
             namespace, name = namespace_of(topic)
@@ -154,7 +157,8 @@ class RerunLogger:
                 logging.getLogger(__name__).warning('%s cannot be drawn: %s', topic, reason)
 
     def import_mcap(self, path: Path, *, lines: Iterable[str] = ()) -> str:
-        """Draw what Rerun itself can draw of an MCAP file; return why not, '' if it could.
+        """
+        Draw what Rerun itself can draw of an MCAP file; return why not, '' if it could.
 
         ``lines`` are its topics that come out as time series.
         """

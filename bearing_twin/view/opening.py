@@ -39,7 +39,8 @@ LONG = 180.0
 
 
 def find_recording(path: Path) -> Path:
-    """Return the MCAP file, bag folder or .rrd that a path stands for.
+    """
+    Return the MCAP file, bag folder or .rrd that a path stands for.
 
     A folder stands for the bag in it: that of ``bearing-twin demo`` holds ``bag`` and
     ``view.rrd``.
@@ -48,6 +49,7 @@ def find_recording(path: Path) -> Path:
     ------
     BearingTwinError
         If there is none, or more than one.
+
     """
     if not path.exists():
         msg = f'{path} does not exist'
@@ -70,7 +72,8 @@ def find_recording(path: Path) -> Path:
 def draw_recordings(
     paths: Sequence[Path], rrd: Path, *, progress: Callable[[float], None] | None = None
 ) -> dict[str, str]:
-    """Draw a recording, or several side by side, to a Rerun file.
+    """
+    Draw a recording, or several side by side, to a Rerun file.
 
     Parameters
     ----------
@@ -90,6 +93,7 @@ def draw_recordings(
     ------
     BearingTwinError
         If a recording cannot be read or holds no message.
+
     """
     infos = [recording_info(path) for path in paths]
     for info in infos:

@@ -4,18 +4,18 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from datetime import datetime, timezone
 from html import escape
-from typing import TYPE_CHECKING, Any
+import math
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin import __version__
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.view.report_data import collect
 from bearing_twin.view.report_plots import figures
-from bearing_twin.view.report_svg import VERDICT_COLOURS, pretty
+from bearing_twin.view.report_svg import pretty, VERDICT_COLOURS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -68,7 +68,8 @@ ul { margin: 6px 0; padding-left: 20px; }
 
 
 def report_page(path: Path) -> str:
-    """Return the report on a recording as HTML that refers to nothing outside itself.
+    """
+    Return the report on a recording as HTML that refers to nothing outside itself.
 
     Parameters
     ----------
@@ -79,6 +80,7 @@ def report_page(path: Path) -> str:
     ------
     BearingTwinError
         If it cannot be read, or holds nothing of a bearing.
+
     """
     info = recording_info(path)
     machines = collect(path)

@@ -4,22 +4,20 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+import math
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages, recording_info
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
     from bearing_twin.recording.messages import RecordedMessage
+    from numpy.typing import NDArray
 
 __all__ = ['Machine', 'Strip', 'collect']
 
@@ -43,7 +41,8 @@ class Strip:
 
 @dataclass
 class Machine:
-    """One namespace of a recording: a bearing, its sensors, its twin and its verdicts.
+    """
+    One namespace of a recording: a bearing, its sensors, its twin and its verdicts.
 
     Times are seconds since the start of the recording, taken from when a message was received:
     a replayed sensor and the twin that answers it may stamp by different clocks.
@@ -84,12 +83,14 @@ class Machine:
 
 
 def collect(path: Path) -> dict[str, Machine]:
-    """Return every machine of a recording by namespace; unfinished files up to their end.
+    """
+    Return every machine of a recording by namespace; unfinished files up to their end.
 
     Raises
     ------
     BearingTwinError
         If there is no recording, or nothing in it that a report can show.
+
     """
     start = recording_info(path).start
     machines: dict[str, _Collector] = {}

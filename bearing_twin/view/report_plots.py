@@ -4,40 +4,39 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
-import matplotlib as mpl
-import numpy as np
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
-from matplotlib.ticker import MaxNLocator
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.view.report_spectra import envelope_spectrum, spectrum
 from bearing_twin.view.report_svg import (
     BINS,
     DEFECTS,
     FAMILY_COLOURS,
+    pretty,
     STYLE,
+    svg_element,
     VERDICT_COLOURS,
     WIDTH,
-    pretty,
-    svg_element,
 )
+import matplotlib as mpl
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import MaxNLocator
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from bearing_twin.view.report_data import Machine
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
-
-    from bearing_twin.view.report_data import Machine
 
 __all__ = ['figures']
 
 
 def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
-    """Return caption and SVG of every picture that the machine has data for.
+    """
+    Return caption and SVG of every picture that the machine has data for.
 
     Parameters
     ----------
@@ -45,6 +44,7 @@ def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
         What was collected.
     prefix
         Put before every id in the SVG, so that pictures on one page do not share them.
+
     """
     plots: tuple[Callable[[Machine], tuple[str, Figure] | None], ...] = (
         _history,

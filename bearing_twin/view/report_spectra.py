@@ -4,25 +4,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 
-import numpy as np
+from bearing_twin.view.report_svg import BINS, FAMILY_COLOURS, FAMILY_LABELS, pretty, WIDTH
+from bearing_twin.view.spectra import cursors, HARMONICS
 from matplotlib.figure import Figure
-
-from bearing_twin.view.report_svg import BINS, FAMILY_COLOURS, FAMILY_LABELS, WIDTH, pretty
-from bearing_twin.view.spectra import HARMONICS, cursors
+import numpy as np
 
 if TYPE_CHECKING:
+    from bearing_twin.view.report_data import Machine
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
-
-    from bearing_twin.view.report_data import Machine
 
 __all__ = ['cursor_lines', 'envelope_spectrum', 'spectrum']
 
 
 def cursor_lines(message: Any, harmonics: int = HARMONICS) -> list[tuple[str, float, bool]]:
-    """Return where the defects strike as (family, frequency in Hz, whether it is a sideband).
+    """
+    Return where the defects strike as (family, frequency in Hz, whether it is a sideband).
 
     Those of the viewer (:func:`bearing_twin.view.spectra.cursors`) and the shaft's harmonics.
     """

@@ -6,16 +6,14 @@ from __future__ import annotations
 
 import io
 import re
-from typing import TYPE_CHECKING, Any
-
-import matplotlib as mpl
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.view.style import FAMILIES, VERDICTS
+import matplotlib as mpl
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from bearing_twin.view.style import Colour
+    from matplotlib.figure import Figure
 
 __all__ = [
     'BINS',

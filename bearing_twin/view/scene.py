@@ -5,9 +5,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
-
-import rerun as rr
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.bearing.geometry import fault_orders
@@ -20,6 +18,7 @@ from bearing_twin.view.style import LANE_LEVELS, LINE
 from bearing_twin.view.twinstate import TwinPicture
 from bearing_twin.view.verdict import VerdictPicture
 from bearing_twin.view.waveform import Waveform
+import rerun as rr
 
 if TYPE_CHECKING:
     from bearing_twin.bearing.geometry import Bearing

@@ -10,10 +10,9 @@ import numpy as np
 import rerun as rr
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from bearing_twin.bearing.geometry import Bearing
     from bearing_twin.view.style import Colour
+    from numpy.typing import NDArray
 
 __all__ = [
     'cage',
@@ -93,7 +92,8 @@ def cage(bearing: Bearing, colour: Colour) -> list[rr.Mesh3D]:
 
 
 def lathe(profile: NDArray[np.float64], colour: Colour) -> rr.Mesh3D:
-    """Return the body of a closed profile of (radius, z), shape (n, 2), turned about z.
+    """
+    Return the body of a closed profile of (radius, z), shape (n, 2), turned about z.
 
     The profile runs counter-clockwise in the (radius, z) plane; each of its sides is a facet with
     a normal of its own.
@@ -123,7 +123,8 @@ def lathe(profile: NDArray[np.float64], colour: Colour) -> rr.Mesh3D:
 
 
 def _ring(bearing: Bearing, far: float, sign: float) -> NDArray[np.float64]:
-    """Profile of a ring whose groove faces the balls; sign 1 outer ring, -1 inner ring.
+    """
+    Profile of a ring whose groove faces the balls; sign 1 outer ring, -1 inner ring.
 
     The front is cut off at :func:`face`, so that the balls are seen in their groove.
     """

@@ -4,17 +4,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 
+from bearing_twin.view.style import FAMILIES, LINE
 import numpy as np
 import rerun as rr
 
-from bearing_twin.view.style import FAMILIES, LINE
-
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from bearing_twin.view.canvas import Canvas
+    from numpy.typing import NDArray
 
 __all__ = ['HARMONICS', 'SpectrumBars', 'cursors']
 
@@ -28,7 +26,8 @@ HARMONICS = 4
 
 
 def cursors(message: Any, *, harmonics: int = HARMONICS) -> dict[str, list[tuple[float, float]]]:
-    """Return where the defects strike, as (frequency in Hz, relative height) by family.
+    """
+    Return where the defects strike, as (frequency in Hz, relative height) by family.
 
     Parameters
     ----------
@@ -42,6 +41,7 @@ def cursors(message: Any, *, harmonics: int = HARMONICS) -> dict[str, list[tuple
     A defect on the inner ring passes the load once a turn, one on a ball once a turn of the cage:
     their harmonics have sidebands at the shaft speed and at the FTF (Randall and Antoni,
     Mechanical Systems and Signal Processing 25, 2011, section 2). Sidebands are half as high.
+
     """
     side = {'inner': message.shaft_hz, 'ball': message.ftf}
     base = {
@@ -121,7 +121,8 @@ class SpectrumBars:
 def pooled(
     values: NDArray[np.float64], start: float, spacing: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
-    """Return at most BARS peaks: their frequencies in Hz, their heights, and the bars' width.
+    """
+    Return at most BARS peaks: their frequencies in Hz, their heights, and the bars' width.
 
     Each is the highest of its neighbours, at the frequency that it has.
     """

@@ -6,15 +6,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from bearing_twin.view.style import LINE
 import numpy as np
 import rerun as rr
 
-from bearing_twin.view.style import LINE
-
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from bearing_twin.view.canvas import Canvas
+    from numpy.typing import NDArray
 
 __all__ = ['Spectrogram']
 
@@ -28,7 +26,8 @@ RANGE_DB = 60.0
 
 
 class Spectrogram:
-    """Keep one minute of spectra in steps of 0.2 s and draw it once a second.
+    """
+    Keep one minute of spectra in steps of 0.2 s and draw it once a second.
 
     The scale runs 60 dB down from the highest value seen, in whole steps of 10 dB, so that
     colours keep their meaning.
@@ -97,7 +96,8 @@ class Spectrogram:
 
 
 def _column(samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the level in dB over ROWS equal bands up to half the sample rate.
+    """
+    Return the level in dB over ROWS equal bands up to half the sample rate.
 
     Averaged periodograms with a Hann window of 2 * ROWS samples.
     """

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 
 import numpy as np
 import rerun as rr
@@ -30,7 +30,8 @@ def stamp_of(message: Any) -> int | None:
 
 
 class Timebase:
-    """Timeline of one picture.
+    """
+    Timeline of one picture.
 
     Parameters
     ----------
@@ -48,6 +49,7 @@ class Timebase:
     shifted. The offset is one for all topics of that day, and that of the message that was
     fastest so far: distances between samples stay what they were, and nothing is drawn later than
     it came.
+
     """
 
     def __init__(self, timeline: str = 'ros_time', zero: int | None = None) -> None:

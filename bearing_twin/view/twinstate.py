@@ -4,16 +4,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-import rerun as rr
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.bearing3d import Bearing3D
 from bearing_twin.view.lanes import Lane
 from bearing_twin.view.style import LINE, TEMPERATURE_STATES
+import numpy as np
+import rerun as rr
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -4,16 +4,15 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 import io
 import math
-from functools import lru_cache
-from typing import TYPE_CHECKING, Any
-
-import rerun as rr
-from PIL import Image, ImageDraw, ImageFont
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.view.lanes import Lane
 from bearing_twin.view.style import FAMILIES, LINE, VERDICTS
+from PIL import Image, ImageDraw, ImageFont
+import rerun as rr
 
 if TYPE_CHECKING:
     from bearing_twin.view.canvas import Canvas
@@ -73,7 +72,8 @@ class VerdictPicture:
 
 @lru_cache(maxsize=len(VERDICTS) + 1)
 def _card(number: int) -> bytes:
-    """Return a verdict as a coloured PNG with letters as large as fit: read from across a room.
+    """
+    Return a verdict as a coloured PNG with letters as large as fit: read from across a room.
 
     The headings of a viewer's text are of one size, a few millimetres on a screen.
     """

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 import os
+from pathlib import Path
 import re
 import signal
 import socket
@@ -13,14 +14,12 @@ import subprocess
 import sys
 import tempfile
 import time
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 from urllib.parse import quote
 
+from bearing_twin.errors import BearingTwinError
 import numpy as np
 import rerun_cli
-
-from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -44,12 +43,14 @@ def free_port() -> int:
 
 
 def live_url(text: str) -> str:
-    """Return the URL of a Rerun server from a URL, ADDRESS:PORT or PORT.
+    """
+    Return the URL of a Rerun server from a URL, ADDRESS:PORT or PORT.
 
     Raises
     ------
     BearingTwinError
         If it is none of these.
+
     """
     if text.startswith(('rerun://', 'rerun+http://', 'rerun+https://')):
         return text
@@ -73,7 +74,8 @@ def show(sources: Sequence[str]) -> int:
 def show_in_browser(
     sources: Sequence[str], *, address: str, web_port: int, announce: Callable[[str], None]
 ) -> int:
-    """Serve files, or one server, to browsers until interrupted.
+    """
+    Serve files, or one server, to browsers until interrupted.
 
     Parameters
     ----------
@@ -88,6 +90,7 @@ def show_in_browser(
     ------
     BearingTwinError
         If the port is taken.
+
     """
     port, data_port = web_port or free_port(), free_port()
     try:
@@ -117,7 +120,8 @@ def show_in_browser(
 
 
 class HeadlessViewer:
-    """A viewer without a display, driven from here.
+    """
+    A viewer without a display, driven from here.
 
     Parameters
     ----------
@@ -130,6 +134,7 @@ class HeadlessViewer:
     ------
     BearingTwinError
         If there is no Vulkan device, or the viewer does not come up.
+
     """
 
     def __init__(self, sources: Sequence[str], *, size: tuple[int, int] = (1800, 1100)) -> None:
@@ -153,7 +158,8 @@ class HeadlessViewer:
             raise
 
     def wait(self, seconds: float | None = None) -> None:
-        """Wait until all has been loaded, or a server is caught up with, and show one moment.
+        """
+        Wait until all has been loaded, or a server is caught up with, and show one moment.
 
         Parameters
         ----------
@@ -165,6 +171,7 @@ class HeadlessViewer:
         ------
         BearingTwinError
             If nothing comes, or there is no such moment.
+
         """
         deadline = time.monotonic() + LOAD_TIMEOUT
         before, then = -math.inf, time.monotonic()
@@ -214,7 +221,7 @@ class HeadlessViewer:
 
     @property
     def client(self) -> Any:
-        """The `ViewerClient` of Rerun."""
+        """Return the `ViewerClient` of Rerun."""
         return self._client
 
     def close(self) -> None:

@@ -6,15 +6,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from bearing_twin.view.style import LINE
 import numpy as np
 import rerun as rr
 
-from bearing_twin.view.style import LINE
-
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from bearing_twin.view.canvas import Canvas
+    from numpy.typing import NDArray
 
 __all__ = ['Waterfall']
 

@@ -4,19 +4,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-import rerun as rr
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.view.spectrogram import Spectrogram
 from bearing_twin.view.style import LINE
 from bearing_twin.view.waterfall import Waterfall
+import numpy as np
+import rerun as rr
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from bearing_twin.view.canvas import Canvas
+    from numpy.typing import NDArray
 
 __all__ = ['Waveform', 'extremes']
 
@@ -28,7 +26,8 @@ AXES = {'y': 'vertical', 'x': 'horizontal'}
 
 
 class Waveform:
-    """Draw the blocks of one vibration topic.
+    """
+    Draw the blocks of one vibration topic.
 
     Parameters
     ----------
@@ -40,6 +39,7 @@ class Waveform:
         Draw every sample. Else the close look has every sample of the first quarter of each
         second, and of the rest the lowest and highest of 16: a quarter of the size, and the same
         picture except at the closest look.
+
     """
 
     def __init__(self, canvas: Canvas, name: str, *, full: bool) -> None:

@@ -2,10 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 import math
 
-import pytest
-from scipy.optimize import brentq
-from scipy.special import ellipe, ellipk
-
 from bearing_twin.bearing import (
     Bearing,
     catalogue,
@@ -17,6 +13,9 @@ from bearing_twin.bearing import (
 )
 from bearing_twin.bearing.hertz import elliptic_integrals
 from bearing_twin.errors import BearingTwinError
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
 
 
 def test_paper_frequencies():

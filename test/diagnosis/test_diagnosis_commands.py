@@ -9,13 +9,12 @@ import subprocess
 import sys
 import time
 
+from bearing_twin.bench.diagnosis import fault_signal, measure, RATE, SHAFT_HZ
+from bearing_twin.cli import main
+from bearing_twin.cli.diagnose import diagnose_file, parse_geometry, Task
+from bearing_twin.errors import BearingTwinError
 import numpy as np
 import pytest
-
-from bearing_twin.bench.diagnosis import RATE, SHAFT_HZ, fault_signal, measure
-from bearing_twin.cli import main
-from bearing_twin.cli.diagnose import Task, diagnose_file, parse_geometry
-from bearing_twin.errors import BearingTwinError
 
 KEYS = {
     'file', 'result', 'faults', 'level', 'confidence', 'shaft_hz', 'slip', 'evidence', 'reasons',

@@ -4,12 +4,11 @@
 
 from collections import Counter
 
-import pytest
-
 from bearing_twin.bench import generalisation
 from bearing_twin.diagnosis import DiagnosisSettings, StreamingDiagnoser
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.simulator import Simulator
+import pytest
 
 CASES = 100
 

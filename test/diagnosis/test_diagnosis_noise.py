@@ -2,14 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """No alarm where there is no fault: noises, and the healthy twin, which has a line at BPFO."""
 
-import numpy as np
-import pytest
-from scipy import fft
-
 from bearing_twin.bearing import find_bearing
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.simulator import Simulator
+import numpy as np
+import pytest
+from scipy import fft
 
 BEARINGS = ('6205', '6307', 'ZA-2115', 'UER204')
 

@@ -4,12 +4,11 @@
 
 from pathlib import Path
 
-import numpy as np
-import pytest
-
 from bearing_twin.cli.benchmark import judge, read_cases
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.recording.foreign import read_signal
+import numpy as np
+import pytest
 
 
 @pytest.fixture(scope='module')

@@ -4,17 +4,16 @@
 
 import math
 
-import numpy as np
-import pytest
-from scipy import signal, stats
-
 from bearing_twin.bearing import fault_orders, find_bearing
-from bearing_twin.diagnosis.comb import NEUTRAL, accumulate, comb_scores, order_spectra
+from bearing_twin.diagnosis.comb import accumulate, comb_scores, NEUTRAL, order_spectra
 from bearing_twin.diagnosis.gate import check_record
 from bearing_twin.diagnosis.report import coarse_spectrum
 from bearing_twin.diagnosis.severity import iso_zone, measure_severity
 from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample_to_angle
 from bearing_twin.diagnosis.spectra import band_tree, envelope_spectra, local_floor, whiten
+import numpy as np
+import pytest
+from scipy import signal, stats
 
 RATE = 12800.0
 

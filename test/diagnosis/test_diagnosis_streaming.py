@@ -4,15 +4,14 @@
 
 import math
 
-import numpy as np
-import pytest
+from bearing_twin.bearing import find_bearing
+from bearing_twin.bench.diagnosis import fault_signal, RATE, SHAFT_HZ
+from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
+from bearing_twin.errors import BearingTwinError
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from bearing_twin.bearing import find_bearing
-from bearing_twin.bench.diagnosis import RATE, SHAFT_HZ, fault_signal
-from bearing_twin.diagnosis import DiagnosisSettings, StreamingDiagnoser, diagnose_record
-from bearing_twin.errors import BearingTwinError
+import numpy as np
+import pytest
 
 BEARING = find_bearing('6307')
 SHORT = DiagnosisSettings(window=2.0, memory=4.0, baseline_windows=3, hold_updates=2)

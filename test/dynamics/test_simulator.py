@@ -3,19 +3,18 @@
 import dataclasses
 import math
 
-import numpy as np
-import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-from scipy.signal import hilbert
-
 from bearing_twin.bearing import catalogue
-from bearing_twin.dynamics import PRESETS, Defect, Fleet, Simulator, TwinParameters, preset
+from bearing_twin.dynamics import Defect, Fleet, preset, PRESETS, Simulator, TwinParameters
 from bearing_twin.dynamics.reference import solve
 from bearing_twin.dynamics.statics import contact
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import Beta0
 from bearing_twin.thermal.rings import ThermalNetwork
+from hypothesis import given, HealthCheck, settings
+from hypothesis import strategies as st
+import numpy as np
+import pytest
+from scipy.signal import hilbert
 
 RATE = 25600.0
 

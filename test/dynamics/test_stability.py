@@ -3,16 +3,15 @@
 import dataclasses
 import math
 
-import numpy as np
-import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-
 from bearing_twin.bearing import catalogue
-from bearing_twin.dynamics import PRESETS, Simulator, TwinParameters, preset
+from bearing_twin.dynamics import preset, PRESETS, Simulator, TwinParameters
 from bearing_twin.dynamics.parameters import _RANGES
 from bearing_twin.dynamics.stability import amplification, check_step
 from bearing_twin.errors import BearingTwinError
+from hypothesis import given, HealthCheck, settings
+from hypothesis import strategies as st
+import numpy as np
+import pytest
 
 H = 1.0 / 76800.0
 

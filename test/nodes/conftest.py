@@ -7,9 +7,8 @@ from __future__ import annotations
 import os
 import time
 
-import pytest
-
 from bearing_twin.nodes.launching import NodeProcesses
+import pytest
 
 TIMEOUT = 40.0
 

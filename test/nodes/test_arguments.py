@@ -5,9 +5,8 @@
 import subprocess
 import sys
 
-import pytest
-
 from bearing_twin.cli import main
+import pytest
 
 
 @pytest.mark.ros

@@ -5,10 +5,9 @@
 import dataclasses
 from pathlib import Path
 
-import pytest
-
 from bearing_twin.cli import main
 from bearing_twin.cli.demo_summary import Summary
+import pytest
 
 SUMMARY = Summary(
     temperature_low=20.0,

@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The demo and the benchmarks stay out of domains in which somebody is."""
 
-import pytest
-
 from bearing_twin.errors import BearingTwinError
+import pytest
 
 
 @pytest.mark.ros

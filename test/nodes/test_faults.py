@@ -4,16 +4,16 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 import os
+from pathlib import Path
 import signal
 import subprocess
 import sys
 import time
-from itertools import pairwise
-from pathlib import Path
 
-import pytest
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Vibration
+import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import Temperature
 

@@ -2,20 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """A real accelerometer through the adapter, and many bearings in one process."""
 
-import signal
 from itertools import pairwise
+import signal
 
 import pytest
 
 pytest.importorskip('rclpy')
 
+from bearing_twin.dynamics import preset, Simulator
+from bearing_twin.nodes.convert import floats
 from bearing_twin_msgs.msg import Diagnosis, TwinState, Vibration
 from builtin_interfaces.msg import Time
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Float32MultiArray
-
-from bearing_twin.dynamics import Simulator, preset
-from bearing_twin.nodes.convert import floats
 
 pytestmark = pytest.mark.ros
 

@@ -5,13 +5,12 @@
 import math
 from types import SimpleNamespace
 
-import numpy as np
-import pytest
-
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.shaft import ShaftSpeed
 from bearing_twin.nodes.statefile import StateFolder
-from bearing_twin.nodes.vibration_input import GapCounter, SourceLock, read_vibration
+from bearing_twin.nodes.vibration_input import GapCounter, read_vibration, SourceLock
+import numpy as np
+import pytest
 
 
 def test_shaft_speed_comes_from_the_named_joint_whatever_its_direction():

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A node that is told to end more than once still finishes its work.
+"""
+A node that is told to end more than once still finishes its work.
 
 Who presses Ctrl-C twice does that, and 'ros2 launch' without a terminal too: the whole process
 group gets the signal, and the launcher passes it on once more.
@@ -13,10 +14,9 @@ import signal
 import time
 from typing import TYPE_CHECKING
 
-import pytest
-
 from bearing_twin.nodes.launching import NodeProcesses
 from bearing_twin.recording.reader import recording_info
+import pytest
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -4,12 +4,11 @@
 
 from itertools import pairwise
 
-import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.pacer import Pacer
+from hypothesis import given
+from hypothesis import strategies as st
+import pytest
 
 SECOND = 1_000_000_000
 PERIOD = 40_000_000

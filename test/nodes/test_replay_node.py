@@ -4,11 +4,10 @@
 
 import random
 
+from bearing_twin.recording.schedule import write_temperature_recording
+from mcap.reader import make_reader
 import numpy as np
 import pytest
-from mcap.reader import make_reader
-
-from bearing_twin.recording.schedule import write_temperature_recording
 
 
 @pytest.mark.ros

@@ -2,18 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """From other people's samples to blocks: nothing is lost, shifted or invented unseen."""
 
-import numpy as np
-import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.sampling import (
     BlockBuilder,
     SequenceTracker,
-    StampTracker,
     split_channels,
+    StampTracker,
 )
+from hypothesis import given
+from hypothesis import strategies as st
+import numpy as np
+import pytest
 
 NANO = 1_000_000_000
 

@@ -4,9 +4,9 @@
 
 import difflib
 import os
+from pathlib import Path
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The twin as a process over DDS: temperature, parameters, services, time."""
 
+from itertools import pairwise
 import math
 import signal
-from itertools import pairwise
 
 import numpy as np
 import pytest

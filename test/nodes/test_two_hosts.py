@@ -1,16 +1,17 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Twin on one host, diagnosis and recorder on another, and the cable between them pulled.
+"""
+Twin on one host, diagnosis and recorder on another, and the cable between them pulled.
 
 The hosts are network namespaces joined by a bridge in a third one, so that pulling a port of the
 bridge is what pulling the cable of a machine is: no carrier, addresses stay.
 """
 
+from itertools import pairwise
 import os
 import shutil
 import subprocess
 import time
-from itertools import pairwise
 
 import pytest
 

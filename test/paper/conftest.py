@@ -6,12 +6,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import pytest
-
 from bearing_twin.paper.judge import judge
 from bearing_twin.paper.output import prepare_folder
 from bearing_twin.paper.recompute import write_results
-from bearing_twin.paper.study import Study, run_study
+from bearing_twin.paper.study import run_study, Study
+import pytest
 
 if TYPE_CHECKING:
     from pathlib import Path

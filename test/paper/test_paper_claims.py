@@ -6,9 +6,6 @@ from __future__ import annotations
 
 import dataclasses
 
-import numpy as np
-import pytest
-
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import claims_model, equations, settings
 from bearing_twin.paper.claims import Claim
@@ -18,7 +15,9 @@ from bearing_twin.paper.claims_peaks import frequency_interval
 from bearing_twin.paper.claims_trend import falling_window, formula_change
 from bearing_twin.paper.dimensions import derived, dimension, is_homogeneous
 from bearing_twin.paper.judge import judge
-from bearing_twin.paper.verdicts import VERDICTS, all_settings, same_direction, share, within
+from bearing_twin.paper.verdicts import all_settings, same_direction, share, VERDICTS, within
+import numpy as np
+import pytest
 
 ASKED_FOR = {
     'f-in-formula', 'f-in-quoted-twice', 'f-in-simulated-fig4', 'f-in-simulated-fig30',

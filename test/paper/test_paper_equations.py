@@ -6,13 +6,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-import pytest
-from scipy.interpolate import CubicSpline
-
 from bearing_twin.paper import equations, measures, settings
 from bearing_twin.paper.equation_table import equation_table
 from bearing_twin.paper.runs import RunSpec, simulate
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
 
 
 def test_fault_frequencies_of_the_paper():

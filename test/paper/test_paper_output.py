@@ -5,12 +5,8 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
-
-import matplotlib.image
-import numpy as np
-import pytest
+import re
 
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
@@ -19,6 +15,9 @@ from bearing_twin.paper.claims import rounded
 from bearing_twin.paper.figures import FIGURES
 from bearing_twin.paper.output import MARKER, prepare_folder
 from bearing_twin.paper.report import figure_name
+import matplotlib.image
+import numpy as np
+import pytest
 
 DOCS = Path(__file__).resolve().parents[2] / 'docs' / 'paper.md'
 NUMBERS = (*range(4, 11), *range(12, 18), *range(19, 25), *range(27, 31), 32)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+from pathlib import Path
 import random
 import resource
 import signal
@@ -14,13 +15,7 @@ import subprocess
 import sys
 import time
 import traceback
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from mcap.writer import CompressionType, Writer
-from recording_samples import START, VIBRATION, vibration_cdr, write_blocks
-from scipy.io import savemat, wavfile
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.foreign import read_signal
@@ -29,6 +24,10 @@ from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import recover
 from bearing_twin.recording.schema import message_schema
 from bearing_twin.recording.writer import WriterOptions
+from mcap.writer import CompressionType, Writer
+import numpy as np
+from recording_samples import START, VIBRATION, vibration_cdr, write_blocks
+from scipy.io import savemat, wavfile
 
 if TYPE_CHECKING:
     from collections.abc import Callable

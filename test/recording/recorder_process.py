@@ -6,17 +6,16 @@ from __future__ import annotations
 
 import array
 import time
-from typing import TYPE_CHECKING, Any
-
-import rclpy
-from bearing_twin_msgs.msg import Vibration
-from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.duration import Duration
-from rclpy.executors import SingleThreadedExecutor
-from std_srvs.srv import Trigger
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.nodes.convert import time_message
 from bearing_twin.nodes.qos import RESULT, STREAM
+from bearing_twin_msgs.msg import Vibration
+from diagnostic_msgs.msg import DiagnosticArray
+import rclpy
+from rclpy.duration import Duration
+from rclpy.executors import SingleThreadedExecutor
+from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -4,18 +4,17 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 import resource
 import shutil
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
-
-import pytest
-from recording_samples import START, VIBRATION, vibration_cdr
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import recover
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+import pytest
+from recording_samples import START, VIBRATION, vibration_cdr
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -4,32 +4,31 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 import math
 import pickle
+from typing import Any, TYPE_CHECKING
 import zipfile
 import zlib
-from io import BytesIO
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-import pytest
-from recording_samples import (
-    BLOCK,
-    NANO,
-    PERIOD,
-    RATE,
-    START,
-    VIBRATION,
-    header,
-    store,
-    vibration_cdr,
-    write_blocks,
-)
-from scipy.io import loadmat, savemat, wavfile
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.foreign import read_signal
 from bearing_twin.recording.writer import RecordingWriter
+import numpy as np
+import pytest
+from recording_samples import (
+    BLOCK,
+    header,
+    NANO,
+    PERIOD,
+    RATE,
+    START,
+    store,
+    VIBRATION,
+    vibration_cdr,
+    write_blocks,
+)
+from scipy.io import loadmat, savemat, wavfile
 
 if TYPE_CHECKING:
     from pathlib import Path

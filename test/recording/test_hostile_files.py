@@ -7,8 +7,8 @@ from __future__ import annotations
 import random
 from typing import TYPE_CHECKING
 
+from fuzzing import fuzz, KINDS
 import pytest
-from fuzzing import KINDS, fuzz
 
 if TYPE_CHECKING:
     from pathlib import Path

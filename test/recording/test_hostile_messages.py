@@ -7,20 +7,19 @@ from __future__ import annotations
 import array
 import math
 import os
+from pathlib import Path
 import random
 import time
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import pytest
-from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
-from rclpy.serialization import serialize_message
-from recorder_process import Source
-from sensor_msgs.msg import JointState, Temperature
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.nodes.launching import NodeProcesses
 from bearing_twin.nodes.qos import CHECKPOINT, STREAM
 from bearing_twin.recording.reader import recording_info
+from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
+import pytest
+from rclpy.serialization import serialize_message
+from recorder_process import Source
+from sensor_msgs.msg import JointState, Temperature
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

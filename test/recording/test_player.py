@@ -7,12 +7,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import pytest
-from recording_samples import NANO, START, TEMPERATURE, temperature_cdr
-
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.player import Player, Section
 from bearing_twin.recording.writer import RecordingWriter
+import pytest
+from recording_samples import NANO, START, TEMPERATURE, temperature_cdr
 
 if TYPE_CHECKING:
     from pathlib import Path

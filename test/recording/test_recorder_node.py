@@ -12,18 +12,17 @@ import signal
 import time
 from typing import TYPE_CHECKING
 
+from bearing_twin.nodes.launching import NodeProcesses
+from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.recover import find_unfinished, recover
 import pytest
-import yaml
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from recorder_process import BLOCK, Source
 from rosbags.rosbag2 import Reader
 from sensor_msgs.msg import Temperature
 from std_msgs.msg import Float64
-
-from bearing_twin.nodes.launching import NodeProcesses
-from bearing_twin.recording.health import recording_health
-from bearing_twin.recording.reader import read_messages, recording_info
-from bearing_twin.recording.recover import find_unfinished, recover
+import yaml
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -10,17 +10,16 @@ import random
 import shutil
 from typing import TYPE_CHECKING
 
-import pytest
-from mcap.reader import make_reader
-from recording_samples import START, TEMPERATURE, VIBRATION, temperature_cdr, write_blocks
-from rosbags.rosbag2 import Reader
-
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.foreign import read_signal
 from bearing_twin.recording.mcapfile import UnfinishedRecording
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover
 from bearing_twin.recording.writer import RecordingWriter
+from mcap.reader import make_reader
+import pytest
+from recording_samples import START, TEMPERATURE, temperature_cdr, VIBRATION, write_blocks
+from rosbags.rosbag2 import Reader
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -9,12 +9,11 @@ import subprocess
 import sys
 from typing import TYPE_CHECKING
 
+from bearing_twin.nodes.launching import NodeProcesses
+from bearing_twin.recording.reader import read_messages
 import pytest
 from recorder_process import Source
 from recording_samples import PERIOD, write_blocks
-
-from bearing_twin.nodes.launching import NodeProcesses
-from bearing_twin.recording.reader import read_messages
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -5,11 +5,7 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-import pytest
-from recorder_process import Source
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
@@ -21,6 +17,9 @@ from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.recording.schema import MessageSchema
 from bearing_twin.recording.writer import RecordingWriter
+import numpy as np
+import pytest
+from recorder_process import Source
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -7,14 +7,13 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import sys
 from pathlib import Path
-
-import pytest
-from recording_samples import VIBRATION, vibration_cdr
+import sys
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.schema import canonical_cdr, message_schema, store_from_text
+import pytest
+from recording_samples import VIBRATION, vibration_cdr
 
 TYPES = [
     'sensor_msgs/msg/Temperature',

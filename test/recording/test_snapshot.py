@@ -6,12 +6,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import pytest
-from recording_samples import NANO, START, TEMPERATURE, temperature_cdr
-
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.snapshot import SnapshotWriter
+import pytest
+from recording_samples import NANO, START, TEMPERATURE, temperature_cdr
 
 if TYPE_CHECKING:
     from pathlib import Path

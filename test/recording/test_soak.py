@@ -5,17 +5,16 @@
 from __future__ import annotations
 
 import os
-import time
 from pathlib import Path
-
-import numpy as np
-import pytest
+import time
 
 from bearing_twin.nodes.offline_run import run_offline
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import write_temperature_recording
 from bearing_twin.recording.writer import WriterOptions
+import numpy as np
+import pytest
 
 RATE = 25600.0
 GIB = 1024**3

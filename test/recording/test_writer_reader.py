@@ -7,30 +7,29 @@ from __future__ import annotations
 import struct
 from typing import TYPE_CHECKING
 
-import numpy as np
-import pytest
-import yaml
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from mcap.reader import make_reader
 from mcap.writer import Writer
 from mcap_ros2.reader import read_ros2_messages
+import numpy as np
+import pytest
 from recording_samples import (
     NANO,
     PERIOD,
     QOS,
     START,
     TEMPERATURE,
-    VIBRATION,
     temperature_cdr,
+    VIBRATION,
     vibration_cdr,
     write_blocks,
 )
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
-
-from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.health import recording_health
-from bearing_twin.recording.reader import read_messages, recording_info
-from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+import yaml
 
 if TYPE_CHECKING:
     from pathlib import Path

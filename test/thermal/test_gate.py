@@ -4,11 +4,10 @@
 
 import math
 
-import pytest
+from bearing_twin.thermal.gate import TABLE_HIGH, TABLE_LOW, TemperatureGate, TemperatureStatus
 from hypothesis import given
 from hypothesis import strategies as st
-
-from bearing_twin.thermal.gate import TABLE_HIGH, TABLE_LOW, TemperatureGate, TemperatureStatus
+import pytest
 
 SECOND = 1_000_000_000
 

@@ -2,12 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 import math
 
-import pytest
-from scipy.integrate import solve_ivp
-
 from bearing_twin.bearing import find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal import friction, gcr15, life, lubricant, rings
+import pytest
+from scipy.integrate import solve_ivp
 
 RPM = 1524.0
 

@@ -3,13 +3,10 @@
 """The report: one page that needs nothing else, right about what is in the recording."""
 
 import html
-import re
 from html.parser import HTMLParser
 from pathlib import Path
+import re
 from types import SimpleNamespace
-
-import numpy as np
-import pytest
 
 from bearing_twin import cli
 from bearing_twin.bearing import fault_frequencies
@@ -18,8 +15,10 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.view.report import report_page
-from bearing_twin.view.report_data import STRIP_SECONDS, collect
+from bearing_twin.view.report_data import collect, STRIP_SECONDS
 from bearing_twin.view.report_spectra import cursor_lines
+import numpy as np
+import pytest
 
 SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
 

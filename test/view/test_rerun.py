@@ -3,26 +3,25 @@
 """What is drawn, read back from the Rerun files: positions, times, forces, and no failure."""
 
 import math
-import socket
 from pathlib import Path
+import socket
 from types import SimpleNamespace
-
-import numpy as np
-import pytest
-from rerun.chunk import RrdReader
 
 from bearing_twin import cli
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.view.bearing3d import SLOWED, contact_forces
+from bearing_twin.view.bearing3d import contact_forces, SLOWED
 from bearing_twin.view.logger import RerunLogger
 from bearing_twin.view.opening import draw_recordings, find_recording
 from bearing_twin.view.spectra import cursors, pooled
 from bearing_twin.view.timebase import Timebase
-from bearing_twin.view.viewer import LOOPBACK, live_url
+from bearing_twin.view.viewer import live_url, LOOPBACK
 from bearing_twin.view.waveform import extremes
+import numpy as np
+import pytest
+from rerun.chunk import RrdReader
 
 SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
 SECOND = 1_000_000_000

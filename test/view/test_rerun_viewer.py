@@ -4,19 +4,18 @@
 
 import io
 import os
-import socket
 from pathlib import Path
-
-import matplotlib.image
-import numpy as np
-import pytest
+import socket
 
 from bearing_twin import cli
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.view.logger import RerunLogger
 from bearing_twin.view.opening import draw_recordings
-from bearing_twin.view.viewer import LOOPBACK, HeadlessViewer
+from bearing_twin.view.viewer import HeadlessViewer, LOOPBACK
+import matplotlib.image
+import numpy as np
+import pytest
 
 pytestmark = pytest.mark.vulkan
 

@@ -1,0 +1,29 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The ament linters, where an installed ROS 2 has them; ruff holds their rules elsewhere."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+CHECKED = [
+    str(ROOT / name)
+    for name in ('bearing_twin', 'launch', 'msg_defs/build_messages.py', 'msg_defs/setup.py')
+]
+REASON = 'the ament linters are part of an installed ROS 2 only'
+
+
+def test_flake8():
+    linter = pytest.importorskip('ament_flake8.main', reason=REASON)
+    status, errors = linter.main_with_errors(
+        argv=['--config', str(ROOT / 'test' / 'flake8.ini'), *CHECKED]
+    )
+    assert status == 0, '\n'.join(errors)
+
+
+def test_pep257():
+    linter = pytest.importorskip('ament_pep257.main', reason=REASON)
+    assert linter.main(argv=CHECKED) == 0
