@@ -9,6 +9,7 @@ Every function works on plain arrays and can be used alone. Spectra are one-side
 from __future__ import annotations
 
 from dataclasses import dataclass
+import functools
 import math
 from typing import TYPE_CHECKING
 
@@ -69,11 +70,24 @@ def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
     pairs = np.concatenate((tiles[..., :-1, :], tiles[..., 1:, :]), axis=-1)
     pairs.partition(hop, axis=-1)
     levels = np.maximum(pairs[..., hop] / _MEDIAN_OF_EXPONENTIAL, _TINY)
+    left, weight = _between_blocks(count, offset, hop, blocks)
+    floor = np.take(levels, left, axis=-1)
+    rise = np.take(np.diff(levels, axis=-1), left, axis=-1)
+    rise *= weight.astype(power.dtype)
+    floor += rise
+    return np.asarray(floor)
+
+
+@functools.lru_cache(maxsize=16)
+def _between_blocks(
+    count: int, offset: int, hop: int, blocks: int
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Per bin the block whose centre lies left of it, and how far it is on to the next one."""
     position = (np.arange(count) - (offset + hop - 0.5)) / hop
     left = np.clip(np.floor(position).astype(np.intp), 0, blocks - 3)
-    weight = np.clip(position - left, 0.0, 1.0).astype(power.dtype)
-    below, above = levels[..., left], levels[..., left + 1]
-    return np.asarray(below + (above - below) * weight)
+    weight = np.clip(position - left, 0.0, 1.0)
+    left.flags.writeable = weight.flags.writeable = False
+    return left, weight
 
 
 def line_cap(turns: float) -> float:
@@ -118,7 +132,7 @@ def whiten(
         np.maximum(floor, power / np.float32(cap)),
         np.maximum(power, _TINY),
     )
-    return np.asarray(spectrum / np.sqrt(np.stack(gains)))
+    return np.stack([spectrum * (np.float32(1.0) / np.sqrt(gain)) for gain in gains])
 
 
 @dataclass(frozen=True)
@@ -194,19 +208,103 @@ def envelope_spectra(
 
     """
     count = max(int(max_hz / tree.bin_hz), 16)
-    parts = []
+    lines_of = _lines_by_tile if _tiles_suit(tree, count) else _lines_by_band
+    lines = np.concatenate(lines_of(whitened, tree, count), axis=1)
+    power = _squared(lines)
+    return EnvelopeSpectra(tree.bin_hz, power, local_floor(power, floor_width))
+
+
+def _tiles_suit(tree: BandTree, count: int) -> bool:
+    """Whether half of the narrowest band is a tile that all bands and all lines fit."""
+    (bins, _), tile = tree.levels[0], tree.levels[-1][0] // 2
+    depth = len(tree.levels) - 1
+    return (
+        depth > 1
+        and bins == tile << (depth + 1)
+        and count + 2 <= tile
+        and fft.next_fast_len(2 * tile) == 2 * tile
+    )
+
+
+def _lines_by_band(
+    whitened: NDArray[np.complex64], tree: BandTree, count: int
+) -> list[NDArray[np.complex64]]:
+    """
+    Lines 1 to ``count`` of each squared envelope relative to its mean, one band at a time.
+
+    Returns
+    -------
+    Per level an array of shape (W, B, ``count``).
+
+    """
+    levels = []
     for width, firsts in tree.levels:
         length = fft.next_fast_len(width + min(count, width) + 1)
-        bands = np.stack([whitened[:, first : first + width] for first in firsts], axis=1)
-        signal = fft.ifft(bands, length, axis=-1)
-        envelope = signal.real**2 + signal.imag**2
+        bands = np.zeros((len(whitened), len(firsts), length), np.complex64)
+        for i, first in enumerate(firsts):
+            bands[:, i, :width] = whitened[:, first : first + width]
+        envelope = _squared(fft.ifft(bands, axis=-1, overwrite_x=True))
         mean = np.maximum(envelope.mean(axis=-1, keepdims=True), np.float32(_TINY))
-        window = (1.0 - np.cos(2.0 * np.pi * np.arange(length) / length)).astype(np.float32)
-        lines = fft.rfft((envelope - mean) * (window / (length * mean)), axis=-1)
-        lines = lines[..., 1 : count + 1]
-        power = lines.real**2 + lines.imag**2
-        if power.shape[-1] < count:
-            power = np.pad(power, ((0, 0), (0, 0), (0, count - power.shape[-1])))
-        parts.append(power)
-    power = np.concatenate(parts, axis=1)
-    return EnvelopeSpectra(tree.bin_hz, power, local_floor(power, floor_width))
+        envelope -= mean
+        envelope *= (1.0 - np.cos(2.0 * np.pi * np.arange(length) / length)).astype(np.float32)
+        lines = fft.rfft(envelope, axis=-1)[..., 1 : count + 1] / (length * mean)
+        missing = count - lines.shape[-1]
+        levels.append(np.pad(lines, ((0, 0), (0, 0), (0, missing))) if missing else lines)
+    return levels
+
+
+def _lines_by_tile(
+    whitened: NDArray[np.complex64], tree: BandTree, count: int
+) -> list[NDArray[np.complex64]]:
+    """
+    Give the same as :func:`_lines_by_band`, for a tree that is made of equal tiles.
+
+    The spectrum of a squared envelope is the autocorrelation of its band. Bands overlap, so it is
+    summed from the products within each tile and those of each tile with the next one: every bin
+    is transformed once for all levels, not once per band.
+    """
+    tile = tree.levels[-1][0] // 2
+    bins = tree.levels[0][0]
+    tiles, lags = bins // tile, count + 2
+    # What ends with the tile, and what the tile gives to a band that goes on after it.
+    last = np.empty((len(whitened), tiles, lags), np.complex64)
+    inner = np.empty((len(whitened), tiles - 1, lags), np.complex64)
+    for row, spectrum in enumerate(whitened):
+        padded = np.zeros((tiles, 2 * tile), np.complex64)
+        padded[:, :tile] = spectrum[:bins].reshape(tiles, tile)
+        signal = fft.ifft(padded, axis=-1, norm='forward', overwrite_x=True)
+        squared = _squared(signal)
+        # Lag 0 apart: its rounding would drown the others beside a strong carrier.
+        mean = squared.mean(axis=-1)
+        squared -= mean[:, np.newaxis]
+        last[row] = fft.rfft(squared, axis=-1)[:, :lags]
+        last[row, :, 0] = mean * np.float32(2 * tile)
+        cross = np.conj(signal[:-1])
+        cross *= signal[1:]
+        products = fft.fft(cross, axis=-1, overwrite_x=True)
+        # Lag 0 between the first bins of two tiles is lag ``tile`` of the whole spectrum.
+        np.add(last[row, :-1], products[:, tile : tile + lags], out=inner[row])
+    levels = []
+    for _ in tree.levels:
+        levels.append(_windowed(inner + last[:, 1:]))
+        last = inner[:, 0::2] + last[:, 1::2]
+        inner = inner[:, 0:-1:2] + inner[:, 1::2]
+    return levels[::-1]
+
+
+def _windowed(correlation: NDArray[np.complex64]) -> NDArray[np.complex64]:
+    """Lines relative to lag 0, without the mean, under a Hann window: 1 - cos is three lines."""
+    mean = np.maximum(correlation[..., :1].real, np.float32(_TINY))
+    correlation[..., 0] = 0.0
+    lines = correlation[..., :-2] + correlation[..., 2:]
+    lines *= np.float32(-0.5)
+    lines += correlation[..., 1:-1]
+    lines *= 1.0 / mean
+    return lines
+
+
+def _squared(signal: NDArray[np.complex64]) -> NDArray[np.float32]:
+    """Squared magnitude."""
+    squared = signal.real**2
+    squared += signal.imag**2
+    return squared

@@ -10,7 +10,13 @@ from bearing_twin.diagnosis.gate import check_record
 from bearing_twin.diagnosis.report import coarse_spectrum
 from bearing_twin.diagnosis.severity import iso_zone, measure_severity
 from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample_to_angle
-from bearing_twin.diagnosis.spectra import band_tree, envelope_spectra, local_floor, whiten
+from bearing_twin.diagnosis.spectra import (
+    band_tree,
+    BandTree,
+    envelope_spectra,
+    local_floor,
+    whiten,
+)
 import numpy as np
 import pytest
 from scipy import signal, stats
@@ -82,6 +88,32 @@ def test_envelope_spectrum_agrees_with_hilbert(rng):
     reference = np.abs(lines[1 : found.power.shape[-1] + 1]) ** 2
     strong = reference > np.median(reference)
     assert found.power[0, 0][strong] == pytest.approx(reference[strong], rel=0.05)
+
+
+@pytest.mark.parametrize('carrier', [0.0, 30.0])
+@pytest.mark.parametrize('samples', [1 << 15, 32_760, 3 * 5**4 * 32])
+def test_band_of_a_tree_is_the_band_alone_and_the_autocorrelation(rng, samples, carrier):
+    """Bands of a tree share transforms where they can; ends, lags and levels must not mix."""
+    n = np.arange(samples)
+    x = rng.standard_normal(samples) * (1.0 + 0.5 * np.sin(0.01 * n)) + carrier * np.cos(0.7 * n)
+    spectra = whiten((np.fft.rfft(x) / samples).astype(np.complex64), 128, cap=30.0)
+    tree = band_tree(samples // 2, 1.0, depth=3, narrowest_hz=700.0)
+    found = envelope_spectra(spectra, tree, max_hz=700.0, floor_width=64).power
+    bands = [(width, first) for width, firsts in tree.levels for first in firsts]
+    assert found.shape == (3, len(bands), 700)
+    for i, (width, first) in enumerate(bands):
+        part = spectra[:, first : first + width]
+        alone = BandTree(1.0, ((width, (0,)),))
+        same = envelope_spectra(part, alone, max_hz=700.0, floor_width=64).power[:, 0]
+        scale = np.sqrt(same.mean(axis=-1, keepdims=True))
+        assert np.abs(np.sqrt(found[:, i]) - np.sqrt(same)).max() < 1e-4 * scale.min()
+        exact = np.stack(
+            [signal.correlate(row, row)[width - 1 : width + 701] for row in part.astype(complex)]
+        )
+        total = exact[:, :1].real.copy()
+        exact[:, 0] = 0.0
+        lines = np.abs(exact[:, 1:-1] - (exact[:, :-2] + exact[:, 2:]) / 2.0) / total
+        assert np.abs(np.sqrt(found[:, i]) - lines).max() < 1e-4 * scale.min()
 
 
 def test_envelope_spectrum_of_noise_over_its_floor_is_exponential(rng):
