@@ -215,13 +215,13 @@ def envelope_spectra(
 
 
 def _tiles_suit(tree: BandTree, count: int) -> bool:
-    """Whether half of the narrowest band is a tile that all bands and all lines fit."""
+    """Whether all bands are made of tiles half as wide as the narrowest, and lines reach two."""
     (bins, _), tile = tree.levels[0], tree.levels[-1][0] // 2
     depth = len(tree.levels) - 1
     return (
         depth > 1
         and bins == tile << (depth + 1)
-        and count + 2 <= tile
+        and count + 2 <= 2 * tile
         and fft.next_fast_len(2 * tile) == 2 * tile
     )
 
@@ -260,15 +260,17 @@ def _lines_by_tile(
     Give the same as :func:`_lines_by_band`, for a tree that is made of equal tiles.
 
     The spectrum of a squared envelope is the autocorrelation of its band. Bands overlap, so it is
-    summed from the products within each tile and those of each tile with the next one: every bin
+    summed from the products within each tile and those of each tile with the next two: every bin
     is transformed once for all levels, not once per band.
     """
     tile = tree.levels[-1][0] // 2
     bins = tree.levels[0][0]
     tiles, lags = bins // tile, count + 2
-    # What ends with the tile, and what the tile gives to a band that goes on after it.
-    last = np.empty((len(whitened), tiles, lags), np.complex64)
+    # What ends with the tile, what it gives to a band that goes on by one, and by two more.
+    last = np.zeros((len(whitened), tiles, lags), np.complex64)
     inner = np.empty((len(whitened), tiles - 1, lags), np.complex64)
+    far = np.empty((len(whitened), tiles - 2, max(lags - tile, 0)), np.complex64)
+    within = min(lags, tile)
     for row, spectrum in enumerate(whitened):
         padded = np.zeros((tiles, 2 * tile), np.complex64)
         padded[:, :tile] = spectrum[:bins].reshape(tiles, tile)
@@ -277,19 +279,31 @@ def _lines_by_tile(
         # Lag 0 apart: its rounding would drown the others beside a strong carrier.
         mean = squared.mean(axis=-1)
         squared -= mean[:, np.newaxis]
-        last[row] = fft.rfft(squared, axis=-1)[:, :lags]
+        last[row, :, :within] = fft.rfft(squared, axis=-1)[:, :within]
         last[row, :, 0] = mean * np.float32(2 * tile)
-        cross = np.conj(signal[:-1])
-        cross *= signal[1:]
-        products = fft.fft(cross, axis=-1, overwrite_x=True)
         # Lag 0 between the first bins of two tiles is lag ``tile`` of the whole spectrum.
-        np.add(last[row, :-1], products[:, tile : tile + lags], out=inner[row])
+        beside = _cross(signal, 1)
+        np.add(
+            last[row, :-1, :within], beside[:, tile : tile + within], out=inner[row, :, :within]
+        )
+        if far.shape[-1]:
+            inner[row, :, tile:] = beside[:, : lags - tile]
+            far[row] = _cross(signal, 2)[:, tile:lags]
     levels = []
     for _ in tree.levels:
         levels.append(_windowed(inner + last[:, 1:]))
         last = inner[:, 0::2] + last[:, 1::2]
+        if len(levels) == 1:
+            inner[:, :-1, tile:] += far
         inner = inner[:, 0:-1:2] + inner[:, 1::2]
     return levels[::-1]
+
+
+def _cross(signal: NDArray[np.complex64], apart: int) -> NDArray[np.complex64]:
+    """Cross-correlation of each tile with the one so many further on, from their transforms."""
+    product = np.conj(signal[:-apart])
+    product *= signal[apart:]
+    return np.asarray(fft.fft(product, axis=-1, overwrite_x=True))
 
 
 def _windowed(correlation: NDArray[np.complex64]) -> NDArray[np.complex64]:
