@@ -215,6 +215,7 @@ class RecorderNode(ManagedNode):
             'messages written': writer.written,
             'messages lost by the disk': writer.dropped,
             'messages lost on the way': self._lost,
+            'messages not shown to live viewers': self._watch.pictures_dropped,
             'size [MB]': writer.size / 1e6,
             'topics': len(self._subscriptions_of),
             **{f'not recorded: {topic}': reason for topic, reason in self._left_out.items()},

@@ -72,6 +72,11 @@ class RecordingWatch:
                 self.problem = f'nothing is drawn: {error}'
                 logger.error(self.problem)
 
+    @property
+    def pictures_dropped(self) -> int:
+        """Messages that live viewers miss because one of them did not keep up."""
+        return self._rerun.dropped if self._rerun is not None else 0
+
     def see(self, topic: str, type_name: str, cdr: bytes, received: int) -> None:
         """Look at one message; ``received`` in ns."""
         interesting = type_name in (CHECKPOINT, DIAGNOSIS)

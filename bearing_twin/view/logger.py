@@ -9,11 +9,9 @@ import socket
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.view.blueprint import APPLICATION, automatic, layout
-from bearing_twin.view.scene import namespace_of, Scene
-from bearing_twin.view.timebase import Timebase
+from bearing_twin.view.drawing import Drawing, Look
+from bearing_twin.view.served import ServedDrawing
 import rerun as rr
-from rerun.chunk import McapReader
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -24,8 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ['RerunLogger']
 
-SETTLED = 1_000_000_000
-"""A new topic is laid out when none has followed for this long, ns."""
 COMPLAINTS = 20
 """Most reasons that are kept of messages that could not be drawn."""
 
@@ -34,8 +30,9 @@ class RerunLogger:
     """
     Draw messages to a Rerun file, to a Rerun server, or to both.
 
-    Viewers connect to the server when they like and get the recent past; one that is absent or
-    killed delays nobody, one frozen for minutes does: Rerun waits once its buffers are full.
+    Viewers connect to the server when they like and get the recent past. One that is absent,
+    killed or frozen delays nobody: they are drawn for by a thread of their own, and what they do
+    not take in time is counted in `dropped`. The file is written in line and has everything.
     Nothing that a message holds raises: what cannot be drawn is counted
     in `failed` and explained in `problems`.
 
@@ -85,20 +82,7 @@ class RerunLogger:
         """Reason by topic."""
         # The first text loads pandas, where it is installed: a second that no message shall wait.
         rr.TextLog('')
-        self._recording = rr.RecordingStream(APPLICATION, recording_id=recording_id)
-        self._timebases = {'': Timebase(timeline)}
-        if sides:
-            self._timebases = {
-                side: Timebase('since_start', zero=start) for side, start in sides.items()
-            }
-        self._bearing = bearing
-        self._full = full_samples
-        self._scenes: dict[tuple[str, str], Scene] = {}
-        self._native_lines: set[str] = set()
-        self._laid_out = 0
-        self._known = 0
-        self._changed = 0
-        sinks: list[Any] = []
+        look = Look(recording_id, bearing, full_samples, sides, timeline)
         if rrd is not None:
             if rrd.exists():
                 msg = f'{rrd} exists and is not overwritten; name another file'
@@ -106,16 +90,22 @@ class RerunLogger:
             if not rrd.parent.is_dir():
                 msg = f'{rrd}: there is no folder {rrd.parent}'
                 raise BearingTwinError(msg)
-            sinks.append(rr.FileSink(str(rrd)))
         if serve is not None:
-            address, port = serve
-            _check_free(address, port)
-            sinks.append(rr.GrpcServerSink(address, port, server_memory_limit=memory_limit))
-        try:
-            self._recording.set_sinks(*sinks)
-        except Exception as error:
-            msg = f'Rerun cannot write {rrd} ({error}); choose another place'
-            raise BearingTwinError(msg) from None
+            _check_free(*serve)
+        self._file: Drawing | None = None
+        self._served: ServedDrawing | None = None
+        if rrd is not None:
+            self._file = Drawing(look, rr.FileSink(str(rrd)), self._complain, place=str(rrd))
+        if serve is not None:
+            sink = rr.GrpcServerSink(*serve, server_memory_limit=memory_limit)
+            # What cannot be drawn is so in both; it is counted once.
+            complain = self._complain if rrd is None else _say_nothing
+            self._served = ServedDrawing(Drawing(look, sink, complain, place=f'port {serve[1]}'))
+
+    @property
+    def dropped(self) -> int:
+        """Messages that live viewers miss because one of them did not keep up."""
+        return self._served.dropped if self._served is not None else 0
 
     def log(
         self, topic: str, type_name: str, message: Any, time_ns: int, *, side: str = ''
@@ -135,49 +125,41 @@ class RerunLogger:
             One of the `sides`, where there are any.
 
         """
-        try:
-            namespace, name = namespace_of(topic)
-            scene = self._scenes.get((side, namespace))
-            if scene is None:
-                scene = self._scenes[side, namespace] = Scene(
-                    self._recording,
-                    f'/{side}{namespace}' if side else namespace,
-                    self._timebases[side],
-                    bearing=self._bearing,
-                    full=self._full,
-                )
-            scene.draw(name, type_name, message, time_ns)
-            self._lay_out(time_ns)
-        except Exception as error:
-            # The caller is a node, the message a stranger's: a picture is not worth a failure.
-            self.failed += 1
-            if topic not in self.problems and len(self.problems) < COMPLAINTS:
-                reason = f'{type(error).__name__}: {error}'
-                self.problems[topic] = reason
-                logging.getLogger(__name__).warning('%s cannot be drawn: %s', topic, reason)
+        if self._file is not None:
+            self._file.draw(topic, type_name, message, time_ns, side)
+        if self._served is not None:
+            self._served.put(topic, type_name, message, time_ns, side)
+
+    def drain(self, timeout: float) -> bool:
+        """
+        Wait until the server has drawn all, at most ``timeout`` seconds; return whether so.
+
+        For who logs faster than a bearing speaks and wants nothing dropped.
+        """
+        return self._served is None or self._served.drain(timeout)
 
     def import_mcap(self, path: Path, *, lines: Iterable[str] = ()) -> str:
         """
-        Draw what Rerun itself can draw of an MCAP file; return why not, '' if it could.
+        Draw what Rerun itself can draw of an MCAP file to the file; return why not, or ''.
 
         ``lines`` are its topics that come out as time series.
         """
-        self._native_lines.update(lines)
-        try:
-            reader = McapReader(path, recover=True)
-            self._recording.send_chunks(reader.stream())
-        except Exception as error:
-            # A stranger's file; Rerun raises many kinds on damaged ones.
-            return f'{type(error).__name__}: {error}'
-        return ''
+        return self._file.import_mcap(path, lines) if self._file is not None else ''
 
     def close(self) -> None:
-        """Draw what is held back and finish; a second time does nothing."""
-        for scene in self._scenes.values():
-            scene.flush()
-        self._send_layout()
-        self._recording.flush(timeout_sec=5.0)
-        self._recording.disconnect()
+        """
+        Draw what is held back and finish; a second time does nothing.
+
+        Viewers that do not take the rest within seconds miss it; the file has all.
+        """
+        try:
+            if self._file is not None:
+                self._file.finish()
+        finally:
+            if self._served is not None and not self._served.close():
+                logging.getLogger(__name__).warning(
+                    'a viewer does not read; what it has not seen is dropped'
+                )
 
     def __enter__(self) -> RerunLogger:
         """Return itself."""
@@ -192,27 +174,16 @@ class RerunLogger:
         """Close."""
         self.close()
 
-    def _lay_out(self, now: int) -> None:
-        known = sum(len(scene.contents) for scene in self._scenes.values())
-        if known != self._known:
-            self._known, self._changed = known, now
-        elif known != self._laid_out and now - self._changed > SETTLED:
-            self._send_layout()
+    def _complain(self, topic: str, error: Exception) -> None:
+        self.failed += 1
+        if topic not in self.problems and len(self.problems) < COMPLAINTS:
+            reason = f'{type(error).__name__}: {error}'
+            self.problems[topic] = reason
+            logging.getLogger(__name__).warning('%s cannot be drawn: %s', topic, reason)
 
-    def _send_layout(self) -> None:
-        known = sum(len(scene.contents) for scene in self._scenes.values())
-        if known == self._laid_out or not known:
-            return
-        self._laid_out = known
-        titles = {' '.join(filter(None, key)) or '/': scene for key, scene in self._scenes.items()}
-        base = next(iter(self._timebases.values()))
-        self._recording.send_blueprint(
-            layout(titles, timeline=base.timeline, side_by_side=len(self._timebases) > 1)
-            if base.stamped
-            else automatic(
-                self._scenes.values(), timeline=base.timeline, lines=sorted(self._native_lines)
-            )
-        )
+
+def _say_nothing(topic: str, error: Exception) -> None:
+    """Leave it to the other drawing of the same message to complain."""
 
 
 def _check_free(address: str, port: int) -> None:

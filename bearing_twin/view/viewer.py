@@ -157,6 +157,11 @@ class HeadlessViewer:
             self.close()
             raise
 
+    @property
+    def pid(self) -> int:
+        """Process of the viewer."""
+        return self._process.pid
+
     def wait(self, seconds: float | None = None) -> None:
         """
         Wait until all has been loaded, or a server is caught up with, and show one moment.

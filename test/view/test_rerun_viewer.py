@@ -5,17 +5,22 @@
 import io
 import os
 from pathlib import Path
+import signal
 import socket
+import subprocess
+import sys
+import time
 
 from bearing_twin import cli
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.view.logger import RerunLogger
 from bearing_twin.view.opening import draw_recordings
-from bearing_twin.view.viewer import HeadlessViewer, LOOPBACK
+from bearing_twin.view.viewer import free_port, HeadlessViewer, LOOPBACK
 import matplotlib.image
 import numpy as np
 import pytest
+from rerun.chunk import RrdReader
 
 pytestmark = pytest.mark.vulkan
 
@@ -100,11 +105,83 @@ def test_a_late_viewer_of_a_running_server_sees_the_past(recordings):
         probe.bind((LOOPBACK, 0))
         port = probe.getsockname()[1]
     with RerunLogger(recording_id='live', serve=(LOOPBACK, port)) as logger:
-        for message in read_messages(recordings[1]):
+        for count, message in enumerate(read_messages(recordings[1])):
             logger.log(message.topic, message.type_name, message.decode(), message.log_time)
+            assert count % 500 or logger.drain(60.0)
+        assert logger.drain(60.0)
+        assert logger.dropped == 0
         with HeadlessViewer([f'rerun+http://{LOOPBACK}:{port}/proxy']) as viewer:
             viewer.wait()
             assert problems(viewer) == []
+
+
+SPEAKER = """
+import sys, time
+from pathlib import Path
+from bearing_twin.recording.reader import read_messages
+from bearing_twin.view.logger import RerunLogger
+from bearing_twin.view.viewer import LOOPBACK
+
+longest, calls = 0.0, 0
+messages = [
+    (m.topic, m.type_name, m.decode(), m.log_time)
+    for m in read_messages(Path(sys.argv[1]), topics=['/vibration'])
+]
+logger = RerunLogger(
+    recording_id='frozen',
+    rrd=Path(sys.argv[2]),
+    serve=(LOOPBACK, int(sys.argv[3])),
+    memory_limit='1MB',
+    full_samples=True,
+)
+print('serving', flush=True)
+sys.stdin.readline()
+deadline = time.monotonic() + 90.0
+while logger.dropped < 100 and time.monotonic() < deadline:
+    for message in messages:
+        before = time.perf_counter()
+        logger.log(*message)
+        longest = max(longest, time.perf_counter() - before)
+        calls += 1
+        time.sleep(0.001)
+before = time.perf_counter()
+logger.close()
+closing = time.perf_counter() - before
+print(longest, calls, messages[0][2].y.size, logger.dropped, logger.failed, closing)
+"""
+
+
+def test_a_frozen_viewer_holds_nothing_up(recordings, tmp_path):
+    rrd, port = tmp_path / 'frozen.rrd', free_port()
+    with subprocess.Popen(
+        [sys.executable, '-c', SPEAKER, str(recordings[0]), str(rrd), str(port)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as speaker:
+        try:
+            assert speaker.stdout.readline() == 'serving\n'
+            url = f'rerun+http://{LOOPBACK}:{port}/proxy'
+            with HeadlessViewer([url], size=(200, 200)) as viewer:
+                time.sleep(2.0)
+                os.kill(viewer.pid, signal.SIGSTOP)
+                try:
+                    answer, _ = speaker.communicate('\n', timeout=180)
+                finally:
+                    os.kill(viewer.pid, signal.SIGCONT)
+        finally:
+            speaker.kill()
+    # It ends by itself while the viewer is still frozen.
+    assert speaker.returncode == 0
+    longest, calls, size, dropped, failed, closing = map(float, answer.split())
+    assert dropped >= 100
+    assert failed == 0
+    assert longest < 0.5
+    assert closing < 20.0
+    axis = '/vibration/samples/y'
+    rows = sum(c.num_rows for c in RrdReader(rrd).stream() if str(c.entity_path) == axis)
+    # One more row, its look, is static.
+    assert rows - 1 == calls * size
 
 
 def test_the_command_writes_a_picture(recordings, tmp_path):
