@@ -498,7 +498,10 @@ def _judge_cage(
     """Tell a cage fault from a ball that strikes once a cage turn."""
     confidence = 1.0 - math.exp(-cage.z / Z_CAGE)
     turns = revolutions * judge.orders.ftf
-    if min(cage.index, judge.capped_index(cage)) < INDEX_STRIKE:
+    # A strike has every harmonic, the ball pass order of the outer race exactly among them; what
+    # shows the ball's order better than that is the ripple of a ball in and out of the load.
+    toothless = candidates['outer'].z < candidates['ball'].z
+    if toothless or min(cage.index, judge.capped_index(cage)) < INDEX_STRIKE:
         text = (
             'ball and cage coincide: the envelope ripples with the cage; a ball strikes while it '
             'passes the load zone, once a cage turn, or the cage is damaged'
