@@ -8,6 +8,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.parameters import Spec
+from bearing_twin.nodes.shared_specs import HARDWARE_ID
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -93,12 +94,7 @@ SPECS = (
         description="Frame of the sensor; '' for that of the message received.",
         running=False,
     ),
-    Spec(
-        name='hardware_id',
-        default='',
-        description="Asset that /diagnostics speaks of; '' for the node's namespace.",
-        running=False,
-    ),
+    HARDWARE_ID,
 )
 
 

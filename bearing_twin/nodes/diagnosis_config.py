@@ -12,6 +12,7 @@ from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.diagnosis import DiagnosisSettings, StreamingDiagnoser
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.parameters import Spec
+from bearing_twin.nodes.shared_specs import CHECKPOINT_PERIOD, HARDWARE_ID, JOINT, STATE_DIRECTORY
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -55,12 +56,7 @@ SPECS = (
         low=0.0,
         high=0.1,
     ),
-    Spec(
-        name='joint',
-        default='',
-        description="Joint of joint_states that turns with the shaft; '' for none.",
-        running=False,
-    ),
+    JOINT,
     Spec(
         name='axis',
         default='y',
@@ -133,27 +129,9 @@ SPECS = (
         ),
         running=False,
     ),
-    Spec(
-        name='state_directory',
-        default='',
-        description="Folder of saved states; '' for bearing_twin in ROS_HOME (~/.ros).",
-        running=False,
-    ),
-    Spec(
-        name='checkpoint_period',
-        default=10.0,
-        description='Time between checkpoints, from which a recording can be re-run.',
-        unit='s',
-        low=1.0,
-        high=3600.0,
-        running=False,
-    ),
-    Spec(
-        name='hardware_id',
-        default='',
-        description="Asset that /diagnostics speaks of; '' for the node's namespace.",
-        running=False,
-    ),
+    STATE_DIRECTORY,
+    CHECKPOINT_PERIOD,
+    HARDWARE_ID,
 )
 
 

@@ -9,6 +9,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.dynamics.presets import preset, PRESETS
 from bearing_twin.dynamics.simulator import Simulator
 from bearing_twin.nodes.parameters import Spec
+from bearing_twin.nodes.shared_specs import CHECKPOINT_PERIOD, HARDWARE_ID, JOINT, STATE_DIRECTORY
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -119,12 +120,7 @@ SPECS = (
         low=0.0,
         high=100.0,
     ),
-    Spec(
-        name='joint',
-        default='',
-        description="Joint of joint_states that turns with the shaft; '' for none.",
-        running=False,
-    ),
+    JOINT,
     Spec(
         name='start_temperature',
         default=20.0,
@@ -148,27 +144,9 @@ SPECS = (
         description='Frame of the sensor, in every header.',
         running=False,
     ),
-    Spec(
-        name='hardware_id',
-        default='',
-        description="Asset that /diagnostics speaks of; '' for the node's namespace.",
-        running=False,
-    ),
-    Spec(
-        name='checkpoint_period',
-        default=10.0,
-        description='Time between checkpoints, from which a recording can be re-run.',
-        unit='s',
-        low=1.0,
-        high=3600.0,
-        running=False,
-    ),
-    Spec(
-        name='state_directory',
-        default='',
-        description="Folder of saved states; '' for bearing_twin in ROS_HOME (~/.ros).",
-        running=False,
-    ),
+    HARDWARE_ID,
+    CHECKPOINT_PERIOD,
+    STATE_DIRECTORY,
 )
 
 
