@@ -2,14 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bearing geometry, fault frequencies, Hertz contact and the catalogue."""
 
-from bearing_twin.bearing.catalogue import catalogue, find_bearing
+from bearing_twin.bearing.catalogue import catalogue, find_bearing, own_bearing
 from bearing_twin.bearing.geometry import (
     Bearing,
     fault_frequencies,
     fault_orders,
     FaultFrequencies,
 )
-from bearing_twin.bearing.hertz import contact_stiffness, load_deflection_factor
+from bearing_twin.bearing.hertz import (
+    contact_stiffness,
+    load_deflection_factor,
+    radial_factor,
+)
 
 __all__ = [
     'Bearing',
@@ -20,4 +24,6 @@ __all__ = [
     'fault_orders',
     'find_bearing',
     'load_deflection_factor',
+    'own_bearing',
+    'radial_factor',
 ]

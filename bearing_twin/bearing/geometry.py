@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from bearing_twin.errors import BearingTwinError
 
@@ -48,6 +48,15 @@ class Bearing:
         Pitch diameter, m.
     contact_angle
         Contact angle, rad, 0 to below pi/2.
+    element
+        ``'ball'`` or ``'roller'``. The frequencies are the same; the contact is not, so that the
+        twin simulates only balls.
+    rows
+        Rows of elements, 1 or 2, `n_balls` in each.
+    bore, outside
+        Boundary dimensions, m; None: not published.
+    series
+        Dimension series whose friction constants hold, e.g. ``'63'``; '': not known.
     source
         Where the geometry was published.
 
@@ -63,6 +72,11 @@ class Bearing:
     d_ball: float
     d_pitch: float
     contact_angle: float = 0.0
+    element: Literal['ball', 'roller'] = 'ball'
+    rows: int = 1
+    bore: float | None = None
+    outside: float | None = None
+    series: str = ''
     source: str = ''
 
     def __post_init__(self) -> None:
@@ -84,11 +98,31 @@ class Bearing:
                 f'{self.d_pitch} m; check n_balls, d_ball and d_pitch'
             )
             raise BearingTwinError(msg)
+        if self.element not in ('ball', 'roller') or self.rows not in (1, 2):
+            msg = f"element={self.element!r}, rows={self.rows}: choose 'ball' or 'roller', 1 or 2"
+            raise BearingTwinError(msg)
+        bore, outside = self.bore, self.outside
+        inner, outer = self.d_pitch - self.d_ball, self.d_pitch + self.d_ball
+        if (bore is not None and not 0.0 < bore < inner) or (
+            outside is not None and not outer < outside < 20.0
+        ):
+            msg = (
+                f'bore={bore} m, outside={outside} m do not enclose races of {inner:.6g} and '
+                f'{outer:.6g} m; check them against d_ball and d_pitch'
+            )
+            raise BearingTwinError(msg)
 
     @property
     def gamma(self) -> float:
         """Ratio ``d_ball cos(contact_angle) / d_pitch``."""
         return self.d_ball * math.cos(self.contact_angle) / self.d_pitch
+
+    @property
+    def mean_diameter(self) -> float:
+        """Mean of bore and outside diameter, m, as catalogues take it; else the pitch diameter."""
+        if self.bore is None or self.outside is None:
+            return self.d_pitch
+        return 0.5 * (self.bore + self.outside)
 
 
 def fault_orders(bearing: Bearing, slip: float = 0.0) -> FaultFrequencies:

@@ -12,7 +12,13 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from bearing_twin.bearing.geometry import Bearing
 
-__all__ = ['POISSON_STEEL', 'YOUNG_STEEL', 'contact_stiffness', 'load_deflection_factor']
+__all__ = [
+    'POISSON_STEEL',
+    'YOUNG_STEEL',
+    'contact_stiffness',
+    'load_deflection_factor',
+    'radial_factor',
+]
 
 YOUNG_STEEL = 208e9
 """Young's modulus of bearing steel at 20 degC, Pa."""
@@ -110,3 +116,13 @@ def load_deflection_factor(
         for race, f in (('inner', conformity_inner), ('outer', conformity_outer))
     )
     return float((inner ** (-2.0 / 3.0) + outer ** (-2.0 / 3.0)) ** -1.5)
+
+
+def radial_factor(bearing: Bearing) -> float:
+    """
+    Factor between the radial displacement at a ball and its radial force, N/m^1.5.
+
+    The ball is pressed in by ``delta cos(alpha)`` and ``cos(alpha)`` of its force is radial, so
+    that ``K_r = K cos(alpha)^2.5`` (Harris and Kotzalas, chapter 7, with a constant angle).
+    """
+    return float(load_deflection_factor(bearing) * math.cos(bearing.contact_angle) ** 2.5)

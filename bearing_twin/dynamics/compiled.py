@@ -35,7 +35,9 @@ _numba: Any = nb.config
 F = TypeVar('F', bound='Callable[..., Any]')
 
 
-def compiled(*, inline: bool = False, fast: frozenset[str] = frozenset()) -> Callable[[F], F]:
+def compiled(
+    *, inline: bool = False, fast: frozenset[str] = frozenset(), borrows: bool = False
+) -> Callable[[F], F]:
     """
     Return a decorator that compiles a function on its first call and caches the code.
 
@@ -45,6 +47,9 @@ def compiled(*, inline: bool = False, fast: frozenset[str] = frozenset()) -> Cal
         Copy the function into its callers.
     fast
         Flags of floating point freedom, e.g. `FAST`.
+    borrows
+        The function makes no arrays. References to those it is given are then not counted, which
+        is atomic and would cost as much as the arithmetic of a step.
 
     Notes
     -----
@@ -59,7 +64,11 @@ def compiled(*, inline: bool = False, fast: frozenset[str] = frozenset()) -> Cal
             'inline': 'always' if inline else 'never',
             'fastmath': set(fast) or False,
             'error_model': 'numpy',
+            # Other threads go on meanwhile: the diagnosis of an offline run, for one.
+            'nogil': True,
         }
+        if borrows:
+            options['_nrt'] = False
         folder = cache_folder()
         if folder is None:
             plain: F = nb.njit(**options)(function)

@@ -9,7 +9,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_frequencies
-from bearing_twin.dynamics import kernel, laws
+from bearing_twin.dynamics import kernel, laws, layout
 import numpy as np
 import numpy.typing as npt
 
@@ -38,7 +38,10 @@ class Condition:
     c_d: float
     """Greatest defect depth in use, the paper's C_d, m; 0 without a defect."""
     radial_clearance: float
-    """Half the radial internal clearance, m."""
+    """Half the radial internal clearance that the equations use, m."""
+    thermal_clearance: float
+    """What the ring temperatures leave of it, m. Outside -5..50 um, where the model does not
+    hold, the equations go on with the nearest limit: then the two differ."""
     slip: float
     """Cage slip, dimensionless."""
     inner_ring_temperature: float
@@ -74,7 +77,7 @@ class Condition:
     inner_y: float
     """m."""
     ball_force: npt.NDArray[np.float32]
-    """Contact force of each ball, N."""
+    """Radial contact force of each ball, N."""
 
 
 def condition(
@@ -88,7 +91,7 @@ def condition(
     """Put together the condition from what `laws.evaluate` gave and the state of motion."""
     n_balls = parameters.bearing.n_balls
     hz, slip = float(values[laws.SHAFT_HZ]), float(values[laws.SLIP])
-    cage, shaft, spin = 2.0 * math.pi * (state[kernel.CAGE : kernel.SPIN + 1] % 1.0)
+    cage, shaft, spin = 2.0 * math.pi * (state[layout.CAGE : layout.SPIN + 1] % 1.0)
     deepest = max((defect.depth for defect in parameters.defects), default=0.0)
     return Condition(
         alpha=float(values[laws.ALPHA]),
@@ -98,6 +101,7 @@ def condition(
         k_b=float(values[laws.K_B]),
         c_d=float(values[laws.DEPTH]) * deepest,
         radial_clearance=float(values[laws.CLEARANCE]),
+        thermal_clearance=float(values[laws.THERMAL_GAP]),
         slip=slip,
         inner_ring_temperature=float(values[laws.INNER]),
         outer_ring_temperature=float(values[laws.OUTER]),

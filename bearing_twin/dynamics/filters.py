@@ -9,21 +9,30 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ['INTERNAL_RATE', 'decimator', 'oversampling', 'resonator']
+__all__ = ['STEP_RATE', 'decimator', 'oversampling', 'resonator', 'steps']
 
 FloatArray = npt.NDArray[np.float64]
 
-INTERNAL_RATE = 76800.0
-"""Lowest internal rate, Hz: the presets at 25 Hz are then within 0.1 % of an adaptive solver over
-a second, where 51.2 kHz is within 0.14 %."""
+STEP_RATE = 25600.0
+"""Lowest rate of the integrator's steps, Hz."""
 
 _LENGTH = 32
 """Length of the decimator in output samples: -6 dB at 0.5 of the output rate, -80 dB from 0.58."""
 
 
+def steps(sample_rate: float) -> int:
+    """Return the least steps of the integrator per output sample: at least `STEP_RATE`."""
+    return max(1, math.ceil(STEP_RATE / sample_rate - 1e-9))
+
+
 def oversampling(sample_rate: float) -> int:
-    """Return the internal steps per output sample: at least 2, and at least `INTERNAL_RATE`."""
-    return max(2, math.ceil(INTERNAL_RATE / sample_rate - 1e-9))
+    """
+    Return the samples that are taken of the sensor per output sample: three of each step.
+
+    Less would fold more of what lies above half the output rate into it: acceleration jumps where
+    contact damping begins to act.
+    """
+    return 3 * steps(sample_rate)
 
 
 def decimator(factor: int) -> FloatArray:
@@ -38,14 +47,14 @@ def decimator(factor: int) -> FloatArray:
     return np.asarray(taps / taps.sum())
 
 
-def resonator(frequency: float, damping: float, step: float) -> FloatArray:
+def resonator(frequency: float, damping: float, step: float, samples: int) -> FloatArray:
     """
     Exact discretisation of a sensor resonance driven by the housing's acceleration.
 
     ``z'' + 2 zeta w z' + w^2 z = -a`` for the sensor's mass relative to the housing; it senses
-    ``-(2 zeta w z' + w^2 z)``. The acceleration is the parabola through its values at the start,
-    middle and end of a step, which the integrator has at hand, so the only approximation is that
-    parabola.
+    ``-(2 zeta w z' + w^2 z)``. The acceleration is the cubic through its values and slopes at the
+    start and the end of a step, which the integrator has at hand, so the only approximation is
+    that cubic.
 
     Parameters
     ----------
@@ -54,31 +63,38 @@ def resonator(frequency: float, damping: float, step: float) -> FloatArray:
     damping
         Damping ratio.
     step
-        Internal step, s.
+        Step of the integrator, s.
+    samples
+        How often a step the sensor is read, the last time at its end.
 
     Returns
     -------
-    ndarray of shape (7, 2)
-        Rows 0-1 transition matrix, rows 2-4 input at start, middle, end, row 5 output of the
-        state, row 6 direct output.
+    ndarray of shape (2 + samples, 6)
+        Columns: both states ``w^2 z`` and ``w z'`` at the start, acceleration and ``step`` times
+        jerk at the start, then at the end. Rows: both states at the end, then what is read.
 
     """
-    table = np.zeros((7, 2))
-    if frequency == 0.0:
-        table[6, 0] = 1.0
-        return table
-    w = 2.0 * math.pi * frequency
-    # States w^2 z and w z', both accelerations, and the parabola's value, slope and curvature.
-    a = np.zeros((5, 5))
-    a[0, 1] = w * step
-    a[1, :3] = -w * step, -2.0 * damping * w * step, -w * step
-    a[2, 3] = a[3, 4] = 1.0
-    whole = _exponential(a)
-    table[:2] = whole[:2, :2]
-    # value u0; slope -3 u0 + 4 um - u1; curvature 4 u0 - 8 um + 4 u1.
-    from_values = np.array([[1.0, 0.0, 0.0], [-3.0, 4.0, -1.0], [4.0, -8.0, 4.0]])
-    table[2:5] = (whole[:2, 2:] @ from_values).T
-    table[5] = -1.0, -2.0 * damping
+    table = np.zeros((2 + samples, 6))
+    w = 2.0 * math.pi * frequency * step
+    # The states, then value, slope, curvature and third derivative of the acceleration.
+    a = np.zeros((6, 6))
+    a[0, 1] = w
+    a[1, :3] = -w, -2.0 * damping * w, -w
+    a[2, 3] = a[3, 4] = a[4, 5] = 1.0
+    from_ends = np.array(
+        [
+            [1.0, 0.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0, 0.0],
+            [-6.0, -4.0, 6.0, -2.0],
+            [12.0, 6.0, -12.0, 6.0],
+        ]
+    )
+    for k in range(1, samples + 1):
+        whole = _exponential(a * (k / samples))
+        whole = np.hstack([whole[:, :2], whole[:, 2:] @ from_ends])
+        table[1 + k] = whole[2] if frequency == 0.0 else -whole[0] - 2.0 * damping * whole[1]
+    if frequency:
+        table[:2] = whole[:2]
     return table
 
 

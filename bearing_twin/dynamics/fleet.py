@@ -10,7 +10,7 @@ import struct
 from typing import Any, TYPE_CHECKING
 import zlib
 
-from bearing_twin.dynamics import filters, kernel, laws
+from bearing_twin.dynamics import filters, laws, layout
 from bearing_twin.dynamics import fleet_kernel as fk
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.condition import Condition, condition
@@ -31,7 +31,7 @@ __all__ = ['Fleet', 'FleetBlock']
 FloatArray = npt.NDArray[np.float64]
 Array = npt.NDArray[Any]
 
-_MAGIC = b'BFleet\x00\x03'
+_MAGIC = b'BFleet\x00\x04'
 _FIELDS = struct.Struct('<dQIII')
 
 
@@ -91,6 +91,8 @@ class Fleet:
             msg = f'{len(seeds)} seeds for {size} bearings; give one a bearing'
             raise BearingTwinError(msg)
         self.next_sample = 0
+        self.sample_rate = float(sample_rate)
+        self._oversample = filters.oversampling(sample_rate)
         groups = -(-size // fk.L)
         n_balls = _even(max(p.bearing.n_balls for p in parameters))
         self._w = np.zeros((groups, fk.WORK_ROWS, fk.L), np.float32)
@@ -116,8 +118,6 @@ class Fleet:
                 shaft_hz=float(self._shaft_hz[source]),
             )
             self._place(index, simulator)
-        self.sample_rate = float(sample_rate)
-        self._oversample = filters.oversampling(sample_rate)
         taps = filters.decimator(self._oversample)
         self._delay = (len(taps) - 1) / 2.0 / self._oversample / self.sample_rate
         padded = np.concatenate([np.zeros(self._oversample - 1), taps])
@@ -159,6 +159,8 @@ class Fleet:
         was_outer, was_speed = self._temperatures, self._shaft_hz
         begin, end = self._values, self._values.copy()
         _evaluate_changed(self._law, was_outer, was_speed, outer, speed, end)
+        start = begin[:, : laws.INPUTS]
+        growth = end[:, : laws.INPUTS] - start
         out = np.empty((2, len(self._law), n), np.float32)
         first, done = self.next_sample, 0
         physical = self._law[:, laws.PHYSICAL] != 0.0
@@ -167,12 +169,8 @@ class Fleet:
             count = n - done
             if ticking:
                 count = min(count, self._tick - self.next_sample % self._tick)
-            ramp = np.stack(
-                [
-                    begin[:, : laws.INPUTS] + (end - begin)[:, : laws.INPUTS] * (at / n)
-                    for at in (done, done + count)
-                ]
-            )
+            at = np.array([done, done + count]) / n
+            ramp = start + growth * at[:, None, None]
             _advance_all(
                 self._w, self._balls, self._balls_in, self._phases, self._history, self._keys,
                 self._level, ramp, self._drift, self._taps, self._spalls_in, self._smooth_in,
@@ -222,22 +220,64 @@ class Fleet:
             )
             raise BearingTwinError(msg)
         _check_defects(index, parameters)
-        state = self._motion(index)
-        simulator = Simulator(
-            parameters,
-            sample_rate=self.sample_rate,
-            seed=int(self._keys[divmod(index, fk.L)]),
-            temperature=float(self._temperatures[index]),
-            shaft_hz=float(self._shaft_hz[index]),
-        )
-        group, lane = divmod(index, fk.L)
-        carried = parameters.thermal_mode == 'physical' and not math.isnan(self._rings[index, 0])
-        rings = (float(self._rings[index, 0]), float(self._rings[index, 1]))
-        simulator.adopt(state, self.next_sample, rings if carried else None)
+        simulator = self._simulator(index, parameters)
         self._parameters[index] = parameters
+        group, lane = divmod(index, fk.L)
         sensor = self._w[group, 16:20, lane].copy()
         self._place(index, simulator)
         self._w[group, 16:20, lane] = sensor
+
+    def extract(self, index: int) -> Simulator:
+        """
+        Return one bearing as a simulator: its motion, phases, temperatures and sample index.
+
+        The filters' memory, some ms, is not carried over.
+        """
+        self._check_index(index)
+        return self._simulator(index, self._parameters[index])
+
+    def place(self, index: int, simulator: Simulator) -> None:
+        """
+        Let one bearing go on from where a simulator is; the fleet's sample index runs on.
+
+        Raises
+        ------
+        BearingTwinError
+            If its parameters or sample rate are not those of this bearing.
+
+        """
+        self._check_index(index)
+        theirs, ours = simulator.parameters, self._parameters[index]
+        if (theirs, simulator.sample_rate) != (ours, self.sample_rate):
+            msg = f'a simulator of other parameters or rate cannot become bearing {index}'
+            raise BearingTwinError(msg)
+        inner = simulator.condition().inner_ring_temperature
+        self._temperatures[index] = simulator.temperature
+        self._shaft_hz[index] = simulator.shaft_hz
+        moved = self._fresh(index, ours, seed=simulator.snapshot().seed)
+        rings = (inner, inner) if ours.thermal_mode == 'physical' else None
+        moved.adopt(simulator.snapshot().state, self.next_sample, rings)
+        self._place(index, moved)
+        group, lane = divmod(index, fk.L)
+        self._w[group, 16:20, lane] = 0.0
+        self._history[group].reshape(self._oversample, -1, fk.L)[:, :, lane] = 0.0
+
+    def _simulator(self, index: int, parameters: TwinParameters) -> Simulator:
+        """Return one bearing with these parameters; the rings' temperatures go with the mode."""
+        carried = parameters.thermal_mode == 'physical' and not math.isnan(self._rings[index, 0])
+        rings = (float(self._rings[index, 0]), float(self._rings[index, 1]))
+        simulator = self._fresh(index, parameters, int(self._keys[divmod(index, fk.L)]))
+        simulator.adopt(self._motion(index), self.next_sample, rings if carried else None)
+        return simulator
+
+    def _fresh(self, index: int, parameters: TwinParameters, seed: int) -> Simulator:
+        return Simulator(
+            parameters,
+            sample_rate=self.sample_rate,
+            seed=seed,
+            temperature=float(self._temperatures[index]),
+            shaft_hz=float(self._shaft_hz[index]),
+        )
 
     def save(self) -> bytes:
         """Return the complete state of all bearings; it belongs to their parameters."""
@@ -339,16 +379,16 @@ class Fleet:
     def _motion(self, index: int) -> FloatArray:
         """State of one bearing in the layout of `kernel`."""
         group, lane = divmod(index, fk.L)
-        state = np.zeros(kernel.STATE_SIZE)
+        state = np.zeros(layout.STATE_SIZE)
         w, phases = self._w[group, :, lane], self._phases[group, :, lane]
         state[:16] = w[:16]
-        since = self.next_sample % kernel.CHUNK / self.sample_rate
-        state[kernel.CAGE : kernel.SPIN + 1] = (
+        since = self.next_sample % layout.CHUNK / self.sample_rate
+        state[layout.CAGE : layout.SPIN + 1] = (
             phases[:3] + since * phases[fk.PHASE_ROWS : fk.PHASE_ROWS + 3]
         ) % 1.0
-        angles = 2.0 * math.pi * state[[kernel.CAGE, kernel.SHAFT]]
-        state[[kernel.CAGE_COS, kernel.SHAFT_COS]] = np.cos(angles)
-        state[[kernel.CAGE_SIN, kernel.SHAFT_SIN]] = np.sin(angles)
+        angles = 2.0 * math.pi * state[[layout.CAGE, layout.SHAFT]]
+        state[[layout.CAGE_COS, layout.SHAFT_COS]] = np.cos(angles)
+        state[[layout.CAGE_SIN, layout.SHAFT_SIN]] = np.sin(angles)
         return state
 
     def _place(self, index: int, simulator: Simulator) -> None:
@@ -359,30 +399,31 @@ class Fleet:
         spalls = snapshot.defects
         w, const, state = self._w[group, :, lane], snapshot.const, snapshot.state
         w[:16] = state[:16]
-        table = snapshot.resonator
-        w[fk.CONSTANTS : fk.CONSTANTS + 22] = (
-            1.0 / const[kernel.MI], const[kernel.KI], const[kernel.CI], 1.0 / const[kernel.MO],
-            const[kernel.KO], const[kernel.CO], const[kernel.CB], const[kernel.UNBALANCE],
-            *table[:5].ravel(), *table[5], table[6, 0], p.bearing.n_balls,
+        step = 1.0 / (self.sample_rate * self._oversample)
+        table = filters.resonator(p.resonance_hz, p.resonance_damping, step, 1)
+        w[fk.CONSTANTS : fk.CONSTANTS + fk.CONSTANT_ROWS] = (
+            1.0 / const[layout.MI], const[layout.KI], const[layout.CI], 1.0 / const[layout.MO],
+            const[layout.KO], const[layout.CO], const[layout.CB], const[layout.UNBALANCE],
+            *table.ravel(), p.bearing.n_balls,
         )  # fmt: skip
-        w[fk.C], w[fk.S] = state[kernel.CAGE_COS], state[kernel.CAGE_SIN]
-        w[fk.CS], w[fk.SS] = state[kernel.SHAFT_COS], state[kernel.SHAFT_SIN]
+        w[fk.C], w[fk.S] = state[layout.CAGE_COS], state[layout.CAGE_SIN]
+        w[fk.CS], w[fk.SS] = state[layout.SHAFT_COS], state[layout.SHAFT_SIN]
         n = p.bearing.n_balls
         balls = self._balls[group, :, :, lane]
         balls[:] = (0.0, 0.0, 1.0)
         balls[:n] = snapshot.balls[:3, :n].T
         phases = self._phases[group, :, lane]
-        since = simulator.next_sample % kernel.CHUNK / simulator.sample_rate
+        since = simulator.next_sample % layout.CHUNK / simulator.sample_rate
         hz, slip = simulator.shaft_hz, snapshot.values[laws.SLIP]
         carried = hz * (1.0 - slip)
-        speeds = const[kernel.FTF_ORDER] * carried, hz, const[kernel.SPIN_ORDER] * carried
-        phases[:3] = state[kernel.CAGE : kernel.SPIN + 1] - since * np.array(speeds)
+        speeds = const[layout.FTF_ORDER] * carried, hz, const[layout.SPIN_ORDER] * carried
+        phases[:3] = state[layout.CAGE : layout.SPIN + 1] - since * np.array(speeds)
         phases[fk.FTF_ORDER], phases[fk.SPIN_ORDER] = (
-            const[kernel.FTF_ORDER],
-            const[kernel.SPIN_ORDER],
+            const[layout.FTF_ORDER],
+            const[layout.SPIN_ORDER],
         )
-        phases[fk.JITTER] = const[kernel.JITTER]
-        self._level[group, lane] = const[kernel.NOISE_STD]
+        phases[fk.JITTER] = const[layout.JITTER]
+        self._level[group, lane] = const[layout.NOISE_STD]
         self._keys[group, lane] = snapshot.seed
         for slot in range(fk.MAX_SPALLS):
             row = spalls[slot] if slot < len(spalls) else None
@@ -435,25 +476,25 @@ def _place_spall(
     phases[angle : angle + 4] = 0.0
     if row is None:
         return
-    place = row[kernel.PLACE]
+    place = row[layout.PLACE]
     on_ball = place == 2.0
-    radius = const[kernel.R_INNER] if place == 0.0 else const[kernel.R_OUTER]
+    radius = const[layout.R_INNER] if place == 0.0 else const[layout.R_OUTER]
     w[at + fk.U_SCALE] = 2.0 if on_ball else n_balls
     w[at + fk.METRES] = (
-        0.5 * math.pi * const[kernel.D_BALL] if on_ball else 2.0 * math.pi * radius / n_balls
+        0.5 * math.pi * const[layout.D_BALL] if on_ball else 2.0 * math.pi * radius / n_balls
     )
-    w[at + fk.FIXED] = row[kernel.BALL] if on_ball else -1.0
-    inner, outer = row[kernel.PATH_INNER], row[kernel.PATH_OUTER]
-    w[at + fk.ONLY] = row[kernel.BALL] if place == 3.0 else -1.0
+    w[at + fk.FIXED] = row[layout.BALL] if on_ball else -1.0
+    inner, outer = row[layout.PATH_INNER], row[layout.PATH_OUTER]
+    w[at + fk.ONLY] = row[layout.BALL] if place == 3.0 else -1.0
     w[at + fk.EVEN] = outer if place in (1.0, 3.0) else inner
     w[at + fk.ODD] = outer
-    w[at + fk.KIND] = row[kernel.PROFILE]
-    if row[kernel.PROFILE] == 1.0:  # a rectangle is a path of endless curvature
+    w[at + fk.KIND] = row[layout.PROFILE]
+    if row[layout.PROFILE] == 1.0:  # a rectangle is a path of endless curvature
         w[at + fk.EVEN] = w[at + fk.ODD] = 1e30
-    w[at + fk.HALF], w[at + fk.FULL] = row[kernel.HALF], row[kernel.FULL_DEPTH]
+    w[at + fk.HALF], w[at + fk.FULL] = row[layout.HALF], row[layout.FULL_DEPTH]
     # Cage, shaft and spin; an outer spall and a worn pocket follow the cage alone.
     follows = {0.0: (1.0, -1.0, 0.0), 2.0: (0.0, 0.0, 1.0)}.get(place, (1.0, 0.0, 0.0))
-    phases[angle : angle + 4] = row[kernel.ANGLE], *follows
+    phases[angle : angle + 4] = row[layout.ANGLE], *follows
 
 
 @compiled()

@@ -19,8 +19,8 @@ import math
 from typing import Any
 
 from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.kernel import CHUNK
 from bearing_twin.dynamics.laws import CLEARANCE, DEPTH, K_B, SHAFT_HZ, SLIP, SPRING
+from bearing_twin.dynamics.layout import CHUNK
 from bearing_twin.dynamics.random import NOISE, normal_pair, WALK
 import numpy as np
 import numpy.typing as npt
@@ -42,25 +42,25 @@ MAX_SPALLS = 4
 _Q, _V, _A, _J = 0, 4, 8, 12
 _ZX, _WX, _ZY, _WY = 16, 17, 18, 19
 STATE_ROWS = 20
-# Constants.
+# Constants: of the bearing; the three rows of the sensor's table, six each; balls.
 CONSTANTS = 20
-(
-    _LIGHT, _KI, _CI, _HEAVY, _KO, _CO, _CB, _UNBALANCE, _P00, _P01, _P10, _P11, _S0, _S1, _M0,
-    _M1, _E0, _E1, _O0, _O1, _OD, _Z,
-) = range(CONSTANTS, CONSTANTS + 22)  # fmt: skip
+_LIGHT, _KI, _CI, _HEAVY, _KO, _CO, _CB, _UNBALANCE = range(CONSTANTS, CONSTANTS + 8)
+_TO_Z, _TO_W, _READ = 28, 34, 40
+_Z = 46
+CONSTANT_ROWS = 27
 # What is prescribed: values at the grid point and growth per step, then at the step.
-_KB0, _KB1, _DEPTH0, _DEPTH1, _GAP0, _GAP1, _FOOT0, _FOOT1 = range(42, 50)
-C, S, _CD, _SD, CS, SS, _CSD, _SSD, _TURNING, _OMEGA, _PULL = range(50, 61)
-_KB, _FACTOR, _GAP, _FOOT = range(61, 65)
+_KB0, _KB1, _DEPTH0, _DEPTH1, _GAP0, _GAP1, _FOOT0, _FOOT1 = range(47, 55)
+C, S, _CD, _SD, CS, SS, _CSD, _SSD, _TURNING, _OMEGA, _PULL = range(55, 66)
+_KB, _FACTOR, _GAP, _FOOT = range(66, 70)
 # The relative motion that the balls feel, its velocity and acceleration as seen from the cage, and
 # the sums over the balls.
-_X, _Y, _VX, _VY, _UX, _UY, _BX, _BY = range(65, 73)
-_FX, _FY, _GX, _GY = range(73, 77)
+_X, _Y, _VX, _VY, _UX, _UY, _BX, _BY = range(70, 78)
+_FX, _FY, _GX, _GY = range(78, 82)
 # Predicted state: positions, velocities, accelerations.
-_QP, _VP, _AP = 77, 81, 85
+_QP, _VP, _AP = 82, 86, 90
 # Accelerations and jerks at the end of the step, and what the sensor gives.
-_AN, _JN, _OUT = 89, 93, 97
-SPALLS = 99
+_AN, _JN, _OUT = 94, 98, 102
+SPALLS = 104
 """First row of the spalls; each has `SPALL_ROWS`."""
 (
     U_SCALE, METRES, FIXED, EVEN, ODD, HALF, FULL, KIND, _U0, _DU, BALL, _TAKEN, _TAKEN_RATE, ONLY,
@@ -300,20 +300,25 @@ def _react(w):
 
 
 @compiled(inline=True, fast=FAST)
+def _weigh(w, row, i, z, v, a, j, a1, j1):
+    """One row of the sensor's table; see `filters.resonator`."""
+    return (
+        (w[row * L + i] * z + w[(row + 1) * L + i] * v)
+        + (w[(row + 2) * L + i] * a + w[(row + 3) * L + i] * j)
+        + (w[(row + 4) * L + i] * a1 + w[(row + 5) * L + i] * j1)
+    )
+
+
+@compiled(inline=True, fast=FAST)
 def _sense(w, axis, h):
-    """Sensor along one axis of the housing: the parabola through start, middle and end."""
-    eighth = _F(0.125) * h
+    """Sensor along one axis of the housing."""
     for i in range(L):
-        begin, end = w[(_A + 2 + axis) * L + i], w[(_AN + 2 + axis) * L + i]
-        middle = _HALF_ * (begin + end)
-        middle += eighth * (w[(_J + 2 + axis) * L + i] - w[(_JN + 2 + axis) * L + i])
+        a, a1 = w[(_A + 2 + axis) * L + i], w[(_AN + 2 + axis) * L + i]
+        j, j1 = h * w[(_J + 2 + axis) * L + i], h * w[(_JN + 2 + axis) * L + i]
         z, v = w[(_ZX + 2 * axis) * L + i], w[(_WX + 2 * axis) * L + i]
-        nz = w[_P00 * L + i] * z + w[_P01 * L + i] * v + w[_S0 * L + i] * begin
-        nv = w[_P10 * L + i] * z + w[_P11 * L + i] * v + w[_S1 * L + i] * begin
-        nz += w[_M0 * L + i] * middle + w[_E0 * L + i] * end
-        nv += w[_M1 * L + i] * middle + w[_E1 * L + i] * end
-        w[(_ZX + 2 * axis) * L + i], w[(_WX + 2 * axis) * L + i] = nz, nv
-        w[(_OUT + axis) * L + i] = w[_O0 * L + i] * nz + w[_O1 * L + i] * nv + w[_OD * L + i] * end
+        w[(_OUT + axis) * L + i] = _weigh(w, _READ, i, z, v, a, j, a1, j1)
+        w[(_ZX + 2 * axis) * L + i] = _weigh(w, _TO_Z, i, z, v, a, j, a1, j1)
+        w[(_WX + 2 * axis) * L + i] = _weigh(w, _TO_W, i, z, v, a, j, a1, j1)
 
 
 @compiled(fast=FAST)

@@ -21,24 +21,31 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['CONDITION_SIZE', 'evaluate', 'inner_temperature', 'law_table']
+__all__ = [
+    'CONDITION_SIZE',
+    'evaluate',
+    'inner_temperature',
+    'law_table',
+]
 
 FloatArray = npt.NDArray[np.float64]
 
 # What `evaluate` gives. The first six are what the kernel ramps.
 K_B, DEPTH, CLEARANCE, SHAFT_HZ, SLIP, SPRING = range(6)
 INPUTS = 6
-ALPHA, HARDNESS, FRICTION, BETA0, INNER, OUTER, VISCOSITY, KAPPA, MOMENT, LIFE = range(6, 16)
-CONDITION_SIZE = 16
+(
+    ALPHA, HARDNESS, FRICTION, BETA0, INNER, OUTER, VISCOSITY, KAPPA, MOMENT, LIFE, THERMAL_GAP,
+) = range(6, 17)  # fmt: skip
+CONDITION_SIZE = 17
 
 # What it takes: one row of constants a bearing.
 (
     PHYSICAL, K_B0, CLEARANCE0, LOAD, COMPLIANCE, N_BALLS, SLIP_MODEL, SLIP0, ALPHA_UNIT, EXPANDS,
-    DELTA_H, DELTA_MU, T0, H0, MU0, D_PITCH, D_BALL, ASTM_A, ASTM_B, REPLENISHMENT, BOUNDARY,
-    FILM, CONTAMINATION, ROLLING, SLIDING, RATING, LIMIT, CAPACITY, RING_TO_RING, RING_TO_SHAFT,
-    AMBIENT, SHAFT_RATIO,
-) = range(32)  # fmt: skip
-LAW_SIZE = 32
+    DELTA_H, DELTA_MU, T0, H0, MU0, D_PITCH, D_MEAN, SECTION, ASTM_A, ASTM_B, REPLENISHMENT,
+    BOUNDARY, FILM, CONTAMINATION, ROLLING, SLIDING, RATING, LIMIT, CAPACITY, RING_TO_RING,
+    RING_TO_SHAFT, AMBIENT, SHAFT_RATIO,
+) = range(33)  # fmt: skip
+LAW_SIZE = 33
 
 SLIP_MODELS = ('none', 'constant', 'mu_proportional')
 
@@ -62,11 +69,8 @@ def law_table(p: TwinParameters) -> FloatArray:
     row[PHYSICAL] = p.thermal_mode == 'physical'
     row[K_B0], row[CLEARANCE0], row[LOAD] = p.k_b0, p.clearance, p.load
     row[COMPLIANCE] = 1.0 / p.inner_stiffness + 1.0 / p.outer_stiffness
-    row[N_BALLS], row[D_PITCH], row[D_BALL] = (
-        p.bearing.n_balls,
-        p.bearing.d_pitch,
-        p.bearing.d_ball,
-    )
+    row[N_BALLS], row[D_PITCH] = p.bearing.n_balls, p.bearing.d_pitch
+    row[D_MEAN], row[SECTION] = p.bearing.mean_diameter, friction.section_height(p.bearing)
     row[SLIP_MODEL], row[SLIP0] = SLIP_MODELS.index(p.slip_model), p.slip
     row[ALPHA_UNIT], row[T0] = p.beta0.alpha_unit, p.beta0.reference_temperature
     row[[EXPANDS, DELTA_H, DELTA_MU, H0, MU0]] = p.beta0.weights
@@ -74,7 +78,9 @@ def law_table(p: TwinParameters) -> FloatArray:
     row[[ASTM_A, ASTM_B]] = oil.astm_constants
     row[REPLENISHMENT], row[CONTAMINATION] = oil.replenishment, oil.contamination
     row[BOUNDARY], row[FILM] = oil.boundary_friction, oil.film_friction
-    row[[ROLLING, SLIDING]] = friction.SERIES[p.friction_series]
+    row[[ROLLING, SLIDING]] = friction.SERIES[
+        p.friction_series or p.bearing.series or friction.UNKNOWN_SERIES
+    ]
     row[RATING] = p.dynamic_rating or life.dynamic_rating(p.bearing)
     row[LIMIT] = p.fatigue_limit or life.fatigue_limit(p.bearing)
     row[CAPACITY] = network.inner_capacity
@@ -89,7 +95,8 @@ def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatA
     Fill ``out`` (CONDITION_SIZE) for ring temperatures in degC and a shaft speed in Hz.
 
     In the paper's mode ``inner`` is not used, the ring temperatures are NaN, and the lubricant has
-    the one temperature measured.
+    the one temperature measured. In the physical mode the clearance that the equations use is
+    held inside the limits of `thermal.rings`; what the temperatures leave stands beside it.
     """
     alpha = np.interp(outer, gcr15.TEMPERATURES, gcr15.EXPANSION_TABLE) * law[ALPHA_UNIT]
     hardness = np.interp(outer, gcr15.TEMPERATURES, gcr15.HARDNESS_TABLE)
@@ -103,16 +110,16 @@ def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatA
         weights = (law[EXPANDS], law[DELTA_H], law[DELTA_MU], law[H0], law[MU0])
         factor = _beta0(outer - law[T0], alpha, hardness, mu, weights)
         out[K_B], out[DEPTH], out[BETA0] = factor * law[K_B0], factor, factor
-        out[CLEARANCE] = law[CLEARANCE0]
+        out[CLEARANCE] = out[THERMAL_GAP] = law[CLEARANCE0]
         # The paper knows one temperature; the lubricant, and with it the life, needs no more.
         out[INNER] = out[OUTER] = math.nan
         _lubricate(law, outer, outer, hz, out)
     else:
         out[DEPTH] = out[BETA0] = 1.0
         out[K_B] = law[K_B0] * _relative_modulus(0.5 * (inner + outer))
-        out[CLEARANCE] = law[CLEARANCE0] + _clearance_change(
-            inner, outer, law[T0], law[D_PITCH], law[D_BALL]
-        )
+        gap = law[CLEARANCE0] + _clearance_change(inner, outer, law[D_PITCH])
+        out[THERMAL_GAP] = gap
+        out[CLEARANCE] = min(max(gap, rings.CLEARANCE_LOW), rings.CLEARANCE_HIGH)
         out[INNER], out[OUTER] = inner, outer
         _lubricate(law, outer, inner, hz, out)
     out[SPRING] = spring_position(
@@ -125,11 +132,11 @@ def _lubricate(law: FloatArray, outer: float, inner: float, hz: float, out: Floa
     """Viscosity between the rings' temperatures, kappa, friction moment and life."""
     rpm = 60.0 * hz
     nu = _viscosity(0.5 * (inner + outer), law[ASTM_A], law[ASTM_B])
-    mu = _sliding_friction(rpm, nu, law[D_PITCH], law[BOUNDARY], law[FILM])
-    kappa = nu / _rated_viscosity(rpm, law[D_PITCH])
+    mu = _sliding_friction(rpm, nu, law[D_MEAN], law[BOUNDARY], law[FILM])
+    kappa = nu / _rated_viscosity(rpm, law[D_MEAN])
     out[VISCOSITY], out[KAPPA] = nu, kappa
     out[MOMENT] = _friction_moment(
-        rpm, nu, law[LOAD], law[D_PITCH], law[D_BALL], law[ROLLING], law[SLIDING],
+        rpm, nu, law[LOAD], law[D_MEAN], law[SECTION], law[ROLLING], law[SLIDING],
         law[REPLENISHMENT], mu,
     )  # fmt: skip
     factor = _life_factor(kappa, law[CONTAMINATION] * law[LIMIT] / law[LOAD])
@@ -140,7 +147,11 @@ def _lubricate(law: FloatArray, outer: float, inner: float, hz: float, out: Floa
 def inner_temperature(
     law: FloatArray, outer: float, inner: float, hz: float, duration: float
 ) -> float:
-    """Inner ring temperature after ``duration`` s, degC; the steady state if it is infinite."""
+    """
+    Inner ring temperature after ``duration`` s, degC; the steady state if it is infinite.
+
+    It is held inside the limits of `thermal.rings`.
+    """
     out = np.zeros(CONDITION_SIZE)
     start = inner if duration < math.inf else outer
     for _ in range(1 if duration < math.inf else 30):
@@ -157,4 +168,5 @@ def inner_temperature(
             if duration < math.inf
             else target
         )
+        start = min(max(start, rings.RING_LOW), rings.RING_HIGH)
     return start

@@ -5,16 +5,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-import math
 from types import MappingProxyType
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, find_bearing
-from bearing_twin.dynamics.parameters import Defect, PLACES, TwinParameters
+from bearing_twin.dynamics.defect_text import read_defects
+from bearing_twin.dynamics.parameters import TwinParameters
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from bearing_twin.dynamics.parameters import Profile
 
 __all__ = ['PRESETS', 'preset']
 
@@ -71,6 +73,7 @@ def preset(
     defect: str = 'inner',
     width: float | None = None,
     depth: float | None = None,
+    profile: Profile = 'ball',
     **overrides: Any,
 ) -> TwinParameters:
     """
@@ -83,9 +86,12 @@ def preset(
     bearing
         Bearing or its name in the catalogue.
     defect
-        ``'none'``, or places joined by '+', e.g. ``'inner'`` or ``'inner+ball'``.
+        ``'none'``, or places joined by '+', e.g. ``'inner'`` or ``'inner+ball'``; what differs
+        from place to place as in :func:`read_defects`.
     width, depth
-        Size of the defects, m; None: the preset's.
+        Size of the defects of which `defect` does not say it, m; None: the preset's.
+    profile
+        Path of a ball over them, as in :class:`Defect`.
     **overrides
         Any other field of :class:`TwinParameters`.
 
@@ -104,22 +110,14 @@ def preset(
     if unknown:
         msg = f'no parameter {unknown[0]!r}; choose from {", ".join(sorted(known))}'
         raise BearingTwinError(msg)
-    places = [] if defect in ('none', '') else defect.split('+')
-    defects = tuple(_defect(chosen, place, width, depth) for place in places)
+    defects = read_defects(
+        defect,
+        width=chosen.width if width is None else width,
+        depth=chosen.depth if depth is None else depth,
+        profile=profile,
+    )
     return TwinParameters(
         bearing=find_bearing(bearing) if isinstance(bearing, str) else bearing,
         defects=defects,
         **{**chosen.settings, **overrides},
-    )
-
-
-def _defect(chosen: _Preset, place: str, width: float | None, depth: float | None) -> Defect:
-    if place not in PLACES:
-        msg = f'no defect place {place!r}; choose none or one of {", ".join(PLACES)}'
-        raise BearingTwinError(msg)
-    return Defect(
-        place=place,
-        width=chosen.width if width is None else width,
-        depth=chosen.depth if depth is None else depth,
-        angle=-math.pi / 2 if place in ('outer', 'cage') else 0.0,
     )

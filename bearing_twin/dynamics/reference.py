@@ -14,7 +14,7 @@ import math
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders
-from bearing_twin.dynamics import filters, kernel, laws
+from bearing_twin.dynamics import filters, laws, layout
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.parameters import PLACES, PROFILES
 from bearing_twin.dynamics.simulator import Simulator
@@ -71,6 +71,7 @@ def solve(
             omega * orders.bsf, p.start_angle, bearing.d_ball, bearing.d_pitch,
             2.0 * math.pi * p.resonance_hz, p.resonance_damping, values[laws.K_B],
             values[laws.DEPTH], values[laws.CLEARANCE], values[laws.SPRING],
+            math.cos(bearing.contact_angle),
         ]
     )  # fmt: skip
     defects = np.array(
@@ -82,7 +83,7 @@ def solve(
     factor = filters.oversampling(sample_rate)
     times = np.arange(1, samples * factor + 1) / (sample_rate * factor)
     begin = np.zeros(12)
-    begin[:8] = snapshot.state[kernel.Q : kernel.A]
+    begin[:8] = snapshot.state[layout.Q : layout.A]
     tolerance = rtol * np.repeat([1e-5, 1e-2, 1e2], 4)
     solution = solve_ivp(
         _rates, (0.0, times[-1]), begin, method, times, rtol=rtol, atol=tolerance,
@@ -112,7 +113,11 @@ def _rates(
 ) -> FloatArray:
     """Time derivative of the 12 states: positions, velocities, sensor along x and y."""
     mi, ki, ci, mo, ko, co, cb, unbalance, omega, cage, spin = constants[:11]
-    begin, d, pitch, resonance, damping, kb, factor, clearance, foot = constants[11:]
+    begin, d, pitch, resonance, damping, kb, factor, clearance, foot, cosine = constants[11:]
+    # A spall opens a gap along the contact normal; measured along the radius it is larger.
+    factor /= cosine
+    inner, outer = 0.5 * (pitch - d * cosine), 0.5 * (pitch + d * cosine)
+    path_inner, path_outer = 1.0 / d + 0.5 * cosine / inner, 1.0 / d - 0.5 * cosine / outer
     x, y = state[0] - state[2], state[1] - state[3]
     vx, vy = state[4] - state[6], state[5] - state[7]
     fx = fy = 0.0
@@ -122,18 +127,16 @@ def _rates(
         for i in range(defects.shape[0]):
             place, profile, width, depth, where = defects[i, :5]
             if place == 0.0:
-                radius = 0.5 * (pitch - d)
-                along = _wrap(angle - begin - omega * t - where) * radius
-                gap += factor * _sag(profile, width, depth, 1.0 / d + 0.5 / radius, along)
+                along = _wrap(angle - begin - omega * t - where) * inner
+                gap += factor * _sag(profile, width, depth, path_inner, along)
             elif place == 1.0 or (place == 3.0 and defects[i, 5] == j):
-                radius = 0.5 * (pitch + d)
-                along = _wrap(angle - where) * radius
-                gap += factor * _sag(profile, width, depth, 1.0 / d - 0.5 / radius, along)
+                along = _wrap(angle - where) * outer
+                gap += factor * _sag(profile, width, depth, path_outer, along)
             elif place == 2.0 and defects[i, 5] == j:
                 along = _wrap(spin * t - where) * 0.5 * d
-                gap += factor * _sag(profile, width, depth, 1.0 / d + 1.0 / (pitch - d), along)
+                gap += factor * _sag(profile, width, depth, path_inner, along)
                 along = _wrap(spin * t - where - math.pi) * 0.5 * d
-                gap += factor * _sag(profile, width, depth, 1.0 / d - 1.0 / (pitch + d), along)
+                gap += factor * _sag(profile, width, depth, path_outer, along)
         c, s = math.cos(angle), math.sin(angle)
         delta = x * c + y * s - gap
         if delta > 0.0:

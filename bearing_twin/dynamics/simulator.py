@@ -10,9 +10,10 @@ import struct
 from typing import TYPE_CHECKING
 import zlib
 
-from bearing_twin.dynamics import filters, kernel, laws
+from bearing_twin.dynamics import filters, kernel, laws, layout
 from bearing_twin.dynamics.condition import Condition, condition
-from bearing_twin.dynamics.stability import check_step
+from bearing_twin.dynamics.parameters import MAX_SHAFT_HZ
+from bearing_twin.dynamics.stability import steps
 from bearing_twin.dynamics.statics import equilibrium
 from bearing_twin.dynamics.tables import ball_table, constants, defect_table
 from bearing_twin.errors import BearingTwinError
@@ -29,10 +30,14 @@ __all__ = ['Block', 'Simulator', 'warm_up']
 
 FloatArray = npt.NDArray[np.float64]
 
-MAX_SHAFT_HZ = 500.0
 _MAX_BLOCK = 1 << 24
+_MOST_TURNS = 1e3
+"""Phases are wrapped on the kernel's grid only; between two points of it they run on, and with
+jitter, of an almost standing shaft, back."""
+_LARGEST = 2.0**53
+"""Above everything in a state: the greatest is the integer whose bits are the loaded balls."""
 _FIELDS = struct.Struct('<dIQddI')
-_MAGIC = b'BTwin\x00\x03\x00'
+_MAGIC = b'BTwin\x00\x04\x00'
 _TICK = 0.1
 """Interval at which the inner ring's temperature is advanced, s; its time constant is seconds."""
 
@@ -59,7 +64,6 @@ class Snapshot:
     const: FloatArray
     defects: FloatArray
     balls: FloatArray
-    resonator: FloatArray
     law: FloatArray
     values: FloatArray
     drift: FloatArray
@@ -71,9 +75,12 @@ class Simulator:
     """
     Advances the equations of motion of one bearing and carries their state.
 
-    The equations run at 76.8 kHz or above with Hermite's method of order 4; the sensor's resonance
-    is applied there, then the signal is decimated. The decimator delays the signal by `delay`
-    against the condition: `Block.x` [k] shows what happened `delay` before its sample's time.
+    The equations are solved by Hermite's method of order 4 in steps of an output sample, or of
+    1/25600 s if that is less (a third of it above 30 Hz and for stiff rings), and in smaller ones
+    wherever contact or the path through a defect is
+    not smooth; the sensor's resonance is applied within them, then the signal is decimated. The
+    decimator delays the signal by `delay` against the condition: `Block.x` [k] shows what
+    happened `delay` before its sample's time.
 
     Inputs are ramped linearly over the block in which they are commanded, so that stiffness and
     defect depth follow the temperature without a step. With held inputs, splitting a block or
@@ -123,6 +130,11 @@ class Simulator:
         return self._parameters
 
     @property
+    def temperature(self) -> float:
+        """Temperature of the outer ring at the next sample, degC."""
+        return self._temperature
+
+    @property
     def shaft_hz(self) -> float:
         """Shaft speed at the next sample, Hz."""
         return self._shaft_hz
@@ -142,11 +154,11 @@ class Simulator:
         self.next_sample = 0
         self._temperature, self._shaft_hz = self._start
         self._history = np.zeros((2, len(self._taps) - self._oversample))
-        self._state = np.zeros(kernel.STATE_SIZE)
+        self._state = np.zeros(layout.STATE_SIZE)
         self._settle_ring()
         p, values = self._parameters, self._values
         turns = p.start_angle / (2.0 * math.pi) % 1.0
-        self._state[kernel.CAGE] = self._state[kernel.SHAFT] = turns
+        self._state[layout.CAGE] = self._state[layout.SHAFT] = turns
         compliance = 1.0 / p.inner_stiffness + 1.0 / p.outer_stiffness
         spring = values[laws.SPRING] + self._drift[0, laws.SPRING]
         clearance = values[laws.CLEARANCE] + self._drift[0, laws.CLEARANCE]
@@ -154,7 +166,7 @@ class Simulator:
         _, _, fx, fy = equilibrium(
             p.start_angle, spring, k_b, clearance, compliance, p.bearing.n_balls
         )
-        self._state[kernel.Q : kernel.V] = (
+        self._state[layout.Q : layout.V] = (
             -fx / p.inner_stiffness,
             spring - fy / p.inner_stiffness,
             fx / p.outer_stiffness,
@@ -205,19 +217,20 @@ class Simulator:
         begin, end = self._values, self._values
         if (temperature, shaft_hz) != was:
             end = self._evaluate(temperature, temperature, shaft_hz)
+        start = begin[: laws.INPUTS]
+        growth = end[: laws.INPUTS] - start
         out = np.empty((2, n), dtype=np.float32)
         first, done = self.next_sample, 0
         while done < n:
             count = n - done
             if self._parameters.thermal_mode == 'physical':
                 count = min(count, self.tick - self.next_sample % self.tick)
-            ramp = np.empty((2, laws.INPUTS))
-            for row, at in zip(ramp, (done, done + count), strict=True):
-                row[:] = begin[: laws.INPUTS] + (end - begin)[: laws.INPUTS] * (at / n)
+            ramp = start + growth * (np.array([[done], [done + count]]) / n)
             kernel.advance(
-                self._state, self._history, self._const, self._defects, self._balls, ramp,
-                self._drift, self._resonator, self._taps, self._parameters.bearing.n_balls,
-                self._seed, self.next_sample, self.next_sample % self.tick, self._oversample,
+                self._state, self._history, self._consts, self._defects, self._balls, ramp,
+                self._drift, self._long, self._short, self._taps, self._parameters.bearing.n_balls,
+                self._seed, self.next_sample, self.next_sample % self.tick, self._steps,
+                self._stiff,
                 out[:, done : done + count],
             )  # fmt: skip
             done += count
@@ -288,11 +301,11 @@ class Simulator:
             )
             raise BearingTwinError(msg)
         values = np.frombuffer(body, dtype='<f8').astype(float)
-        phases = values[kernel.CAGE : kernel.SPIN + 1]
-        moved, rings = values[kernel.Q : kernel.V], values[-2:]
-        bounded = np.isfinite(values).all() and np.abs(values).max() < 1e15
+        phases = values[layout.CAGE : layout.SPIN + 1]
+        moved, rings = values[layout.Q : layout.V], values[-2:]
+        bounded = np.isfinite(values).all() and np.abs(values).max() < _LARGEST
         bounded = bounded and np.abs(moved).max() < 1.0 and np.abs(rings).max() < 300.0
-        if not (bounded and (phases >= 0.0).all() and (phases < 2.0).all()):
+        if not (bounded and (np.abs(phases) < _MOST_TURNS).all()):
             msg = 'saved state holds values that no simulation reaches; start without it'
             raise BearingTwinError(msg)
         if not 0 <= next_sample < 2**62:
@@ -331,7 +344,6 @@ class Simulator:
             const=self._const,
             defects=self._defects,
             balls=self._balls,
-            resonator=self._resonator,
             law=self._law,
             values=self._values,
             drift=self._drift,
@@ -341,12 +353,25 @@ class Simulator:
 
     def _configure(self, parameters: TwinParameters) -> None:
         p = parameters
-        step = 1.0 / (self.sample_rate * self._oversample)
-        check_step(p, step)
+        # Long and short steps: one, or one for each sample that is taken of the sensor.
+        self._steps = filters.steps(self.sample_rate)
+        self._stiff = steps(p, self.sample_rate) > self._steps
+        numbers = self._steps, self._oversample
+        self._long, self._short = (
+            filters.resonator(
+                p.resonance_hz,
+                p.resonance_damping,
+                1.0 / (self.sample_rate * each),
+                self._oversample // each,
+            )
+            for each in numbers
+        )
+        self._consts = np.array(
+            [constants(p, self.sample_rate, each, snaps=not self._stiff) for each in numbers]
+        )
+        self._const = self._consts[0]
         self._parameters = p
         self._law = laws.law_table(p)
-        self._resonator = filters.resonator(p.resonance_hz, p.resonance_damping, step)
-        self._const = constants(p, self.sample_rate, self._oversample)
         self._defects = defect_table(p)
         self._balls = ball_table(p)
 
@@ -398,7 +423,8 @@ class Simulator:
 
     def _difference(self, outer: float, inner: float, shaft_hz: float) -> FloatArray:
         apart = self._evaluate(outer, inner, shaft_hz)
-        return (apart - self._evaluate(outer, outer, shaft_hz))[: laws.INPUTS]
+        alike = self._evaluate(outer, outer, shaft_hz)
+        return apart[: laws.INPUTS] - alike[: laws.INPUTS]
 
     def _inner_now(self) -> float:
         share = self.next_sample % self.tick / self.tick

@@ -4,20 +4,23 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.dynamics import laws
-from bearing_twin.dynamics.statics import contact, equilibrium
+from bearing_twin.dynamics import filters, laws
+from bearing_twin.dynamics.parameters import MAX_SHAFT_HZ
+from bearing_twin.dynamics.statics import contact, equilibrium, spring_position
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import TEMPERATURES
+from bearing_twin.thermal.rings import CLEARANCE_LOW
 import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['amplification', 'check_step', 'system_matrices']
+__all__ = ['amplification', 'check_step', 'steps', 'system_matrices']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -25,49 +28,81 @@ _OVERLOAD = 2.0
 """An impact may press the balls in four times as deep as the load does: twice the stiffness."""
 _LARGEST_STEP = 1.0
 """h |lambda| up to which a mode is resolved: the phase error of the scheme is then 0.1 % a rad."""
+_GOOD_STEP = 0.28
+"""h |lambda| up to which a step is not parted in three."""
 
 
 def system_matrices(
-    p: TwinParameters, contact_stiffness: FloatArray, loaded: float
+    p: TwinParameters, contact_stiffness: FloatArray, contact_damping: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """
     Return K and C of ``q'' = -K q - C q'`` for q = (x_i, y_i, x_o, y_o), 1/s^2 and 1/s.
 
-    ``contact_stiffness`` (2, 2), N/m, is that between the rings; ``loaded`` the balls whose
-    damping acts, taken as the same in both directions.
+    ``contact_stiffness``, N/m, and ``contact_damping``, N s/m, both (2, 2), act between the
+    rings: the sums over the loaded balls.
     """
     coupling = np.array([[1.0, -1.0], [-1.0, 1.0]])
     stiffness = np.kron(coupling, contact_stiffness)
     stiffness += np.diag([p.inner_stiffness] * 2 + [p.outer_stiffness] * 2)
-    damping = np.kron(coupling, p.contact_damping * loaded * np.eye(2))
+    damping = np.kron(coupling, contact_damping)
     damping += np.diag([p.inner_damping] * 2 + [p.outer_damping] * 2)
     light = np.array([1.0 / p.inner_mass] * 2 + [1.0 / p.outer_mass] * 2)[:, None]
     return light * stiffness, light * damping
 
 
-def amplification(stiffness: FloatArray, damping: FloatArray, h: float) -> FloatArray:
-    """Matrix that one step of `kernel` applies to (q, v, a, j) of a linear system."""
+def amplification(
+    stiffness: FloatArray, damping: FloatArray, h: float, *, snaps: bool = True
+) -> FloatArray:
+    """
+    Matrix that one step of `motion` applies to (q, v, a, j, snap) of a linear system.
+
+    With ``snaps`` the predictor takes the snap.
+    """
     n = len(stiffness)
     one, none = np.eye(n), np.zeros((n, n))
-    # Rows of the state; then predictor, evaluation and corrector as in `kernel`.
-    q, v, a, j = (np.hstack([one if i == k else none for i in range(4)]) for k in range(4))
-    ahead = a + h * j
-    faster = v + h * (a + 0.5 * h * j)
-    further = q + h * (v + 0.5 * h * (a + h / 3.0 * j))
+    # Rows of the state; then predictor, evaluation and corrector as in `motion`.
+    q, v, a, j, s = (np.hstack([one if i == k else none for i in range(5)]) for k in range(5))
+    ahead = a + h * (j + 0.5 * h * s)
+    faster = v + h * (a + 0.5 * h * (j + h / 3.0 * s))
+    further = q + h * (v + 0.5 * h * (a + h / 3.0 * (j + 0.25 * h * s)))
     a1 = -stiffness @ further - damping @ faster
     j1 = -stiffness @ faster - damping @ ahead
     v1 = v + 0.5 * h * (a + a1) + h * h / 12.0 * (j - j1)
     q1 = q + 0.5 * h * (v + v1) + h * h / 12.0 * (a - a1)
-    return np.vstack([q1, v1, a1, j1])
+    s1 = (6.0 / h**2 * (a - a1) + (2.0 * j + 4.0 * j1) / h) * snaps
+    return np.vstack([q1, v1, a1, j1, s1])
 
 
-def check_step(p: TwinParameters, h: float) -> None:
+def steps(p: TwinParameters, sample_rate: float) -> int:
+    """
+    Return the steps per output sample that resolve the fastest motion.
+
+    `filters.steps`, or three times as many for stiff or light rings.
+
+    Raises
+    ------
+    BearingTwinError
+        As `check_step`.
+
+    """
+    least = filters.steps(sample_rate)
+    fastest = max(mode for mode, _, _ in _motions(p, preloaded=False)[:2])
+    if fastest / (sample_rate * least) <= _GOOD_STEP:
+        with contextlib.suppress(BearingTwinError):
+            check_step(p, 1.0 / (sample_rate * least))
+            return least
+    check_step(p, 1.0 / (sample_rate * 3 * least), snaps=False)
+    return 3 * least
+
+
+def check_step(p: TwinParameters, h: float, *, snaps: bool = True) -> None:
     """
     Refuse parameters whose fastest motion a step of ``h`` seconds does not resolve.
 
     The equations are linearised at the load's equilibrium with the hottest contact stiffness, and
     without contact. The step has to resolve every mode, and to be stable even at `_OVERLOAD`
-    times the contact stiffness.
+    times the contact stiffness, or at that under the unbalance of the fastest shaft, which goes
+    with the cube root of the force.
 
     Raises
     ------
@@ -75,23 +110,11 @@ def check_step(p: TwinParameters, h: float) -> None:
         With the frequency of the fastest mode and what to change.
 
     """
-    row, out = laws.law_table(p), np.empty(laws.CONDITION_SIZE)
-    factors = []
-    for temperature in TEMPERATURES:
-        laws.evaluate(row, float(temperature), float(temperature), 25.0, out)
-        factors.append((float(out[laws.K_B]), float(out[laws.CLEARANCE]), float(out[laws.SPRING])))
-    k_b, clearance, spring = max(factors)
-    compliance = 1.0 / p.inner_stiffness + 1.0 / p.outer_stiffness
-    n = p.bearing.n_balls
-    x, y, _, _ = equilibrium(-math.pi / 2, spring, k_b, clearance, compliance, n)
-    _, _, kxx, kxy, kyy = contact(x, y, 0.0, -1.0, k_b, clearance, n)
-    touching = np.array([[kxx, kxy], [kxy, kyy]])
-    for scale, balls in ((0.0, 0.0), (1.0, 0.5 * n), (_OVERLOAD, 0.5 * n)):
-        stiffness, damping = system_matrices(p, scale * touching, balls)
-        whole = np.block([[np.zeros((4, 4)), np.eye(4)], [-stiffness, -damping]])
-        fastest = float(np.abs(np.linalg.eigvals(whole)).max())
-        radius = float(np.abs(np.linalg.eigvals(amplification(stiffness, damping, h))).max())
-        if radius > 1.0 + 1e-9 or (scale <= 1.0 and fastest * h > _LARGEST_STEP):
+    for index, (fastest, stiffness, damping) in enumerate(_motions(p, preloaded=True)):
+        radius = float(
+            np.abs(np.linalg.eigvals(amplification(stiffness, damping, h, snaps=snaps))).max()
+        )
+        if radius > 1.0 + 1e-9 or (index < 2 and fastest * h > _LARGEST_STEP):
             limit = _LARGEST_STEP / h / 2.0 / math.pi
             msg = (
                 f'the fastest motion of these parameters is at {fastest / 2.0 / math.pi:.0f} Hz, '
@@ -99,3 +122,36 @@ def check_step(p: TwinParameters, h: float) -> None:
                 'less stiffness or damping, or a higher sample rate'
             )
             raise BearingTwinError(msg)
+
+
+def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatArray, FloatArray]]:
+    """
+    Fastest mode, rad/s, and matrices of the equations without contact, at rest and overloaded.
+
+    With ``preloaded`` at the least clearance that ring temperatures may leave.
+    """
+    row, out = laws.law_table(p), np.empty(laws.CONDITION_SIZE)
+    factors = []
+    for temperature in TEMPERATURES:
+        laws.evaluate(row, float(temperature), float(temperature), 25.0, out)
+        factors.append((float(out[laws.K_B]), float(out[laws.CLEARANCE]), float(out[laws.SPRING])))
+    k_b, clearance, spring = max(factors)
+    if preloaded and p.thermal_mode == 'physical':
+        clearance = CLEARANCE_LOW
+        spring = spring_position(p.load, k_b, clearance, row[laws.COMPLIANCE], p.bearing.n_balls)
+    compliance = 1.0 / p.inner_stiffness + 1.0 / p.outer_stiffness
+    n = p.bearing.n_balls
+    x, y, _, _ = equilibrium(-math.pi / 2, spring, k_b, clearance, compliance, n)
+    _, _, kxx, kxy, kyy = contact(x, y, 0.0, -1.0, k_b, clearance, n)
+    touching = np.array([[kxx, kxy], [kxy, kyy]])
+    # Half of the balls bear, in all directions alike: more than do at rest.
+    damped = 0.5 * n * p.contact_damping * np.eye(2)
+    thrown = p.unbalance * (2.0 * math.pi * MAX_SHAFT_HZ) ** 2
+    overload = max(_OVERLOAD, (1.0 + thrown / p.load) ** (1.0 / 3.0))
+    motions = []
+    for scale in (0.0, 1.0, overload):
+        stiffness, damping = system_matrices(p, scale * touching, min(scale, 1.0) * damped)
+        whole = np.block([[np.zeros((4, 4)), np.eye(4)], [-stiffness, -damping]])
+        fastest = float(np.abs(np.linalg.eigvals(whole)).max())
+        motions.append((fastest, stiffness, damping))
+    return motions

@@ -3,36 +3,60 @@
 """
 Friction moment of a radially loaded deep groove ball bearing: the SKF model.
 
-SKF, Rolling bearings catalogue, "Bearing friction, power loss and starting torque". Plain
-functions of floats, so that the simulator can compile them.
+SKF, Rolling bearings, PUB BU/P1 10000/1 EN (2013), chapter "Friction": equations of the frictional
+moment, table 2a (deep groove ball bearings without axial load: G_rr = R1 d_m^1.96 F_r^0.54,
+G_sl = S1 d_m^-0.26 F_r^(5/3)), table 3 (R1, S1) and table 4 (K_Z). Plain functions of floats, so
+that the simulator can compile them.
 """
 
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-__all__ = ['SERIES', 'friction_moment', 'power_loss', 'sliding_friction']
+if TYPE_CHECKING:
+    from bearing_twin.bearing import Bearing
+
+__all__ = [
+    'SERIES',
+    'UNKNOWN_SERIES',
+    'friction_moment',
+    'power_loss',
+    'section_height',
+    'sliding_friction',
+]
 
 SERIES = {
     '60': (4.1e-7, 3.73e-3),
     '62': (3.9e-7, 3.23e-3),
     '63': (3.7e-7, 2.84e-3),
     '64': (3.6e-7, 2.43e-3),
+    '160': (4.3e-7, 4.63e-3),
+    '618': (4.7e-7, 6.50e-3),
 }
-"""Geometry constants R1 and S1 of the bearing series."""
+"""Geometry constants R1 and S1 of a bearing series."""
+UNKNOWN_SERIES = '62'
+"""Taken where a bearing names no series: R1 is off by 5 % and S1 by 15 % from '60' or '63'."""
 
 _K_Z = 3.1
-"""Design constant of single row deep groove ball bearings."""
+"""Geometry constant of single row deep groove ball bearings."""
 _SECTION = 3.3
 """(outside - bore) over ball diameter; 3.2 to 3.4 over the series 60, 62, 63."""
 
 
+def section_height(bearing: Bearing) -> float:
+    """Outside less bore diameter, m; estimated from the ball where they are not published."""
+    if bearing.bore is None or bearing.outside is None:
+        return _SECTION * bearing.d_ball
+    return bearing.outside - bearing.bore
+
+
 def sliding_friction(
-    speed_rpm: float, nu: float, d_pitch: float, boundary: float, film: float
+    speed_rpm: float, nu: float, mean_diameter: float, boundary: float, film: float
 ) -> float:
     """Sliding friction coefficient mu_sl between metallic contact and full film."""
     product = speed_rpm * nu * 1e6
-    weight = math.exp(-2.6e-8 * product**1.4 * d_pitch * 1e3)
+    weight = math.exp(-2.6e-8 * product**1.4 * mean_diameter * 1e3)
     return weight * boundary + (1.0 - weight) * film
 
 
@@ -40,8 +64,8 @@ def friction_moment(
     speed_rpm: float,
     nu: float,
     load: float,
-    d_pitch: float,
-    d_ball: float,
+    mean_diameter: float,
+    section: float,
     rolling: float,
     sliding: float,
     replenishment: float,
@@ -58,8 +82,8 @@ def friction_moment(
         Kinematic viscosity, m^2/s.
     load
         Radial load, N.
-    d_pitch, d_ball
-        Pitch and ball diameter, m.
+    mean_diameter, section
+        (bore + outside)/2 and outside - bore, m.
     rolling, sliding
         R1 and S1 of `SERIES`.
     replenishment
@@ -68,11 +92,10 @@ def friction_moment(
         Sliding friction coefficient.
 
     """
-    dm = d_pitch * 1e3
+    dm = mean_diameter * 1e3
     product = nu * 1e6 * speed_rpm
     inlet = 1.0 / (1.0 + 1.84e-9 * (speed_rpm * dm) ** 1.28 * (nu * 1e6) ** 0.64)
-    section = _SECTION * d_ball * 1e3
-    starved = math.exp(-replenishment * product * 2.0 * dm * math.sqrt(_K_Z / (2.0 * section)))
+    starved = math.exp(-replenishment * product * 2.0 * dm * math.sqrt(_K_Z / (2e3 * section)))
     rolled = inlet * starved * rolling * dm**1.96 * load**0.54 * product**0.6
     slid = mu * sliding * dm**-0.26 * load ** (5.0 / 3.0)
     return float(1e-3 * (rolled + slid))

@@ -24,30 +24,36 @@ __all__ = [
     'static_rating',
 ]
 
-_FC_GAMMA = (
-    0.05, 0.06, 0.07, 0.08, 0.09, 0.10, 0.12, 0.14, 0.16, 0.18, 0.20, 0.22, 0.24, 0.26, 0.28,
-    0.30, 0.32, 0.34, 0.36, 0.38, 0.40,
-)  # fmt: skip
 _FC = (
-    46.7, 49.1, 51.1, 52.8, 54.3, 55.5, 57.5, 58.8, 59.6, 59.9, 59.9, 59.6, 59.0, 58.2, 57.1,
-    56.0, 54.6, 53.2, 51.7, 50.0, 48.4,
+    29.1, 35.8, 40.3, 43.8, 46.7, 49.1, 51.1, 52.8, 54.3, 55.5, 56.6, 57.5, 58.2, 58.8, 59.3,
+    59.6, 59.8, 59.9, 60.0, 59.9, 59.8, 59.6, 59.3, 59.0, 58.6, 58.2, 57.7, 57.1, 56.6, 56.0,
+    55.3, 54.6, 53.9, 53.2, 52.4, 51.7, 50.9, 50.0, 49.2, 48.4,
 )  # fmt: skip
-"""f_c of ISO 281 for single row deep groove ball bearings over D_w cos(alpha) / D_pw."""
+"""f_c of ISO 281, table 2, for single row radial and angular contact groove ball bearings, at
+D_w cos(alpha) / D_pw = 0.01, 0.02 ... 0.40."""
 
-_F0_GAMMA = (
-    0.0, 0.02, 0.04, 0.06, 0.08, 0.09, 0.10, 0.12, 0.14, 0.16, 0.18, 0.20, 0.22, 0.24, 0.26, 0.28,
-    0.30,
-)  # fmt: skip
 _F0 = (
-    14.7, 15.1, 15.5, 15.9, 16.3, 16.5, 16.4, 15.9, 15.4, 14.9, 14.4, 14.0, 13.5, 13.0, 12.5, 12.1,
-    11.6,
+    14.7, 14.9, 15.1, 15.3, 15.5, 15.7, 15.9, 16.1, 16.3, 16.5, 16.4, 16.1, 15.9, 15.6, 15.4,
+    15.2, 14.9, 14.7, 14.4, 14.2, 14.0, 13.7, 13.5, 13.2, 13.0, 12.8, 12.5, 12.3, 12.1, 11.8,
+    11.6, 11.4, 11.2, 10.9, 10.7, 10.5, 10.3, 10.0, 9.8, 9.6, 9.4,
 )  # fmt: skip
-"""f_0 of ISO 76 for radial contact ball bearings over D_w cos(alpha) / D_pw."""
+"""f_0 of ISO 76, table 1, for radial and angular contact groove ball bearings, at
+D_w cos(alpha) / D_pw = 0, 0.01 ... 0.40."""
+
+
+def _looked_up(bearing: Bearing, table: tuple[float, ...], first: float) -> float:
+    """
+    Return the value of a table in steps of 0.01 of ``gamma`` by linear interpolation.
+
+    Beyond a table, where no ball bearing is made, its last value holds.
+    """
+    at = first + 0.01 * np.arange(len(table))
+    return float(np.interp(bearing.gamma, at, table))
 
 
 def dynamic_rating(bearing: Bearing) -> float:
     """Return the basic dynamic radial load rating C_r of a single row, N (ISO 281, 5.1)."""
-    f_c = float(np.interp(bearing.gamma, _FC_GAMMA, _FC))
+    f_c = _looked_up(bearing, _FC, 0.01)
     d = bearing.d_ball * 1e3
     size = d**1.8 if d <= 25.4 else 3.647 * d**1.4
     cos = math.cos(bearing.contact_angle)
@@ -56,7 +62,7 @@ def dynamic_rating(bearing: Bearing) -> float:
 
 def static_rating(bearing: Bearing) -> float:
     """Return the basic static radial load rating C_0r of a single row bearing, N (ISO 76, 5.1)."""
-    f_0 = float(np.interp(bearing.gamma, _F0_GAMMA, _F0))
+    f_0 = _looked_up(bearing, _F0, 0.0)
     size = (bearing.d_ball * 1e3) ** 2
     return f_0 * bearing.n_balls * size * math.cos(bearing.contact_angle)
 
@@ -71,7 +77,7 @@ def fatigue_limit(bearing: Bearing) -> float:
 
 def life_factor(kappa: float, contamination_load: float) -> float:
     """
-    Life modification factor a_ISO of radial ball bearings (ISO 281, 9.3.3.5), 0.1 to 50.
+    Life modification factor a_ISO of radial ball bearings (ISO 281, equations 31-33), 0.1 to 50.
 
     Parameters
     ----------

@@ -56,7 +56,9 @@ class Lubricant:
     boundary_friction, film_friction
         Sliding friction with metallic contact and on a full film: 0.12 and 0.05 (mineral oil).
     contamination
-        e_C of ISO 281: 1 extreme cleanliness, 0.5 normal, 0.1 severe contamination.
+        e_C of ISO 281, table 13, below 100 mm pitch diameter: 1 extreme cleanliness, 0.8 to 0.6
+        high, 0.6 to 0.5 normal, 0.5 to 0.3 slight, 0.3 to 0.1 typical, 0.1 to 0 severe
+        contamination.
 
     """
 

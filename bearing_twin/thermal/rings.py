@@ -10,11 +10,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
+from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
 __all__ = [
+    'CLEARANCE_HIGH',
+    'CLEARANCE_LOW',
     'EXPANSION_STEEL',
+    'NETWORK_RANGES',
+    'RING_HIGH',
+    'RING_LOW',
     'ThermalNetwork',
     'clearance_change',
     'inner_ring_step',
@@ -24,25 +34,38 @@ __all__ = [
 
 EXPANSION_STEEL = 12e-6
 """Linear thermal expansion coefficient of 100Cr6/GCr15, 1/K."""
+CLEARANCE_LOW, CLEARANCE_HIGH = -5e-6, 50e-6
+"""Radial clearance for which the model holds, m. Below, a bearing seizes: its heat and the
+yielding of rings that the model takes as rigid decide. Above, no ball bearing is fitted."""
+
+RING_LOW, RING_HIGH = -60.0, 250.0
+"""Temperatures of an inner ring that the laws of this room hold for, degC. Above, hardened
+steel tempers; a bearing that is heated so has left the clearance's limits long before."""
+
+NETWORK_RANGES: Mapping[str, tuple[float, float, str]] = MappingProxyType(
+    {
+        'inner_capacity': (0.1, 1e6, 'J/K'),
+        'outer_capacity': (0.1, 1e6, 'J/K'),
+        'ring_to_ring': (1e-3, 1e4, 'W/K'),
+        'ring_to_shaft': (1e-3, 1e4, 'W/K'),
+        'ring_to_ambient': (1e-3, 1e4, 'W/K'),
+        'ambient': (-40.0, 110.0, 'degC'),
+        'shaft_ratio': (0.0, 2.0, ''),
+    }
+)
+"""Least and greatest value and unit of the fields of `ThermalNetwork`."""
 
 
-def clearance_change(
-    inner: float, outer: float, reference: float, d_pitch: float, d_ball: float
-) -> float:
+def clearance_change(inner: float, outer: float, d_pitch: float) -> float:
     """
-    Change of the radial clearance (half the diametral one) against uniform ``reference``, m.
+    Change of the radial clearance (half the diametral one) against rings of one temperature, m.
 
-    ``dG_r = alpha [(D_p + d)(T_o - T0) - (D_p - d)(T_i - T0) - 2 d (T_b - T0)]`` is diametral;
-    the balls are taken midway between the rings. Harris and Kotzalas, Essential Concepts of
-    Bearing Technology, chapter 3.
+    ``dG_r = alpha [(D_p + d)(T_o - T0) - (D_p - d)(T_i - T0) - 2 d (T_b - T0)]`` is diametral
+    (Harris and Kotzalas, Essential Concepts of Bearing Technology, chapter 3). With the balls
+    midway between the rings, T_b = (T_i + T_o)/2, ball diameter and T0 cancel:
+    ``dG_r = alpha D_p (T_o - T_i)``.
     """
-    balls = 0.5 * (inner + outer)
-    diametral = EXPANSION_STEEL * (
-        (d_pitch + d_ball) * (outer - reference)
-        - (d_pitch - d_ball) * (inner - reference)
-        - 2.0 * d_ball * (balls - reference)
-    )
-    return 0.5 * diametral
+    return 0.5 * EXPANSION_STEEL * d_pitch * (outer - inner)
 
 
 def relative_modulus(temperature: float) -> float:
@@ -108,23 +131,22 @@ class ThermalNetwork:
     shaft_ratio: float = 1.1
 
     def __post_init__(self) -> None:
-        for name, low, high, unit in (
-            ('inner_capacity', 0.1, 1e6, 'J/K'),
-            ('outer_capacity', 0.1, 1e6, 'J/K'),
-            ('ring_to_ring', 1e-3, 1e4, 'W/K'),
-            ('ring_to_shaft', 1e-3, 1e4, 'W/K'),
-            ('ring_to_ambient', 1e-3, 1e4, 'W/K'),
-            ('ambient', -40.0, 110.0, 'degC'),
-            ('shaft_ratio', 0.0, 2.0, '(dimensionless)'),
-        ):
+        for name, (low, high, unit) in NETWORK_RANGES.items():
             value = getattr(self, name)
             if not low <= value <= high:
-                msg = f'{name}={value} is outside {low:g}..{high:g} {unit}'
+                msg = f'{name}={value} is outside {low:g}..{high:g} {unit}'.rstrip()
                 raise BearingTwinError(msg)
 
     def shaft(self, outer: float) -> float:
         """Shaft temperature, degC, at the outer ring temperature ``outer``."""
         return self.ambient + self.shaft_ratio * (outer - self.ambient)
+
+    def inner_excess(self, outer: float) -> float:
+        """Inner less outer ring temperature in the steady state without friction, K."""
+        return (
+            inner_ring_target(outer, self.shaft(outer), 0.0, self.ring_to_ring, self.ring_to_shaft)
+            - outer
+        )
 
     def unexplained_heat(self, inner: float, outer: float, rate: float, power: float) -> float:
         """

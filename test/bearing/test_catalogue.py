@@ -1,5 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
+import dataclasses
 import math
 
 from bearing_twin.bearing import (
@@ -10,6 +11,7 @@ from bearing_twin.bearing import (
     fault_orders,
     find_bearing,
     load_deflection_factor,
+    radial_factor,
 )
 from bearing_twin.bearing.hertz import elliptic_integrals
 from bearing_twin.errors import BearingTwinError
@@ -52,6 +54,12 @@ def test_every_row_has_a_source_and_is_found_in_any_case():
     for name, bearing in catalogue().items():
         assert bearing.source
         assert find_bearing(name.lower()) is bearing
+        assert bearing.element == ('roller' if name == 'ZA-2115' else 'ball')
+
+
+def test_mean_diameter():
+    assert find_bearing('6307-catalogue').mean_diameter == pytest.approx(57.5e-3)
+    assert find_bearing('NICE').mean_diameter == find_bearing('NICE').d_pitch
 
 
 def test_unknown_name_lists_close_ones():
@@ -70,12 +78,15 @@ def test_hertz_of_the_6307():
     )
 
 
+@pytest.mark.parametrize('angle', [0.0, 40.0])
 @pytest.mark.parametrize('race', ['inner', 'outer'])
-def test_hertz_against_contact_areas(race):
+def test_hertz_against_contact_areas(race, angle):
     """The semi-axes from a root of the curvature equation (Johnson, Contact Mechanics, 4.2)."""
-    bearing, conformity = find_bearing('6205'), 0.52
+    bearing = dataclasses.replace(find_bearing('6205'), contact_angle=math.radians(angle))
+    conformity = 0.52
     sign = 1.0 if race == 'inner' else -1.0
-    radius = 0.5 * (bearing.d_pitch - sign * bearing.d_ball)
+    # Of the cone that touches the race where the ball does.
+    radius = 0.5 * (bearing.d_pitch / math.cos(bearing.contact_angle) - sign * bearing.d_ball)
     r1 = 1.0 / (2.0 / bearing.d_ball + sign / radius)
     r2 = 1.0 / (2.0 / bearing.d_ball - 1.0 / (conformity * bearing.d_ball))
 
@@ -98,6 +109,19 @@ def test_hertz_against_contact_areas(race):
     assert got == pytest.approx(stiffness, rel=1e-6)
 
 
+@pytest.mark.parametrize('angle', [0.0, 15.0, 40.0])
+def test_radial_factor_is_the_derivative_of_the_contact_energy(angle):
+    bearing = dataclasses.replace(find_bearing('6205'), contact_angle=math.radians(angle))
+
+    def energy(displacement):
+        pressed = displacement * math.cos(bearing.contact_angle)
+        return 0.4 * load_deflection_factor(bearing) * pressed**2.5
+
+    x, h = 10e-6, 1e-9
+    force = (energy(x + h) - energy(x - h)) / (2.0 * h)
+    assert radial_factor(bearing) * x**1.5 == pytest.approx(force, rel=1e-6)
+
+
 def test_stiffness_scales_with_the_modulus():
     bearing = find_bearing('6205')
     ratio = load_deflection_factor(bearing, young=104e9) / load_deflection_factor(bearing)
@@ -105,7 +129,17 @@ def test_stiffness_scales_with_the_modulus():
 
 
 @pytest.mark.parametrize(
-    'changes', [{'n_balls': 2}, {'d_ball': 14.0}, {'d_ball': 0.03}, {'contact_angle': 2.0}]
+    'changes',
+    [
+        {'n_balls': 2},
+        {'d_ball': 14.0},
+        {'d_ball': 0.03},
+        {'contact_angle': 2.0},
+        {'element': 'needle'},
+        {'rows': 3},
+        {'bore': 0.05},
+        {'outside': 0.07},
+    ],
 )
 def test_impossible_geometry_is_refused(changes):
     good = {'name': 'x', 'n_balls': 8, 'd_ball': 0.014, 'd_pitch': 0.0575}

@@ -3,15 +3,13 @@
 import dataclasses
 import math
 
-from bearing_twin.bearing import catalogue
-from bearing_twin.dynamics import Defect, Fleet, preset, PRESETS, Simulator, TwinParameters
+from bearing_twin.bearing import Bearing
+from bearing_twin.dynamics import Fleet, preset, PRESETS, Simulator
 from bearing_twin.dynamics.reference import solve
 from bearing_twin.dynamics.statics import contact
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import Beta0
 from bearing_twin.thermal.rings import ThermalNetwork
-from hypothesis import given, HealthCheck, settings
-from hypothesis import strategies as st
 import numpy as np
 import pytest
 from scipy.signal import hilbert
@@ -47,9 +45,9 @@ def test_agrees_with_an_adaptive_solver(parameters):
     reference = solve(parameters, samples, temperature=60.0, shaft_hz=30.0)
     block = Simulator(parameters, temperature=60.0, shaft_hz=30.0).advance(samples, 60.0, 30.0)
     expected = np.array([reference.x, reference.y])
-    assert relative(np.array([block.x, block.y]), expected) < 2e-3
+    assert relative(np.array([block.x, block.y]), expected) < 1e-3
     fleet = Fleet([parameters], temperatures=60.0, shaft_hz=30.0).advance(samples, 60.0, 30.0)
-    assert relative(np.array([fleet.x[0], fleet.y[0]]), expected) < 2.5e-3
+    assert relative(np.array([fleet.x[0], fleet.y[0]]), expected) < 1e-3
 
 
 # --- closed forms ------------------------------------------------------------------------------
@@ -125,69 +123,7 @@ def test_unbalance_alone_moves_the_rotor_at_shaft_speed_with_its_force():
     assert line == pytest.approx(expected, rel=0.1)
 
 
-# --- splitting, saving, determinism ------------------------------------------------------------
-
-place = st.sampled_from(['inner', 'outer', 'ball', 'cage'])
-defects = st.lists(
-    st.builds(
-        Defect,
-        place=place,
-        width=st.floats(0.1e-3, 1.5e-3),
-        depth=st.floats(0.0, 40e-6),
-        angle=st.floats(-3.0, 3.0),
-        ball=st.integers(0, 7),
-        profile=st.sampled_from(['ball', 'rect', 'halfsine', 'smooth']),
-    ),
-    max_size=3,
-)
-parameter_space = st.builds(
-    TwinParameters,
-    bearing=st.sampled_from([catalogue()[name] for name in ('6307', '6205', 'ZA-2115')]),
-    thermal_mode=st.sampled_from(['paper', 'physical']),
-    defects=defects.map(tuple),
-    load=st.floats(50.0, 5000.0),
-    clearance=st.floats(0.0, 15e-6),
-    contact_damping=st.floats(0.0, 1500.0),
-    inner_mass=st.floats(1.0, 50.0),
-    outer_mass=st.floats(3.0, 20.0),
-    unbalance=st.floats(0.0, 2.5e-3),
-    slip_model=st.sampled_from(['none', 'constant', 'mu_proportional']),
-    jitter=st.floats(0.0, 0.02),
-    noise=st.floats(0.0, 1.0),
-    resonance_hz=st.sampled_from([0.0, 1500.0, 6000.0, 11000.0]),
-)
-many = settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
-)
-
-
-@many
-@given(
-    parameters=parameter_space,
-    temperature=st.floats(20.0, 110.0),
-    hz=st.floats(0.0, 100.0),
-    cuts=st.lists(st.integers(1, 699), max_size=4),
-)
-def test_any_block_splitting_and_restoring_gives_the_same_bits(parameters, temperature, hz, cuts):
-    whole = Simulator(parameters, seed=3, temperature=temperature, shaft_hz=hz)
-    cut = Simulator(parameters, seed=3, temperature=temperature, shaft_hz=hz)
-    # A commanded change first, so that a thermal drift is under way.
-    for simulator in (whole, cut):
-        simulator.advance(2300, min(temperature + 5.0, 110.0), hz)
-    expected = whole.advance(700, min(temperature + 5.0, 110.0), hz)
-    assert np.isfinite(expected.x).all()
-    assert np.abs(expected.y).max() < 1e5
-    parts = []
-    for begin, end in zip([0, *sorted(set(cuts))], [*sorted(set(cuts)), 700], strict=True):
-        parts.append(cut.advance(end - begin, min(temperature + 5.0, 110.0), hz))
-        data = cut.save()
-        cut = Simulator(parameters)
-        cut.load(data)
-    for axis in ('x', 'y'):
-        assert np.array_equal(
-            np.concatenate([getattr(part, axis) for part in parts]), getattr(expected, axis)
-        )
-    assert cut.save() == whole.save()
+# --- determinism, damaged states ---------------------------------------------------------------
 
 
 def test_seed_decides_the_noise_and_nothing_else_does():
@@ -217,6 +153,32 @@ def test_damaged_state_is_refused_and_changes_nothing(keep):
 # --- inputs ------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize('n_balls', [50, 60, 100])
+def test_a_state_with_many_balls_is_taken_up_to_the_bit(n_balls):
+    bearing = Bearing(name='slewing', n_balls=n_balls, d_ball=8e-3, d_pitch=0.3)
+    parameters = quiet(bearing=bearing, defect='outer', load=2000.0)
+    # So slow that the first balls and the last ones stay those that bear the load.
+    whole, cut = (Simulator(parameters, shaft_hz=1.0) for _ in range(2))
+    expected = whole.advance(600, 20.0, 1.0)
+    first = cut.advance(250, 20.0, 1.0)
+    again = Simulator(parameters)
+    again.load(cut.save())
+    assert np.array_equal(np.append(first.y, again.advance(350, 20.0, 1.0).y), expected.y)
+    assert again.save() == whole.save()
+    forces = whole.condition().ball_force
+    assert forces[0] > 0.0
+    assert forces[-1] > 0.0
+
+
+@pytest.mark.parametrize('n_balls', [53, 60, 100])
+def test_many_balls_agree_with_an_adaptive_solver(n_balls):
+    bearing = Bearing(name='slewing', n_balls=n_balls, d_ball=8e-3, d_pitch=0.3)
+    parameters = quiet(bearing=bearing, defect='outer', load=2000.0, slip_model='none')
+    reference = solve(parameters, 1280, temperature=20.0, shaft_hz=5.0)
+    block = Simulator(parameters, shaft_hz=5.0).advance(1280, 20.0, 5.0)
+    assert relative(np.array([block.x, block.y]), np.array([reference.x, reference.y])) < 2e-3
+
+
 @pytest.mark.parametrize('temperature', [19.9, 110.1, math.nan, math.inf])
 def test_the_equations_never_see_a_bad_temperature(temperature):
     simulator = Simulator(preset('incipient'))
@@ -238,22 +200,9 @@ def test_a_temperature_step_is_a_ramp_over_its_block():
 
 
 @pytest.mark.parametrize(
-    'changes',
-    [
-        {'load': 1.0},
-        {'clearance': math.nan},
-        {'noise': -1.0},
-        {'thermal_mode': 'magic'},
-        {'slip_model': 'some'},
-        {'width': 9e-3},
-        {'defect': 'inner+roof'},
-        {'bearing': '6307x'},
-        {'friction_series': '99'},
-        {'unknown': 1.0},
-        {'resonance_hz': 20e3},
-    ],
+    'changes', [{'width': 9e-3}, {'defect': 'inner+roof'}, {'bearing': '6307x'}, {'unknown': 1.0}]
 )
-def test_what_leaves_the_validity_is_refused(changes):
+def test_a_preset_refuses_what_it_does_not_know(changes):
     with pytest.raises(BearingTwinError):
         preset('incipient', **changes)
 
@@ -389,12 +338,15 @@ def test_no_life_where_the_standard_makes_no_statement():
     assert math.isnan(slow.life_hours)
 
 
-def test_slip_is_refused_where_friction_would_make_it_absurd():
-    with pytest.raises(BearingTwinError, match='highest friction'):
-        quiet(slip=0.05)
+@pytest.mark.parametrize('profile', ['rect', 'halfsine', 'smooth'])
+def test_a_preset_takes_the_profiles_of_the_literature(profile):
+    ball, other = (
+        Simulator(quiet(profile=p)).advance(5120, 20.0, 25.4).y for p in ('ball', profile)
+    )
+    assert relative(other, ball) > 0.1
 
 
-# --- presets, fleet ----------------------------------------------------------------------------
+# --- presets -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize('name', list(PRESETS))
@@ -411,92 +363,3 @@ def test_fault_injected_while_running_is_there_at_once():
     assert spalled.first_sample == 5120
     assert spalled.y.std() > 5.0 * healthy.std()
     assert np.abs(spalled.y[:20]).max() < 10.0  # carried on, not started anew
-
-
-def test_fleet_is_many_simulators():
-    parameters = [
-        preset('incipient'),
-        preset('extended', defect='outer'),
-        preset('incipient', defect='inner+ball+cage', unbalance=1e-3),
-        preset('incipient', bearing='6205', thermal_mode='physical'),
-    ]
-    parameters += [
-        dataclasses.replace(
-            parameters[0],
-            defects=(dataclasses.replace(parameters[0].defects[0], profile=profile),),
-        )
-        for profile in ('halfsine', 'smooth')
-    ]
-    temperatures = np.linspace(30.0, 80.0, len(parameters))
-    speeds = np.linspace(15.0, 30.0, len(parameters))
-    fleet = Fleet(parameters, temperatures=temperatures, shaft_hz=speeds)
-    blocks = [fleet.advance(2048, temperatures + k, speeds) for k in range(3)]
-    for index, single in enumerate(parameters):
-        simulator = Simulator(
-            single, seed=index, temperature=temperatures[index], shaft_hz=speeds[index]
-        )
-        for k, block in enumerate(blocks):
-            expected = simulator.advance(2048, temperatures[index] + k, speeds[index])
-            assert relative(block.y[index], expected.y) < 2e-3
-        ours, theirs = fleet.condition(index), expected.condition
-        assert ours.k_b == pytest.approx(theirs.k_b, rel=1e-9)
-        assert ours.cage_angle == pytest.approx(theirs.cage_angle, abs=1e-5)
-        assert ours.ball_force.sum() == pytest.approx(theirs.ball_force.sum(), rel=0.02)
-
-
-@pytest.mark.parametrize('mode', ['paper', 'physical'])
-def test_fleet_splitting_and_restoring_gives_the_same_bits(mode):
-    def build():
-        return Fleet(
-            [preset('incipient', thermal_mode=mode), preset('extended', defect='ball+outer')] * 9
-        )
-
-    whole, cut = build(), build()
-    for fleet in (whole, cut):
-        fleet.advance(2500, 40.0, 26.0)
-    expected = whole.advance(700, 40.0, 26.0)
-    parts = []
-    for n in (1, 300, 31, 368):
-        parts.append(cut.advance(n, 40.0, 26.0).x)
-        data = cut.save()
-        cut = build()
-        cut.load(data)
-    assert np.array_equal(np.concatenate(parts, axis=1), expected.x)
-    assert cut.save() == whole.save()
-    with pytest.raises(BearingTwinError):
-        cut.load(data[:-1])
-
-
-def test_fleet_carries_the_inner_ring_and_refuses_without_a_trace():
-    parameters = preset('incipient', thermal_mode='physical')
-    fleet, single = Fleet([parameters] * 2), Simulator(parameters)
-    fleet.advance(5120, 90.0, 25.4)
-    single.advance(5120, 90.0, 25.4)
-    worn = preset('incipient', thermal_mode='physical', width=1.2e-3)
-    fleet.reconfigure(1, worn)
-    single.reconfigure(worn)
-    for _ in range(2):
-        ours, theirs = fleet.condition(1), single.condition()
-        assert ours.inner_ring_temperature == pytest.approx(theirs.inner_ring_temperature)
-        assert ours.radial_clearance == pytest.approx(theirs.radial_clearance)
-        fleet.advance(5120, 90.0, 25.4)
-        single.advance(5120, 90.0, 25.4)
-    before = fleet.save(), fleet.parameters
-    with pytest.raises(BearingTwinError, match='5 defects'):
-        fleet.reconfigure(0, dataclasses.replace(parameters, defects=parameters.defects * 5))
-    with pytest.raises(BearingTwinError, match='Hz'):
-        fleet.reconfigure(0, dataclasses.replace(parameters, inner_mass=0.1, outer_mass=0.1))
-    assert (fleet.save(), fleet.parameters) == before
-    with pytest.raises(BearingTwinError, match='thermal modes'):
-        Fleet([preset('incipient')] * 2).load(before[0])
-
-
-def test_fleet_reconfigures_one_bearing_and_leaves_the_others():
-    healthy = preset('incipient', defect='none')
-    fleet, other = Fleet([healthy] * 3), Fleet([healthy] * 3)
-    for each in (fleet, other):
-        each.advance(2048, 20.0, 25.4)
-    fleet.reconfigure(1, preset('incipient'))
-    changed, same = fleet.advance(4096, 20.0, 25.4), other.advance(4096, 20.0, 25.4)
-    assert np.array_equal(changed.y[[0, 2]], same.y[[0, 2]])
-    assert changed.y[1].std() > 5.0 * same.y[1].std()

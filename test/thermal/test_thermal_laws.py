@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 import math
 
-from bearing_twin.bearing import find_bearing
+from bearing_twin.bearing import Bearing, find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal import friction, gcr15, life, lubricant, rings
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
 
 RPM = 1524.0
 
@@ -83,8 +85,9 @@ def test_friction_moment_of_the_6307():
     nu = lubricant.Lubricant().viscosity(110.0)
     mu = friction.sliding_friction(RPM, nu, bearing.d_pitch, 0.12, 0.05)
     moment = friction.friction_moment(
-        RPM, nu, 500.0, bearing.d_pitch, bearing.d_ball, *friction.SERIES['63'], 3e-8, mu
-    )
+        RPM, nu, 500.0, bearing.mean_diameter, friction.section_height(bearing),
+        *friction.SERIES[bearing.series], 3e-8, mu,
+    )  # fmt: skip
     assert moment == pytest.approx(10e-3, rel=0.05)
     assert friction.power_loss(moment, RPM) == pytest.approx(
         1.05e-4 * moment * 1e3 * RPM, rel=0.01
@@ -92,9 +95,25 @@ def test_friction_moment_of_the_6307():
 
 
 def test_clearance_closes_by_7_um_for_10_kelvin():
-    change = rings.clearance_change(30.0, 20.0, 20.0, 0.0575, 0.014)
+    change = rings.clearance_change(30.0, 20.0, 0.0575)
     assert 2.0 * change == pytest.approx(-6.9e-6, abs=1e-7)
-    assert rings.clearance_change(80.0, 80.0, 20.0, 0.0575, 0.014) == pytest.approx(0.0, abs=1e-18)
+    assert rings.clearance_change(80.0, 80.0, 0.0575) == 0.0
+
+
+@pytest.mark.parametrize(('inner', 'outer'), [(95.0, 80.0), (25.0, 60.0)])
+def test_clearance_is_what_the_expanded_parts_leave(inner, outer):
+    """Each part grown by itself: bore of the outer race, inner race, two balls."""
+
+    def gap(inner, outer):
+        def grown(size, temperature):
+            return size * (1.0 + 12e-6 * (temperature - 20.0))
+
+        return (
+            grown(0.0715, outer) - grown(0.0435, inner) - grown(2 * 0.014, 0.5 * (inner + outer))
+        )
+
+    expected = 0.5 * (gap(inner, outer) - gap(20.0, 20.0))
+    assert rings.clearance_change(inner, outer, 0.0575) == pytest.approx(expected, rel=1e-6)
 
 
 def test_inner_ring_step_is_the_exact_solution():
@@ -131,6 +150,45 @@ def test_ratings_are_those_of_the_catalogues(name, dynamic, static):
     bearing = find_bearing(name)
     assert life.dynamic_rating(bearing) == pytest.approx(dynamic, rel=0.01)
     assert life.static_rating(bearing) == pytest.approx(static, rel=0.01)
+
+
+@pytest.mark.parametrize('g', [0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4])
+def test_dynamic_rating_against_the_formula_behind_its_table(g):
+    """Palmgren and Lundberg, as in ISO/TR 1281-1: grooves of 0.52, factor 0.95 in 39.9."""
+    bearing = Bearing(name='x', n_balls=3, d_ball=0.1 * g, d_pitch=0.1)
+    both = (1.0 + (1.04 * ((1.0 - g) / (1.0 + g)) ** 1.72) ** (10 / 3)) ** -0.3
+    f_c = 0.95 * 39.9 * both * g**0.3 * (1.0 - g) ** 1.39 / (1.0 + g) ** (1 / 3) * 26.0**0.41
+    expected = 1.3 * f_c * 3.0 ** (2 / 3) * (100.0 * g) ** (1.8 if g < 0.254 else 1.4)
+    expected *= 1.0 if g < 0.254 else 3.647
+    assert life.dynamic_rating(bearing) == pytest.approx(expected, rel=0.015)
+
+
+def peak_pressure(bearing, race, conformity, load):
+    """Hertz pressure, Pa, of a ball on a race, from the roots of the curvature equation."""
+    sign = 1.0 if race == 'inner' else -1.0
+    rolling = 2.0 / bearing.d_ball + 2.0 * sign / (bearing.d_pitch - sign * bearing.d_ball)
+    groove = 2.0 / bearing.d_ball - 1.0 / (conformity * bearing.d_ball)
+
+    def excess(e2):
+        k, e = ellipk(e2), ellipe(e2)
+        return (e / (1.0 - e2) - k) / (k - e) - rolling / groove
+
+    e2 = brentq(excess, 1e-6, 1.0 - 1e-9)
+    ratio = math.sqrt(1.0 - e2)
+    reduced = 1.0 / (2.0 * (1.0 - 0.3**2) / 207e9)
+    # Johnson, Contact Mechanics, 4.2: sum of the curvatures against the long semi-axis.
+    total = rolling + groove
+    long = (3.0 * load * ellipe(e2) / (math.pi * ratio**2 * reduced * total)) ** (1 / 3)
+    return 1.5 * load / (math.pi * ratio * long**2)
+
+
+@pytest.mark.parametrize('g', [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4])
+def test_static_rating_presses_the_hottest_contact_with_4200_mpa(g):
+    """The definition of ISO 76, 3.1: the most loaded ball carries 5/Z of the load."""
+    bearing = Bearing(name='x', n_balls=7, d_ball=0.05 * g, d_pitch=0.05)
+    load = 5.0 / 7.0 * life.static_rating(bearing)
+    pressed = [peak_pressure(bearing, *race, load) for race in (('inner', 0.52), ('outer', 0.53))]
+    assert max(pressed) == pytest.approx(4200e6, rel=0.01)
 
 
 def test_life_factor():

@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Defects as one line of text, as parameters, services and commands give them.
+
+``none``, places joined by ``+``, and after a place what differs there from the common values::
+
+    inner
+    inner+ball
+    inner:width=0.0012,angle=1.57+inner:angle=-1.57+ball:ball=3,profile=rect
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any, cast, TYPE_CHECKING
+
+from bearing_twin.dynamics.parameters import Defect, PLACES
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from bearing_twin.dynamics.parameters import Profile
+
+__all__ = ['defect_places', 'read_defects']
+
+_KEYS = {'width': float, 'depth': float, 'angle': float, 'ball': int, 'profile': str}
+_BETWEEN = re.compile(r'\+(?![\d.])')  # not the sign of a number
+
+
+def read_defects(text: str, *, width: float, depth: float, profile: Profile) -> tuple[Defect, ...]:
+    """
+    Return the defects that ``text`` describes.
+
+    Parameters
+    ----------
+    text
+        ``'none'`` or places joined by '+', each with ``:KEY=VALUE,...`` where it differs; the
+        keys are those of :class:`Defect`: width and depth in m, angle in rad, ball, profile.
+        Outer race and cage: at the bottom, in the direction of the load, unless an angle says
+        otherwise.
+    width, depth, profile
+        Of the defects of which the text does not say it.
+
+    Raises
+    ------
+    BearingTwinError
+        If a place, a key or a value is none.
+
+    """
+    defects = []
+    for place, given in _parts(text):
+        if place not in PLACES:
+            msg = f'no defect place {place!r}; choose none or one of {", ".join(PLACES)}'
+            raise BearingTwinError(msg)
+        common = {
+            'width': width,
+            'depth': depth,
+            'profile': profile,
+            'angle': -math.pi / 2 if place in ('outer', 'cage') else 0.0,
+        }
+        defects.append(Defect(place=cast('Any', place), **{**common, **_values(place, given)}))
+    return tuple(defects)
+
+
+def defect_places(text: str) -> str:
+    """Return the places alone, as ``'inner+ball'``; what they are is not checked."""
+    return '+'.join(place for place, _ in _parts(text)) or 'none'
+
+
+def _parts(text: str) -> list[tuple[str, str]]:
+    if text.strip() in ('none', ''):
+        return []
+    parts = (part.partition(':') for part in _BETWEEN.split(text))
+    return [(place.strip(), given) for place, _, given in parts]
+
+
+def _values(place: str, given: str) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for word in given.split(',') if given.strip() else ():
+        key, _, value = (part.strip() for part in word.partition('='))
+        if key not in _KEYS or key in values:
+            msg = (
+                f'{place} defect: {word.strip()!r} gives none of {", ".join(_KEYS)} once; write '
+                f"'{place}:width=0.001,angle=1.57'"
+            )
+            raise BearingTwinError(msg)
+        try:
+            values[key] = _KEYS[key](value)
+        except ValueError:
+            kind = 'a whole number' if key == 'ball' else 'a number (in m or rad)'
+            msg = f"{place} defect: {key}={value!r} is not {kind}; write e.g. '{key}=" + (
+                "3'" if key == 'ball' else "0.001'"
+            )
+            raise BearingTwinError(msg) from None
+    return values

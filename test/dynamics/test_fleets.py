@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Many bearings in one call, against one at a time."""
+
+import dataclasses
+
+from bearing_twin.dynamics import Fleet, preset, Simulator
+from bearing_twin.errors import BearingTwinError
+import numpy as np
+import pytest
+
+
+def relative(got, expected):
+    return np.linalg.norm(got - expected) / np.linalg.norm(expected)
+
+
+def test_fleet_is_many_simulators():
+    parameters = [
+        preset('incipient'),
+        preset('extended', defect='outer'),
+        preset('incipient', defect='inner+ball+cage', unbalance=1e-3),
+        preset('incipient', bearing='6205', thermal_mode='physical'),
+    ]
+    parameters += [
+        dataclasses.replace(
+            parameters[0],
+            defects=(dataclasses.replace(parameters[0].defects[0], profile=profile),),
+        )
+        for profile in ('halfsine', 'smooth')
+    ]
+    temperatures = np.linspace(30.0, 80.0, len(parameters))
+    speeds = np.linspace(15.0, 30.0, len(parameters))
+    # Twice the default rate: only a fleet steps over the kinks of these profiles, and its error
+    # there goes with the step.
+    rate = 51200.0
+    fleet = Fleet(parameters, sample_rate=rate, temperatures=temperatures, shaft_hz=speeds)
+    blocks = [fleet.advance(4096, temperatures + k, speeds) for k in range(3)]
+    for index, single in enumerate(parameters):
+        simulator = Simulator(
+            single,
+            sample_rate=rate,
+            seed=index,
+            temperature=temperatures[index],
+            shaft_hz=speeds[index],
+        )
+        for k, block in enumerate(blocks):
+            expected = simulator.advance(4096, temperatures[index] + k, speeds[index])
+            assert relative(block.y[index], expected.y) < 1e-3
+        ours, theirs = fleet.condition(index), expected.condition
+        assert ours.k_b == pytest.approx(theirs.k_b, rel=1e-9)
+        assert ours.cage_angle == pytest.approx(theirs.cage_angle, abs=1e-5)
+        assert ours.ball_force.sum() == pytest.approx(theirs.ball_force.sum(), rel=0.02)
+
+
+@pytest.mark.parametrize('mode', ['paper', 'physical'])
+def test_fleet_splitting_and_restoring_gives_the_same_bits(mode):
+    def build():
+        return Fleet(
+            [preset('incipient', thermal_mode=mode), preset('extended', defect='ball+outer')] * 9
+        )
+
+    whole, cut = build(), build()
+    for fleet in (whole, cut):
+        fleet.advance(2500, 40.0, 26.0)
+    expected = whole.advance(700, 40.0, 26.0)
+    parts = []
+    for n in (1, 300, 31, 368):
+        parts.append(cut.advance(n, 40.0, 26.0).x)
+        data = cut.save()
+        cut = build()
+        cut.load(data)
+    assert np.array_equal(np.concatenate(parts, axis=1), expected.x)
+    assert cut.save() == whole.save()
+    with pytest.raises(BearingTwinError):
+        cut.load(data[:-1])
+
+
+def test_fleet_carries_the_inner_ring_and_refuses_without_a_trace():
+    parameters = preset('incipient', thermal_mode='physical')
+    fleet, single = Fleet([parameters] * 2), Simulator(parameters)
+    fleet.advance(5120, 90.0, 25.4)
+    single.advance(5120, 90.0, 25.4)
+    worn = preset('incipient', thermal_mode='physical', width=1.2e-3)
+    fleet.reconfigure(1, worn)
+    single.reconfigure(worn)
+    for _ in range(2):
+        ours, theirs = fleet.condition(1), single.condition()
+        assert ours.inner_ring_temperature == pytest.approx(theirs.inner_ring_temperature)
+        assert ours.radial_clearance == pytest.approx(theirs.radial_clearance)
+        fleet.advance(5120, 90.0, 25.4)
+        single.advance(5120, 90.0, 25.4)
+    before = fleet.save(), fleet.parameters
+    spalls = tuple(dataclasses.replace(parameters.defects[0], angle=0.5 * k) for k in range(5))
+    with pytest.raises(BearingTwinError, match='5 defects'):
+        fleet.reconfigure(0, dataclasses.replace(parameters, defects=spalls))
+    with pytest.raises(BearingTwinError, match='Hz'):
+        fleet.reconfigure(0, dataclasses.replace(parameters, inner_mass=0.1, outer_mass=0.1))
+    assert (fleet.save(), fleet.parameters) == before
+    with pytest.raises(BearingTwinError, match='thermal modes'):
+        Fleet([preset('incipient')] * 2).load(before[0])
+
+
+@pytest.mark.parametrize('mode', ['paper', 'physical'])
+def test_one_bearing_of_a_fleet_is_saved_and_set_back(mode):
+    parameters = [preset('incipient', thermal_mode=mode)] * 3
+    fleet, other = Fleet(parameters), Fleet(parameters)
+    for each in (fleet, other):
+        each.advance(3000, 60.0, 27.0)
+    saved = fleet.extract(1).save()
+    before = fleet.condition(1)
+    for each in (fleet, other):
+        each.advance(3000, 90.0, 30.0)
+    simulator = Simulator(parameters[1])
+    simulator.load(saved)
+    fleet.place(1, simulator)
+    after = fleet.condition(1)
+    for name in ('outer_ring_temperature', 'inner_ring_temperature', 'shaft_hz', 'inner_y'):
+        assert getattr(after, name) == pytest.approx(
+            getattr(before, name), rel=1e-6, nan_ok=True
+        ), name
+    assert fleet.next_sample == 6000
+    ours, theirs = fleet.advance(4096, 60.0, 27.0), other.advance(4096, 60.0, 27.0)
+    np.testing.assert_array_equal(ours.y[[0, 2]], theirs.y[[0, 2]])
+    alone = simulator.advance(4096, 60.0, 27.0)
+    # The noise is another one, and the filters begin anew.
+    assert ours.y[1, 500:].std() == pytest.approx(alone.y[500:].std(), rel=0.3)
+    with pytest.raises(BearingTwinError, match='other parameters'):
+        fleet.place(0, Simulator(preset('extended')))
+
+
+def test_fleet_reconfigures_one_bearing_and_leaves_the_others():
+    healthy = preset('incipient', defect='none')
+    fleet, other = Fleet([healthy] * 3), Fleet([healthy] * 3)
+    for each in (fleet, other):
+        each.advance(2048, 20.0, 25.4)
+    fleet.reconfigure(1, preset('incipient'))
+    changed, same = fleet.advance(4096, 20.0, 25.4), other.advance(4096, 20.0, 25.4)
+    assert np.array_equal(changed.y[[0, 2]], same.y[[0, 2]])
+    assert changed.y[1].std() > 5.0 * same.y[1].std()

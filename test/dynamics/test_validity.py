@@ -1,0 +1,225 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What leaves the model's validity is refused at the door, or survived and said while running."""
+
+import dataclasses
+import math
+
+from bearing_twin.bearing import find_bearing
+from bearing_twin.dynamics import Defect, preset, Simulator, TwinParameters
+from bearing_twin.dynamics.reference import solve
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.thermal.gcr15 import Beta0
+from bearing_twin.thermal.lubricant import Lubricant
+from bearing_twin.thermal.rings import CLEARANCE_LOW, ThermalNetwork
+import numpy as np
+import pytest
+
+RATE = 25600.0
+B = find_bearing('6307')
+
+
+def bearing(**changes):
+    return dataclasses.replace(B, bore=None, outside=None, **changes)
+
+
+def build(**changes):
+    return TwinParameters(**({'bearing': B} | changes))
+
+
+def spalls(*places, width=1e-3, **shape):
+    """Defects at (place, angle) pairs."""
+    return tuple(
+        Defect(place=place, angle=angle, width=width, **({'depth': 20e-6} | shape))
+        for place, angle in places
+    )
+
+
+def simulate(**options):
+    return Simulator(build(), **options)
+
+
+# What is built; the value, the limit and the remedy that the text has to name.
+REFUSED = {
+    'beta0 high': (lambda: Beta0(delta_mu=0.1), 'beta0=1.', '0.5..1.5', 'reduce delta_mu'),
+    'beta0 low': (
+        lambda: Beta0(reference_friction=0.2, delta_mu=1.0), 'beta0=0.', '0.5..1.5', 'reduce'),
+    'weight': (lambda: Beta0(delta_h=-1.0), 'delta_h=-1.0', '0..2', 'defaults are'),
+    'unit': (lambda: Beta0(alpha_unit=1e-4), 'alpha_unit=0.0001', '1e-5', 'choose'),
+    'T0': (lambda: Beta0(reference_temperature=0.0), '0.0 degC', '20..110', 'clamp'),
+    'H0': (lambda: Beta0(reference_hardness=-1.0), 'hardness=-1.0', 'positive', 'must be'),
+    'few balls': (lambda: bearing(n_balls=2), 'n_balls=2', '3..100', 'give the number'),
+    'crowded': (lambda: bearing(n_balls=13), '13 elements of 0.014', '0.0575 m', 'check n_balls'),
+    'millimetres': (lambda: bearing(d_ball=14.0, d_pitch=57.5), '57.5 m', '20 m', 'in metres?'),
+    'degrees': (lambda: bearing(contact_angle=15.0), '15.0 rad', '0..pi/2', 'in radians'),
+    'bore': (
+        lambda: dataclasses.replace(B, bore=50e-3), 'bore=0.05 m', '0.0435', 'check them'),
+    'kind': (lambda: bearing(element='needle'), "'needle'", "'ball' or 'roller'", 'choose'),
+    'rollers': (
+        lambda: preset('incipient', bearing='ZA-2115'), '2 row(s) of rollers', 'one row of balls',
+        'choose a ball bearing'),
+    'two rows': (
+        lambda: build(bearing=bearing(rows=2)), '2 row(s) of balls', 'one row of balls',
+        'choose a ball bearing'),
+    'thrust': (
+        lambda: build(bearing=bearing(contact_angle=1.0)), 'contact_angle=1.0', '0..0.785',
+        'choose'),
+    'tiny': (
+        lambda: build(bearing=bearing(d_ball=1e-7, d_pitch=1e-6)), 'hertz_stiffness=',
+        '1e+08..1e+12', 'choose'),
+    'place': (lambda: spalls(('roof', 0.0)), "'roof'", 'inner, outer, ball, cage', 'choose'),
+    'profile': (lambda: spalls(('inner', 0.0), profile='x'), "'x'", 'halfsine', 'choose'),
+    'width': (lambda: spalls(('inner', 0.0), width=2e-2), 'width=0.02', '5e-05..0.01', 'choose'),
+    'depth': (lambda: spalls(('inner', 0.0), depth=1e-3), 'depth=0.001', '0..0.0005', 'choose'),
+    'half a ball': (
+        lambda: build(defects=spalls(('inner', 0.0), width=8e-3)), '8 mm', '7 mm', 'no local'),
+    'ball spacing': (
+        lambda: build(
+            bearing=bearing(n_balls=3, d_ball=42e-3, d_pitch=50e-3),
+            defects=spalls(('outer', 0.0), width=9e-3)),
+        '9 mm', '8.38 mm', 'no local'),
+    'no such ball': (
+        lambda: build(defects=spalls(('ball', 0.0), ball=8)), 'ball 8', '0..7', 'has balls'),
+    'too many': (
+        lambda: build(defects=spalls(*(('outer', 0.5 * k) for k in range(9)))), '9 defects', '8',
+        'merge'),
+    'same place': (
+        lambda: preset('incipient', defect='inner+inner'), '0 mm apart', '0.8 mm', 'move one'),
+    'overlap': (
+        lambda: build(defects=spalls(('outer', 0.0), ('outer', 0.02))), '0.715 mm apart', '1 mm',
+        'move one'),
+    'overlap over 2 pi': (
+        lambda: build(defects=spalls(('inner', math.pi), ('inner', -math.pi))), '0 mm apart',
+        '1 mm', 'move one'),
+    'load': (lambda: build(load=1.0), 'load=1.0', '10..50000 N', 'choose'),
+    'clearance': (lambda: build(clearance=math.nan), 'clearance=nan', '-5e-06..5e-05 m', 'choose'),
+    'resonance': (lambda: build(resonance_hz=20e3), '20000.0', '500..11000 Hz', 'or 0 for none'),
+    'slip': (lambda: build(slip=0.05), '=0.34', '0..0.3', 'choose'),
+    'eccentric': (lambda: build(unbalance=0.02), '=0.00319', '0..0.001 m', 'choose'),
+    'mode': (lambda: build(thermal_mode='magic'), "'magic'", 'paper or physical', 'choose'),
+    'slip model': (lambda: build(slip_model='some'), "'some'", 'none, constant', 'choose'),
+    'series': (lambda: build(friction_series='99'), "'99'", '60, 62', 'choose'),
+    'own series': (lambda: build(bearing=bearing(series='72')), "'72'", '60, 62', 'choose'),
+    'seizing': (
+        lambda: build(thermal_mode='physical', network=ThermalNetwork(shaft_ratio=1.5)),
+        '-7.4 um', '-5..50 um', 'change clearance'),
+    'hanging loose': (
+        lambda: build(
+            thermal_mode='physical', clearance=45e-6, network=ThermalNetwork(shaft_ratio=0.5)),
+        '57.4 um', '-5..50 um', 'change clearance'),
+    'oil': (lambda: Lubricant(viscosity_40=68.0), '68.0', '5e-3', 'in m^2/s?'),
+    'network': (lambda: ThermalNetwork(ambient=200.0), 'ambient=200.0', '-40..110', 'degC'),
+    'stiff': (lambda: simulate(sample_rate=1e3), '1000.0', '2000..204800 Hz', 'outside'),
+    'light': (
+        lambda: Simulator(build(inner_mass=0.1, outer_mass=0.1)), 'Hz, and steps', 'up to',
+        'use larger masses'),
+    'temperature': (lambda: simulate(temperature=19.0), '19.0 degC', '20..110', 'clamp'),
+    'speed': (lambda: simulate(shaft_hz=600.0), '600.0', '0..500 Hz', 'outside'),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize('case', list(REFUSED))
+def test_what_leaves_the_validity_is_refused_with_value_limit_and_remedy(case):
+    make, *said = REFUSED[case]
+    with pytest.raises(BearingTwinError) as refusal:
+        make()
+    for part in said:
+        assert part in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    'defects',
+    [
+        spalls(('outer', 0.0), ('outer', 0.03)),
+        spalls(('inner', 0.0), ('outer', 0.0), ('cage', 0.0)),
+        spalls(('ball', 0.0), ('ball', math.pi)),
+        spalls(('ball', 0.0)) + spalls(('ball', 0.0), ball=3),
+    ],
+    ids=['apart', 'other parts', 'far side of the ball', 'other balls'],
+)
+def test_defects_that_share_no_surface_are_no_overlap(defects):
+    assert build(defects=defects).defects == defects
+
+
+def test_touching_halves_are_one_defect():
+    """Where spalls meet, the ball is in one of them: no depth is added up."""
+    half = 0.5e-3 / (0.5 * (B.d_pitch + B.d_ball))  # rad, half of 1 mm on the outer race
+
+    def shake(defects):
+        parameters = build(defects=defects, jitter=0.0, noise=0.0, load=2000.0)
+        return Simulator(parameters).advance(5120, 20.0, 25.4).y
+
+    at = -0.5 * math.pi
+    common = {'profile': 'rect', 'depth': 10e-6}
+    one = shake(spalls(('outer', at), width=2e-3, **common))
+    two = shake(spalls(('outer', at - half), ('outer', at + half * (1.0 + 1e-9)), **common))
+    assert np.linalg.norm(two - one) < 0.02 * np.linalg.norm(one)
+
+
+# --- ring temperatures beyond the clearance of the model ---------------------------------------
+
+
+def test_a_bearing_that_would_seize_goes_on_and_says_so():
+    parameters = preset('incipient', thermal_mode='physical', noise=0.0)
+    simulator = Simulator(parameters, temperature=110.0)
+    hot = simulator.condition()
+    assert hot.thermal_clearance == hot.radial_clearance
+    # The housing is quenched while the shaft is still hot.
+    block = simulator.advance(int(0.5 * RATE), 20.0, 25.4)
+    quenched = block.condition
+    apart = quenched.inner_ring_temperature - 20.0
+    assert quenched.thermal_clearance == pytest.approx(5e-6 - 0.345e-6 * apart, rel=1e-3)
+    assert quenched.thermal_clearance < -20e-6
+    assert quenched.radial_clearance == CLEARANCE_LOW
+    assert np.isfinite(block.y).all()
+    assert np.abs(block.y).max() < 1000.0
+    for _ in range(4):
+        later = simulator.advance(int(10.0 * RATE), 20.0, 25.4).condition
+    assert later.thermal_clearance == later.radial_clearance
+    assert later.radial_clearance == pytest.approx(5e-6, abs=0.5e-6)
+
+
+def test_the_paper_s_mode_knows_no_thermal_clearance():
+    for temperature in (20.0, 110.0):
+        condition = Simulator(build(clearance=-5e-6), temperature=temperature).condition()
+        assert condition.thermal_clearance == condition.radial_clearance == -5e-6
+
+
+# --- contact angle and series ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize('places', [('inner', 'outer'), ('ball',)])
+def test_a_contact_angle_agrees_with_the_adaptive_solver(places):
+    parameters = build(
+        bearing=bearing(contact_angle=math.radians(40.0)),
+        defects=spalls(*((place, -0.5 * math.pi) for place in places), depth=15e-6),
+        jitter=0.0,
+        noise=0.0,
+    )
+    reference = solve(parameters, 2560, shaft_hz=30.0)
+    block = Simulator(parameters, shaft_hz=30.0).advance(2560, 20.0, 30.0)
+    got, expected = np.array([block.x, block.y]), np.array([reference.x, reference.y])
+    assert np.linalg.norm(got - expected) < 2e-3 * np.linalg.norm(expected)
+
+
+def test_a_contact_angle_softens_the_bearing():
+    straight, steep = (
+        Simulator(build(bearing=bearing(contact_angle=math.radians(a)), load=2000.0)).condition()
+        for a in (0.0, 40.0)
+    )
+    assert steep.k_b / straight.k_b == pytest.approx(math.cos(math.radians(40.0)) ** 2.5, rel=0.02)
+    # delta ~ (W / K)^(2/3) below the clearance.
+    sunk = [-(c.inner_y + 5e-6) for c in (straight, steep)]
+    assert sunk[1] / sunk[0] == pytest.approx((straight.k_b / steep.k_b) ** (2 / 3), rel=0.05)
+
+
+def test_friction_follows_the_series_of_the_bearing():
+    def moment(**changes):
+        return Simulator(build(**changes), temperature=60.0).condition().friction_moment
+
+    assert moment() == moment(friction_series='63')
+    assert moment() == moment(bearing=dataclasses.replace(B, series=''), friction_series='63')
+    light, heavy = moment(friction_series='60'), moment(friction_series='64')
+    assert light > moment(friction_series='62') > moment() > heavy
+    unknown = dataclasses.replace(B, series='')
+    assert moment(bearing=unknown) == moment(friction_series='62')
