@@ -9,7 +9,12 @@ from bearing_twin.paper.claims import Claim
 from bearing_twin.paper.claims_trend import COLD, HOT
 from bearing_twin.paper.verdicts import within
 from bearing_twin.thermal import gcr15
-from bearing_twin.thermal.friction import friction_moment, SERIES, sliding_friction
+from bearing_twin.thermal.friction import (
+    friction_moment,
+    section_height,
+    SERIES,
+    sliding_friction,
+)
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin.thermal.rings import EXPANSION_STEEL, relative_modulus
 import numpy as np
@@ -163,12 +168,14 @@ def _lubricant() -> Claim:
     sliding, moment = [], []
     for temperature in (COLD, HOT):
         nu = oil.viscosity(temperature)
-        mu = sliding_friction(rpm, nu, bearing.d_pitch, oil.boundary_friction, oil.film_friction)
+        mu = sliding_friction(
+            rpm, nu, bearing.mean_diameter, oil.boundary_friction, oil.film_friction
+        )
         sliding.append(mu)
         moment.append(
             friction_moment(
-                rpm, nu, load, bearing.d_pitch, bearing.d_ball, *SERIES['63'],
-                oil.replenishment, mu,
+                rpm, nu, load, bearing.mean_diameter, section_height(bearing),
+                *SERIES[bearing.series], oil.replenishment, mu,
             )
         )  # fmt: skip
     return Claim(

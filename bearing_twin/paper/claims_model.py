@@ -9,6 +9,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.dynamics import preset
+from bearing_twin.dynamics.stability import system_matrices
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims import Claim, percents
 from bearing_twin.paper.claims_trend import COLD, HOT
@@ -90,16 +91,10 @@ def system_matrix(parameters: TwinParameters, beta0: float = 1.0) -> npt.NDArray
     delta = equations.deformation_eq8(0.0, y, theta, p.clearance)
     slope = 1.5 * beta0 * p.k_b0 * np.sqrt(np.maximum(delta, 0.0))
     loaded = np.where(delta > 0.0, p.contact_damping, 0.0)
-    mass = np.diag([p.inner_mass, p.inner_mass, p.outer_mass, p.outer_mass])
     normals = np.array([np.cos(theta), np.sin(theta)])
     contact_k, contact_c = ((normals * row) @ normals.T for row in (slope, loaded))
-    coupling = np.array([[1.0, -1.0], [-1.0, 1.0]])
-    stiffness = np.kron(coupling, contact_k) + np.diag(
-        [p.inner_stiffness] * 2 + [p.outer_stiffness] * 2
-    )
-    damping = np.kron(coupling, contact_c) + np.diag([p.inner_damping] * 2 + [p.outer_damping] * 2)
-    inverse = np.linalg.inv(mass)
-    return np.block([[np.zeros((4, 4)), np.eye(4)], [-inverse @ stiffness, -inverse @ damping]])
+    stiffness, damping = system_matrices(p, contact_k, contact_c)
+    return np.block([[np.zeros((4, 4)), np.eye(4)], [-stiffness, -damping]])
 
 
 def circulation(*, as_printed: bool) -> float:

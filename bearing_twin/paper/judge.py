@@ -10,6 +10,7 @@ from bearing_twin.paper.claims_frequency import frequency_claims
 from bearing_twin.paper.claims_material import material_claims
 from bearing_twin.paper.claims_model import model_claims
 from bearing_twin.paper.claims_peaks import peak_claims
+from bearing_twin.paper.claims_shift import shift_claims
 from bearing_twin.paper.claims_trend import trend_claims
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ def judge(study: Study) -> list[Claim]:
     """Return every claim with its verdict, in the order of the report."""
     return [
         *frequency_claims(study),
+        *shift_claims(study),
         *peak_claims(study),
         *trend_claims(study),
         *material_claims(),

@@ -53,12 +53,19 @@ Factor = Literal['expansion', 'hardness', 'friction', 'all']
 
 # Stated by the paper, section 2.
 
-BEARING = Bearing(
-    name='6307', n_balls=8, d_ball=14e-3, d_pitch=57.5e-3, source='Symmetry 2023, 15, 2166, sec. 2'
-)
-"""N_b = 8, d = 14 mm, D = 57.5 mm, read as ball and pitch diameter."""
 BORE, OUTSIDE = 35e-3, 80e-3
 """Boundary dimensions of a 6307, m (ISO 15): what the paper's text calls d and D."""
+BEARING = Bearing(
+    name='6307',
+    n_balls=8,
+    d_ball=14e-3,
+    d_pitch=57.5e-3,
+    bore=BORE,
+    outside=OUTSIDE,
+    series='63',
+    source='Symmetry 2023, 15, 2166, sec. 2',
+)
+"""N_b = 8, d = 14 mm, D = 57.5 mm, read as ball and pitch diameter."""
 SHAFT_HZ = 25.4
 """f_r, rev/s."""
 TEMPERATURE_NODES = tuple(float(t) for t in TEMPERATURES)

@@ -36,9 +36,7 @@ FREQUENCY_RATE = 25600.0
 SMALL_DELTA_MU = 0.001
 """A weight of friction that the paper allows just as well as `settings.DELTA_MU`."""
 CLEARANCE_COLD = 5e-6
-CLEARANCE_HOT = CLEARANCE_COLD + clearance_change(
-    29.0, 20.0, 20.0, settings.BEARING.d_pitch, settings.BEARING.d_ball
-)
+CLEARANCE_HOT = CLEARANCE_COLD + clearance_change(29.0, 20.0, settings.BEARING.d_pitch)
 """Radial clearance with rings of one temperature, and with the inner ring 9 K hotter, m."""
 LITERATURE_LOADS = (500.0, 2000.0)
 LITERATURE_WIDTHS = (0.8e-3, 1.6e-3, 2.8e-3)

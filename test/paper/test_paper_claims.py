@@ -9,9 +9,9 @@ import dataclasses
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import claims_model, equations, settings
 from bearing_twin.paper.claims import Claim
-from bearing_twin.paper.claims_frequency import frequency_claims, slip_needed
 from bearing_twin.paper.claims_model import circulation, system_matrix, unclosed
 from bearing_twin.paper.claims_peaks import frequency_interval
+from bearing_twin.paper.claims_shift import shift_claims, slip_needed
 from bearing_twin.paper.claims_trend import falling_window, formula_change
 from bearing_twin.paper.dimensions import derived, dimension, is_homogeneous
 from bearing_twin.paper.judge import judge
@@ -254,7 +254,7 @@ def test_vibration_frequency_follows_the_contact_mode(study, monkeypatch):
     # A Hertzian contact of constant load stiffens as K^(2/3), its mode as K^(1/3).
     assert hot / cold == pytest.approx(1.117 ** (1 / 3), rel=0.02)
     monkeypatch.setattr(equations, 'beta0', lambda factor, t, weight=None: 1.2 - 0.002 * t)
-    softer = {claim.id: claim.verdict for claim in frequency_claims(study)}
+    softer = {claim.id: claim.verdict for claim in shift_claims(study)}
     assert softer['friction-lowers-the-frequency'] == 'reproduced_only_under_stated_settings'
 
 
