@@ -19,6 +19,7 @@ import bearing_twin.diagnosis
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.simulator import Simulator
+from bearing_twin.memory import keep_freed_memory
 import numpy as np
 
 __all__ = ['main', 'simulate_table']
@@ -117,6 +118,7 @@ def simulate_table() -> dict[str, Any]:
 
 def main() -> None:
     """Write the data file and print the table."""
+    keep_freed_memory()
     table = simulate_table()
     path = Path(bearing_twin.diagnosis.__file__).with_name('detection_power.json')
     path.write_text(json.dumps(table, indent=1) + '\n', encoding='utf-8')

@@ -14,7 +14,7 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import Bearing, find_bearing
+from bearing_twin.bearing import Bearing, find_bearing, own_bearing
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.foreign import read_signal
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Iterator, Sequence
 
-__all__ = ['Task', 'configure', 'diagnose_file', 'evidence', 'parse_geometry', 'run']
+__all__ = ['Task', 'configure', 'diagnose_file', 'evidence', 'run']
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,30 +67,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--plot', metavar='DIR', help='draw the spectra with fault cursors')
 
 
-def parse_geometry(text: str) -> Bearing:
-    """Bearing from ``'Z,D_BALL_MM,D_PITCH_MM[,ANGLE_DEG]'``."""
-    parts = text.split(',')
-    try:
-        n_balls = int(parts[0])
-        d_ball, d_pitch, *rest = (float(part) for part in parts[1:])
-        (angle,) = rest or [0.0]
-    except ValueError:
-        msg = f'--geometry {text}: give Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG, e.g. 9,7.94,39.04,0'
-        raise BearingTwinError(msg) from None
-    return Bearing(
-        name=f'{n_balls} x {d_ball:g} mm on {d_pitch:g} mm',
-        n_balls=n_balls,
-        d_ball=d_ball / 1e3,
-        d_pitch=d_pitch / 1e3,
-        contact_angle=math.radians(angle),
-    )
-
-
 def run(args: argparse.Namespace) -> int:
     """Diagnose the files; 0 only if every file could be read."""
     bearing = None
     if args.geometry:
-        bearing = parse_geometry(args.geometry)
+        bearing = own_bearing(args.geometry)
     elif args.bearing:
         bearing = find_bearing(args.bearing)
     if args.speed_tolerance is not None:
@@ -169,11 +150,14 @@ def diagnose_file(task: Task) -> dict[str, Any]:
     try:
         signal = read_signal(Path(task.path), channel=task.channel, sample_rate=task.sample_rate)
         bearing = task.bearing or _known_bearing(signal.bearing_name)
+        shaft_hz = signal.speeds if len(signal.speeds) else signal.shaft_hz
+        if math.isfinite(task.shaft_hz):
+            shaft_hz = task.shaft_hz
         diagnosis = diagnose_record(
             signal.x,
             signal.sample_rate,
             bearing,
-            task.shaft_hz if math.isfinite(task.shaft_hz) else signal.shaft_hz,
+            shaft_hz,
             speed_tolerance=task.speed_tolerance,
             unit=task.unit or signal.unit,
             temperature=signal.temperature,
@@ -256,7 +240,8 @@ def _unread(path: str, reason: str) -> dict[str, Any]:
 
 
 def _number(value: float) -> float | None:
-    return float(f'{value:.7g}') if math.isfinite(value) else None
+    # Zero is added lest -0.0 be printed.
+    return float(f'{value:.7g}') + 0.0 if math.isfinite(value) else None
 
 
 def _picture(folder: Path, name: str) -> Path:
@@ -270,7 +255,7 @@ def _line(answer: dict[str, Any]) -> str:
     text = f'{answer["file"]}: {answer["result"]} [{answer["level"]}]'
     if names != answer['result']:
         text += f' {names}'
-    text += f', confidence {answer["confidence"]:.2f}'
+    text += f', confidence {answer["confidence"]:.3f}'
     if answer['shaft_hz'] is not None:
         text += f', shaft {answer["shaft_hz"]:.3f} Hz'
     return '\n    '.join([text, *answer['reasons']])

@@ -15,9 +15,11 @@ from bearing_twin.diagnosis.comb import (
     order_spectra,
     OrderSpectra,
 )
-from bearing_twin.diagnosis.decision import decide, family_order, sideband_ratio, Verdict
-from bearing_twin.diagnosis.gate import check_record, HEALTHY_TURNS
-from bearing_twin.diagnosis.report import insufficient, report
+from bearing_twin.diagnosis.decision import decide, Verdict
+from bearing_twin.diagnosis.families import family_order, sideband_ratio
+from bearing_twin.diagnosis.gate import check_record, check_speeds, HEALTHY_TURNS
+from bearing_twin.diagnosis.knocks import limit_knocks
+from bearing_twin.diagnosis.report import insufficient, not_shown, report
 from bearing_twin.diagnosis.result import (
     Diagnosis,
     FAMILIES,
@@ -25,7 +27,12 @@ from bearing_twin.diagnosis.result import (
 )
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.severity import measure_severity
-from bearing_twin.diagnosis.shaft import refine_shaft_hz, ShaftSpeed
+from bearing_twin.diagnosis.shaft import (
+    refine_shaft_hz,
+    resample_to_angle,
+    ShaftSpeed,
+    varies,
+)
 from bearing_twin.diagnosis.spectra import band_tree, envelope_spectra, line_cap, whiten
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -103,7 +110,12 @@ def analyse_window(
         power_group=settings.power_group,
         mounting=settings.mounting,
     )
-    scaled = spectrum / np.float32(severity.rms)
+    scale = np.float32(1.0) / np.float32(severity.rms)
+    limited = limit_knocks(x, sample_rate, fault_orders(bearing).ftf * shaft_hz)
+    if limited is x:
+        scaled = spectrum * scale
+    else:
+        scaled = fft.rfft(limited.astype(np.float32) * (scale / np.float32(len(x))))
     width = max(int(8.0 * shaft_hz / bin_hz), 64)
     tree = band_tree(
         len(scaled) - 1,
@@ -169,7 +181,6 @@ def conclude(
             verdict,
             result='insufficient',
             level='none',
-            confidence=0.0,
             reasons=(text,),
         )
     verdict = replace(verdict, reasons=(*notes, *verdict.reasons))
@@ -208,7 +219,7 @@ def diagnose_record(
     x: ArrayLike,
     sample_rate: float,
     bearing: Bearing,
-    shaft_hz: float,
+    shaft_hz: ArrayLike,
     *,
     speed_tolerance: float | None = None,
     unit: str = '',
@@ -227,9 +238,11 @@ def diagnose_record(
     bearing
         Geometry.
     shaft_hz
-        Shaft speed, Hz; NaN (unknown) gives ``insufficient``.
+        Shaft speed, Hz; NaN (unknown) gives ``insufficient``. One number, or the speed at each
+        sample, shape (n,): where it varies by more than 0.5 % the record is taken over angle.
     speed_tolerance
-        Relative tolerance of ``shaft_hz``; by default that of the settings.
+        Relative tolerance of ``shaft_hz``; by default that of the settings, for one number the
+        nameplate's, for a speed that varies from sample to sample the measured one's.
     unit
         Unit of x, for the severity.
     temperature
@@ -240,7 +253,8 @@ def diagnose_record(
     Raises
     ------
     BearingTwinError
-        If x is not one-dimensional or a setting is outside its range. A record that cannot be
+        If x is not one-dimensional, ``shaft_hz`` has neither its shape nor none, or a setting is
+        outside its range. A record that cannot be
         diagnosed is no error: the result is ``insufficient`` and the reasons say why.
 
     """
@@ -251,18 +265,36 @@ def diagnose_record(
     if signal.ndim != 1:
         msg = f'x has shape {signal.shape}; give one axis as a 1-D array'
         raise BearingTwinError(msg)
-    reasons = check_record(signal, sample_rate, shaft_hz, highest_fault_order(bearing))
+    speeds = np.asarray(shaft_hz, dtype=np.float64)
+    if speeds.shape not in ((), signal.shape):
+        msg = (
+            f'shaft_hz has shape {speeds.shape}, x has {signal.shape}; give one number or one '
+            'a sample'
+        )
+        raise BearingTwinError(msg)
+    if speeds.size > 1 and np.ptp(speeds) > 0.0 and speed_tolerance is None:
+        settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
+    mean_hz = float(speeds.mean()) if speeds.size else math.nan
+    reasons = check_record(signal, sample_rate, mean_hz, highest_fault_order(bearing))
+    if reasons:
+        reasons += not_shown(
+            signal, sample_rate, mean_hz, temperature=temperature, unit=unit, bearing=bearing
+        )
+    else:
+        reasons = check_speeds(speeds)
     if reasons:
         return insufficient(
             reasons,
             bearing,
             sample_count=len(signal),
             sample_rate=sample_rate,
-            shaft_hz=shaft_hz,
+            shaft_hz=mean_hz,
             temperature=temperature,
             unit=unit,
         )
-    turns = len(signal) / sample_rate * shaft_hz
+    if varies(speeds):
+        signal, mean_hz = resample_to_angle(signal, sample_rate, speeds)
+    turns = len(signal) / sample_rate * mean_hz
     pieces = max(1, round(turns / _WINDOW_TURNS))
     length = fft.prev_fast_len(len(signal) // pieces)
     windows = [
@@ -270,7 +302,7 @@ def diagnose_record(
             signal[i * length : (i + 1) * length],
             sample_rate,
             bearing,
-            shaft_hz,
+            mean_hz,
             settings,
             unit=unit,
         )
@@ -283,6 +315,6 @@ def diagnose_record(
         first_sample=0,
         sample_count=len(signal),
         sample_rate=sample_rate,
-        shaft_hz_given=shaft_hz,
+        shaft_hz_given=mean_hz,
         temperature=temperature,
     )

@@ -157,17 +157,33 @@ class CombScores:
         self, spectra: OrderSpectra, grid: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float32]]:
         """Score other spectra against this null: z (G,) and the band scores (G, W, B)."""
-        bands = (_teeth(spectra, grid) - self.center) / self.spread
-        bands = bands.reshape(len(grid), self.whitenings, -1)
-        best = bands.max(axis=2).mean(axis=1, dtype=np.float64)
-        return (best - self.best_center) / self.best_spread, bands
+        bands, best = _best_bands(_teeth(spectra, grid), self.center, self.spread, self.whitenings)
+        return (best - self.best_center) / self.best_spread, np.moveaxis(bands, -1, 0)
 
 
 def _teeth(spectra: OrderSpectra, grid: NDArray[np.float64]) -> NDArray[np.float32]:
-    total = spectra.logs[spectra.rows(grid)]
+    """Sum over the teeth of each comb, (W B, G)."""
+    total = np.take(spectra.logs, spectra.rows(grid), axis=0)
+    tooth = np.empty_like(total)
     for harmonic in range(2, HARMONICS + 1):
-        total += spectra.logs[spectra.rows(harmonic * grid)]
-    return total
+        # The rows are within bounds; the other modes would buffer what they write.
+        total += np.take(
+            spectra.logs, spectra.rows(harmonic * grid), axis=0, out=tooth, mode='clip'
+        )
+    return np.ascontiguousarray(total.T)
+
+
+def _best_bands(
+    scores: NDArray[np.float32],
+    center: NDArray[np.float32],
+    spread: NDArray[np.float32],
+    whitenings: int,
+) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Standardised scores, (W, B, G), and per comb the mean over whitenings of its best band."""
+    bands = scores - center[:, np.newaxis]
+    bands /= spread[:, np.newaxis]
+    bands = bands.reshape(whitenings, -1, scores.shape[-1])
+    return bands, bands.max(axis=1).mean(axis=0, dtype=np.float64)
 
 
 def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) -> CombScores:
@@ -184,10 +200,9 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
     grid = np.arange(_LOWEST_ORDER, highest_order, step)
     scores = _teeth(spectra, grid)
     # Neighbours are one bin's fraction apart: every fourth tells the distribution as well.
-    center, upper = _quantiles(scores[::4])
+    center, upper = _quantiles(scores[:, ::4])
     spread = np.maximum(upper - center, 1e-3)
-    bands = ((scores - center) / spread).reshape(len(grid), whitenings, -1)
-    best = bands.max(axis=2).mean(axis=1, dtype=np.float64)
+    _, best = _best_bands(scores, center, spread, whitenings)
     best_center, best_upper = (float(q) for q in _quantiles(best))
     best_spread = max(best_upper - best_center, 1e-3)
     z = (best - best_center) / best_spread
@@ -197,8 +212,12 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
 def _quantiles(
     values: NDArray[np.floating],
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Median and 84 % quantile along the first axis."""
-    middle, upper = len(values) // 2, int(0.8413 * len(values))
-    # Contiguous rows: partitioning down the columns costs twice as much.
-    ordered = np.partition(values.T.copy(), (middle, upper), axis=-1)
-    return ordered[..., middle], ordered[..., upper]
+    """Median and 84 % quantile along the last axis."""
+    middle, upper = values.shape[-1] // 2, int(0.8413 * values.shape[-1])
+    ordered = values.copy()
+    # One at a time: numpy has no fast way for two.
+    ordered.partition(middle, axis=-1)
+    center = ordered[..., middle].copy()
+    above = ordered[..., middle:]
+    above.partition(upper - middle, axis=-1)
+    return center, above[..., upper - middle]

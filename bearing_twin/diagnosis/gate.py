@@ -12,7 +12,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['CAGE_TURNS', 'HEALTHY_TURNS', 'SHAFT_TURNS', 'check_record']
+__all__ = ['CAGE_TURNS', 'HEALTHY_TURNS', 'SHAFT_TURNS', 'check_record', 'check_speeds']
 
 SHAFT_TURNS = 20.0
 """Least shaft turns in a window for any statement: the comb has then 20 bins a shaft order."""
@@ -67,9 +67,11 @@ def check_record(
         )
     turns = len(x) / sample_rate * shaft_hz
     if turns < SHAFT_TURNS:
+        held = len(x) / sample_rate
         reasons.append(
-            f'{turns:.1f} shaft turns: at least {SHAFT_TURNS:g} are needed, '
-            f'{SHAFT_TURNS / shaft_hz:.2f} s at {shaft_hz:g} Hz'
+            f'{turns:.1f} shaft turns in {held:.3g} s: at least {SHAFT_TURNS:g} are needed, '
+            f'{SHAFT_TURNS / shaft_hz - held:.2g} s more, and {HEALTHY_TURNS:g} to call it '
+            f'healthy, {HEALTHY_TURNS / shaft_hz - held:.2g} s more'
         )
     wanted = 8.0 * highest_order * shaft_hz
     if sample_rate < wanted:
@@ -78,6 +80,13 @@ def check_record(
             'four harmonics of the highest fault frequency'
         )
     return reasons
+
+
+def check_speeds(shaft_hz: NDArray[np.float64]) -> list[str]:
+    """Reasons why speeds within a record are none that it can be taken over; empty if they are."""
+    if not np.isfinite(shaft_hz).all() or shaft_hz.min() <= 0.0:
+        return ['the shaft stood still or turned backwards within the window']
+    return []
 
 
 def _clipped_share(x: NDArray[np.float64], low: float, high: float) -> float:

@@ -18,7 +18,7 @@ from typing import Any
 from bearing_twin.diagnosis.severity import acceleration_factor
 import numpy as np
 
-__all__ = ['expected_level', 'smallest_detectable']
+__all__ = ['expected_level', 'shown_by', 'smallest_detectable']
 
 
 @functools.cache
@@ -35,8 +35,9 @@ def smallest_detectable(
     Smallest width of a race fault, mm, that a window could have shown; NaN if none could.
 
     The larger of the inner and the outer race's, at the simulated condition next below in window
-    length and nearest in speed, temperature and noise, scaled with the ball diameter. Where the
-    unit is unknown the noise is taken as the middle one of the table.
+    length, in seconds and in shaft turns, and nearest in speed, temperature and noise, scaled with
+    the ball diameter. Where the unit is unknown the noise is taken as the middle one of the table.
+    Speeds beyond half the lowest and twice the highest of the table were not simulated: NaN.
 
     Parameters
     ----------
@@ -55,21 +56,40 @@ def smallest_detectable(
 
     """
     table = _table()
-    windows = np.asarray(table['window_s'])
-    if seconds < windows[0] - 1e-6:
+    speeds = np.asarray(table['shaft_hz'])
+    if not 0.5 * speeds[0] <= shaft_hz <= 2.0 * speeds[-1]:
         return math.nan
+    speed = int(np.argmin(np.abs(np.log(speeds / shaft_hz))))
+    windows = np.asarray(table['window_s'])
+    # As many seconds, and as many turns, as the simulated window had.
+    seconds = min(seconds, seconds * shaft_hz / float(speeds[speed]))
     window = int(np.searchsorted(windows, seconds + 1e-6)) - 1
+    if window < 0:
+        return math.nan
     noise = rms * acceleration_factor(unit)
     levels = np.asarray(table['noise_m_s2'])
     quiet = len(levels) // 2
     if math.isfinite(noise) and noise > 0.0:
         quiet = int(np.argmin(np.abs(np.log(levels / noise))))
-    speed = int(np.argmin(np.abs(np.log(np.asarray(table['shaft_hz']) / shaft_hz))))
     heat = _nearest(table['temperature_C'], temperature)
     found = [table['smallest_mm'][race][speed][heat][quiet][window] for race in ('inner', 'outer')]
     if None in found:
         return math.nan
     return float(max(found) * d_ball / table['d_ball_m'])
+
+
+def shown_by(
+    seconds: float, shaft_hz: float, temperature: float, rms: float, unit: str, d_ball: float
+) -> str:
+    """Smallest race fault that a window could have shown, in words; as smallest_detectable."""
+    smallest = smallest_detectable(seconds, shaft_hz, temperature, rms, unit, d_ball)
+    if not math.isfinite(smallest):
+        return 'none is sure to'
+    supposed = ''
+    if not math.isfinite(acceleration_factor(unit)):
+        levels = _table()['noise_m_s2']
+        supposed = f' in noise of {levels[len(levels) // 2]:g} m/s^2 (the unit is not known)'
+    return f'one {smallest:.2g} mm wide{supposed}'
 
 
 def expected_level(shaft_hz: float, temperature: float) -> float:

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.diagnosis.comb import HARMONICS
-from bearing_twin.diagnosis.decision import family_order
-from bearing_twin.diagnosis.power import smallest_detectable
+from bearing_twin.diagnosis.families import family_order
+from bearing_twin.diagnosis.gate import HEALTHY_TURNS, SHAFT_TURNS
+from bearing_twin.diagnosis.power import shown_by, smallest_detectable
 from bearing_twin.diagnosis.result import Diagnosis, FAMILIES, FAULT_CODES, Severity, Spectrum
 import numpy as np
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.decision import Verdict
     from numpy.typing import NDArray
 
-__all__ = ['coarse_spectrum', 'insufficient', 'report']
+__all__ = ['coarse_spectrum', 'insufficient', 'not_shown', 'report']
 
 _EMPTY = np.zeros(0, dtype=np.float32)
 
@@ -58,6 +59,12 @@ def report(
         line_hz = teeth.astype(np.float32)
         line_level = values[rows] / floor[rows]
     unit = window.severity.unit
+    could = (shaft_hz, temperature, window.severity.rms, unit, bearing.d_ball)
+    smallest = smallest_detectable(1.0 / window.bin_hz, *could)
+    reasons = verdict.reasons
+    if verdict.result == 'insufficient':
+        shown = shown_by(1.0 / window.bin_hz, *could)
+        reasons = (*reasons, f'smallest race fault that would have shown: {shown}')
     amplitude, first_hz, group_hz = coarse_spectrum(window.amplitude, window.bin_hz)
     return Diagnosis(
         result=verdict.result,
@@ -65,7 +72,7 @@ def report(
         faults=verdict.faults,
         fault_code=FAULT_CODES[verdict.result],
         confidence=verdict.confidence,
-        reasons=verdict.reasons,
+        reasons=reasons,
         first_sample=first_sample,
         sample_count=sample_count,
         sample_rate=sample_rate,
@@ -82,14 +89,7 @@ def report(
         line_level=line_level,
         severity=window.severity,
         temperature=temperature,
-        smallest_detectable=smallest_detectable(
-            1.0 / window.bin_hz,
-            shaft_hz,
-            temperature,
-            window.severity.rms,
-            unit,
-            bearing.d_ball,
-        ),
+        smallest_detectable=smallest,
         spectrum=Spectrum(
             kind='spectrum',
             unit=unit,
@@ -136,7 +136,33 @@ def coarse_spectrum(
     count = -(-len(amplitude) // group)
     padded = np.zeros(count * group, dtype=np.float32)
     padded[: len(amplitude)] = amplitude
-    return padded.reshape(count, group).max(axis=1), 0.5 * (group - 1) * bin_hz, group * bin_hz
+    # Down columns: numpy is slow at the maximum of a few neighbours.
+    highest = np.ascontiguousarray(padded.reshape(count, group).T).max(axis=0)
+    return highest, 0.5 * (group - 1) * bin_hz, group * bin_hz
+
+
+def not_shown(
+    x: NDArray[np.float64],
+    sample_rate: float,
+    shaft_hz: float,
+    *,
+    temperature: float,
+    unit: str,
+    bearing: Bearing,
+) -> list[str]:
+    """
+    Say that a window which the record gate refused shows nothing, and what a longer one would.
+
+    Empty where there is no window to speak of: no speed, no samples or broken ones.
+    """
+    if not (math.isfinite(shaft_hz) and shaft_hz > 0.0 and len(x) and np.isfinite(x).all()):
+        return []
+    text = 'smallest race fault that would have shown: none'
+    if len(x) / sample_rate * shaft_hz < SHAFT_TURNS:
+        longer = HEALTHY_TURNS / shaft_hz
+        could = shown_by(longer, shaft_hz, temperature, float(x.std()), unit, bearing.d_ball)
+        text += f'; in {longer:.2g} s: {could}'
+    return [text]
 
 
 def insufficient(

@@ -13,10 +13,11 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
 
-__all__ = ['ShaftSpeed', 'refine_shaft_hz', 'resample_to_angle']
+__all__ = ['ShaftSpeed', 'refine_shaft_hz', 'resample_to_angle', 'varies']
 
 _HARMONICS = 6
 _MARGIN = 3.0
+_STEADY = 0.005
 
 
 class ShaftSpeed(NamedTuple):
@@ -100,6 +101,11 @@ def refine_shaft_hz(
         shaft_hz = float(ties[np.argmin(np.abs(ties - np.median(ties)))])
     uncertainty = bin_hz / (2.0 * shaft_hz)
     return ShaftSpeed(shaft_hz, min(uncertainty, tolerance), best)
+
+
+def varies(shaft_hz: NDArray[np.float64]) -> bool:
+    """Whether a speed moves so far within a window that its lines smear."""
+    return bool(np.ptp(shaft_hz) > _STEADY * shaft_hz.mean())
 
 
 def resample_to_angle(

@@ -5,34 +5,28 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import replace
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.diagnosis.chain import (
-    analyse_window,
-    conclude,
-    highest_fault_order,
-)
+from bearing_twin.diagnosis.chain import conclude
 from bearing_twin.diagnosis.comb import OrderSpectra
-from bearing_twin.diagnosis.gate import check_record
 from bearing_twin.diagnosis.report import insufficient
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.shaft import resample_to_angle
 from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.diagnosis.trend import Trend
+from bearing_twin.diagnosis.update import Update
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.result import Diagnosis
+    from bearing_twin.diagnosis.update import Analysis
     from numpy.typing import ArrayLike, NDArray
 
 __all__ = ['StreamingDiagnoser']
 
 _VERSION = 2
-_STEADY = 0.005
 
 
 class StreamingDiagnoser:
@@ -57,13 +51,10 @@ class StreamingDiagnoser:
     def __init__(self, bearing: Bearing, settings: DiagnosisSettings | None = None) -> None:
         self._bearing = bearing
         self._settings = settings or DiagnosisSettings()
-        self._earlier: deque[tuple[int, OrderSpectra]] = deque()
+        self._earlier: deque[tuple[int, OrderSpectra]]
         self._trend = Trend()
         self._notes: list[str] = []
         self._rate = math.nan
-        self._unit = ''
-        self._temperature = math.nan
-        self._speed_measured = False
         self._clear(0)
 
     @property
@@ -97,6 +88,37 @@ class StreamingDiagnoser:
     ) -> list[Diagnosis]:
         """
         Take a block and return the diagnoses that fall due within it, oldest first.
+
+        The same as :meth:`take`, :meth:`Update.analyse` and :meth:`judge` after one another.
+        """
+        updates = self.take(
+            first_sample,
+            x,
+            sample_rate,
+            shaft_hz,
+            speed_measured=speed_measured,
+            temperature=temperature,
+            unit=unit,
+        )
+        return [self.judge(update, update.analyse()) for update in updates]
+
+    def take(
+        self,
+        first_sample: int,
+        x: ArrayLike,
+        sample_rate: float,
+        shaft_hz: float,
+        *,
+        speed_measured: bool = False,
+        temperature: float = math.nan,
+        unit: str = '',
+    ) -> list[Update]:
+        """
+        Take a block and return the updates that fall due within it, oldest first.
+
+        They may be analysed in any order and thread while further blocks are taken, and are then
+        to be judged in their own order. A state is complete, and another bearing or setting may be
+        chosen, once all have been judged.
 
         Parameters
         ----------
@@ -142,19 +164,61 @@ class StreamingDiagnoser:
             else:
                 text = f'window restarted: index went back from {self._next} to {first_sample}'
             self._restart(first_sample, f'{text} before sample {first_sample}')
-        self._temperature, self._unit = temperature, unit
-        self._speed_measured = speed_measured
-        found = []
-        interval = max(round(self._settings.update_interval * sample_rate), 1)
+        updates = []
         while len(block):
-            due = self._start + (self._updates + 1) * interval
+            due = self._start + (self._updates + 1) * self._interval
             part, block = block[: due - self._next], block[due - self._next :]
             self._blocks.append((part, shaft_hz))
             self._next += len(part)
             if self._next == due:
                 self._updates += 1
-                found.append(self._diagnose())
-        return found
+                updates.append(self._update(speed_measured, temperature, unit))
+        return updates
+
+    def judge(self, update: Update, analysis: Analysis) -> Diagnosis:
+        """Judge an update together with the windows and verdicts before it."""
+        about: dict[str, Any] = {
+            'first_sample': update.first_sample,
+            'sample_count': len(update.samples),
+            'sample_rate': update.sample_rate,
+            'temperature': update.temperature,
+        }
+        window, settings = analysis.window, update.settings
+        if window is None:
+            return insufficient(
+                [*update.notes, *analysis.reasons],
+                update.bearing,
+                shaft_hz=analysis.shaft_hz,
+                unit=update.unit,
+                **about,
+            )
+        # Only windows that do not overlap this one, nor one another, add evidence.
+        wanted = round(settings.window * update.sample_rate)
+        oldest = update.end - round(settings.memory * update.sample_rate)
+        while update.earlier and update.earlier[0][0] - wanted < oldest:
+            update.earlier.popleft()
+        earlier, limit = [], update.first_sample
+        for end, orders in reversed(update.earlier):
+            if end <= limit:
+                earlier.append(orders)
+                limit = end - wanted
+        full = len(update.samples) == wanted
+        if full and settings.memory >= 2.0 * settings.window:
+            update.earlier.append((update.end, window.orders))
+        diagnosis = conclude(
+            window,
+            update.bearing,
+            earlier=earlier[::-1],
+            shaft_hz_given=analysis.shaft_hz,
+            notes=update.notes,
+            **about,
+        )
+        return self._trend.update(
+            diagnosis,
+            wanted=settings.baseline_windows,
+            hold=settings.hold_updates,
+            full=full,
+        )
 
     def save(self) -> bytes:
         """State worth keeping over a restart: baseline, held level, windows that are averaged."""
@@ -166,6 +230,7 @@ class StreamingDiagnoser:
         values = {
             'trend': self._trend.values(),
             'sample_rate': self._rate if math.isfinite(self._rate) else None,
+            'start': self._start,
             'next': self._next,
             'earlier': [(end, orders.step, orders.given) for end, orders in self._earlier],
         }
@@ -173,7 +238,10 @@ class StreamingDiagnoser:
 
     def load(self, data: bytes) -> None:
         """
-        Take up a saved state; the window itself starts anew.
+        Take up a saved state.
+
+        The window, which no state holds, starts anew; but if the samples before that state have
+        just been taken, they are its window, and updates fall due as they would have then.
 
         Raises
         ------
@@ -197,17 +265,26 @@ class StreamingDiagnoser:
                 )
                 for n, (end, step, given) in enumerate(values['earlier'])
             )
-            following = int(values['next'])
+            start, following = int(values['start']), int(values['next'])
             trend = Trend.of(values['trend'])
             if rate is not None and not 0.0 < float(rate) < math.inf:
                 raise ValueError(f'sample rate {rate}')
         except (KeyError, TypeError, ValueError) as error:
             msg = f'saved state lacks {error}; use what save() returned'
             raise BearingTwinError(msg) from error
-        self._rate = math.nan if rate is None else float(rate)
-        self._clear(following)
+        if rate == self._rate and following == self._next:
+            self._start = start
+            self._updates = (following - start) // self._interval
+        else:
+            self._rate = math.nan if rate is None else float(rate)
+            self._clear(following)
         self._earlier = earlier
         self._trend = trend
+
+    @property
+    def _interval(self) -> int:
+        """Return the samples from one update to the next."""
+        return max(round(self._settings.update_interval * self._rate), 1)
 
     def _restart(self, first_sample: int, note: str) -> None:
         self._notes.append(note)
@@ -215,69 +292,30 @@ class StreamingDiagnoser:
 
     def _clear(self, first_sample: int) -> None:
         self._blocks: deque[tuple[NDArray[np.float64], float]] = deque()
-        self._earlier.clear()
+        # A new one: updates that are still to be judged keep theirs.
+        self._earlier = deque()
         self._start = self._next = first_sample
         self._updates = 0
 
-    def _diagnose(self) -> Diagnosis:
+    def _update(self, speed_measured: bool, temperature: float, unit: str) -> Update:
         wanted = round(self._settings.window * self._rate)
         held = sum(len(part) for part, _ in self._blocks)
         while held - len(self._blocks[0][0]) >= wanted:
             held -= len(self._blocks.popleft()[0])
-        x = np.concatenate([part for part, _ in self._blocks])[-wanted:]
-        speeds = np.concatenate([np.full(len(part), hz) for part, hz in self._blocks])[-wanted:]
-        mean_hz = float(speeds.mean())
-        first = self._next - len(x)
-        about: dict[str, Any] = {
-            'first_sample': first,
-            'sample_count': len(x),
-            'sample_rate': self._rate,
-            'temperature': self._temperature,
-        }
+        lengths = np.array([len(part) for part, _ in self._blocks])
+        lengths[0] -= max(held - wanted, 0)
         notes, self._notes = self._notes, []
-        reasons = check_record(x, self._rate, mean_hz, highest_fault_order(self._bearing))
-        if not reasons and float(speeds.min()) <= 0.0:
-            reasons = ['the shaft stood still or turned backwards within the window']
-        if reasons:
-            return insufficient(
-                [*notes, *reasons],
-                self._bearing,
-                shaft_hz=mean_hz,
-                unit=self._unit,
-                **about,
-            )
-        signal = x
-        if float(np.ptp(speeds)) > _STEADY * mean_hz:
-            signal, mean_hz = resample_to_angle(x, self._rate, speeds)
-        settings = self._settings
-        if self._speed_measured:
-            settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
-        window = analyse_window(
-            signal, self._rate, self._bearing, mean_hz, settings, unit=self._unit
-        )
-        # Only windows that do not overlap this one, nor one another, add evidence.
-        oldest = self._next - round(self._settings.memory * self._rate)
-        while self._earlier and self._earlier[0][0] - wanted < oldest:
-            self._earlier.popleft()
-        earlier, limit = [], first
-        for end, orders in reversed(self._earlier):
-            if end <= limit:
-                earlier.append(orders)
-                limit = end - wanted
-        full = len(x) == wanted
-        if full and self._settings.memory >= 2.0 * self._settings.window:
-            self._earlier.append((self._next, window.orders))
-        diagnosis = conclude(
-            window,
-            self._bearing,
-            earlier=earlier[::-1],
-            shaft_hz_given=mean_hz,
+        return Update(
+            samples=np.concatenate([part for part, _ in self._blocks])[-wanted:],
+            shaft_hz=np.array([hz for _, hz in self._blocks]),
+            lengths=lengths,
+            end=self._next,
+            sample_rate=self._rate,
+            bearing=self._bearing,
+            settings=self._settings,
+            speed_measured=speed_measured,
+            temperature=temperature,
+            unit=unit,
             notes=notes,
-            **about,
-        )
-        return self._trend.update(
-            diagnosis,
-            wanted=self._settings.baseline_windows,
-            hold=self._settings.hold_updates,
-            full=full,
+            earlier=self._earlier,
         )

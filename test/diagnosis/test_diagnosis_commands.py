@@ -9,9 +9,10 @@ import subprocess
 import sys
 import time
 
+from bearing_twin.bearing import own_bearing
 from bearing_twin.bench.diagnosis import fault_signal, measure, RATE, SHAFT_HZ
 from bearing_twin.cli import main
-from bearing_twin.cli.diagnose import diagnose_file, parse_geometry, Task
+from bearing_twin.cli.diagnose import diagnose_file, Task
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import pytest
@@ -77,6 +78,34 @@ def test_bad_files_get_an_answer_and_stop_no_other(good, tmp_path, capsys):
         assert word in answer['reasons'][0]
 
 
+def test_record_with_a_speed_at_each_sample_is_taken_over_angle(tmp_path):
+    """Impulses at the angles of the outer race of a 6205 while the shaft runs up by a quarter."""
+    rng = np.random.default_rng(3)
+    n = int(5 * RATE)
+    shaft = np.linspace(20.0, 25.0, n)
+    turns = np.cumsum(shaft) / RATE
+    x = rng.standard_normal(n)
+    ring = np.exp(-600 * np.arange(400) / RATE) * np.sin(2 * np.pi * 4500 * np.arange(400) / RATE)
+    hits = np.zeros(n)
+    hits[np.searchsorted(turns, np.arange(1.0, turns[-1] * 3.585) / 3.585)] = 8.0
+    np.savez(tmp_path / 'up.npz', x=x + np.convolve(hits, ring)[:n], fs=RATE, rpm=60.0 * shaft)
+    bearing = own_bearing('9,7.94,39.04,0')
+    said = diagnose_file(Task(path=str(tmp_path / 'up.npz'), bearing=bearing))
+    assert said['faults'] == ['outer'], said['reasons']
+    # As one number the speed smears its lines.
+    blurred = diagnose_file(Task(path=str(tmp_path / 'up.npz'), bearing=bearing, shaft_hz=22.5))
+    assert blurred['level'] != 'fault'
+    np.savez(tmp_path / 'stop.npz', x=x, fs=RATE, shaft_hz=np.maximum(shaft - 21.0, 0.0))
+    stopped = diagnose_file(Task(path=str(tmp_path / 'stop.npz'), bearing=bearing))
+    assert 'turns' in stopped['reasons'][0] or 'stood still' in stopped['reasons'][0]
+
+
+def test_missing_and_empty_files_are_said_to_be_such(tmp_path):
+    assert 'does not exist' in diagnose_file(Task(path=str(tmp_path / 'no.csv')))['reasons'][0]
+    (tmp_path / 'no.mat').touch()
+    assert 'is empty' in diagnose_file(Task(path=str(tmp_path / 'no.mat')))['reasons'][0]
+
+
 def test_many_files_on_all_cores_in_order(good, capsys):
     files = [str(good)] * 5
     args = ['diagnose', *files, '--geometry', '8,14,57.5,0', '--json', '--jobs', '2']
@@ -98,7 +127,7 @@ def test_pictures(good, tmp_path, capsys):
 @pytest.mark.parametrize('text', ['', '9', 'a,b,c', '9,40,39,0', '9,7.9,39,95', '2,7.9,39'])
 def test_bad_geometry(text):
     with pytest.raises(BearingTwinError):
-        parse_geometry(text)
+        own_bearing(text)
 
 
 @pytest.mark.parametrize(
@@ -114,7 +143,7 @@ def test_unknown_bearing_and_speed_are_said(tmp_path):
     path = tmp_path / 'bare.npz'
     np.savez(path, x=fault_signal(1.0), fs=RATE)
     assert '--bearing' in diagnose_file(Task(path=str(path)))['reasons'][0]
-    bearing = parse_geometry('8,14,57.5,0')
+    bearing = own_bearing('8,14,57.5,0')
     said = diagnose_file(Task(path=str(path), bearing=bearing))
     assert 'speed is unknown' in said['reasons'][0]
 

@@ -46,6 +46,20 @@ def test_same_pushes_same_bits_and_blocks_do_not_matter():
     assert len(first) == 5
 
 
+def test_a_state_goes_on_within_the_window_before_it():
+    # Off the beat of the updates, which come at each second.
+    x, begin, cut = fault_signal(9.0), 3 * 1024, 107 * 1024
+    whole = StreamingDiagnoser(BEARING, SHORT)
+    before = len(_push(whole, x[:cut]))
+    state = whole.save()
+    rest = _push(whole, x[cut:], first=cut)
+    again = StreamingDiagnoser(BEARING, SHORT)
+    assert len(again.take(begin, x[begin:cut], RATE, SHAFT_HZ)) == before
+    again.load(state)
+    assert [_key(d) for d in _push(again, x[cut:], first=cut)] == [_key(d) for d in rest]
+    assert len(rest) == 9 - before > 3
+
+
 def test_full_window_equals_the_record():
     x = fault_signal(4.0)
     streamed = _push(StreamingDiagnoser(BEARING, DiagnosisSettings(window=4.0, memory=4.0)), x)[-1]

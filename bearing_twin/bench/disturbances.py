@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a machine does beside its bearing: shaft, gears, mains, knocks, pulses, swelling noise."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ['CONDITIONS', 'MACHINES', 'disturbance']
+
+CONDITIONS = ('none', 'inner', 'outer', 'ball', 'cage')
+"""True conditions of the bearings of a study."""
+
+MACHINES = ('quiet', 'shaft', 'gear', 'mains', 'modulated', 'impulses')
+"""What :func:`disturbance` knows besides ``'pulses'``."""
+
+
+def disturbance(
+    machine: str, turns: NDArray[np.float64], sample_rate: float, rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """
+    Return what a machine adds to the vibration of its bearing, in no unit.
+
+    Parameters
+    ----------
+    machine
+        Name of :data:`MACHINES`, or ``'pulses'``.
+    turns
+        Shaft turns since the beginning at each sample, shape (n,).
+    sample_rate
+        Hz.
+    rng
+        Source of all that is random.
+
+    Returns
+    -------
+    Samples, shape (n,); zeros for ``'quiet'``.
+
+    """
+    n = len(turns)
+    t = np.arange(n) / sample_rate
+    shaft = 2.0 * np.pi * turns
+    mean_hz = float(turns[-1]) / (n - 1) * sample_rate
+
+    def tone(angle: NDArray[np.float64], depth: float = 0.0) -> NDArray[np.float64]:
+        swing = 1.0 + depth * np.cos(shaft + rng.uniform(0.0, 6.3))
+        wave = np.sin(angle + rng.uniform(0.0, 6.3))
+        return np.asarray(rng.exponential() * swing * wave)
+
+    nyquist = 0.45 * sample_rate
+    if machine == 'shaft':
+        # Unbalance, misalignment and looseness: many harmonics, halves among them.
+        step = shaft * float(rng.choice((0.5, 1.0)))
+        return np.asarray(np.sum([tone(k * step) / np.sqrt(k) for k in range(1, 40)], axis=0))
+    if machine == 'gear':
+        # Two meshes, one of them on another shaft whose turns are no multiple of this one's.
+        meshes = (int(rng.integers(13, 60)), float(rng.uniform(13.0, 60.0)))
+        orders = [k * mesh for mesh in meshes for k in (1, 2, 3)]
+        return np.asarray(
+            sum(
+                (tone(order * shaft, 0.7) for order in orders if order * mean_hz < nyquist),
+                start=np.zeros(n),
+            )
+        )
+    if machine == 'mains':
+        stray = rng.uniform(10.0, nyquist, 20)
+        hum = float(rng.choice((50.0, 60.0)))
+        lines = (*(hum * np.arange(1, 20)), *stray)
+        return np.asarray(np.sum([tone(2.0 * np.pi * hertz * t) for hertz in lines], axis=0))
+    if machine == 'modulated':
+        # Noise of a flow or a seal that swells once a turn.
+        swell = 1.0 + 0.8 * np.cos(shaft + rng.uniform(0.0, 6.3))
+        return np.asarray(swell * rng.standard_normal(n))
+    if machine == 'impulses':
+        # Knocks that come at random, each rings at a natural frequency.
+        knocks = np.zeros(n)
+        count = rng.poisson(4.0 * n / sample_rate) + 1
+        knocks[rng.integers(0, n, count)] = rng.standard_normal(count)
+        tail = t[: int(0.02 * sample_rate)]
+        ring = np.exp(-400.0 * tail) * np.sin(2.0 * np.pi * 0.15 * sample_rate * tail)
+        return np.asarray(np.convolve(knocks, ring)[:n])
+    if machine == 'pulses':
+        # A converter: single spikes, and pulses twice a period of the mains.
+        spikes = np.zeros(n)
+        count = rng.poisson(5.0 * n / sample_rate) + 1
+        spikes[rng.integers(0, n, count)] = 20.0 * rng.standard_normal(count)
+        if rng.random() < 0.5:
+            hum = float(rng.choice((50.0, 60.0)))
+            at = (np.arange(0.0, t[-1], 0.5 / hum) * sample_rate).astype(int)
+            spikes[at] += 3.0 + rng.standard_normal(len(at))
+        return spikes
+    return np.zeros(n)

@@ -1,0 +1,384 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The fault families of one bearing: the best comb of each, and what else tells them apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import TYPE_CHECKING
+
+from bearing_twin.bearing import fault_orders
+from bearing_twin.diagnosis.comb import comb_scores, HARMONICS, OrderSpectra
+from bearing_twin.diagnosis.result import FAMILIES
+from bearing_twin.diagnosis.spectra import WHITENINGS
+from bearing_twin.diagnosis.thresholds import (
+    CARRIER,
+    GATED,
+    INDEX_FAULT,
+    JOINT_SLIP,
+    MAINS_HZ,
+    RIVAL,
+    SLIP,
+    SLIP_COST,
+    SLOW_CAGE,
+    STEADY,
+    Z_FAULT,
+)
+import numpy as np
+
+if TYPE_CHECKING:
+    from bearing_twin.bearing import Bearing, FaultFrequencies
+    from bearing_twin.diagnosis.shaft import ShaftSpeed
+    from numpy.typing import NDArray
+
+__all__ = [
+    'Candidate',
+    'Judge',
+    'family_order',
+    'modulation_index',
+    'on_comb',
+    'sideband_ratio',
+]
+
+_HANN_BINS = 1.5
+_SIDEBANDS = 4
+_RACES = ('inner', 'outer')
+_UNTESTED = 1.0
+
+
+def family_order(family: str, orders: FaultFrequencies) -> float:
+    """Order of the impacts of a family: a ball strikes twice a spin."""
+    return {
+        'inner': orders.bpfi,
+        'outer': orders.bpfo,
+        'ball': 2.0 * orders.bsf,
+        'cage': orders.ftf,
+    }[family]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """The best comb of one family."""
+
+    family: str
+    order: float
+    """Measured fundamental, multiples of the shaft speed."""
+    slip: float
+    """Cage slip that explains it."""
+    z: float
+    """Score less the cost of an unlikely slip."""
+    index: float
+    """Modulation index."""
+    band: int
+    """Number of the band in the tree."""
+    teeth: int
+    """Number of teeth that do not hide behind a shaft harmonic."""
+    sidebands: float
+    """Mean amplitude of the shaft sidebands over that of the teeth."""
+
+    @property
+    def evidence(self) -> float:
+        """
+        Return what faults that claim the same lines are compared by.
+
+        The sidebands of a race fault are weaker than its teeth, so a comb that stands beside
+        stronger lines is more likely a sideband itself.
+        """
+        return self.z * self.index / max(self.sidebands, 0.25)
+
+    def __str__(self) -> str:
+        return (
+            f'{self.family}: comb at {self.order:.3f} orders, z {self.z:.1f}, '
+            f'modulation index {self.index:.2f}'
+        )
+
+
+class Judge:
+    """Scores the families of one bearing in the envelope spectra of one window."""
+
+    def __init__(self, spectra: OrderSpectra, bearing: Bearing, speed: ShaftSpeed) -> None:
+        self.orders = fault_orders(bearing)
+        self._slipped = fault_orders(bearing, SLIP[1])
+        self._n_balls = bearing.n_balls
+        self._uncertainty = speed.uncertainty
+        self._shaft_hz = speed.shaft_hz
+        self.top = len(spectra.logs) * spectra.step
+        shaft = np.arange(1.0, self.top + 1.0)
+        self._silent = spectra.near(shaft, 1.25 * spectra.step)
+        self.spectra = spectra.silenced(shaft, 1.25 * spectra.step)
+        self._all = spectra
+        highest = 1.08 * max(family_order(name, self.orders) for name in FAMILIES)
+        self._scores = comb_scores(self.spectra, highest, len(WHITENINGS))
+
+    def best(
+        self, family: str, spectra: OrderSpectra, slips: tuple[float, float] = SLIP
+    ) -> Candidate:
+        """Best comb of a family within a range of slip."""
+        order = family_order(family, self.orders)
+        slope = (family_order(family, self._slipped) - order) / SLIP[1]
+        ends = sorted(order + slope * slip for slip in slips)
+        slack = self._uncertainty * order
+        first = int(np.searchsorted(self._scores.grid, ends[0] - slack))
+        last = int(np.searchsorted(self._scores.grid, ends[1] + slack))
+        first = min(first, len(self._scores.grid) - 1)
+        grid = self._scores.grid[first : max(last, first + 1)]
+        z, bands = self._scores.judge(spectra, grid)
+        # What the uncertainty of the speed may explain is no slip and costs nothing.
+        away = np.maximum(np.abs(grid - order) - slack, 0.0) * np.sign(grid - order)
+        slip = away / slope
+        z = z - (slip / SLIP_COST) ** 2
+        at = int(np.argmax(z))
+        found = float(grid[at])
+        index, band = modulation_index(spectra, found, bands[at, 0], family)
+        teeth = found * np.arange(1, HARMONICS + 1)
+        alive = int((~self._silent[spectra.rows(teeth)]).sum())
+        tested = family in _RACES and z[at] >= Z_FAULT
+        sidebands = sideband_ratio(spectra, found, band) if tested else _UNTESTED
+        return Candidate(
+            family, found, float(slip[at]), float(z[at]), index, band, alive, sidebands
+        )
+
+    def capped_index(self, cage: Candidate) -> float:
+        """Modulation index of the cage's comb with lines capped."""
+        power = _comb_power(self.spectra, cage.order, cage.band) / _HANN_BINS
+        return 2.0 * math.sqrt(power)
+
+    def mirrored(self, other: Candidate) -> float | None:
+        """
+        Amplitude of the inner race's comb over that of another's, where they coincide.
+
+        A comb may be a shaft sideband of the inner race's if that one, an integer beside it, lies
+        where a slip about as likely may put it. None if it does not.
+        """
+        order = self.orders.bpfi
+        slope = (self._slipped.bpfi - order) / SLIP[1]
+        # Not much less likely than the slip of the outer race that it would replace.
+        likely = math.hypot(other.slip, SLIP_COST)
+        slack = self._uncertainty * order + 2.0 * self._all.step
+        first = math.ceil(order + slope * max(SLIP[0], -likely) - slack - other.order)
+        last = math.floor(order + slope * min(SLIP[1], likely) + slack - other.order)
+        sides = [side for side in range(first, last + 1) if side]
+        if not sides:
+            return None
+        # The inner race's own teeth may hide behind shaft harmonics: they are looked at here.
+        near = np.arange(-2.0, 2.25, 0.25) * self._all.step
+        own = _comb_power(self._all, other.order, other.band)
+        power = max(
+            _comb_power(self._all, other.order + side + away, other.band)
+            for side in sides
+            for away in near
+        )
+        return math.sqrt(power / max(own, 1e-30))
+
+    @property
+    def steady(self) -> bool:
+        """Whether the shaft speed is known well enough to compare slips and place sidebands."""
+        return self._uncertainty <= STEADY
+
+    def hidden(self, family: str) -> Candidate | None:
+        """Comb of a family that shows, but whose teeth hide behind the shaft's harmonics."""
+        order = family_order(family, self.orders)
+        slack = self._uncertainty * order + 1.25 * self._all.step
+        if abs(order - round(order)) > slack:
+            return None
+        found = self.best(family, self._all, (0.0, 0.0))
+        return found if found.z >= Z_FAULT and found.index >= INDEX_FAULT else None
+
+    def without(self, candidate: Candidate) -> OrderSpectra:
+        """
+        Spectra without the lines that a fault explains: its harmonics and their sidebands.
+
+        A race fault is modulated at the shaft's speed, a ball fault at the cage's. The two
+        strikes of a ball in each spin differ: its odd multiples of half the order show as well.
+        """
+        order, reach = candidate.order, _SIDEBANDS
+        gap = 1.0
+        if candidate.family == 'ball':
+            order, gap = 0.5 * order, self.cage_sideband(candidate)[0]
+        elif candidate.family == 'cage':
+            reach = 0
+        sides = gap * np.arange(-reach, reach + 1)
+        lines = order * np.arange(1, int(self.top / order) + 2)[:, None] + sides
+        return self.spectra.silenced(lines.ravel().tolist(), 2.0 * self.spectra.step)
+
+    def cage_sideband(self, candidate: Candidate) -> tuple[float, float]:
+        """Order of the cage at which a comb has its highest sidebands, and their ratio."""
+        slope = (self._slipped.ftf - self.orders.ftf) / SLIP[1]
+        ends = self.orders.ftf + slope * (candidate.slip + np.array([JOINT_SLIP, -JOINT_SLIP]))
+        return self._highest_sideband(candidate, ends[0], ends[1])
+
+    def _highest_sideband(
+        self, candidate: Candidate, low: float, high: float
+    ) -> tuple[float, float]:
+        """Gap between two orders at which a comb has its highest sidebands, and their ratio."""
+        slack = self._uncertainty * high
+        # Two gaps beside a tooth: half a bin more moves the farther sidebands by one.
+        gaps = np.arange(low - slack, high + slack + self._all.step, 0.5 * self._all.step)
+        ratios = _sideband_ratios(self.spectra, candidate.order, candidate.band, gaps)
+        best = int(np.argmax(ratios))
+        return float(gaps[best]), float(ratios[best])
+
+    def carried(self, race: Candidate) -> float:
+        """
+        Order of the cage whose sidebands the comb of a race has, 0 if it has none such.
+
+        A race does not move with the cage: such a comb is one of a ball or of the cage itself,
+        whatever its slip, and has the name of the race from the place of its teeth alone.
+        """
+        if race.family not in _RACES:
+            return 0.0
+        gap, ratio = self._any_cage_sideband(race)
+        return gap if ratio > max(GATED, race.sidebands) else 0.0
+
+    def struck(self, ball: Candidate) -> float:
+        """
+        Order of the cage whose strikes make the comb of a ball, 0 if none do.
+
+        A strike once a cage turn has all harmonics alike; the sidebands of a ball, which a load
+        that is spread over some balls sways, fade. Those three and six, and five and ten cage
+        orders beside its teeth tell.
+        """
+        if ball.family != 'ball':
+            return 0.0
+        gap, near = self._any_cage_sideband(ball)
+        far = (sideband_ratio(self.spectra, ball.order, ball.band, k * gap) for k in (3, 5))
+        return gap if min(near, *far) * RIVAL > 1.0 else 0.0
+
+    def _any_cage_sideband(self, candidate: Candidate) -> tuple[float, float]:
+        """Highest sidebands at any speed that a cage may have: their gap and their ratio."""
+        slope = (self._slipped.ftf - self.orders.ftf) / SLIP[1]
+        ends = self.orders.ftf + slope * np.array([SLOW_CAGE, SLIP[0]])
+        return self._highest_sideband(candidate, ends[0], ends[1])
+
+    def turned(self, ball: Candidate) -> bool:
+        """
+        Whether a ball's comb has the sidebands of the shaft, higher than those of the cage.
+
+        A ball moves with the cage: such a comb may be the inner race's, whatever its slip, and
+        have the name of the ball from the place of its teeth alone.
+        """
+        if ball.family != 'ball':
+            return False
+        shaft = sideband_ratio(self.spectra, ball.order, ball.band)
+        return shaft > max(GATED, RIVAL * self.cage_sideband(ball)[1])
+
+    def parent(self, candidate: Candidate) -> tuple[float, float]:
+        """
+        Order and score of a much higher comb that has every second or third tooth in common.
+
+        It belongs to no family, or it would have been found as such: the candidate merely shares
+        its teeth. Order 0 if there is none. Half the order may be the ball's own; a third of the
+        outer race's may be the cage's, where the number of balls has that factor, but not higher.
+        Where the odd teeth are missing, the comb of twice the order is the higher one.
+        """
+        shares = (2.0, 2.0 / 3.0, 1.0 / 3.0) + (() if candidate.family == 'ball' else (0.5,))
+        combs = [self._score_near(share * candidate.order) for share in shares]
+        order, z = max(combs, key=lambda comb: comb[1])
+        return (order, z) if z > RIVAL * candidate.z else (0.0, 0.0)
+
+    def mains(self, candidate: Candidate) -> float:
+        """
+        Frequency of the mains, Hz, of whose pulses a comb is a multiple; 0 if of none.
+
+        Rectifiers and converters knock twice a period. Their comb is then as high as its multiple;
+        where it is that itself, nothing tells a fault from it.
+        """
+        for hertz in MAINS_HZ:
+            pulses = 2.0 * hertz / self._shaft_hz
+            multiple = max(round(candidate.order / pulses), 1)
+            if abs(candidate.order - multiple * pulses) > self._all.step:
+                continue
+            z = candidate.z if multiple == 1 else self._score_near(pulses)[1]
+            if z * RIVAL > candidate.z:
+                return hertz
+        return 0.0
+
+    def _score_near(self, order: float) -> tuple[float, float]:
+        """Best comb within two bins of an order: where it is, and its score."""
+        reach = 2.0 * self._all.step
+        grid = np.arange(order - reach, order + reach, 0.25 * self._all.step)
+        z, _ = self._scores.judge(self.spectra, grid)
+        at = int(np.argmax(z))
+        return float(grid[at]), float(z[at])
+
+    def sidedness(self, one: Candidate, other: Candidate) -> Candidate | None:
+        """
+        Return whose sidebands a comb has that two families claim; None where they do not tell.
+
+        An inner race is modulated by the shaft, a ball by the cage, an outer race by neither.
+        """
+        shaft = sideband_ratio(self.spectra, one.order, one.band)
+        claims = {c.family: c for c in (one, other)}
+        cage = self.cage_sideband(claims.get('ball', one))[1]
+        heights = {'inner': shaft, 'ball': cage, 'outer': GATED / RIVAL}
+        low, high = sorted(claims, key=lambda family: heights.get(family, 0.0))
+        return claims[high] if heights.get(high, 0.0) > RIVAL * heights.get(low, 0.0) else None
+
+    def joint_slips(self, primary: Candidate) -> tuple[float, float]:
+        """Slip that another fault of the same bearing may have, given the primary one's."""
+        if not self.steady or primary.family == 'cage':
+            return SLIP
+        return primary.slip - JOINT_SLIP, primary.slip + JOINT_SLIP
+
+
+def modulation_index(
+    spectra: OrderSpectra, order: float, band_scores: NDArray[np.float32], family: str
+) -> tuple[float, int]:
+    """
+    Modulation index of a comb, the largest of the bands that show it, and that band.
+
+    Root of the sum over harmonics of the squared relative amplitudes of the squared envelope,
+    noise floor taken off: m for an envelope 1 + m cos. It is taken from the spectrum with capped
+    lines, so that steady lines beating with one another do not count. The cage's, whose pulses
+    are slow and smooth, is taken with lines kept. A healthy bearing forces its housing at the
+    outer race's frequency and its low multiples (variable compliance); for that family the index
+    counts only in bands that begin above ``CARRIER`` multiples.
+    """
+    bands = len(spectra.carrier)
+    lines = slice(0, bands) if family == 'cage' else slice(bands, None)
+    teeth = order * np.arange(1, HARMONICS + 1)
+    rows = spectra.rows(teeth[:, None] + spectra.step * np.arange(-1, 2))
+    # A line spreads over three bins of the Hann window, whose noise bandwidth is 1.5 bins.
+    power = spectra.excess[rows.ravel(), lines].sum(axis=0) / _HANN_BINS
+    if family == 'outer':
+        # Half of the range stays in any case, for low sample rates.
+        limit = min(CARRIER * order, 0.5 * float(spectra.carrier.max()))
+        power[spectra.carrier < limit] = 0.0
+    index = 2.0 * np.sqrt(power)
+    shown = band_scores >= min(3.0, float(band_scores.max()))
+    band = int(np.argmax(np.where(shown, index, -1.0)))
+    return float(index[band]), band
+
+
+def _comb_power(spectra: OrderSpectra, order: float, band: int) -> float:
+    """Relative power of the lines of a comb in one band, lines capped."""
+    teeth = order * np.arange(1, HARMONICS + 1)
+    rows = spectra.rows(teeth[:, None] + spectra.step * np.arange(-1, 2))
+    return float(spectra.excess[rows, len(spectra.carrier) + band].sum())
+
+
+def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 1.0) -> float:
+    """Amplitude of the lines one and two gaps beside the teeth of a comb over the teeth's."""
+    return float(_sideband_ratios(spectra, order, band, np.array([gap]))[0])
+
+
+def _sideband_ratios(
+    spectra: OrderSpectra, order: float, band: int, gaps: NDArray[np.float64]
+) -> NDArray[np.float32]:
+    """Return the same for each of several gaps."""
+    teeth = order * np.arange(1, HARMONICS + 1)
+    sides = gaps[:, None] * np.array([0.0, -2.0, -1.0, 1.0, 2.0])
+    lines = sides[..., None, None] + teeth[:, None] + spectra.step * np.arange(-1, 2)
+    power = spectra.excess[spectra.rows(lines), len(spectra.carrier) + band].sum(axis=(2, 3))
+    ratios: NDArray[np.float32] = np.sqrt(
+        power[:, 1:].mean(axis=1) / np.maximum(power[:, 0], 1e-30)
+    )
+    return ratios
+
+
+def on_comb(candidate: Candidate, cage_order: float, step: float) -> bool:
+    """Whether every second tooth of a comb, at least, lies on a multiple of the cage's order."""
+    multiple = round(2.0 * candidate.order / cage_order)
+    away = abs(2.0 * candidate.order - multiple * cage_order)
+    return away <= (4.0 + 0.25 * multiple) * step

@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Thresholds of the decision. Where each comes from stands in docs/diagnosis.md."""
+
+from __future__ import annotations
+
+__all__ = [
+    'BLURRED',
+    'CARRIER',
+    'GATED',
+    'INDEX_FAULT',
+    'INDEX_STRIKE',
+    'INDEX_SUSPECT',
+    'JOINT_SLIP',
+    'MAINS_HZ',
+    'RIVAL',
+    'SLIP',
+    'SLIP_COST',
+    'SLOW_CAGE',
+    'STEADY',
+    'Z_CAGE',
+    'Z_FAULT',
+]
+
+Z_FAULT = 5.5
+"""Score above which a comb is not chance."""
+
+Z_CAGE = 8.0
+"""The same for the cage, whose low orders have a wider null."""
+
+INDEX_FAULT = 0.6
+"""Modulation index above which a significant comb is a fault."""
+
+INDEX_SUSPECT = 0.3
+"""Modulation index above which a significant comb is worth a remark."""
+
+SLIP = (-0.015, 0.06)
+"""Cage slip looked for. Below zero: a contact angle that the geometry does not know of."""
+
+INDEX_STRIKE = 2.0
+"""Modulation index of the cage's comb, with lines kept and with lines capped, above which the
+envelope is more strike than ripple: half of the 4 that sharp impacts reach with four teeth."""
+
+JOINT_SLIP = 0.008
+"""Two faults of one bearing share one cage: their slips agree to this much."""
+
+MAINS_HZ = (50.0, 60.0)
+"""Frequencies of the mains, whose rectifiers strike twice a period."""
+
+CARRIER = 12.0
+"""Multiples of the outer race's frequency above which its carriers count."""
+
+RIVAL = 1.4
+"""Two faults that explain each other away are told apart from this ratio of evidence on."""
+
+BLURRED = 0.9
+"""Sidebands over teeth above which a comb may itself be a sideband of another fault."""
+
+GATED = 0.5
+"""Sidebands over teeth above which impacts are gated, not swayed. A force that varies as 1 + cos,
+the most that a rotating load does to a fixed place, makes shaft sidebands of 0.49 in the squared
+envelope. A damaged outer race stands still; an inner race passes through the load zone."""
+
+SLIP_COST = 0.02
+"""Slip that costs one standard deviation of score; twice as much costs four."""
+
+SLOW_CAGE = 0.12
+"""Slip up to which the comb of a cage is sought where its teeth pass for other faults."""
+
+STEADY = 0.004
+"""Relative uncertainty of the shaft speed up to which slips are compared."""

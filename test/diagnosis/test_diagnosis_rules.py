@@ -1,0 +1,150 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Rules that keep one cause from being called by another's name."""
+
+from bearing_twin.bearing import fault_orders, find_bearing
+from bearing_twin.diagnosis import diagnose_record
+from bearing_twin.diagnosis.confidence import confidence
+from bearing_twin.diagnosis.knocks import limit_knocks
+from bearing_twin.diagnosis.power import smallest_detectable
+from bearing_twin.diagnosis.result import RESULTS
+import numpy as np
+import pytest
+
+RATE = 25_600.0
+SHAFT_HZ = 25.4
+SECONDS = 4.0
+N = int(RATE * SECONDS)
+RING = np.exp(-600 * np.arange(400) / RATE) * np.sin(2 * np.pi * 4500 * np.arange(400) / RATE)
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(8)
+
+
+def _strikes(times, heights):
+    x = np.zeros(N)
+    at = np.searchsorted(np.arange(N) / RATE, times)
+    x[at[at < N]] = np.broadcast_to(heights, times.shape)[at < N]
+    return np.convolve(x, RING)[:N]
+
+
+def test_regular_strikes_pass_and_single_knocks_are_limited(rng):
+    x = _strikes(np.arange(0.0, SECONDS, 0.01), 8.0) + rng.standard_normal(N)
+    assert limit_knocks(x, RATE, 10.0) is x
+    knocked = x + _strikes(np.array([0.7, 2.9]), 100.0)
+    limited = limit_knocks(knocked, RATE, 10.0)
+    assert np.abs(limited).max() < 2.5 * np.abs(x).max()
+    same = np.abs(knocked) < np.abs(x).max()
+    assert np.array_equal(limited[same], knocked[same])
+    assert limit_knocks(knocked[:2000], RATE, 10.0).max() == knocked[:2000].max()
+
+
+def test_fault_shows_among_single_knocks(rng):
+    bearing = find_bearing('6307')
+    order = fault_orders(bearing, 0.01).bpfo
+    gaps = (1.0 + 0.01 * rng.standard_normal(1000)) / (order * SHAFT_HZ)
+    x = _strikes(np.cumsum(gaps), 6.0) + rng.standard_normal(N)
+    knocks = _strikes(rng.uniform(0.0, SECONDS, 16), 300.0 * rng.standard_normal(16))
+    said = diagnose_record(x + knocks, RATE, bearing, SHAFT_HZ)
+    assert said.faults == ('outer',), said.reasons
+
+
+def test_pulses_of_the_mains_are_no_fault(rng):
+    bearing = find_bearing('6307')
+    # Twice the mains falls on the order of the inner race at this speed.
+    shaft_hz = 100.0 / fault_orders(bearing, 0.01).bpfi
+    x = _strikes(np.arange(0.0, SECONDS, 0.01), 8.0) + rng.standard_normal(N)
+    said = diagnose_record(x, RATE, bearing, shaft_hz)
+    assert (said.result, said.level) == ('ambiguous', 'suspect')
+    assert '100 Hz' in ' '.join(said.reasons)
+
+
+def test_strikes_that_swell_with_the_cage_are_no_race_fault(rng):
+    """A ball of a cage that slips so far that its strikes lie at the inner race's order."""
+    bearing = find_bearing('NICE')
+    orders = fault_orders(bearing, 0.068)
+    assert 2.0 * orders.bsf == pytest.approx(fault_orders(bearing).bpfi, rel=0.005)
+    times = np.arange(0.0, SECONDS, 0.5 / (orders.bsf * SHAFT_HZ))
+    load = np.maximum(np.cos(2.0 * np.pi * orders.ftf * SHAFT_HZ * times), 0.0)
+    x = _strikes(times, 8.0 * load) + rng.standard_normal(N)
+    said = diagnose_record(x, RATE, bearing, SHAFT_HZ, speed_tolerance=0.002)
+    assert 'inner' not in said.faults, said.reasons
+    assert said.level != 'ok'
+
+
+def test_ball_that_strikes_unevenly_is_no_race_fault(rng):
+    """Every other strike is weaker: half harmonics, of which the third lies at the inner race."""
+    bearing = find_bearing('ZA-2115')
+    orders = fault_orders(bearing, 0.01)
+    gaps = (1.0 + 0.005 * rng.standard_normal(2000)) * 0.5 / (orders.bsf * SHAFT_HZ)
+    times = np.cumsum(gaps)
+    load = 1.0 + 0.8 * np.cos(2.0 * np.pi * orders.ftf * SHAFT_HZ * times)
+    heights = 8.0 * load * np.where(np.arange(len(times)) % 2, 0.5, 1.0)
+    x = _strikes(times, heights) + rng.standard_normal(N)
+    said = diagnose_record(x, RATE, bearing, SHAFT_HZ)
+    assert said.faults == ('ball',), said.reasons
+
+
+@pytest.mark.parametrize('slip', [0.07, 0.085, 0.1])
+def test_comb_with_sidebands_of_the_shaft_is_no_ball_fault(rng, slip):
+    """Beyond the slip looked for, a sideband of the inner race lies at the order of the ball."""
+    bearing = find_bearing('NICE')
+    times = np.arange(0.0, SECONDS, 1.0 / (fault_orders(bearing, slip).bpfi * SHAFT_HZ))
+    load = np.maximum(np.cos(2.0 * np.pi * SHAFT_HZ * times), 0.0)
+    x = _strikes(times, 8.0 * load) + rng.standard_normal(N)
+    said = diagnose_record(x, RATE, bearing, SHAFT_HZ, speed_tolerance=0.002)
+    assert (said.result, said.level) == ('ambiguous', 'suspect'), said.reasons
+    assert 'inner' in said.faults
+
+
+@pytest.mark.parametrize(('name', 'slip'), [('6203', 0.01), ('UER204', 0.01)])
+def test_lines_of_a_cage_that_do_not_fade_are_no_ball_fault(rng, name, slip):
+    """Eleven turns of a cage that slips far lie at the order of a ball that slips little."""
+    order = 2.0 * fault_orders(find_bearing(name), slip).bsf / 11.0
+    x = _strikes(np.arange(0.0, SECONDS, 1.0 / (order * SHAFT_HZ)), 12.0)
+    x += rng.standard_normal(N)
+    said = diagnose_record(x, RATE, find_bearing(name), SHAFT_HZ, speed_tolerance=0.002)
+    assert (said.result, said.level) == ('ambiguous', 'suspect'), said.reasons
+    assert 'cage' in said.faults
+
+
+def test_confidence_is_a_share_and_grows_with_the_score_of_a_fault():
+    for result in RESULTS:
+        assert all(0.0 <= confidence(result, z) <= 1.0 for z in (0.0, 5.5, 9.0, 99.0))
+    assert confidence('insufficient', 9.0) == 0.0
+    assert confidence('inner', 20.0) >= confidence('inner', 5.5)
+    assert confidence('healthy', 1.0) >= confidence('healthy', 5.0)
+
+
+def test_too_short_a_window_says_what_it_could_have_shown(rng):
+    x = rng.standard_normal(int(1.2 * RATE))
+    said = diagnose_record(x, RATE, find_bearing('6307'), SHAFT_HZ, unit='m/s^2')
+    assert said.result == 'insufficient'
+    assert f'{said.smallest_detectable:.2g} mm wide' in said.reasons[-1]
+
+
+def test_window_of_too_few_turns_says_what_is_missing_and_that_nothing_would_have_shown(rng):
+    x = rng.standard_normal(2560)
+    said = diagnose_record(x, RATE, find_bearing('6307'), 25.0, unit='m/s^2')
+    assert said.result == 'insufficient'
+    assert np.isnan(said.smallest_detectable)
+    # 20 turns for any statement, 50 for a healthy one.
+    assert '0.7 s more' in said.reasons[0]
+    assert 'none; in 2 s: one 0.21 mm wide' in said.reasons[-1]
+
+
+def test_no_size_is_claimed_where_none_was_simulated():
+    at = {'temperature': 20.0, 'rms': 1.0, 'unit': 'm/s^2', 'd_ball': 0.0135}
+    assert smallest_detectable(4.0, 25.0, **at) > 0.0
+    # Turns count, not only seconds; and slow shafts were not simulated.
+    assert np.isnan(smallest_detectable(1.0, 12.5, **at))
+    assert np.isnan(smallest_detectable(2.0, 7.0, **at))
+    assert np.isnan(smallest_detectable(60.0, 3.0, **at))
+
+
+def test_of_unreadable_samples_no_smallest_fault_is_named():
+    x = np.full(25600, np.nan)
+    said = diagnose_record(x, RATE, find_bearing('6307'), 25.0)
+    assert len(said.reasons) == 1
