@@ -49,7 +49,9 @@ class Signal:
     sample_rate: float
     """Hz."""
     shaft_hz: float
-    """NaN where the file does not say."""
+    """Mean speed; NaN where the file does not say."""
+    speeds: NDArray[np.float64]
+    """Shaft speed at each sample, Hz, shape (n,); empty where it does not vary, or is unknown."""
     unit: str
     """``'m/s^2'``, ``'g'``, or '' where the file does not say."""
     bearing_name: str
@@ -69,7 +71,8 @@ def read_signal(
 
     =========  ====================================================================================
     ``.npz``   array ``x`` (or the longest one), ``fs``, ``rpm``, ``bearing_name``, ``label``; of a
-               two-dimensional array the channel is the row
+               two-dimensional array the channel is the row; ``rpm`` or ``shaft_hz`` may be as
+               long as the signal
     ``.mat``   MATLAB up to version 7: the longest numeric vector or the one named, variables and
                struct fields alike; ``fs``/``sr``, ``rpm`` and CWRU's ``X123RPM``
     ``.wav``   the channel is its number from 0; full scale is 1
@@ -99,15 +102,19 @@ def read_signal(
         found = _read_file(path, channel)
     rate = sample_rate or _number(found, RATES)
     if not (math.isfinite(rate) and 1.0 <= rate <= 1e8):
-        msg = f'{path} does not say its sample rate (found {rate:g}); give it in Hz'
+        msg = (
+            f'{path} does not say its sample rate (found {rate:g}); give it in Hz (--sample-rate)'
+        )
         raise BearingTwinError(msg)
     x = _vector(found['x'], path)
-    speeds = (_number(found, (name,)) * factor for name, factor in SPEEDS.items())
-    shaft_hz = next((speed for speed in speeds if speed >= 0.0), math.nan)
+    speeds = _speeds(found, len(x))
+    numbers = (_number(found, (name,)) * factor for name, factor in SPEEDS.items())
+    shaft_hz = next((speed for speed in numbers if speed >= 0.0), math.nan)
     return Signal(
         x=x,
         sample_rate=rate,
-        shaft_hz=shaft_hz,
+        shaft_hz=float(speeds.mean()) if len(speeds) else shaft_hz,
+        speeds=speeds if len(speeds) and np.ptp(speeds) > 0.0 else speeds[:0],
         unit=_unit(found),
         bearing_name=_text(found, 'bearing_name'),
         temperature=_number(found, ('temperature', 'temp_C')),
@@ -126,9 +133,15 @@ def _read_file(path: Path, channel: str | None) -> dict[str, Any]:
     refuse_special(path)
     try:
         size = path.stat().st_size
+    except FileNotFoundError:
+        msg = f'{path} does not exist'
+        raise BearingTwinError(msg) from None
     except OSError as error:
         msg = f'{path} cannot be read: {error.strerror}'
         raise BearingTwinError(msg) from None
+    if size == 0:
+        msg = f'{path} is empty'
+        raise BearingTwinError(msg)
     if size > LARGEST_FILE:
         msg = f'{path} has {size} bytes; at most {LARGEST_FILE}: cut it into pieces'
         raise BearingTwinError(msg)
@@ -182,7 +195,8 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
         if channel.isdecimal():
             name, row = '', channel
     if not name:
-        candidates = [key for key in numeric if key.lower() not in ('t', 'time', 'time_s', 't_s')]
+        others = ('t', 'time', 'time_s', 't_s', *SPEEDS)
+        candidates = [key for key in numeric if key.lower() not in others]
         longest = max(candidates, key=lambda key: numeric[key].size, default='')
         name = next((key for key in ('x', 'vibration', 'acceleration') if key in numeric), longest)
     if name not in numeric:
@@ -232,6 +246,15 @@ def _number(found: Mapping[str, Any], names: tuple[str, ...]) -> float:
         if value.size == 1 and value.dtype.kind in 'fiu' and np.isfinite(value.item()):
             return float(value.item())
     return math.nan
+
+
+def _speeds(found: Mapping[str, Any], count: int) -> NDArray[np.float64]:
+    """Shaft speed at each sample, Hz; empty where there is no array of that length."""
+    for name, factor in SPEEDS.items():
+        values = np.asarray(found.get(name, math.nan))
+        if values.size == count > 1 and values.dtype.kind in 'fiu':
+            return values.ravel().astype(np.float64) * factor
+    return np.zeros(0)
 
 
 def _text(found: Mapping[str, Any], name: str) -> str:

@@ -68,7 +68,7 @@ def read_vibration_topic(path: Path, channel: str | None, *, most: int) -> dict[
     with known_fields(topic, type_name), np.errstate(invalid='ignore'):
         # errstate: signalling NaN in a damaged block.
         if type_name == VIBRATION:
-            found = _from_vibration(messages, axis, blocks)
+            found = _from_vibration(messages, axis, blocks, _Blocks(path, most))
         elif type_name in SINGLE:
             found = _from_single(messages, axis, blocks, SINGLE[type_name])
         else:
@@ -132,10 +132,9 @@ def _topic(path: Path, topics: dict[str, TopicInfo], channel: str | None) -> tup
     raise BearingTwinError(msg)
 
 
-def _from_vibration(messages: Any, axis: str, blocks: _Blocks) -> dict[str, Any]:
+def _from_vibration(messages: Any, axis: str, blocks: _Blocks, speeds: _Blocks) -> dict[str, Any]:
     expected: int | None = None
     found: dict[str, Any] = {}
-    speeds: list[float] = []
     for message in messages:
         block = message.decode()
         x, y = np.asarray(block.x), np.asarray(block.y)
@@ -147,10 +146,11 @@ def _from_vibration(messages: Any, axis: str, blocks: _Blocks) -> dict[str, Any]
         found = {'fs': rate, 'unit': np.array(str(block.unit))}
         if expected is not None and int(block.first_sample) != expected:
             blocks.gap()
+            speeds.gap()
         expected = int(block.first_sample) + samples.size
-        speeds.append(float(block.shaft_hz))
         blocks.add(samples.astype(np.float64))
-    return {**found, 'shaft_hz': np.mean(speeds) if speeds else math.nan}
+        speeds.add(np.full(samples.size, float(block.shaft_hz)))
+    return {**found, 'shaft_hz': speeds.longest() if found else math.nan}
 
 
 def _from_single(

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from collections.abc import Collection
     from pathlib import Path
 
-__all__ = ['LARGEST_ARRAY', 'read_npz']
+__all__ = ['MOST_UNPACKED', 'read_npz']
 
-LARGEST_ARRAY = 1024 * 1024 * 1024
-"""Largest array that is read, bytes."""
+MOST_UNPACKED = 1024 * 1024 * 1024
+"""Most that is read of a file, unpacked, bytes."""
 MOST_MEMBERS = 10_000
 
 
@@ -30,11 +30,12 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
     Raises
     ------
     BearingTwinError
-        If the file is damaged, or an array holds Python objects or is too large.
+        If the file is damaged, an array holds Python objects, or all are too large together.
 
     """
     refuse_special(path)
     arrays: dict[str, Any] = {}
+    room = MOST_UNPACKED
     try:
         with zipfile.ZipFile(path) as archive:
             members = archive.infolist()
@@ -45,7 +46,9 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
                 name = member.filename.removesuffix('.npy')
                 if wanted is None or name in wanted:
                     with archive.open(member) as file:
-                        arrays[name] = _read_array(file, member.file_size, f'{path}: {name}')
+                        array = _read_array(file, member.file_size, room, f'{path}: {name}')
+                    room -= array.nbytes
+                    arrays[name] = array
     except BearingTwinError:
         raise
     except Exception as error:
@@ -56,7 +59,7 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
     return arrays
 
 
-def _read_array(file: Any, size: int, what: str) -> Any:
+def _read_array(file: Any, size: int, room: int, what: str) -> Any:
     """Read one member, after a look at what its header would have numpy allocate."""
     head = _Rewindable(file)
     version = np.lib.format.read_magic(head)
@@ -68,8 +71,11 @@ def _read_array(file: Any, size: int, what: str) -> Any:
         msg = f'{what} holds Python objects, which are never loaded from a file'
         raise BearingTwinError(msg)
     needed = math.prod(shape) * dtype.itemsize
-    if needed > min(size, LARGEST_ARRAY):
-        msg = f'{what} would need {needed} bytes; the member has {size}, limit {LARGEST_ARRAY}'
+    if needed > min(size, room):
+        msg = (
+            f'{what} would need {needed} bytes; the member has {size}, and of the '
+            f'{MOST_UNPACKED} bytes that are read of a file {room} are left'
+        )
         raise BearingTwinError(msg)
     return np.lib.format.read_array(head.rewound(), allow_pickle=False)
 

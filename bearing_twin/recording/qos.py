@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.plainyaml import load_plain
 import yaml
 
 if TYPE_CHECKING:
@@ -51,8 +53,8 @@ def sensor_qos() -> str:
 def read_qos(text: str) -> list[dict[str, Any]]:
     """Read ``offered_qos_profiles``; what is not readable counts as no profile."""
     try:
-        profiles = yaml.safe_load(text)
-    except yaml.YAMLError:
+        profiles = load_plain(text, 'the offered QoS')
+    except BearingTwinError:
         return []
     if not isinstance(profiles, list):
         return []

@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import NamedTuple, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.outfile import Attached
+from bearing_twin.recording.sink import MessageSink, Written
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 
 if TYPE_CHECKING:
@@ -19,16 +20,7 @@ __all__ = ['SnapshotWriter']
 NANO = 1_000_000_000
 
 
-class _Kept(NamedTuple):
-    topic: str
-    type_name: str
-    cdr: bytes
-    log_time: int
-    publish_time: int
-    qos: str
-
-
-class SnapshotWriter:
+class SnapshotWriter(MessageSink):
     """
     Keep the last seconds of all topics; on :meth:`trigger` write them and what follows.
 
@@ -72,7 +64,7 @@ class SnapshotWriter:
         self._before = round(before * NANO)
         self._after = round(after * NANO)
         self._memory = memory
-        self._kept: deque[_Kept] = deque()
+        self._kept: deque[Written] = deque()
         self._kept_bytes = 0
         self._writer: RecordingWriter | None = None
         self._attached: list[Attached] = []
@@ -103,25 +95,14 @@ class SnapshotWriter:
         """Bytes of the recording so far."""
         return self._writer.size if self._writer else 0
 
-    def write(
-        self,
-        topic: str,
-        type_name: str,
-        cdr: bytes,
-        *,
-        log_time: int,
-        publish_time: int,
-        qos: str = '',
-    ) -> None:
-        """Take one message; see RecordingWriter.write."""
-        if self._writer is not None and log_time <= self._until:
-            self._writer.write(
-                topic, type_name, cdr, log_time=log_time, publish_time=publish_time, qos=qos
-            )
+    def take(self, message: Written) -> None:
+        """Write one message, or keep it; :meth:`write` is the door."""
+        if self._writer is not None and message.log_time <= self._until:
+            self._writer.take(message)
             return
-        self._kept.append(_Kept(topic, type_name, cdr, log_time, publish_time, qos))
-        self._kept_bytes += len(cdr)
-        oldest = log_time - self._before
+        self._kept.append(message)
+        self._kept_bytes += len(message.cdr)
+        oldest = message.log_time - self._before
         while self._kept and (self._kept[0].log_time < oldest or self._kept_bytes > self._memory):
             self._kept_bytes -= len(self._kept.popleft().cdr)
 
@@ -144,15 +125,7 @@ class SnapshotWriter:
             self._writer.split()
         self._until = log_time + self._after
         while self._kept:
-            kept = self._kept.popleft()
-            self._writer.write(
-                kept.topic,
-                kept.type_name,
-                kept.cdr,
-                log_time=kept.log_time,
-                publish_time=kept.publish_time,
-                qos=kept.qos,
-            )
+            self._writer.take(self._kept.popleft())
         self._kept_bytes = 0
         self._writer.flush()
 

@@ -7,22 +7,17 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 import time
-from typing import NamedTuple, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.bagmetadata import BagFile, metadata_record, write_metadata_file
 from bearing_twin.recording.outfile import Attached, OutputFile
-from bearing_twin.recording.schema import message_schema
+from bearing_twin.recording.sink import MessageSink, Written
 
 if TYPE_CHECKING:
     from pathlib import Path
-    from types import TracebackType
-
-    from bearing_twin.recording.schema import MessageSchema
 
 __all__ = ['RecordingWriter', 'WriterOptions']
-
-LATEST = 2**63
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,17 +44,7 @@ class WriterOptions:
     """Wait for the disk at each flush, so that power loss too costs no more than the period."""
 
 
-class _Waiting(NamedTuple):
-    topic: str
-    type_name: str
-    cdr: bytes
-    log_time: int
-    publish_time: int
-    qos: str
-    schema: MessageSchema
-
-
-class RecordingWriter:
+class RecordingWriter(MessageSink):
     """
     Write messages to a recording that others can read at any time.
 
@@ -99,7 +84,7 @@ class RecordingWriter:
         self.deleted_files = 0
         """Oldest files deleted at the storage limit."""
         self._check_options()
-        self._waiting: deque[_Waiting] = deque()
+        self._waiting: deque[Written] = deque()
         self._waiting_bytes = 0
         self._attached: list[Attached] = []
         self._finished: list[BagFile] = []
@@ -122,19 +107,6 @@ class RecordingWriter:
             msg = f'the recording cannot be made: {problem}'
             raise BearingTwinError(msg)
 
-    def __enter__(self) -> RecordingWriter:
-        """Return itself."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Finish the recording."""
-        self.close()
-
     @property
     def size(self) -> int:
         """Bytes of the recording so far, those still in memory included."""
@@ -142,54 +114,17 @@ class RecordingWriter:
         unfinished = self._ending if self._closed else (*self._ending, self._file)
         return finished + sum(file.size for file in unfinished)
 
-    def write(
-        self,
-        topic: str,
-        type_name: str,
-        cdr: bytes,
-        *,
-        log_time: int,
-        publish_time: int,
-        qos: str = '',
-        schema: MessageSchema | None = None,
-    ) -> None:
-        """
-        Write one serialised message.
-
-        Parameters
-        ----------
-        topic, type_name
-            Topic, and type as ``pkg/msg/Type``.
-        cdr
-            The message with its CDR header, as it came off the wire.
-        log_time, publish_time
-            When it was received and sent, ns.
-        qos
-            Offered QoS profiles, YAML (:func:`bearing_twin.recording.qos.qos_yaml`); taken from
-            the first message of a topic.
-        schema
-            Its schema; None: that of the installed package.
-
-        Raises
-        ------
-        BearingTwinError
-            If the definition of the type is not known, or a time cannot be stored.
-
-        """
-        schema = schema or message_schema(type_name)
-        if not (0 <= log_time < LATEST and 0 <= publish_time < LATEST):
-            msg = f'{log_time=}, {publish_time=}: times are 0..{LATEST - 1} ns'
-            raise BearingTwinError(msg)
+    def take(self, message: Written) -> None:
+        """Write one message that has been checked; :meth:`write` is the door."""
         if self.stopped:
             self.dropped += 1
             return
-        message = _Waiting(topic, type_name, cdr, log_time, publish_time, qos, schema)
         if self.problem:
-            if self._waiting_bytes + len(cdr) > self.options.cache_size:
+            if self._waiting_bytes + len(message.cdr) > self.options.cache_size:
                 self.dropped += 1
             else:
                 self._waiting.append(message)
-                self._waiting_bytes += len(cdr)
+                self._waiting_bytes += len(message.cdr)
         else:
             self._put(message)
         if time.monotonic() - self._flushed >= self.options.flush_period:
@@ -279,7 +214,7 @@ class RecordingWriter:
         self._attached.append(attached)
         self._file.attach(attached)
 
-    def _put(self, message: _Waiting) -> None:
+    def _put(self, message: Written) -> None:
         if self._is_full(message.log_time):
             self.split()
         self._file.write(*message)

@@ -26,7 +26,7 @@ from bearing_twin.recording.schema import message_schema
 from bearing_twin.recording.writer import WriterOptions
 from mcap.writer import CompressionType, Writer
 import numpy as np
-from recording_samples import START, VIBRATION, vibration_cdr, write_blocks
+from recording_samples import QOS, START, VIBRATION, vibration_cdr, write_blocks
 from scipy.io import savemat, wavfile
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def _open_mcap(folder: Path, chunked: bool) -> bytes:
             VIBRATION, 'ros2msg', message_schema(VIBRATION).text.encode()
         )
         channel = writer.register_channel(
-            '/vibration', 'cdr', schema, {'offered_qos_profiles': ''}
+            '/vibration', 'cdr', schema, {'offered_qos_profiles': QOS}
         )
         for index in range(3):
             cdr = vibration_cdr(index, length=16)
@@ -151,7 +151,7 @@ def run_worker(kind: str, count: int, seed: int, folder: Path) -> dict[str, Any]
         (folder / f'a.{kind}').write_bytes(content)
         (folder / 'out').mkdir(exist_ok=True)
         exercise(folder / f'a.{kind}', folder)
-        _clean(folder / 'out')
+        clean(folder / 'out')
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     found: list[str] = []
     longest = 0.0
@@ -170,7 +170,7 @@ def run_worker(kind: str, count: int, seed: int, folder: Path) -> dict[str, Any]
         finally:
             signal.alarm(0)
         longest = max(longest, time.perf_counter() - began)
-        _clean(folder / 'out')
+        clean(folder / 'out')
         if len(found) >= 5:
             break
     after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -202,7 +202,8 @@ def _too_long(*_: Any) -> None:
     raise TimeoutError(msg)
 
 
-def _clean(folder: Path) -> None:
+def clean(folder: Path) -> None:
+    """Empty a folder."""
     for path in sorted(folder.rglob('*'), reverse=True):
         if path.is_dir():
             path.rmdir()

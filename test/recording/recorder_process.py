@@ -19,7 +19,6 @@ from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from types import TracebackType
 
 BLOCK = 1024
 PERIOD = BLOCK / 25600.0
@@ -42,12 +41,7 @@ class Source:
         self._due = time.monotonic()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._executor.shutdown()
         self.node.destroy_node()
         self._context.shutdown()
@@ -96,11 +90,11 @@ class Source:
             assert time.monotonic() < end, f'not so within {timeout} s'
             self.publish_for(0.2)
 
-    def wait_for_recorder(self) -> None:
-        """Wait, without publishing, until somebody listens."""
+    def wait_for_recorder(self, *, recorders: int = 1) -> None:
+        """Wait, without publishing, until so many listen."""
         end = time.monotonic() + 30.0
-        while not self._vibration.get_subscription_count():
-            assert time.monotonic() < end, 'no recorder came up within 30 s'
+        while self._vibration.get_subscription_count() < recorders:
+            assert time.monotonic() < end, f'{recorders} recorders did not come up within 30 s'
             self._executor.spin_once(timeout_sec=0.05)
         self._due = time.monotonic()
 

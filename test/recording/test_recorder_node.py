@@ -4,11 +4,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 import os
 import random
 import resource
 import shutil
 import signal
+import subprocess
+import sys
 import time
 from typing import TYPE_CHECKING
 
@@ -16,10 +19,14 @@ from bearing_twin.nodes.launching import NodeProcesses
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover
+from bearing_twin_msgs.msg import Diagnosis
+from builtin_interfaces.msg import Time
+from mcap.reader import NonSeekingReader
 import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from recorder_process import BLOCK, Source
 from rosbags.rosbag2 import Reader
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Temperature
 from std_msgs.msg import Float64
 import yaml
@@ -67,6 +74,33 @@ def test_what_arrives_is_what_is_written(ros_domain: int, tmp_path: Path) -> Non
         assert message.log_time >= message.publish_time
 
 
+def test_simulated_time_is_the_time_of_the_recording(ros_domain: int, tmp_path: Path) -> None:
+    bag = tmp_path / 'bag'
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(bag), 'use_sim_time': True})
+        clock = source.node.create_publisher(Clock, '/clock', 1)
+        source.wait_for_recorder()
+        # Before the first time is known messages wait.
+        source.publish_for(1.0)
+        source.publish_until(lambda: 'waiting for' in source.statuses[RECORDING].message)
+        early = len(source.sent)
+        for second in (1000, 1001, 1002, 500, 501):
+            clock.publish(Clock(clock=Time(sec=second)))
+            source.publish_for(0.5)
+        source.settle()
+        assert source.statuses[RECORDING].level == b'\x00'
+        assert nodes.end('recorder') == 0
+    # Time was set back while it recorded: in the file, messages stand as they came.
+    with (bag / 'bag_0.mcap').open('rb') as file:
+        raw = NonSeekingReader(file).iter_messages(['/vibration'], log_time_order=False)
+        times = [message.log_time for _, _, message in raw]
+    assert sorted(numbers(bag)) == list(range(len(source.sent)))
+    assert len(set(times[:early])) == 1
+    steps = [time // 10**9 for time, after in pairwise(times) if time != after]
+    assert steps == [1000, 1001, 1002, 500]
+    assert any('time runs backwards 1 times' in p for p in recording_health(bag).problems)
+
+
 def test_topics_regex_and_exclude(ros_domain: int, tmp_path: Path) -> None:
     with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'a'), 'topics': ['vibration']}, name='a')
@@ -76,7 +110,7 @@ def test_topics_regex_and_exclude(ros_domain: int, tmp_path: Path) -> None:
             name='b',
             ros=('-r', '__node:=other'),
         )
-        source.wait_for_recorder()
+        source.wait_for_recorder(recorders=2)
         source.publish_for(3.0)
         for name in ('a', 'b'):
             assert nodes.end(name) == 0
@@ -142,6 +176,36 @@ def test_full_disk_is_said_and_recording_goes_on(ros_domain: int, tmp_path: Path
     assert numbers(bag) == list(range(len(source.sent)))
 
 
+SLOW_DISK = """
+import os, sys, threading, time
+write = os.write
+held = threading.Event()
+def slow(descriptor, data):
+    if os.path.exists(sys.argv[1]) and not held.is_set():
+        held.set()
+        time.sleep(3.0)
+    return write(descriptor, data)
+os.write = slow
+from bearing_twin.nodes.recorder import main
+sys.exit(main(sys.argv[2:]))
+"""
+
+
+def test_a_disk_that_holds_the_recorder_up_costs_nothing(ros_domain: int, tmp_path: Path) -> None:
+    bag, slow = tmp_path / 'bag', tmp_path / 'slow'
+    words = [sys.executable, '-c', SLOW_DISK, str(slow), '--ros-args', '-p', f'output:={bag}']
+    with subprocess.Popen(words, env=os.environ) as recorder, Source() as source:
+        source.wait_for_recorder()
+        source.publish_for(1.0)
+        slow.touch()
+        # More blocks than the source keeps for whoever has not taken them.
+        source.publish_for(4.0)
+        source.settle()
+        recorder.send_signal(signal.SIGINT)
+    assert recorder.returncode == 0
+    assert numbers(bag) == list(range(len(source.sent)))
+
+
 def test_removed_folder_is_said_and_recording_goes_on(ros_domain: int, tmp_path: Path) -> None:
     bag = tmp_path / 'bag'
     with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
@@ -197,6 +261,33 @@ def test_snapshot_on_request(ros_domain: int, tmp_path: Path) -> None:
     assert found == list(range(found[0], found[-1] + 1))
     assert asked - 40 < found[0] < asked - 10
     assert asked < found[-1] < asked + 40
+
+
+def test_snapshot_when_the_diagnosis_turns_to_fault(ros_domain: int, tmp_path: Path) -> None:
+    bag = tmp_path / 'bag'
+    parameters = {
+        'output': str(bag), 'snapshot': True, 'snapshot_before': 1.0, 'snapshot_after': 0.5,
+    }  # fmt: skip
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', parameters)
+        verdicts = source.node.create_publisher(Diagnosis, 'diagnosis', 10)
+        source.wait_for_recorder()
+        source.publish_for(2.0)
+        verdicts.publish(Diagnosis(level=Diagnosis.LEVEL_SUSPECT))
+        source.publish_for(0.5)
+        assert not bag.exists()
+        turned = len(source.sent)
+        for _ in range(3):
+            # That it stays a fault is no news.
+            verdicts.publish(Diagnosis(level=Diagnosis.LEVEL_FAULT, fault_code='BEARING_X'))
+            source.publish_for(1.0)
+        assert nodes.end('recorder') == 0
+    found = numbers(bag)
+    assert found == list(range(found[0], found[-1] + 1))
+    assert turned - 40 < found[0] < turned - 10
+    assert turned < found[-1] < turned + 30
+    assert len(list(bag.glob('*.mcap'))) == 1
+    assert 'BEARING_X' in (tmp_path / 'logs' / 'recorder.log').read_text()
 
 
 def test_parameters_are_kept_with_the_recording(ros_domain: int, tmp_path: Path) -> None:

@@ -86,6 +86,12 @@ def test_command_line(ros_domain: int, tmp_path: Path) -> None:
         ([tmp_path / 'nothing'], 'does not exist'),
         ([tmp_path / 'run', '--topics', '/no'], 'has no topic /no'),
         ([tmp_path / 'run', '--remap', 'x'], "does not read 'recorded:=new'"),
+        (
+            [tmp_path / 'run', '--remap', '/no:=/x'],
+            'remap names /no, which is not replayed; there',
+        ),
+        ([tmp_path / 'run', '--remap', '/vibration:=/a b'], "topic name '/a b' is invalid"),
+        ([tmp_path / 'run', '--remap', '/vibration:=/temperature'], 'on one topic, /temperature'),
         ([tmp_path / 'run', '--offline'], 'name it with -o'),
     ):
         ran = subprocess.run(

@@ -4,21 +4,26 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 import os
+import signal
+import threading
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.launching import NodeProcesses
+from bearing_twin.nodes.offline import configuration_values
 from bearing_twin.nodes.offline_run import run_offline
 from bearing_twin.nodes.reproduce import reproduce
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
-from bearing_twin.recording.schema import MessageSchema
+from bearing_twin.recording.schema import canonical_cdr, MessageSchema
 from bearing_twin.recording.writer import RecordingWriter
 import numpy as np
 import pytest
+from rclpy.serialization import deserialize_message, serialize_message
 from recorder_process import Source
 
 if TYPE_CHECKING:
@@ -61,6 +66,15 @@ def test_offline_twice_gives_the_same_bytes(schedule: Path, run: Path) -> None:
     assert contents(run, '/vibration') != contents(other, '/vibration')
 
 
+def test_offline_writes_what_rclpy_would(run: Path) -> None:
+    for message in read_messages(run):
+        channel = message.channel
+        package, _, name = channel.type_name.split('/')
+        kind = getattr(import_module(f'{package}.msg'), name)
+        again = serialize_message(deserialize_message(message.cdr, kind))
+        assert canonical_cdr(channel.type_name, channel.schema, again) == message.cdr
+
+
 def test_offline_follows_the_schedule(run: Path) -> None:
     assert recording_health(run).problems == []
     states = [m.decode() for m in read_messages(run, topics=['/twin_state'])]
@@ -79,7 +93,7 @@ def test_verify_agrees(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert result.topics['/vibration'].identical == 12 * 25
     assert result.topics['/diagnosis'].identical == 12
     assert main(['verify', str(run)]) == 0
-    assert 'identical to the byte' in capsys.readouterr().out
+    assert 'identical to the byte: /diagnosis, /vibration\n' in capsys.readouterr().out
 
 
 def rewritten(source: Path, target: Path, change: Callable[[Any, bytes], bytes | None]) -> Path:
@@ -126,6 +140,44 @@ def test_after_a_loss_it_goes_on_at_the_next_checkpoint(run: Path, tmp_path: Pat
     assert any('blocks are missing' in note for note in result.notes)
 
 
+def without(*topics: str) -> Callable[[Any, bytes], bytes | None]:
+    return lambda message, cdr: None if message.topic in topics else cdr
+
+
+def test_verify_says_what_it_did_not_compare(
+    run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    blind = rewritten(run, tmp_path / 'blind', without('/diagnosis_checkpoint'))
+    result = reproduce(blind)
+    assert result.topics['/vibration'].identical == 12 * 25
+    assert (result.uncompared, result.identical) == (['/diagnosis'], False)
+    assert main(['verify', str(blind)]) == 1
+    assert 'NOT compared: /diagnosis;' in capsys.readouterr().out
+    # A sensor's vibration is nobody's to re-run; the diagnosis of it is.
+    measured = rewritten(run, tmp_path / 'measured', without('/twin_checkpoint', '/twin_state'))
+    assert main(['verify', str(measured)]) == 0
+    said = capsys.readouterr().out
+    assert 'no twin was recorded with it' in said
+    assert 'identical to the byte: /diagnosis\n' in said
+
+
+def test_a_recording_begun_within_a_run(schedule: Path, tmp_path: Path) -> None:
+    often = {'checkpoint_period': 1.0}
+    run_offline(schedule, tmp_path / 'often', twin=often, diagnosis=often)
+    start = next(m.log_time for m in read_messages(tmp_path / 'often'))
+
+    def late(message: Any, cdr: bytes) -> bytes | None:
+        return cdr if message.log_time > start + 4e9 else None
+
+    result = reproduce(rewritten(tmp_path / 'often', tmp_path / 'late', late))
+    vibration, diagnosis = result.topics['/vibration'], result.topics['/diagnosis']
+    assert result.identical, result
+    # The window of 8 s of the last verdict alone is all in the recording, and a checkpoint lies
+    # between it and the verdict before.
+    assert (vibration.identical, vibration.skipped) == (8 * 25, 0)
+    assert (diagnosis.identical, diagnosis.skipped) == (1, 7)
+
+
 def test_nothing_to_verify_and_nothing_to_run(schedule: Path, run: Path, tmp_path: Path) -> None:
     with pytest.raises(BearingTwinError, match='no checkpoint'):
         reproduce(schedule)
@@ -135,11 +187,29 @@ def test_nothing_to_verify_and_nothing_to_run(schedule: Path, run: Path, tmp_pat
         run_offline(schedule, tmp_path / 'a', twin={'color': 'red'})
     with pytest.raises(BearingTwinError, match='must be of type'):
         run_offline(schedule, tmp_path / 'a', twin={'seed': 'x'})
+    with pytest.raises(BearingTwinError, match=r'window=0.1 is outside 1..60 s'):
+        run_offline(schedule, tmp_path / 'a', diagnosis={'window': 0.1})
     assert main(['verify', str(schedule)]) == 1
     only_vibration = tmp_path / 'only'
     rewritten(run, only_vibration, lambda m, cdr: cdr if m.topic == '/vibration' else None)
     with pytest.raises(BearingTwinError, match=r'holds no sensor_msgs/msg/Temperature'):
         run_offline(only_vibration, tmp_path / 'a')
+
+
+def test_an_interrupted_run_is_a_sound_recording(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source, target = tmp_path / 'long.mcap', tmp_path / 'cut'
+    times, temperatures = paper_schedule(3600.0)
+    write_temperature_recording(source, times, temperatures, source='test')
+    interrupt = threading.Timer(1.5, signal.raise_signal, [signal.SIGINT])
+    interrupt.start()
+    assert main(['replay', '--offline', str(source), '-o', str(target)]) == 130
+    said = capsys.readouterr()
+    assert 'of 3600.0 s, where it was stopped' in said.out
+    assert 'stopping' in said.err
+    assert recording_health(target).problems == []
+    assert reproduce(target).identical
 
 
 @pytest.mark.ros
@@ -149,7 +219,14 @@ def test_a_live_run_is_reproduced_offline(ros_domain: int, tmp_path: Path, sched
         nodes.start('diagnosis', {'bearing': '6307'})
         source.wait_for_recorder()
         source.wait_for('diagnosis: vibration input')
-        nodes.start('twin', {'bearing': '6307', 'defect': 'outer'})
+        own = {
+            'defect': 'outer:angle=-1.3,width=0.001+ball:ball=2',
+            'lubricant.viscosity_40': 46e-6,
+            'beta0.expansion': False,
+            'resonance_hz': 4500.0,
+        }
+        # No verdict of a block that the diagnosis had and the recorder had not.
+        nodes.start('twin', {'bearing': '6307', 'wait_for_subscribers': 2, **own})
         source.wait_for('twin: real time')
         # Blocks before the recorder had found the twin are lost; a reset gives a checkpoint now.
         assert source.call('/twin/reset').success
@@ -162,3 +239,8 @@ def test_a_live_run_is_reproduced_offline(ros_domain: int, tmp_path: Path, sched
     assert result.topics['/vibration'].identical > 200
     assert result.topics['/diagnosis'].identical > 5
     assert result.topics['/diagnosis'].skipped == 0
+    kept = [
+        configuration_values(str(message.decode().configuration))
+        for message in read_messages(tmp_path / 'bag', topics=['/twin_checkpoint'])
+    ]
+    assert own.items() <= kept[-1].items()

@@ -1,0 +1,354 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Long operation of the real nodes on a clock that runs fast.
+
+Twin, diagnosis and recorder run as processes with ``use_sim_time``; this process is their clock
+and their temperature sensor, listens to what they say, and keeps count of what reaches the disk.
+The clock runs at the pace asked for and never more than ``AHEAD`` before the slowest node, so that
+a busy machine lowers the pace that is reported and not the number of blocks.
+
+What stands in for real operation: blocks of 8192 samples instead of 1024, because a callback of
+rclpy costs the same for both, and a verdict each 10 s instead of each second. Publisher and
+diagnosis keep as many blocks as pass in two seconds of the machine, as they do every day. Rate,
+window, twin, recorder and DDS are those of every day.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict, dataclass, field
+import json
+import math
+import os
+from pathlib import Path
+import sys
+import time
+from typing import TYPE_CHECKING
+
+from bearing_twin.nodes.convert import stamp_ns, time_message
+from bearing_twin.nodes.domain import quiet_domain
+from bearing_twin.nodes.launching import local_environment, NodeProcesses
+from bearing_twin.nodes.qos import RESULT, STREAM
+from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.reader import recording_info
+from bearing_twin_msgs.msg import Diagnosis, TwinState
+from diagnostic_msgs.msg import DiagnosticArray
+import psutil
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Temperature
+import yaml
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+RATE = 25600.0
+BLOCK = 8192
+UPDATE_INTERVAL = 10.0
+NANO = 1_000_000_000
+START = 1_600_000_000 * NANO
+TICK = 0.004
+"""Time between two readings of the clock, s of the machine."""
+AHEAD = {'twin': 4.0, 'diagnosis': UPDATE_INTERVAL + 4.0}
+"""Most operated time that the clock may be ahead of a node, s: below what its queues hold."""
+DEPTH = 400
+"""Blocks kept for whoever is held up: at 60 times real time, two seconds of the machine."""
+MEMORY_PERIOD = 0.5
+MIB = 1024 * 1024
+NODES = ('twin', 'diagnosis', 'recorder')
+
+
+@dataclass
+class SoakReport:
+    """What a soak has shown. Operated time in s."""
+
+    operated: float = 0.0
+    pace: float = 0.0
+    """Operated seconds per second of the machine."""
+    published: int = 0
+    """Blocks that the twin says to have published."""
+    recorded: int = 0
+    """Blocks in the files of the recording, those deleted at the storage limit included."""
+    dropped: int = 0
+    """Blocks that the twin gave up."""
+    samples_missed: int = 0
+    """By the diagnosis."""
+    messages_missed: int = 0
+    """By the recorder, of any topic: results wait ten deep, which is short at this pace."""
+    files: int = 0
+    megabytes: float = 0.0
+    drift: float = 0.0
+    """Largest difference of stamp and sample index, s."""
+    clock_steps: int = 0
+    """Times the twin found its stamps off the clock and set them anew."""
+    lag: list[float] = field(default_factory=list)
+    """Least time from the end of a block to its state, in each tenth of the run, s."""
+    verdicts: dict[str, int] = field(default_factory=dict)
+    memory: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
+    """Of each node: operated time, and resident memory in MB."""
+    cpu: dict[str, float] = field(default_factory=dict)
+    """Of each node: processor time per second of the machine."""
+    problems: list[str] = field(default_factory=list)
+    """Of the part of the recording that is left, as ``bearing-twin info`` finds them."""
+
+    def growth(self, node: str) -> float:
+        """Return how much more memory the second half took at most than the first, MB."""
+        sizes = [size for _, size in self.memory[node]]
+        half = len(sizes) // 2
+        return max(sizes[half:]) - max(sizes[:half])
+
+
+class _Clock:
+    """The clock of the nodes, their temperature sensor, and an ear for what they say."""
+
+    def __init__(self, domain: int, pace: float, swing: float) -> None:
+        self._pace, self._swing = pace, swing
+        self._context = rclpy.Context()
+        self._context.init(domain_id=domain)
+        self.node = rclpy.create_node('clock', context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        # Deep, because they are recorded too, and a busy machine may be seconds late.
+        self._clock = self.node.create_publisher(Clock, '/clock', 1000)
+        self._temperature = self.node.create_publisher(Temperature, 'temperature', 1000)
+        self.node.create_subscription(TwinState, 'twin_state', self._on_state, STREAM)
+        self.node.create_subscription(Diagnosis, 'diagnosis', self._on_verdict, STREAM)
+        self.node.create_subscription(DiagnosticArray, '/diagnostics', self._on_status, RESULT)
+        self.now = 0.0
+        self.statuses: dict[str, dict[str, str]] = {}
+        self.state: TwinState | None = None
+        self.reached = dict.fromkeys(AHEAD, 0.0)
+        self.drift = 0.0
+        self.lags: list[float] = []
+        self.verdicts: dict[str, int] = {}
+        self._origin: int | None = None
+        self._began = self._ticked = time.monotonic()
+        self._readings = 0
+
+    def close(self) -> None:
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self._context.shutdown()
+
+    def wait_for(self, statuses: set[str]) -> None:
+        """Let the clock stand still until the nodes have reported."""
+        end = time.monotonic() + 120.0
+        while not statuses <= self.statuses.keys():
+            missing = ', '.join(statuses - self.statuses.keys())
+            assert time.monotonic() < end, f'{missing} did not report within 120 s'
+            self._publish()
+            self._executor.spin_once(timeout_sec=0.05)
+        self._began = self._ticked = time.monotonic()
+
+    def tick(self, *, advance: bool = True) -> None:
+        """Let the time go on for one tick, or wait for a node that is behind."""
+        due = self._ticked + TICK
+        while (left := due - time.monotonic()) > 0.0:
+            self._executor.spin_once(timeout_sec=left)
+        # What has come meanwhile, a tick's worth at most.
+        self._executor.spin_once(timeout_sec=0.0)
+        self._ticked = time.monotonic()
+        if advance:
+            limit = min(self.reached[name] + AHEAD[name] for name in AHEAD)
+            target = (self._ticked - self._began) * self._pace
+            self.now = max(self.now, min(target, limit))
+        self._publish()
+
+    def _publish(self) -> None:
+        stamp = time_message(START + round(self.now * NANO))
+        self._clock.publish(Clock(clock=stamp))
+        self._readings += 1
+        if self._readings % 20 == 0:
+            phase = 2.0 * math.pi * self.now / self._swing
+            message = Temperature(temperature=60.0 - 40.0 * math.cos(phase))
+            message.header.stamp = stamp
+            self._temperature.publish(message)
+
+    def _on_state(self, state: TwinState) -> None:
+        stamp = stamp_ns(state.header.stamp)
+        if self._origin is None:
+            self._origin = stamp - round(state.first_sample * NANO / RATE)
+        elapsed = (stamp - self._origin) / NANO
+        self.drift = max(self.drift, abs(elapsed - state.first_sample / RATE))
+        end = (stamp - START) / NANO + state.sample_count / RATE
+        self.lags.append(self.now - end)
+        self.reached['twin'] = end
+        self.state = state
+
+    def _on_verdict(self, verdict: Diagnosis) -> None:
+        self.verdicts[verdict.fault_code] = self.verdicts.get(verdict.fault_code, 0) + 1
+        self.reached['diagnosis'] = (stamp_ns(verdict.header.stamp) - START) / NANO + 8.0
+
+    def _on_status(self, array: DiagnosticArray) -> None:
+        for status in array.status:
+            self.statuses[status.name] = {item.key: item.value for item in status.values}
+
+
+class _Files:
+    """Blocks in the finished files of a recording, each counted before it may be deleted."""
+
+    def __init__(self, bag: Path) -> None:
+        self._bag = bag
+        self._counted: set[str] = set()
+        self.blocks = 0
+
+    @property
+    def count(self) -> int:
+        return len(self._counted)
+
+    def look(self) -> None:
+        metadata = self._bag / 'metadata.yaml'
+        if not metadata.exists():
+            return
+        bag = yaml.safe_load(metadata.read_text())['rosbag2_bagfile_information']
+        for name in bag['relative_file_paths']:
+            if name not in self._counted:
+                self._counted.add(name)
+                topic = recording_info(self._bag / name).topics.get('/vibration')
+                self.blocks += topic.count if topic else 0
+
+
+def soak(
+    seconds: float,
+    pace: float,
+    folder: Path,
+    *,
+    domain: int,
+    longest: float = math.inf,
+    show: bool = False,
+) -> SoakReport:
+    """
+    Operate the nodes for ``seconds`` at ``pace`` times real time; the bag is ``folder/bag``.
+
+    It ends early when it has taken ``longest`` seconds of the machine.
+    """
+    bag = folder / 'bag'
+    sim: dict[str, object] = {'use_sim_time': True}
+    report = SoakReport()
+    # Up to 100 degC and back twice a day, faster in a short run.
+    clock = _Clock(domain, pace, min(43200.0, seconds))
+    files = _Files(bag)
+    try:
+        with NodeProcesses(folder / 'logs', local_environment(domain)) as nodes:
+            recorder = {'output': str(bag), 'max_bag_size': 256, 'storage_limit': 2048}
+            nodes.start('recorder', {**sim, **recorder, 'delete_oldest': True})
+            diagnosis = {'qos_overrides./vibration.subscription.depth': DEPTH}
+            diagnosis |= {'update_interval': UPDATE_INTERVAL}
+            nodes.start('diagnosis', {**sim, **diagnosis})
+            clock.wait_for({'recorder: recording', 'diagnosis: vibration input'})
+            twin = {'defect': 'outer', 'block_size': BLOCK, 'wait_for_subscribers': 2}
+            twin |= {'qos_overrides./vibration.publisher.depth': DEPTH}
+            nodes.start('twin', {**sim, **twin})
+            clock.wait_for({'twin: real time'})
+            began = time.monotonic()
+            processes = {name: psutil.Process(nodes.pid(name)) for name in NODES}
+            spent = {name: sum(p.cpu_times()[:2]) for name, p in processes.items()}
+            looked = shown = 0.0
+            while clock.now < seconds and time.monotonic() - began < longest:
+                clock.tick()
+                nodes.check()
+                if time.monotonic() - looked > MEMORY_PERIOD:
+                    looked = time.monotonic()
+                    _weigh(processes, clock.now, report)
+                    files.look()
+                if show and time.monotonic() - shown > 30.0:
+                    shown = time.monotonic()
+                    _show(clock.now, shown - began, report)
+            took = time.monotonic() - began
+            report.cpu = {
+                name: (sum(p.cpu_times()[:2]) - spent[name]) / took
+                for name, p in processes.items()
+            }
+            # Time stands still until what has been sent is in, and each has said how it went.
+            clock.statuses.clear()
+            end = time.monotonic() + 3.0
+            while time.monotonic() < end:
+                clock.tick(advance=False)
+            _ask(clock, report)
+            for name in NODES:
+                assert nodes.end(name) == 0, name
+    finally:
+        clock.close()
+    files.look()
+    report.operated, report.pace = clock.now, clock.now / took
+    report.recorded, report.files = files.blocks, files.count
+    report.megabytes = sum(path.stat().st_size for path in bag.iterdir()) / 1e6
+    tenth = max(1, len(clock.lags) // 10)
+    parts = [clock.lags[k * tenth : (k + 1) * tenth] for k in range(10)]
+    report.lag = [min(part) for part in parts if part]
+    report.drift, report.verdicts = clock.drift, clock.verdicts
+    report.problems = recording_health(bag).problems
+    return report
+
+
+def _weigh(processes: Mapping[str, psutil.Process], now: float, report: SoakReport) -> None:
+    for name, process in processes.items():
+        report.memory.setdefault(name, []).append((now, process.memory_info().rss / 1e6))
+
+
+def _ask(clock: _Clock, report: SoakReport) -> None:
+    assert clock.state is not None
+    report.published = clock.state.blocks_published
+    report.dropped = clock.state.blocks_dropped
+    report.clock_steps = int(clock.statuses['twin: real time']['clock steps'])
+    report.messages_missed = int(clock.statuses['recorder: recording']['messages lost on the way'])
+    report.samples_missed = int(clock.statuses['diagnosis: vibration input']['samples lost'])
+
+
+def _show(now: float, took: float, report: SoakReport) -> None:
+    sizes = ', '.join(f'{name} {report.memory[name][-1][1]:.0f} MB' for name in NODES)
+    print(f'{now / 3600.0:5.2f} h at {now / max(took, 1e-3):3.0f} times; {sizes}', flush=True)
+
+
+def summary(report: SoakReport) -> str:
+    """Return the report in words."""
+    lines = [
+        f'operated        {report.operated / 3600.0:.2f} h at {report.pace:.1f} times real time',
+        f'blocks          {report.published} published, {report.recorded} recorded in '
+        f'{report.files} files, {report.dropped} dropped',
+        f'missed          {report.samples_missed} samples by the diagnosis, '
+        f'{report.messages_missed} messages of all topics by the recorder',
+        f'drift           stamp and index differ by {report.drift * 1e9:.0f} ns at most, clock '
+        f'set {report.clock_steps} times; behind it by {report.lag[0]:.2f} s in the first tenth, '
+        f'{report.lag[-1]:.2f} s in the last (operated time)',
+        f'verdicts        {report.verdicts}',
+        f'on disk         {report.megabytes:.0f} MB; problems: {report.problems or "none"}',
+    ]
+    for node in NODES:
+        sizes = [size for _, size in report.memory[node]]
+        marks = ' '.join(f'{sizes[k * (len(sizes) - 1) // 8]:.0f}' for k in range(9))
+        lines.append(
+            f'{node:<15} {marks} MB in eighths, grew by {report.growth(node):+.1f} MB, '
+            f'{100.0 * report.cpu[node]:.0f} % of a processor'
+        )
+    return '\n'.join(lines)
+
+
+def main() -> int:
+    """Soak from the command line; the whole report goes to ``FOLDER/soak.json``."""
+    parser = argparse.ArgumentParser(description='Long operation of the real nodes.')
+    parser.add_argument('folder', type=Path, help='folder to make, for recording, logs, report')
+    parser.add_argument('--hours', type=float, default=24.0)
+    parser.add_argument('--pace', type=float, default=60.0)
+    parser.add_argument('--domain', type=int, default=0, help='ROS domain; 0: a quiet one')
+    parser.add_argument('--minutes', type=float, default=math.inf, help='longest time it may take')
+    args = parser.parse_args()
+    args.folder.mkdir(parents=True)
+    domain = args.domain or quiet_domain(os.getpid())
+    report = soak(
+        args.hours * 3600.0,
+        args.pace,
+        args.folder,
+        domain=domain,
+        longest=args.minutes * 60.0,
+        show=True,
+    )
+    (args.folder / 'soak.json').write_text(json.dumps(asdict(report)))
+    print(summary(report))
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Small files that unpack to very much: refused before memory is spent on them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import struct
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+import zipfile
+
+from mcap.writer import CompressionType, Writer
+import pytest
+from test_foreign import npy
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+MIB = 2**20
+ROOM = 768 * MIB
+"""Address space that a reader gets beyond what it has when it begins, bytes."""
+
+READER = """
+import resource, sys
+from pathlib import Path
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.foreign import read_signal
+from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.reader import read_messages
+import scipy.io.wavfile
+used = int(Path('/proc/self/statm').read_text().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + int(sys.argv[2]), used + int(sys.argv[2])))
+path = Path(sys.argv[1])
+def messages():
+    for message in read_messages(path):
+        message.decode()
+attempts = [lambda: read_signal(path, sample_rate=1000.0)]
+if path.suffix == '.mcap':
+    attempts += [lambda: recording_health(path), messages]
+for attempt in attempts:
+    try:
+        attempt()
+    except BearingTwinError as error:
+        print(error)
+"""
+
+
+def read(path: Path) -> str:
+    """Read a file in a process that has little memory; return the errors."""
+    ran = subprocess.run(
+        [sys.executable, '-c', READER, str(path), str(ROOM)],
+        capture_output=True,
+        text=True,
+        cwd=Path(__file__).parents[2],
+        timeout=60,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stderr[-2000:]
+    return ran.stdout
+
+
+def one_large(path: Path) -> None:
+    """4 MB of zeros, 4 GB unpacked."""
+    with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr('x.npy', npy('(500000000,)'))
+    # Its directory says that the rest is there too.
+    content = path.read_bytes()
+    at = content.index(b'PK\x01\x02') + 24
+    path.write_bytes(content[:at] + struct.pack('<I', 4_000_000_128) + content[at + 4 :])
+
+
+def chunk(path: Path, compression: CompressionType) -> None:
+    """Return a chunk of 400 MiB of zeros in some kB."""
+    with path.open('wb') as file:
+        writer = Writer(file, compression=compression, chunk_size=2**31)
+        writer.start('ros2')
+        schema = writer.register_schema('std_msgs/msg/String', 'ros2msg', b'string data')
+        channel = writer.register_channel('/t', 'cdr', schema)
+        writer.add_message(channel, 5, bytes(400 * MIB), 5)
+        writer.finish()
+
+
+@pytest.mark.parametrize(
+    ('name', 'make', 'text'),
+    [
+        ('a.npz', one_large, 'would need 4000000000 bytes'),
+        ('z.mcap', lambda p: chunk(p, CompressionType.ZSTD), 'limit 268435456'),
+        ('l.mcap', lambda p: chunk(p, CompressionType.LZ4), 'limit 268435456'),
+        ('a.csv', lambda p: p.write_text(','.join(['1'] * 1_000_000)), 'no line of numbers'),
+        (
+            'a.wav',
+            lambda p: p.write_bytes(
+                b'RIFF\xff\xff\xff\xffWAVEfmt '
+                + struct.pack('<IHHIIHH', 16, 1, 65535, 8000, 16000, 2, 16)
+                + b'data\xfe\xff\xff\x7f'
+                + bytes(100)
+            ),
+            'cannot be read as .wav',
+        ),
+    ],
+)
+def test_refused(tmp_path: Path, name: str, make: Callable[[Path], None], text: str) -> None:
+    path = tmp_path / name
+    make(path)
+    assert text in read(path)
+
+
+def test_many_arrays_that_are_large_together(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bearing_twin.errors import BearingTwinError
+    from bearing_twin.recording import npz
+
+    path = tmp_path / 'a.npz'
+    with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
+        for number in range(10):
+            archive.writestr(f'x{number}.npy', npy('(1000,)', bytes(8000)))
+    assert len(npz.read_npz(path)) == 10
+    monkeypatch.setattr('bearing_twin.recording.npz.MOST_UNPACKED', 75_000)
+    with pytest.raises(BearingTwinError, match=r'x9 would need 8000 bytes; .* 3000 are left'):
+        npz.read_npz(path)
