@@ -34,7 +34,8 @@ def measure() -> dict[str, float]:
     dict
         ``view_load``: processor time of decoding and drawing for live viewers, all threads, per
         recorded second (1 is one core), of the cheaper of two runs after a first one that loads;
-        ``view_file_load``: the same of drawing to a file; who asks for both pays for both.
+        ``view_file_load``: the same of drawing to a file; who asks for both has it drawn
+        once and sent twice.
         ``view_bytes_per_second``: size of the file; ``view_longest_ms``: longest call that the
         recorder waited for while it drew for live viewers.
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Any, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.view import shapes
 from bearing_twin.view.style import LINE
@@ -30,15 +30,21 @@ LONGEST = 1.0
 """Poses further apart than this are not joined, s."""
 STEEL, BRIGHT, BRASS = (150, 156, 164), (176, 182, 190), (176, 141, 66)
 DEFECT = (255, 23, 68)
+AROUND = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
+"""Angles of the load zone's spikes, rad."""
 OUTER_DEFECT_ANGLE = -0.5 * math.pi
 """Where the twin puts a defect of the outer ring: in the direction of the load."""
 
 
 def contact_forces(
-    angles: NDArray[np.floating[Any]], x: float, y: float, clearance: float, stiffness: float
+    angles: NDArray[np.floating[Any]],
+    x: float | NDArray[np.float64],
+    y: float | NDArray[np.float64],
+    clearance: float | NDArray[np.float64],
+    stiffness: float | NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """
-    Return the Hertz contact force in N of balls at some angles, shape (n,).
+    Return the Hertz contact force in N of balls at some angles; all arrays broadcast.
 
     Parameters
     ----------
@@ -80,20 +86,22 @@ class _Turning:
         return self.total
 
 
-@dataclass(frozen=True)
-class _Pose:
+class _Pose(NamedTuple):
     time: int
     shaft: float
     cage: float
     spin: float
     x: float
     y: float
+    clearance: float
+    stiffness: float
 
 
 class Bearing3D:
     """
     Draw the bearing pose after pose.
 
+    Poses are held and sent together, which costs a fifth of one by one.
     It turns slowed down, while the clock of the timeline runs on: angles are the true ones,
     divided by `SLOWED`. Forces are those of balls at the places where they are drawn, at the
     displacement, clearance and stiffness of the moment, so that colours and load zone agree.
@@ -105,12 +113,13 @@ class Bearing3D:
         self._name = name
         self._shaft, self._cage, self._spin = _Turning(), _Turning(), _Turning()
         self._pose: _Pose | None = None
+        self._held: list[_Pose] = []
         self._greatest = 0.0
         self._defects: tuple[str, ...] = ()
         self._bodies()
 
     def draw(self, state: Any, time: int) -> None:
-        """Draw the pose of a TwinState at ``time`` in ns."""
+        """Hold the pose of a TwinState at ``time`` in ns for the next flush."""
         before = self._pose
         seconds = (time - before.time) * 1e-9 if before else 0.0
         pose = _Pose(
@@ -120,89 +129,87 @@ class Bearing3D:
             self._spin.follow(state.ball_angle, state.bsf, seconds) / SLOWED,
             float(state.inner_x),
             float(state.inner_y),
+            float(state.radial_clearance),
+            float(state.k_b),
         )
         self._pose = pose
         defects = tuple(part for part in str(state.defect).split('+') if part not in ('', 'none'))
         if defects != self._defects:
+            self.flush()
             self._defects = defects
             self._mark(defects, time)
-        clearance, stiffness = float(state.radial_clearance), float(state.k_b)
         if before and 0.0 < seconds < LONGEST:
             steps = max(1, math.ceil(seconds / FRAME - 0.5))
             for k in range(1, steps):
-                self._frame(_between(before, pose, k / steps), clearance, stiffness)
-        self._frame(pose, clearance, stiffness)
+                self._held.append(_between(before, pose, k / steps))
+        self._held.append(pose)
 
-    def _frame(self, pose: _Pose, clearance: float, stiffness: float) -> None:
-        canvas, bearing = self._canvas, self.bearing
-        angles = pose.cage + np.arange(bearing.n_balls) * (2.0 * np.pi / bearing.n_balls)
-        forces = contact_forces(angles, pose.x, pose.y, clearance, stiffness)
-        around = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
-        zone = contact_forces(around, pose.x, pose.y, clearance, stiffness)
-        self._greatest = max(self._greatest, float(zone.max()))
-        scale = self._greatest or 1.0
-        canvas.put(
-            f'{self._name}/inner',
-            pose.time,
-            rr.Transform3D(
-                translation=[1e3 * MAGNIFIED * pose.x, 1e3 * MAGNIFIED * pose.y, 0.0],
-                rotation=rr.RotationAxisAngle([0, 0, 1], radians=pose.shaft),
-            ),
+    def flush(self) -> None:
+        """Log the poses that are held."""
+        held, self._held = self._held, []
+        if not held:
+            return
+        canvas, bearing, name = self._canvas, self.bearing, self._name
+        times = np.array([pose.time for pose in held], dtype=np.int64)
+        shaft, cage, spin, x, y, clearance, stiffness = np.array([pose[1:] for pose in held]).T
+        law = (x[:, None], y[:, None], clearance[:, None], stiffness[:, None])
+        zone = contact_forces(AROUND, *law)
+        scale = np.maximum.accumulate(np.append(self._greatest, zone.max(axis=1)))[1:]
+        self._greatest = float(scale[-1])
+        scale = np.where(scale > 0.0, scale, 1.0)[:, None]
+        shift = 1e3 * MAGNIFIED * np.stack([x, y, np.zeros_like(x)], axis=1)
+        canvas.columns(
+            f'{name}/inner',
+            times,
+            rr.Transform3D.columns(translation=shift, quaternion=_about_z(shaft)),
         )
-        canvas.put(
-            f'{self._name}/cage',
-            pose.time,
-            rr.Transform3D(rotation=rr.RotationAxisAngle([0, 0, 1], radians=pose.cage)),
+        canvas.columns(f'{name}/cage', times, rr.Transform3D.columns(quaternion=_about_z(cage)))
+        angles = cage[:, None] + np.arange(bearing.n_balls) * (2.0 * np.pi / bearing.n_balls)
+        colours = force_colours(contact_forces(angles, *law) / scale)
+        canvas.columns(
+            f'{name}/balls',
+            times,
+            rr.Points3D.columns(
+                positions=_on_circle(500.0 * bearing.d_pitch, angles).reshape(-1, 3),
+                colors=colours.reshape(-1, 3),
+            ).partition(np.full(len(held), bearing.n_balls)),
         )
-        pitch = 500.0 * bearing.d_pitch
-        centres = np.column_stack(
-            [pitch * np.cos(angles), pitch * np.sin(angles), np.zeros_like(angles)]
-        )
-        canvas.put(
-            f'{self._name}/balls',
-            pose.time,
-            rr.Points3D(
-                centres, radii=500.0 * bearing.d_ball, colors=force_colours(forces / scale)
-            ),
-        )
-        self._load_zone(pose.time, around, zone, scale)
+        self._load_zone(times, zone, scale)
         if 'ball' in self._defects:
-            where = angles[0] + pose.spin
-            spot = centres[0] + 500.0 * bearing.d_ball * 0.8 * np.array(
-                [math.cos(where), math.sin(where), 0.75]
-            )
-            canvas.put(
-                f'{self._name}/defects/ball',
-                pose.time,
-                rr.Points3D([spot], radii=90.0 * bearing.d_ball, colors=DEFECT),
+            first = _on_circle(500.0 * bearing.d_pitch, angles[:, 0])
+            spot = _on_circle(400.0 * bearing.d_ball, angles[:, 0] + spin)
+            spot[:, 2] = 300.0 * bearing.d_ball
+            canvas.columns(
+                f'{name}/defects/ball', times, rr.Points3D.columns(positions=first + spot)
             )
 
     def _load_zone(
-        self, time: int, around: NDArray[np.float64], zone: NDArray[np.float64], scale: float
+        self,
+        times: NDArray[np.int64],
+        zone: NDArray[np.float64],
+        scale: NDArray[np.float64],
     ) -> None:
         """Draw the forces as spikes around the outer ring, the greatest with its value."""
         foot = shapes.outer_radius(self.bearing) * 1.02
         tip = foot + zone / scale * 600.0 * self.bearing.d_ball
-        rays = np.stack([np.cos(around), np.sin(around)], axis=1)
-        front = np.full((len(around), 1), shapes.face(self.bearing))
-        inner = np.hstack([foot * rays, front])
-        outer = np.hstack([tip[:, None] * rays, front])
-        spikes = np.stack([inner, outer], axis=1)[zone > 0.0]
-        self._canvas.put(
+        front = [0.0, 0.0, shapes.face(self.bearing)]
+        outer = _on_circle(tip, np.broadcast_to(AROUND, zone.shape)) + front
+        inner = np.broadcast_to(_on_circle(foot, AROUND) + front, outer.shape)
+        loaded = zone > 0.0
+        self._canvas.columns(
             f'{self._name}/load_zone',
-            time,
-            rr.LineStrips3D(spikes, colors=LINE['used'], radii=rr.Radius.ui_points(1.0)),
+            times,
+            rr.LineStrips3D.columns(
+                strips=np.stack([inner[loaded], outer[loaded]], axis=1)
+            ).partition(loaded.sum(axis=1)),
         )
-        peak = int(zone.argmax())
-        self._canvas.put(
+        rows, peak = np.arange(len(zone)), zone.argmax(axis=1)
+        self._canvas.columns(
             f'{self._name}/load_zone/greatest',
-            time,
-            rr.Points3D(
-                [1.06 * outer[peak]],
-                labels=[f'{zone[peak]:.0f} N'],
-                colors=LINE['used'],
-                radii=rr.Radius.ui_points(0.5),
-                show_labels=True,
+            times,
+            rr.Points3D.columns(
+                positions=1.06 * outer[rows, peak],
+                labels=[f'{force:.0f} N' for force in zone[rows, peak]],
             ),
         )
 
@@ -213,6 +220,21 @@ class Bearing3D:
         canvas.once(f'{name}/inner/body', shapes.inner_ring(bearing, BRIGHT))
         for side, rim in zip('ab', shapes.cage(bearing, BRASS), strict=True):
             canvas.once(f'{name}/cage/{side}', rim)
+        ball = 500.0 * bearing.d_ball
+        canvas.once(f'{name}/balls', rr.Points3D.from_fields(radii=ball))
+        canvas.once(
+            f'{name}/defects/ball', rr.Points3D.from_fields(radii=0.18 * ball, colors=DEFECT)
+        )
+        hair = rr.Radius.ui_points(1.0)
+        canvas.once(
+            f'{name}/load_zone', rr.LineStrips3D.from_fields(radii=hair, colors=LINE['used'])
+        )
+        canvas.once(
+            f'{name}/load_zone/greatest',
+            rr.Points3D.from_fields(
+                radii=rr.Radius.ui_points(0.5), colors=LINE['used'], show_labels=True
+            ),
+        )
         front, bore = 1.02 * shapes.face(bearing), shapes.inner_radius(bearing)
         edge = bore + 90.0 * bearing.d_ball
         canvas.once(
@@ -259,22 +281,27 @@ class Bearing3D:
 
 
 def force_colours(parts: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Return steel, yellow or red, shape (n, 3), for forces as parts 0..1 of the greatest."""
+    """Return steel, yellow or red, shape (..., 3), for forces as parts 0..1 of the greatest."""
     stops = np.array([[96, 125, 139], [255, 193, 7], [229, 57, 53]], dtype=np.float64)
     at = np.clip(parts, 0.0, 1.0)
     channels = [np.interp(at, [0.0, 0.5, 1.0], stops[:, k]) for k in range(3)]
-    return np.stack(channels, axis=1).astype(np.uint8)
+    return np.stack(channels, axis=-1).astype(np.uint8)
+
+
+def _on_circle(
+    radius: float | NDArray[np.float64], angles: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return points at angles in the plane z = 0, shape (..., 3)."""
+    x, y = radius * np.cos(angles), radius * np.sin(angles)
+    return np.stack([x, y, np.zeros_like(x)], axis=-1)
+
+
+def _about_z(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return rotations about z as quaternions xyzw, shape (n, 4)."""
+    half, none = 0.5 * angles, np.zeros_like(angles)
+    return np.stack([none, none, np.sin(half), np.cos(half)], axis=1)
 
 
 def _between(a: _Pose, b: _Pose, part: float) -> _Pose:
-    def mix(p: float, q: float) -> float:
-        return p + part * (q - p)
-
-    return _Pose(
-        a.time + round(part * (b.time - a.time)),
-        mix(a.shaft, b.shaft),
-        mix(a.cage, b.cage),
-        mix(a.spin, b.spin),
-        mix(a.x, b.x),
-        mix(a.y, b.y),
-    )
+    time = a.time + round(part * (b.time - a.time))
+    return _Pose(time, *(p + part * (q - p) for p, q in zip(a[1:], b[1:], strict=True)))

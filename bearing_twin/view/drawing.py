@@ -1,37 +1,36 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""One Rerun recording as it is drawn: the scenes of all namespaces and the layout of the views."""
+"""What is drawn of the messages: the scenes of all namespaces and the layout of the views."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError
-from bearing_twin.view.blueprint import APPLICATION, automatic, layout
+from bearing_twin.view.blueprint import automatic, layout
 from bearing_twin.view.scene import namespace_of, Scene
 from bearing_twin.view.timebase import Timebase
-import rerun as rr
-from rerun.chunk import McapReader
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
-    from pathlib import Path
 
     from bearing_twin.bearing.geometry import Bearing
+    from bearing_twin.view.canvas import Emit
 
 __all__ = ['Drawing', 'Look']
 
 SETTLED = 1_000_000_000
 """A new topic is laid out when none has followed for this long, ns."""
-FLUSH_TIMEOUT = 5.0
+TICK = 200_000_000
+"""What is held is sent this often, ns: eyes take it for at once."""
+SLOW = 5
+"""Ticks after which the slow lines are sent too."""
 
 
 @dataclass(frozen=True)
 class Look:
     """What is drawn how, see the parameters of ``RerunLogger``."""
 
-    recording_id: str
     bearing: Bearing | None
     full_samples: bool
     sides: Mapping[str, int] | None
@@ -40,32 +39,23 @@ class Look:
 
 class Drawing:
     """
-    Draw messages to one sink; to be used by one thread at a time.
+    Draw messages; to be used by one thread at a time.
 
     Parameters
     ----------
     look
         What is drawn how.
-    sink
-        File or server of Rerun.
+    emit
+        Where the marks go.
     complain
         Called with the topic and the reason when a message cannot be drawn.
-    place
-        The sink by name, for errors.
-
-    Raises
-    ------
-    BearingTwinError
-        If Rerun refuses the sink.
 
     """
 
-    def __init__(
-        self, look: Look, sink: Any, complain: Callable[[str, Exception], None], *, place: str
-    ) -> None:
+    def __init__(self, look: Look, emit: Emit, complain: Callable[[str, Exception], None]) -> None:
         self._look = look
+        self._emit = emit
         self._complain = complain
-        self._recording = rr.RecordingStream(APPLICATION, recording_id=look.recording_id)
         self._timebases = {'': Timebase(look.timeline)}
         if look.sides:
             self._timebases = {
@@ -76,11 +66,8 @@ class Drawing:
         self._laid_out = 0
         self._known = 0
         self._changed = 0
-        try:
-            self._recording.set_sinks(sink)
-        except Exception as error:
-            msg = f'Rerun cannot write {place} ({error}); choose another place'
-            raise BearingTwinError(msg) from None
+        self._flushed = 0
+        self._ticks = 0
 
     def draw(self, topic: str, type_name: str, message: Any, time_ns: int, side: str) -> None:
         """Draw a message as ``RerunLogger.log`` describes; never raises."""
@@ -89,7 +76,7 @@ class Drawing:
             scene = self._scenes.get((side, namespace))
             if scene is None:
                 scene = self._scenes[side, namespace] = Scene(
-                    self._recording,
+                    self._emit,
                     f'/{side}{namespace}' if side else namespace,
                     self._timebases[side],
                     bearing=self._look.bearing,
@@ -100,33 +87,23 @@ class Drawing:
         except Exception as error:
             # The caller is a node, the message a stranger's: a picture is not worth a failure.
             self._complain(topic, error)
+        if not 0 <= time_ns - self._flushed < TICK:
+            self._flushed = time_ns
+            self._ticks += 1
+            self._flush(slow=self._ticks % SLOW == 0)
 
-    def import_mcap(self, path: Path, lines: Iterable[str]) -> str:
-        """Draw what Rerun itself can draw of an MCAP file; return why not, '' if it could."""
+    def add_native(self, lines: Iterable[str]) -> None:
+        """Lay topics out that Rerun itself draws as time series."""
         self._native_lines.update(lines)
-        try:
-            reader = McapReader(path, recover=True)
-            self._recording.send_chunks(reader.stream())
-        except Exception as error:
-            # A stranger's file; Rerun raises many kinds on damaged ones.
-            return f'{type(error).__name__}: {error}'
-        return ''
 
     def finish(self) -> None:
-        """
-        Draw what is held back and close the sink; a second time does nothing.
-
-        Raises
-        ------
-        RuntimeError
-            If the sink does not take what is left in time.
-
-        """
-        for scene in self._scenes.values():
-            scene.flush()
+        """Draw what is held back; never raises."""
+        self._flush(slow=True)
         self._send_layout()
-        self._recording.flush(timeout_sec=FLUSH_TIMEOUT)
-        self._recording.disconnect()
+
+    def _flush(self, *, slow: bool) -> None:
+        for scene in self._scenes.values():
+            scene.flush(self._complain, slow=slow)
 
     def _lay_out(self, now: int) -> None:
         known = sum(len(scene.contents) for scene in self._scenes.values())
@@ -142,10 +119,11 @@ class Drawing:
         self._laid_out = known
         titles = {' '.join(filter(None, key)) or '/': scene for key, scene in self._scenes.items()}
         base = next(iter(self._timebases.values()))
-        self._recording.send_blueprint(
+        blueprint = (
             layout(titles, timeline=base.timeline, side_by_side=len(self._timebases) > 1)
             if base.stamped
             else automatic(
                 self._scenes.values(), timeline=base.timeline, lines=sorted(self._native_lines)
             )
         )
+        self._emit(lambda recording: recording.send_blueprint(blueprint), lasting=True)

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 __all__ = ['Lane']
 
+AGAIN = 10_000_000_000
+"""A state that lasts is logged again after this time, ns: servers forget, viewers come late."""
+
 
 class Lane:
     """One lane; ``states`` by the number that a message gives them."""
@@ -25,12 +28,15 @@ class Lane:
         self._name = name
         self._states = states
         self._last: int | None = None
+        self._time = 0
 
     def set(self, number: int, time: int) -> None:
-        """Note the state at ``time`` in ns; only changes are logged."""
-        if number == self._last or not 0 <= number < len(self._states):
+        """Note the state at ``time`` in ns; changes, and what lasts once more."""
+        if not 0 <= number < len(self._states):
             return
-        self._last = number
+        if number == self._last and 0 <= time - self._time < AGAIN:
+            return
+        self._last, self._time = number, time
         self._canvas.once(
             self._name,
             rr.StateConfiguration(

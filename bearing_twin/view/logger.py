@@ -10,15 +10,16 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.drawing import Drawing, Look
-from bearing_twin.view.served import ServedDrawing
+from bearing_twin.view.outlet import Outlet, ServedOutlet
 import rerun as rr
+from rerun.chunk import McapReader
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
-    from types import TracebackType
 
     from bearing_twin.bearing.geometry import Bearing
+    from bearing_twin.view.outlet import Mark
 
 __all__ = ['RerunLogger']
 
@@ -30,11 +31,11 @@ class RerunLogger:
     """
     Draw messages to a Rerun file, to a Rerun server, or to both.
 
-    Viewers connect to the server when they like and get the recent past. One that is absent,
-    killed or frozen delays nobody: they are drawn for by a thread of their own, and what they do
-    not take in time is counted in `dropped`. The file is written in line and has everything.
-    Nothing that a message holds raises: what cannot be drawn is counted
-    in `failed` and explained in `problems`.
+    Everything is drawn once. Viewers connect to the server when they like and get the recent past.
+    One that is absent, killed or frozen delays nobody: they are served by a thread of their own,
+    and what they do not take in time is counted in `dropped`. The file is written in line and has
+    everything. Nothing that a message holds raises: what cannot be drawn is counted in `failed`
+    and explained in `problems`.
 
     Parameters
     ----------
@@ -82,7 +83,6 @@ class RerunLogger:
         """Reason by topic."""
         # The first text loads pandas, where it is installed: a second that no message shall wait.
         rr.TextLog('')
-        look = Look(recording_id, bearing, full_samples, sides, timeline)
         if rrd is not None:
             if rrd.exists():
                 msg = f'{rrd} exists and is not overwritten; name another file'
@@ -92,19 +92,20 @@ class RerunLogger:
                 raise BearingTwinError(msg)
         if serve is not None:
             _check_free(*serve)
-        self._file: Drawing | None = None
-        self._served: ServedDrawing | None = None
+        self._file: Outlet | None = None
+        self._served: ServedOutlet | None = None
+        self._closed = False
         if rrd is not None:
-            self._file = Drawing(look, rr.FileSink(str(rrd)), self._complain, place=str(rrd))
+            self._file = Outlet(recording_id, rr.FileSink(str(rrd)), place=str(rrd))
         if serve is not None:
             sink = rr.GrpcServerSink(*serve, server_memory_limit=memory_limit)
-            # What cannot be drawn is so in both; it is counted once.
-            complain = self._complain if rrd is None else _say_nothing
-            self._served = ServedDrawing(Drawing(look, sink, complain, place=f'port {serve[1]}'))
+            self._served = ServedOutlet(Outlet(recording_id, sink, place=f'port {serve[1]}'))
+        look = Look(bearing, full_samples, sides, timeline)
+        self._drawing = Drawing(look, self._emit, self._complain)
 
     @property
     def dropped(self) -> int:
-        """Messages that live viewers miss because one of them did not keep up."""
+        """Pictures that live viewers miss because one of them did not keep up."""
         return self._served.dropped if self._served is not None else 0
 
     def log(
@@ -125,10 +126,7 @@ class RerunLogger:
             One of the `sides`, where there are any.
 
         """
-        if self._file is not None:
-            self._file.draw(topic, type_name, message, time_ns, side)
-        if self._served is not None:
-            self._served.put(topic, type_name, message, time_ns, side)
+        self._drawing.draw(topic, type_name, message, time_ns, side)
 
     def drain(self, timeout: float) -> bool:
         """
@@ -144,7 +142,16 @@ class RerunLogger:
 
         ``lines`` are its topics that come out as time series.
         """
-        return self._file.import_mcap(path, lines) if self._file is not None else ''
+        if self._file is None:
+            return ''
+        self._drawing.add_native(lines)
+        try:
+            reader = McapReader(path, recover=True)
+            self._file.recording.send_chunks(reader.stream())
+        except Exception as error:
+            # A stranger's file; Rerun raises many kinds on damaged ones.
+            return f'{type(error).__name__}: {error}'
+        return ''
 
     def close(self) -> None:
         """
@@ -152,9 +159,13 @@ class RerunLogger:
 
         Viewers that do not take the rest within seconds miss it; the file has all.
         """
+        if self._closed:
+            return
+        self._closed = True
+        self._drawing.finish()
         try:
             if self._file is not None:
-                self._file.finish()
+                self._file.close()
         finally:
             if self._served is not None and not self._served.close():
                 logging.getLogger(__name__).warning(
@@ -165,14 +176,15 @@ class RerunLogger:
         """Return itself."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Close."""
         self.close()
+
+    def _emit(self, mark: Mark, *, lasting: bool = False) -> None:
+        if self._served is not None:
+            self._served.put(mark, lasting=lasting)
+        if self._file is not None:
+            self._file.put(mark)
 
     def _complain(self, topic: str, error: Exception) -> None:
         self.failed += 1
@@ -180,10 +192,6 @@ class RerunLogger:
             reason = f'{type(error).__name__}: {error}'
             self.problems[topic] = reason
             logging.getLogger(__name__).warning('%s cannot be drawn: %s', topic, reason)
-
-
-def _say_nothing(topic: str, error: Exception) -> None:
-    """Leave it to the other drawing of the same message to complain."""
 
 
 def _check_free(address: str, port: int) -> None:

@@ -8,6 +8,7 @@ from collections import Counter
 from datetime import datetime, timezone
 from html import escape
 import math
+from pathlib import PurePath
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin import __version__
@@ -37,6 +38,9 @@ HEADLINES = {
     'ambiguous': 'Fault, place uncertain',
     'insufficient': 'No statement',
 }
+
+PATHS = ('output', 'rerun_file', 'state_directory', 'recording', 'assets_file')
+"""Parameters that are paths."""
 
 CSS = """
 :root { color-scheme: light; }
@@ -225,8 +229,13 @@ def _parameters(info: RecordingInfo) -> list[str]:
         kind, _, node = name.removeprefix('bearing_twin.').partition('.')
         heading = f'{kind} of {node}' if node else kind
         parts.append(f'<h2>{escape(heading.capitalize())}</h2>')
-        parts.append(_table([(key, value) for key, value in values.items() if value]))
+        parts.append(_table([(key, _shown(key, value)) for key, value in values.items() if value]))
     return parts
+
+
+def _shown(key: str, value: str) -> str:
+    """Leave out the folders of a path: whoever is sent the page need not know them."""
+    return PurePath(value).name if key in PATHS else value
 
 
 def _number(value: float, unit: str = '') -> str:

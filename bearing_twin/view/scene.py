@@ -14,14 +14,18 @@ from bearing_twin.view.canvas import Canvas
 from bearing_twin.view.generic import draw_anything
 from bearing_twin.view.lanes import Lane
 from bearing_twin.view.spectra import SpectrumBars
-from bearing_twin.view.style import LANE_LEVELS, LINE
+from bearing_twin.view.style import LANE_LEVELS
+from bearing_twin.view.temperature import TemperaturePicture
 from bearing_twin.view.twinstate import TwinPicture
 from bearing_twin.view.verdict import VerdictPicture
 from bearing_twin.view.waveform import Waveform
 import rerun as rr
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from bearing_twin.bearing.geometry import Bearing
+    from bearing_twin.view.canvas import Emit
     from bearing_twin.view.timebase import Timebase
 
 __all__ = ['KINDS', 'Scene', 'namespace_of']
@@ -65,7 +69,7 @@ class Scene:
 
     def __init__(
         self,
-        recording: rr.RecordingStream,
+        emit: Emit,
         root: str,
         timebase: Timebase,
         *,
@@ -75,7 +79,7 @@ class Scene:
         self.root = root
         self.contents: dict[str, str] = {}
         """Kind of picture by the name of its topic; grows as topics appear."""
-        self._canvas = Canvas(recording, root, timebase)
+        self._canvas = Canvas(emit, root, timebase)
         self._timebase = timebase
         self._bearing = bearing
         self._full = full
@@ -93,11 +97,28 @@ class Scene:
         if drawn != '':
             self.contents.setdefault(name, drawn or kind)
 
-    def flush(self) -> None:
-        """Log what is held back."""
-        for picture in self._pictures.values():
-            if isinstance(picture, TwinPicture):
-                picture.flush()
+    def flush(self, complain: Callable[[str, Exception], None], *, slow: bool) -> None:
+        """
+        Send what is held; never raises.
+
+        Parameters
+        ----------
+        complain
+            Called with a topic and the reason where something cannot be drawn.
+        slow
+            Whether to send the slow lines too.
+
+        """
+        for name, picture in self._pictures.items():
+            if isinstance(picture, (TemperaturePicture, TwinPicture, Waveform)):
+                try:
+                    picture.flush(slow=slow)
+                except Exception as error:
+                    complain(f'{self.root}/{name}', error)
+        try:
+            self._canvas.flush(slow=slow)
+        except Exception as error:
+            complain(self.root, error)
 
     def _draw_vibration(self, name: str, message: Any, time: int) -> None:
         picture = self._pictures.get(name)
@@ -137,19 +158,10 @@ class Scene:
             return ''
         if not any(isinstance(p, TwinPicture) for p in self._pictures.values()):
             self._temperature = value
-        variance = float(message.variance)
-        self._canvas.put(
-            f'{name}/measured',
-            time,
-            rr.Measurements(
-                [value],
-                variances=[variance] if variance > 0.0 else None,
-                units=['°C'],
-                names=['measured'],
-                colors=[LINE['measured']],
-                widths=[1.5],
-            ),
-        )
+        picture = self._pictures.get(name)
+        if picture is None:
+            picture = self._pictures[name] = TemperaturePicture(self._canvas, name)
+        picture.draw(value, float(message.variance), time)
         return 'temperature'
 
     def _draw_checkpoint(self, name: str, message: Any, time: int) -> None:

@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ['TwinPicture']
 
-HELD = 10
-"""States that are logged at once: 0.4 s of 25 Hz, a tenth of the cost of one by one."""
-
 TRENDS: dict[str, tuple[str, Colour, Callable[[Any], float]]] = {
     'temperature/used': ('used [°C]', LINE['used'], lambda s: s.temperature_used),
     'temperature/inner_ring': (
@@ -63,15 +60,15 @@ class TwinPicture:
         self._lane.set(int(state.temperature_status), time)
         self._times.append(time)
         self._rows.append([float(value(state)) for _, _, value in TRENDS.values()])
-        if len(self._rows) >= HELD:
-            self.flush()
         solid = self._solid_of(str(state.bearing))
         if solid is not None:
             solid.draw(state, time)
 
-    def flush(self) -> None:
-        """Log what is held back."""
-        if not self._rows:
+    def flush(self, *, slow: bool) -> None:
+        """Log the poses that are held, and if ``slow`` the trends."""
+        if self._solid is not None:
+            self._solid.flush()
+        if not (slow and self._rows):
             return
         times = np.array(self._times, dtype=np.int64)
         columns = np.array(self._rows)
@@ -85,6 +82,7 @@ class TwinPicture:
                     values[there],
                     label=label,
                     colour=colour,
+                    slow=True,
                 )
 
     def _solid_of(self, name: str) -> Bearing3D | None:

@@ -23,7 +23,6 @@ import rerun_cli
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-    from types import TracebackType
 
 __all__ = ['LOOPBACK', 'HeadlessViewer', 'free_port', 'live_url', 'show', 'show_in_browser']
 
@@ -244,12 +243,7 @@ class HeadlessViewer:
         """Return itself."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """End the viewer."""
         self.close()
 
@@ -273,7 +267,8 @@ class HeadlessViewer:
         if self._process.poll() is None:
             return
         text = self._errors.read_text(errors='replace')
-        if 'adapter' in text:
+        # With OpenGL alone, in software too, the viewer panics instead of naming the adapter.
+        if 'adapter' in text or 'render context' in text:
             msg = (
                 'no Vulkan device for pictures without a display; on Debian or Ubuntu install '
                 'mesa-vulkan-drivers and libvulkan1'

@@ -1,0 +1,36 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A process that still waits for a viewer ends at once, with its status."""
+
+import subprocess
+import sys
+
+PROGRAM = """
+import atexit, sys, threading, time
+from bearing_twin.view.ending import leave, SERVING
+
+atexit.register(print, 'torn down')
+threading.Thread(target=time.sleep, args=(0.0 if sys.argv[1] == 'done' else 60.0,),
+                 name=SERVING, daemon=True).start()
+time.sleep(0.1)
+print('finished')
+leave(3)
+assert 'rerun' not in sys.modules
+sys.exit(4)
+"""
+
+
+def outcome(state):
+    """Return status and output of a process whose thread is done or waits."""
+    done = subprocess.run(
+        [sys.executable, '-c', PROGRAM, state], capture_output=True, text=True, timeout=30
+    )
+    return done.returncode, done.stdout
+
+
+def test_a_waiting_thread_is_left_behind():
+    assert outcome('waits') == (3, 'finished\n')
+
+
+def test_without_one_the_process_ends_as_ever():
+    assert outcome('done') == (4, 'finished\ntorn down\n')
