@@ -1,58 +1,71 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Many bearings in one process, from a YAML of assets; recorded and shown if asked for."""
+"""
+Many bearings in one process, from a YAML of assets; recorded and shown if asked for.
 
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument
+What is not given as an argument comes from the parameter file, if there is one.
+"""
+
+from launch import LaunchContext, LaunchDescription
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.conditions import IfCondition
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
+ARGUMENTS = (
+    ('assets_file', '', 'YAML of assets (default: config/fleet.yaml of this package)'),
+    ('namespace', '', 'namespace of all nodes'),
+    ('params_file', '', 'parameter file for fleet and recorder; empty: none'),
+    ('record', 'false', 'record to MCAP'),
+    ('output', '', 'bag folder; empty: bearing_twin_DATE-TIME here'),
+    ('rerun_port', '', 'port of the Rerun server on this machine; empty or 0: none'),
+    ('use_sim_time', '', 'true: follow /clock'),
+)
+TYPES = {'rerun_port': int, 'use_sim_time': bool}
+
+
+def nodes(context: LaunchContext) -> list[Node]:
+    """Return the nodes with the arguments that were given."""
+    given = {
+        name: ParameterValue(LaunchConfiguration(name), value_type=TYPES.get(name, str))
+        for name, _, _ in ARGUMENTS
+        if LaunchConfiguration(name).perform(context)
+    }
+    file = LaunchConfiguration('params_file').perform(context)
+
+    def node(name: str, *arguments: str, condition: IfCondition | None = None) -> Node:
+        chosen = {key: given[key] for key in (*arguments, 'use_sim_time') if key in given}
+        return Node(
+            package='bearing_twin',
+            executable=name,
+            namespace=LaunchConfiguration('namespace'),
+            parameters=[*([file] if file else []), *([chosen] if chosen else [])],
+            condition=condition,
+            output='screen',
+        )
+
+    return [
+        node(
+            'recorder',
+            'output',
+            'rerun_port',
+            condition=IfCondition(LaunchConfiguration('record')),
+        ),
+        node('fleet', 'assets_file'),
+    ]
+
 
 def generate_launch_description() -> LaunchDescription:
     """Return the description."""
     example = PathJoinSubstitution([FindPackageShare('bearing_twin'), 'config', 'fleet.yaml'])
     arguments = [
-        DeclareLaunchArgument('assets_file', default_value=example, description='YAML of assets'),
-        DeclareLaunchArgument('namespace', default_value='', description='namespace of all nodes'),
-        DeclareLaunchArgument('record', default_value='false', description='record to MCAP'),
         DeclareLaunchArgument(
-            'output',
-            default_value='',
-            description='bag folder; empty: bearing_twin_DATE-TIME here',
-        ),
-        DeclareLaunchArgument(
-            'rerun_port', default_value='0', description='port of the Rerun server; 0: none'
-        ),
-        DeclareLaunchArgument('use_sim_time', default_value='false', description='follow /clock'),
+            name,
+            default_value=example if name == 'assets_file' else default,
+            description=text,
+        )
+        for name, default, text in ARGUMENTS
     ]
-    clock = {'use_sim_time': ParameterValue(LaunchConfiguration('use_sim_time'), value_type=bool)}
-    fleet = Node(
-        package='bearing_twin',
-        executable='fleet',
-        namespace=LaunchConfiguration('namespace'),
-        parameters=[
-            clock,
-            {
-                'assets_file': ParameterValue(LaunchConfiguration('assets_file'), value_type=str),
-            },
-        ],
-        output='screen',
-    )
-    recorder = Node(
-        package='bearing_twin',
-        executable='recorder',
-        namespace=LaunchConfiguration('namespace'),
-        parameters=[
-            clock,
-            {
-                'output': ParameterValue(LaunchConfiguration('output'), value_type=str),
-                'rerun_port': ParameterValue(LaunchConfiguration('rerun_port'), value_type=int),
-            },
-        ],
-        condition=IfCondition(LaunchConfiguration('record')),
-        output='screen',
-    )
-    return LaunchDescription([*arguments, recorder, fleet])
+    return LaunchDescription([*arguments, OpaqueFunction(function=nodes)])

@@ -19,6 +19,10 @@ def generate_launch_description() -> LaunchDescription:
         DeclareLaunchArgument('recording', default_value=schedule, description='file or bag'),
         DeclareLaunchArgument('rate', default_value='1.0', description='pace'),
         DeclareLaunchArgument('loop', default_value='false', description='start again at the end'),
+        DeclareLaunchArgument('start_offset', default_value='0.0', description='s to skip'),
+        DeclareLaunchArgument(
+            'clock_rate', default_value='0.0', description='rate of /clock, Hz; 0: no /clock'
+        ),
         DeclareLaunchArgument('namespace', default_value='', description='namespace of the node'),
     ]
     replay = Node(
@@ -30,6 +34,10 @@ def generate_launch_description() -> LaunchDescription:
                 'recording': ParameterValue(LaunchConfiguration('recording'), value_type=str),
                 'rate': ParameterValue(LaunchConfiguration('rate'), value_type=float),
                 'loop': ParameterValue(LaunchConfiguration('loop'), value_type=bool),
+                'start_offset': ParameterValue(
+                    LaunchConfiguration('start_offset'), value_type=float
+                ),
+                'clock_rate': ParameterValue(LaunchConfiguration('clock_rate'), value_type=float),
             }
         ],
         output='screen',

@@ -1,33 +1,69 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Twin and diagnosis of one bearing, recorded and shown in Rerun if asked for."""
+"""
+Twin and diagnosis of one bearing, recorded and shown in Rerun if asked for.
 
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument
+What is not given as an argument comes from the parameter file.
+"""
+
+from launch import LaunchContext, LaunchDescription
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.conditions import IfCondition
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
+FROM_FILE = 'empty: from the parameter file'
 ARGUMENTS = (
     ('namespace', '', "namespace of all nodes, e.g. 'line3/bearing_7'"),
     ('params_file', '', 'parameter file (default: config/twin.yaml of this package)'),
-    ('bearing', '6307', 'bearing of the catalogue'),
-    ('preset', 'incipient', 'masses, load, clearance and defect size of the twin'),
-    ('defect', 'none', "none, inner, outer, ball, cage, or several: 'inner+ball'"),
-    ('thermal_mode', 'paper', 'paper or physical'),
-    ('shaft_hz', '25.4', 'shaft speed while no joint tells it, Hz'),
+    ('bearing', '', f'bearing of the catalogue; {FROM_FILE}'),
+    ('preset', '', f'masses, load, clearance and defect size of the twin; {FROM_FILE}'),
+    ('defect', '', f"none, inner, outer, ball, cage, or several: 'inner+ball'; {FROM_FILE}"),
+    ('thermal_mode', '', f'paper or physical; {FROM_FILE}'),
+    ('shaft_hz', '', f'shaft speed while no joint tells it, Hz; {FROM_FILE}'),
     ('record', 'true', 'record everything to MCAP'),
-    ('output', '', 'bag folder of the recording; empty: bearing_twin_DATE-TIME here'),
-    ('rerun_port', '9876', 'port of the Rerun server on this machine; 0: none'),
-    ('use_sim_time', 'false', 'follow /clock'),
+    ('output', '', f'bag folder of the recording; {FROM_FILE}, or bearing_twin_DATE-TIME here'),
+    ('rerun_port', '', f'port of the Rerun server on this machine, 0: none; {FROM_FILE}'),
+    ('use_sim_time', '', f'true: follow /clock; {FROM_FILE}'),
 )
+TYPES = {'shaft_hz': float, 'rerun_port': int, 'use_sim_time': bool}
+
+
+def nodes(context: LaunchContext) -> list[Node]:
+    """Return the nodes with the arguments that were given."""
+    given = {
+        name: ParameterValue(LaunchConfiguration(name), value_type=TYPES.get(name, str))
+        for name, _, _ in ARGUMENTS
+        if LaunchConfiguration(name).perform(context)
+    }
+
+    def node(name: str, *arguments: str, condition: IfCondition | None = None) -> Node:
+        chosen = {key: given[key] for key in (*arguments, 'use_sim_time') if key in given}
+        return Node(
+            package='bearing_twin',
+            executable=name,
+            namespace=LaunchConfiguration('namespace'),
+            parameters=[LaunchConfiguration('params_file'), *([chosen] if chosen else [])],
+            condition=condition,
+            output='screen',
+        )
+
+    return [
+        node(
+            'recorder',
+            'output',
+            'rerun_port',
+            condition=IfCondition(LaunchConfiguration('record')),
+        ),
+        node('diagnosis', 'bearing'),
+        node('twin', 'bearing', 'preset', 'defect', 'thermal_mode', 'shaft_hz'),
+    ]
 
 
 def generate_launch_description() -> LaunchDescription:
     """Return the description."""
-    given = {name: LaunchConfiguration(name) for name, _, _ in ARGUMENTS}
     default_file = PathJoinSubstitution([FindPackageShare('bearing_twin'), 'config', 'twin.yaml'])
     arguments = [
         DeclareLaunchArgument(
@@ -37,44 +73,4 @@ def generate_launch_description() -> LaunchDescription:
         )
         for name, default, text in ARGUMENTS
     ]
-    clock = {'use_sim_time': ParameterValue(given['use_sim_time'], value_type=bool)}
-    bearing = {'bearing': ParameterValue(given['bearing'], value_type=str)}
-    twin = Node(
-        package='bearing_twin',
-        executable='twin',
-        namespace=given['namespace'],
-        parameters=[
-            given['params_file'],
-            clock,
-            bearing,
-            {
-                'preset': given['preset'],
-                'defect': given['defect'],
-                'thermal_mode': given['thermal_mode'],
-                'shaft_hz': ParameterValue(given['shaft_hz'], value_type=float),
-            },
-        ],
-        output='screen',
-    )
-    diagnosis = Node(
-        package='bearing_twin',
-        executable='diagnosis',
-        namespace=given['namespace'],
-        parameters=[given['params_file'], clock, bearing],
-        output='screen',
-    )
-    recorder = Node(
-        package='bearing_twin',
-        executable='recorder',
-        namespace=given['namespace'],
-        parameters=[
-            clock,
-            {
-                'output': ParameterValue(given['output'], value_type=str),
-                'rerun_port': ParameterValue(given['rerun_port'], value_type=int),
-            },
-        ],
-        condition=IfCondition(given['record']),
-        output='screen',
-    )
-    return LaunchDescription([*arguments, recorder, diagnosis, twin])
+    return LaunchDescription([*arguments, OpaqueFunction(function=nodes)])

@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
+import socket
 
 import pytest
 
@@ -30,9 +31,29 @@ def data_index(data_dir: Path) -> dict:
 
 @pytest.fixture(scope='session')
 def domain_ids():
-    """Return ROS domains, each handed out once; domains up to 101 keep clear of other ports."""
+    """
+    Return ROS domains in which nobody is, each handed out once.
+
+    Domains up to 101 keep clear of other ports.
+    """
     start = os.getpid() % 90
-    return iter([1 + (start + k) % 100 for k in range(100)])
+    return (domain for k in range(100) if _deserted(domain := 1 + (start + k) % 100))
+
+
+def _deserted(domain: int) -> bool:
+    """
+    Tell whether no process of this machine is in a ROS domain: it would hold one of its ports.
+
+    RTPS 2.5, section 9.6.2.3: 7400 + 250 domain for all, 10 + 2 k above it for the k-th of them.
+    """
+    first = 7400 + 250 * domain
+    for port in (first, *range(first + 10, first + 42, 2)):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind(('', port))
+            except OSError:
+                return False
+    return True
 
 
 @pytest.fixture

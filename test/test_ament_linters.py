@@ -11,7 +11,15 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 CHECKED = [
     str(ROOT / name)
-    for name in ('bearing_twin', 'launch', 'msg_defs/build_messages.py', 'msg_defs/setup.py')
+    for name in (
+        'bearing_twin',
+        'docs',
+        'launch',
+        'msg_defs/build_messages.py',
+        'msg_defs/setup.py',
+        'setup.py',
+        'test',
+    )
 ]
 REASON = 'the ament linters are part of an installed ROS 2 only'
 

@@ -1,10 +1,15 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The launch files load, and what they name exists; needs an installed ROS 2."""
+"""The launch files load and start what they say; needs an installed ROS 2."""
 
 import importlib.util
 import inspect
+import os
 from pathlib import Path
+import shutil
+import signal
+import subprocess
+import time
 
 from bearing_twin.nodes.fleet_config import SPECS as FLEET
 from bearing_twin.nodes.recorder_config import SPECS as RECORDER
@@ -19,6 +24,20 @@ FOLDER = Path(__file__).resolve().parents[1] / 'launch'
 PARAMETERS = {spec.name for specs in (FLEET, RECORDER, REPLAY, TWIN) for spec in specs}
 NOT_PARAMETERS = {'namespace', 'params_file', 'record', 'use_sim_time'}
 
+PREFIXES = [Path(prefix) for prefix in os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)]
+INSTALLED = shutil.which('ros2') and any(
+    (prefix / 'lib' / 'bearing_twin' / 'twin').exists() for prefix in PREFIXES
+)
+STARTS = {
+    'fleet': ({'rerun_port': 0, 'record': 'true', 'output': 'bag'}, '2 twins and 3 diagnoses'),
+    'replay': ({'rate': 2, 'loop': 'true', 'clock_rate': 10, 'start_offset': 1}, 'at pace 2'),
+    'twin': (
+        {'rerun_port': 0, 'shaft_hz': 20, 'bearing': 6205, 'defect': 'outer', 'output': 'bag'},
+        'twin of 6205, defect outer',
+    ),
+}
+"""Arguments of each type, and what a node then says."""
+
 
 @pytest.mark.parametrize('path', sorted(FOLDER.glob('*.launch.py')), ids=lambda p: p.name)
 def test_launch_file_describes_itself(path):
@@ -31,3 +50,28 @@ def test_launch_file_describes_itself(path):
     for argument in arguments:
         assert argument.description, argument.name
         assert argument.name in PARAMETERS | NOT_PARAMETERS
+
+
+@pytest.mark.ros
+@pytest.mark.skipif(not INSTALLED, reason='ros2 does not find this package')
+@pytest.mark.parametrize('name', STARTS)
+def test_launch_file_starts_its_nodes(name, ros_domain, tmp_path):
+    arguments, said = STARTS[name]
+    given = [f'{key}:={value}' for key, value in arguments.items()]
+    command = ['ros2', 'launch', str(FOLDER / f'{name}.launch.py'), 'namespace:=line1', *given]
+    log = tmp_path / 'log'
+    with log.open('wb') as out:
+        launched = subprocess.Popen(
+            command, stdout=out, stderr=subprocess.STDOUT, cwd=tmp_path, start_new_session=True
+        )
+        try:
+            deadline = time.monotonic() + 120.0
+            while said not in log.read_text():
+                assert launched.poll() is None and time.monotonic() < deadline, log.read_text()
+                time.sleep(0.2)
+        finally:
+            # Ctrl-C reaches the whole group.
+            os.killpg(launched.pid, signal.SIGINT)
+            launched.wait(30.0)
+    assert launched.returncode == 0
+    assert 'process has died' not in log.read_text()

@@ -8,6 +8,7 @@ import os
 from pathlib import Path
 import tempfile
 import time
+from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.convert import stamp_ns
@@ -16,6 +17,9 @@ from bearing_twin.nodes.launching import local_environment, NodeProcesses
 from bearing_twin.recording.reader import read_messages
 import numpy as np
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
 __all__ = ['cpu_seconds', 'live_run', 'wait_for']
 
 START_TIMEOUT = 90.0
@@ -23,10 +27,14 @@ RECORDED = 100_000
 """Size of a recording that holds blocks, bytes."""
 SETTLE = 3.0
 """Time after which discovery and the first, short windows are over, s."""
+STEP = 30.0
+"""Time between two looks at whether all processes still run, s."""
 NODES = ('twin', 'diagnosis', 'recorder')
 
 
-def live_run(seconds: float) -> dict[str, float]:
+def live_run(
+    seconds: float, *, progress: Callable[[float], None] | None = None
+) -> dict[str, float]:
     """
     Run twin, diagnosis and recorder (MCAP and Rerun, served and filed) for one bearing.
 
@@ -34,6 +42,8 @@ def live_run(seconds: float) -> dict[str, float]:
     ----------
     seconds
         Time measured.
+    progress
+        Called with the seconds that have passed, every half minute.
 
     Returns
     -------
@@ -62,7 +72,7 @@ def live_run(seconds: float) -> dict[str, float]:
             wait_for(folder / 'bag', nodes)
             time.sleep(SETTLE)
             began, cpu = time.time_ns(), {node: cpu_seconds(nodes.pid(node)) for node in NODES}
-            time.sleep(seconds)
+            _watch(nodes, seconds, progress)
             ended = time.time_ns()
             share = {
                 node: (cpu_seconds(nodes.pid(node)) - cpu[node]) / (ended - began) * 1e9
@@ -76,6 +86,15 @@ def live_run(seconds: float) -> dict[str, float]:
             **{f'core_share_{node}': value for node, value in share.items()},
             **_punctuality(folder / 'bag', began, ended),
         }
+
+
+def _watch(nodes: NodeProcesses, seconds: float, progress: Callable[[float], None] | None) -> None:
+    began = time.monotonic()
+    while (passed := time.monotonic() - began) < seconds:
+        time.sleep(min(STEP, seconds - passed))
+        nodes.check()
+        if progress is not None:
+            progress(time.monotonic() - began)
 
 
 def wait_for(bag: Path, nodes: NodeProcesses) -> None:

@@ -11,14 +11,18 @@ import time
 
 from bearing_twin.bench.end_to_end import cpu_seconds, wait_for
 from bearing_twin.dynamics import Fleet, preset
+from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.domain import quiet_domain
 from bearing_twin.nodes.launching import local_environment, NodeProcesses
+from bearing_twin.recording.reader import read_messages
 
 __all__ = ['measure']
 
 FEW, MANY = 2, 16
 """Bearings of the two runs whose difference is the cost of one bearing."""
-SETTLE, MEASURED = 4.0, 8.0
+SETTLE, SETTLE_DIAGNOSIS = 4.0, 14.0
+"""Time that is not measured, s; windows of 8 s grow until the last diagnosis has a full one."""
+MEASURED = 20.0
 BLOCK, BLOCKS = 1024, 60
 
 
@@ -31,10 +35,15 @@ def measure() -> dict[str, float]:
     dict
         ``live_bearings_per_core``: twins of a fleet that one core carries with vibration and state
         published over DDS to a recorder in another process; ``..._with_diagnosis``: with a
-        diagnosis each in the same process; ``..._without_dds``: the equations of motion alone,
-        with the state that each block publishes.
+        diagnosis each in the same process, all of them on full windows; ``..._without_dds``: the
+        equations of motion alone, with the state that each block publishes.
         ``live_share_per_bearing`` and ``live_share_of_the_process`` are the two parts of the
         first: of a core, for each bearing and for the process as such.
+
+    Raises
+    ------
+    BearingTwinError
+        If a fleet dropped blocks meanwhile: it took less than what it costs.
 
     """
     per_twin, process = _cost(diagnosis=False)
@@ -82,9 +91,18 @@ def _fleet_share(count: int, *, diagnosis: bool) -> float:
             nodes.start('recorder', {'output': str(folder / 'bag')})
             nodes.start('fleet', {'assets_file': str(folder / 'assets.yaml')})
             wait_for(folder / 'bag', nodes)
-            time.sleep(SETTLE)
-            began, cpu = time.monotonic(), cpu_seconds(nodes.pid('fleet'))
+            time.sleep(SETTLE_DIAGNOSIS if diagnosis else SETTLE)
+            began, cpu = time.time_ns(), cpu_seconds(nodes.pid('fleet'))
             time.sleep(MEASURED)
-            share = (cpu_seconds(nodes.pid('fleet')) - cpu) / (time.monotonic() - began)
+            ended = time.time_ns()
+            share = (cpu_seconds(nodes.pid('fleet')) - cpu) / (ended - began) * 1e9
             nodes.check()
-            return share
+            nodes.end('fleet')
+            nodes.end('recorder')
+        states = read_messages(folder / 'bag', topics=['/bearing_0/twin_state'])
+        counts = [m.decode().blocks_dropped for m in states if began <= m.log_time <= ended]
+        dropped = counts[-1] - counts[0]
+        if dropped:
+            msg = f'a fleet of {count} dropped {dropped} blocks; leave more of the machine to it'
+            raise BearingTwinError(msg)
+        return share

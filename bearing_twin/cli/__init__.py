@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin import __version__
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.memory import keep_freed_memory
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -57,6 +58,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             module.configure(sub)
             sub.set_defaults(run=module.run)
     args = parser.parse_args(arguments)
+    keep_freed_memory()
     try:
         status: int = args.run(args)
     except BearingTwinError as error:

@@ -8,6 +8,7 @@ import importlib
 import json
 import os
 import platform
+import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin import __version__
@@ -66,7 +67,12 @@ def run(args: argparse.Namespace) -> int:
         _say(args, f'live run of {args.seconds:g} s ...')
         from bearing_twin.bench.end_to_end import live_run
 
-        figures |= live_run(args.seconds)
+        figures |= live_run(
+            args.seconds,
+            progress=lambda passed: print(
+                f'{passed:.0f} of {args.seconds:g} s', file=sys.stderr, flush=True
+            ),
+        )
     if args.json:
         print(json.dumps({**figures, **_machine()}))
         return 0

@@ -12,6 +12,7 @@ import time
 from typing import TYPE_CHECKING
 
 from bearing_twin.cli.demo_summary import summarise
+from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.launching import COMPILING, local_environment, NodeProcesses
@@ -62,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
     say(f'recording  {recording} ({info.duration:.0f} s at pace {args.rate:g})')
     say(f'nodes      twin, diagnosis, recorder, replay in ROS domain {domain}')
     _run_nodes(args, recording, info, folder, domain)
-    summary = summarise(folder, args.defect)
+    summary = summarise(folder, defect_places(args.defect))
     say()
     print(summary.to_json() if args.json else summary.to_text())
     return 0 if summary.good else 1

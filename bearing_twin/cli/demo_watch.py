@@ -16,7 +16,6 @@ from rclpy.executors import SingleThreadedExecutor
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from types import TracebackType
 
 __all__ = ['Watcher']
 
@@ -37,12 +36,7 @@ class Watcher:
         self._node.create_subscription(Diagnosis, 'diagnosis', self._on_verdict, RESULT)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Leave it."""
         self._executor.shutdown()
         self._node.destroy_node()

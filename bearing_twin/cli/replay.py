@@ -4,10 +4,13 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import asdict
 import json
 from pathlib import Path
+import signal
 import sys
+import threading
 import time
 from typing import Any, TYPE_CHECKING
 
@@ -16,6 +19,7 @@ import yaml
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Iterator
 
 __all__ = ['configure', 'run']
 
@@ -81,21 +85,46 @@ def _offline(args: argparse.Namespace) -> int:
         msg = 'an offline replay writes a new recording: name it with -o'
         raise BearingTwinError(msg)
     began = time.perf_counter()
-    report = run_offline(
-        args.recording,
-        args.output,
-        twin=_parameters(args.twin),
-        diagnosis=_parameters(args.diagnosis),
-        progress=_show if sys.stderr.isatty() else None,
-    )
+    with _interrupts() as interrupted:
+        report = run_offline(
+            args.recording,
+            args.output,
+            twin=_parameters(args.twin),
+            diagnosis=_parameters(args.diagnosis),
+            progress=_show if sys.stderr.isatty() else None,
+            stop=interrupted.is_set,
+        )
     took = time.perf_counter() - began
+    status = 130 if report.stopped else 0
     if args.json:
         print(json.dumps({**asdict(report), 'seconds': took}, default=str))
-        return 0
+        return status
     verdicts = ', '.join(f'{name} {count}' for name, count in report.verdicts.items())
-    print(f'{report.target}: {report.blocks} blocks over {report.duration:.1f} s; {verdicts}')
-    print(f'took {took:.2f} s, {report.duration / took:.0f} times real time')
-    return 0
+    covered = f'{report.covered:.1f} s'
+    if report.stopped:
+        covered += f' of {report.duration:.1f} s, where it was stopped'
+    print(f'{report.target}: {report.blocks} blocks over {covered}; {verdicts}')
+    print(f'took {took:.2f} s, {report.covered / took:.0f} times real time')
+    return status
+
+
+@contextlib.contextmanager
+def _interrupts() -> Iterator[threading.Event]:
+    """Event that INT and TERM set; a second one interrupts at once."""
+    asked = threading.Event()
+
+    def ask(number: int, _frame: object) -> None:
+        if asked.is_set():
+            raise KeyboardInterrupt
+        asked.set()
+        print('\nstopping; again to stop at once', file=sys.stderr, flush=True)
+
+    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield asked
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _parameters(words: list[str]) -> dict[str, Any]:
@@ -114,4 +143,5 @@ def _parameters(words: list[str]) -> dict[str, Any]:
 
 
 def _show(part: float) -> None:
-    print(f'\r{100.0 * part:3.0f} %', end='', file=sys.stderr, flush=True)
+    end = '\n' if part >= 1.0 else ''
+    print(f'\r{100.0 * part:3.0f} %', end=end, file=sys.stderr, flush=True)

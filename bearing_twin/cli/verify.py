@@ -14,6 +14,8 @@ from bearing_twin.nodes.reproduce import reproduce
 if TYPE_CHECKING:
     import argparse
 
+    from bearing_twin.nodes.reproduce import Reproduction
+
 __all__ = ['configure', 'run']
 
 
@@ -24,10 +26,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Compare; status 0 if something was compared and all of it was identical."""
+    """Compare; status 0 if something of each topic was compared and all of that was identical."""
     result = reproduce(args.recording)
     if args.json:
-        print(json.dumps({**asdict(result), 'identical': result.identical}, default=str))
+        about = {'uncompared': result.uncompared, 'identical': result.identical}
+        print(json.dumps({**asdict(result), **about}, default=str))
         return 0 if result.identical else 1
     for topic, agreement in sorted(result.topics.items()):
         print(
@@ -38,5 +41,22 @@ def run(args: argparse.Namespace) -> int:
             print(f'{"":<16} first difference: {agreement.first_difference}')
     for note in result.notes:
         print(f'note             {note}')
-    print('identical to the byte' if result.identical else 'NOT identical')
+    print(_summary(result))
     return 0 if result.identical else 1
+
+
+def _summary(result: Reproduction) -> str:
+    """Say in a line what was compared, what was not, and how it came out."""
+    agreements = result.topics.values()
+    if not result.topics:
+        return 'NOTHING compared: no twin and no diagnosis was recorded'
+    if any(agreement.different for agreement in agreements):
+        return 'NOT identical'
+    if result.uncompared:
+        return (
+            f'NOT compared: {", ".join(result.uncompared)}; no checkpoint to begin with was '
+            'recorded, or not what it was made of'
+        )
+    skipped = sum(agreement.skipped for agreement in agreements)
+    rest = f'; {skipped} messages were not re-run' if skipped else ''
+    return f'identical to the byte: {", ".join(sorted(result.topics))}{rest}'

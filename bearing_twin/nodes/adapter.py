@@ -22,6 +22,7 @@ from bearing_twin.nodes.sampling import (
     split_channels,
     StampTracker,
 )
+from bearing_twin.nodes.subscribing import subscribe
 from bearing_twin.nodes.vibration_input import SourceLock
 from bearing_twin_msgs.msg import Vibration
 import numpy as np
@@ -77,17 +78,9 @@ class AdapterNode(ManagedNode):
     def start(self) -> None:
         """Listen."""
         if self.parameters['source'] == IMU:
-            self._input = self.create_subscription(
-                Imu, 'imu', self._on_imu, own(SENSOR), qos_overriding_options=OVERRIDES
-            )
+            self._input = subscribe(self, Imu, 'imu', self._on_imu, SENSOR)
         else:
-            self._input = self.create_subscription(
-                Float32MultiArray,
-                'samples',
-                self._on_array,
-                own(SENSOR),
-                qos_overriding_options=OVERRIDES,
-            )
+            self._input = subscribe(self, Float32MultiArray, 'samples', self._on_array, SENSOR)
         self.get_logger().info(f'listening to {self._input.topic_name}')
 
     def stop(self) -> None:
@@ -97,7 +90,7 @@ class AdapterNode(ManagedNode):
     def teardown(self) -> None:
         """Destroy what setup created."""
         self._health.destroy()
-        self.destroy_publisher(self._vibration)
+        self.destroy_lifecycle_publisher(self._vibration)
 
     def _on_array(self, message: Float32MultiArray, info: MessageInfo) -> None:
         self._arrived = time.monotonic()

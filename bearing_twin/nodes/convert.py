@@ -6,15 +6,18 @@ from __future__ import annotations
 
 import array
 import math
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin import __version__
+from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
 from builtin_interfaces.msg import Time
 import numpy as np
 from std_msgs.msg import Float64MultiArray, Header, MultiArrayDimension, MultiArrayLayout
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
     from bearing_twin.diagnosis import Spectrum as SpectrumResult
     from bearing_twin.dynamics.simulator import Block
@@ -75,11 +78,11 @@ def _header(stamp: int, frame_id: str) -> Header:
     return Header(stamp=time_message(stamp), frame_id=frame_id)
 
 
-def vibration_message(block: Block, *, due: Due, sample_rate: float, frame_id: str) -> Vibration:
-    """One block of the twin's acceleration, with the time and index of ``due``."""
+def vibration_message(block: Block, *, due: Due, values: Mapping[str, Any]) -> Vibration:
+    """One block of the acceleration of a twin with such parameters, at the time of ``due``."""
     return Vibration(
-        header=_header(due.stamp, frame_id),
-        sample_rate=sample_rate,
+        header=_header(due.stamp, values['frame_id']),
+        sample_rate=values['sample_rate'],
         first_sample=due.first_sample,
         unit='m/s^2',
         shaft_hz=block.condition.shaft_hz,
@@ -89,24 +92,17 @@ def vibration_message(block: Block, *, due: Due, sample_rate: float, frame_id: s
 
 
 def twin_state_message(
-    block: Block,
-    *,
-    due: Due,
-    frame_id: str,
-    temperature: GatedTemperature,
-    bearing: str,
-    thermal_mode: str,
-    defect: str,
+    block: Block, *, due: Due, values: Mapping[str, Any], temperature: GatedTemperature
 ) -> TwinState:
-    """State after one block; the real-time fields are left to the node."""
+    """State after one block of a twin with such parameters; its times are left to the node."""
     c = block.condition
     return TwinState(
-        header=_header(due.stamp, frame_id),
+        header=_header(due.stamp, values['frame_id']),
         first_sample=due.first_sample,
         sample_count=block.x.size,
-        bearing=bearing,
-        thermal_mode=thermal_mode,
-        defect=defect,
+        bearing=values['bearing'] or values['geometry'],
+        thermal_mode=values['thermal_mode'],
+        defect=defect_places(values['defect']),
         temperature_status=int(temperature.status),
         temperature_measured=temperature.measured,
         temperature_used=temperature.used,

@@ -9,23 +9,13 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.convert import (
-    checkpoint_message,
-    diagnosis_message,
-    features_message,
-    spectrum_message,
-    stamp_ns,
-)
-from bearing_twin.nodes.diagnosis_config import (
-    build_bearing,
-    build_diagnoser,
-    build_settings,
-    nominal_speed,
-)
+from bearing_twin.nodes.convert import checkpoint_message, stamp_ns
+from bearing_twin.nodes.diagnosis_core import DiagnosisCore
 from bearing_twin.nodes.diagnosis_health import input_status, verdict_status
 from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
 from bearing_twin.nodes.shaft import ShaftSpeed
 from bearing_twin.nodes.statefile import StateFolder
+from bearing_twin.nodes.subscribing import subscribe
 from bearing_twin.nodes.vibration_input import GapCounter, read_vibration, SourceLock
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
 from sensor_msgs.msg import JointState, Temperature
@@ -35,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
+    from bearing_twin.nodes.diagnosis_core import Verdict
     from bearing_twin.nodes.health import Status
     from bearing_twin.nodes.lifecycle import ManagedNode
     from bearing_twin.nodes.parameters import ParameterSet
@@ -43,8 +34,6 @@ if TYPE_CHECKING:
     from rclpy.subscription import MessageInfo, Subscription
 
 __all__ = ['DiagnosisAsset']
-
-NANO = 1_000_000_000
 
 
 class DiagnosisAsset:
@@ -72,11 +61,10 @@ class DiagnosisAsset:
         self._path = node.get_fully_qualified_name()
         if prefix:
             self._path = f'{node.get_namespace().rstrip("/")}/{prefix}diagnosis'
-        self._bearing = build_bearing(p.values)
-        self._diagnoser = build_diagnoser(p.values)
+        self._core = DiagnosisCore(p.values)
         self._states = StateFolder(p['state_directory'])
         self._load_state()
-        self._shaft = ShaftSpeed(nominal=nominal_speed(p.values), joint=p['joint'])
+        self._shaft = ShaftSpeed(nominal=self._core.nominal_hz, joint=p['joint'])
         self._sources = SourceLock()
         self._gaps = GapCounter()
         self._temperature = math.nan
@@ -105,7 +93,7 @@ class DiagnosisAsset:
     @property
     def bearing(self) -> str:
         """Name of the bearing."""
-        return self._bearing.name
+        return self._core.bearing.name
 
     def listen(self, *, sensors: bool = True) -> None:
         """Subscribe; without ``sensors`` blocks and temperature are handed to :meth:`take`."""
@@ -117,15 +105,7 @@ class DiagnosisAsset:
             self._subscribe(JointState, 'joint_states', self._on_joints, MEASUREMENT)
 
     def _subscribe(self, kind: Any, topic: str, callback: Any, qos: QoSProfile) -> None:
-        self._inputs.append(
-            self._node.create_subscription(
-                kind,
-                f'{self._prefix}{topic}',
-                callback,
-                own(qos),
-                qos_overriding_options=OVERRIDES,
-            )
-        )
+        self._inputs.append(subscribe(self._node, kind, f'{self._prefix}{topic}', callback, qos))
 
     def stop(self) -> None:
         """Stop listening and keep what was learnt."""
@@ -142,25 +122,24 @@ class DiagnosisAsset:
             self._features,
             self._checkpoint,
         ):
-            self._node.destroy_publisher(publisher)
+            self._node.destroy_lifecycle_publisher(publisher)
 
     def reset(self) -> None:
         """Start anew: window, baseline and trend."""
-        self._diagnoser = build_diagnoser(self.parameters.values)
+        self._core = DiagnosisCore(self.parameters.values)
         self._checkpoint_due = -math.inf
         self._latest = None
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; the window restarts where the bearing has changed."""
-        self._bearing = build_bearing(values)
-        self._shaft.set_nominal(nominal_speed(values))
-        self._diagnoser.reconfigure(bearing=self._bearing, settings=build_settings(values))
+        self._core.reconfigure(values)
+        self._shaft.set_nominal(self._core.nominal_hz)
         self._checkpoint_due = -math.inf
 
-    def _on_temperature(self, message: Temperature) -> None:
+    def _on_temperature(self, message: Temperature, _: MessageInfo) -> None:
         self._temperature = message.temperature
 
-    def _on_joints(self, message: JointState) -> None:
+    def _on_joints(self, message: JointState, _: MessageInfo) -> None:
         self._shaft.offer(message.name, message.velocity, now=time.monotonic())
 
     def _on_vibration(self, message: Vibration, info: MessageInfo) -> None:
@@ -195,39 +174,28 @@ class DiagnosisAsset:
         stamp = stamp_ns(message.header.stamp)
         if block.first_sample >= self._checkpoint_due:
             self._publish_checkpoint(block, stamp)
-        # The source knows best; then a joint; the parameter is but a nameplate.
-        carried = not math.isnan(block.shaft_hz)
-        shaft_hz = block.shaft_hz if carried else self._shaft.hz
-        for result in self._diagnoser.push(
-            block.first_sample,
-            block.samples,
-            block.sample_rate,
-            shaft_hz,
-            speed_measured=carried or self._shaft.measured,
+        for due in self._core.take(
+            block,
+            stamp=stamp,
+            frame_id=message.header.frame_id,
             temperature=temperature,
-            unit=block.unit,
+            joint_hz=self._shaft.hz,
+            measured=self._shaft.measured,
         ):
-            offset = round((result.first_sample - block.first_sample) * NANO / block.sample_rate)
-            self._publish_result(result, stamp + offset, message.header.frame_id)
+            self._publish_verdict(self._core.judge(due, due.update.analyse()))
 
-    def _publish_result(self, result: DiagnosisResult, stamp: int, frame_id: str) -> None:
+    def _publish_verdict(self, verdict: Verdict) -> None:
+        result = verdict.result
         if self._latest is None or self._latest.fault_code != result.fault_code:
             self._node.get_logger().info(
-                f'{self._prefix}{": " if self._prefix else ""}'
+                f'{self._prefix.rstrip("/")}{": " if self._prefix else ""}'
                 f'{result.result} (confidence {result.confidence:.2f}, {result.fault_code})'
             )
         self._latest = result
-        verdict = diagnosis_message(
-            result, stamp=stamp, frame_id=frame_id, bearing=self._bearing.name
-        )
-        self._verdict.publish(verdict)
-        self._features.publish(features_message(verdict))
-        self._spectrum.publish(
-            spectrum_message(result.spectrum, result, stamp=stamp, frame_id=frame_id)
-        )
-        self._envelope.publish(
-            spectrum_message(result.envelope_spectrum, result, stamp=stamp, frame_id=frame_id)
-        )
+        self._verdict.publish(verdict.diagnosis)
+        self._features.publish(verdict.features)
+        self._spectrum.publish(verdict.spectrum)
+        self._envelope.publish(verdict.envelope_spectrum)
 
     def _publish_checkpoint(self, block: VibrationBlock, stamp: int) -> None:
         p = self.parameters
@@ -239,7 +207,7 @@ class DiagnosisAsset:
                 node=self._path,
                 kind='diagnosis',
                 configuration=p.text,
-                state=self._diagnoser.save(),
+                state=self._core.diagnoser.save(),
             )
         )
         self._keep_state()
@@ -249,7 +217,7 @@ class DiagnosisAsset:
         if not name or not self._states.path(name).exists():
             return
         try:
-            self._diagnoser.load(self._states.load(name))
+            self._core.diagnoser.load(self._states.load(name))
         except BearingTwinError as error:
             # A baseline that cannot be read must not keep the machine without a diagnosis.
             self._node.get_logger().error(f'{error}; a new baseline is learnt')
@@ -263,7 +231,7 @@ class DiagnosisAsset:
         if not name:
             return
         try:
-            self._states.replace(name, self._diagnoser.save())
+            self._states.replace(name, self._core.diagnoser.save())
         except BearingTwinError as error:
             self._node.get_logger().error(str(error), throttle_duration_sec=60.0)
 
@@ -283,4 +251,4 @@ class DiagnosisAsset:
 
     def verdict_status(self) -> Status:
         """Status of the bearing for /diagnostics."""
-        return verdict_status(self._latest, self._bearing.name)
+        return verdict_status(self._latest, self.bearing)

@@ -7,15 +7,21 @@ from __future__ import annotations
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import Bearing
-from bearing_twin.bearing.catalogue import find_bearing
+from bearing_twin.bearing.catalogue import find_bearing, own_bearing
 from bearing_twin.diagnosis import DiagnosisSettings, StreamingDiagnoser
-from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.parameters import Spec
-from bearing_twin.nodes.shared_specs import CHECKPOINT_PERIOD, HARDWARE_ID, JOINT, STATE_DIRECTORY
+from bearing_twin.nodes.shared_specs import (
+    CHECKPOINT_PERIOD,
+    GEOMETRY,
+    HARDWARE_ID,
+    JOINT,
+    STATE_DIRECTORY,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from bearing_twin.bearing import Bearing
 
 __all__ = ['SPECS', 'build_bearing', 'build_diagnoser', 'build_settings', 'nominal_speed']
 
@@ -25,13 +31,7 @@ SPECS = (
         default='6307',
         description="Bearing of the catalogue; '' to use the parameter geometry.",
     ),
-    Spec(
-        name='geometry',
-        default='',
-        description=(
-            "Own bearing as 'Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG', used where bearing is ''."
-        ),
-    ),
+    GEOMETRY,
     Spec(
         name='shaft_hz',
         default=0.0,
@@ -147,22 +147,7 @@ def build_bearing(values: Mapping[str, Any]) -> Bearing:
     """
     if values['bearing']:
         return find_bearing(values['bearing'])
-    try:
-        count, ball, pitch, angle = values['geometry'].split(',')
-        return Bearing(
-            name=values['geometry'],
-            n_balls=int(count),
-            d_ball=float(ball) * 1e-3,
-            d_pitch=float(pitch) * 1e-3,
-            contact_angle=math.radians(float(angle)),
-            source='given by the user',
-        )
-    except ValueError:
-        msg = (
-            f"geometry='{values['geometry']}' is not Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG; "
-            "e.g. '9,7.94,39.04,0', or name a bearing of the catalogue"
-        )
-        raise BearingTwinError(msg) from None
+    return own_bearing(values['geometry'])
 
 
 def build_settings(values: Mapping[str, Any]) -> DiagnosisSettings:

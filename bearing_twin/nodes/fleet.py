@@ -6,10 +6,13 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
+from functools import partial
 import math
 import sys
+import time
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.dynamics import preset
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.dynamics.simulator import Block
 from bearing_twin.nodes import realtime
@@ -21,8 +24,9 @@ from bearing_twin.nodes.fleet_member import Member
 from bearing_twin.nodes.health import Health
 from bearing_twin.nodes.lifecycle import ManagedNode, run
 from bearing_twin.nodes.qos import CHECKPOINT
-from bearing_twin.nodes.twin_asset import TwinAsset
-from bearing_twin.nodes.twin_config import build_parameters
+from bearing_twin.nodes.twin_asset import LONGEST_WAIT, TwinAsset
+from bearing_twin.nodes.twin_config import build_parameters, build_simulator
+from bearing_twin.nodes.twin_services import TwinServices
 from bearing_twin_msgs.msg import Checkpoint
 from std_srvs.srv import Trigger
 import yaml
@@ -31,6 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from bearing_twin.dynamics.fleet import FleetBlock
+    from bearing_twin.dynamics.simulator import Simulator
     from bearing_twin.nodes.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
 
@@ -59,23 +64,38 @@ class FleetNode(ManagedNode):
     def __init__(self) -> None:
         super().__init__('fleet', SPECS)
         p = self.parameters
-        self._members = [
-            Member(self, asset, self._apply_twin, self._apply_diagnosis)
-            for asset in read_assets(p['assets_file'], p['names'])
+        self._assets = read_assets(p['assets_file'], p['names'])
+        self._members: list[Member] = []
+
+    def bring_up(self) -> None:
+        """Declare the parameters of the assets; configure and activate as any node."""
+        self._declare()
+        super().bring_up()
+
+    def _declare(self) -> None:
+        # Not before the kernel is compiled, which checks them.
+        self._members = self._members or [
+            Member(self, asset, self._apply_twin, self._apply_diagnosis) for asset in self._assets
         ]
 
     def check(self, values: Mapping[str, Any]) -> None:
         """Refuse parameters that do not fit together."""
         realtime.check_thresholds(values)
 
+    def prepare(self) -> None:
+        """Compile the kernel, if there is a twin."""
+        if any(asset.twin is not None for asset in self._assets):
+            _warm(Fleet([preset('incipient')]), self.parameters['block_size'])
+
     def setup(self) -> None:
-        """Compile and warm the kernel; create what the assets need."""
+        """Warm the kernel; create what the assets need."""
         p = self.parameters
+        self._declare()
         self._pending: deque[Pending] = deque()
         self._twins = [m for m in self._members if m.twin_parameters is not None]
         self._fleet = self._build_fleet()
         if self._fleet is not None:
-            self._fleet.advance(p['block_size'], 20.0, 0.0)
+            _warm(self._fleet, p['block_size'])
             self._fleet = self._build_fleet()
         self._checkpoint_due = 0
         self._checkpoint = self.create_lifecycle_publisher(Checkpoint, '~/checkpoint', CHECKPOINT)
@@ -107,6 +127,15 @@ class FleetNode(ManagedNode):
         if p is None:
             return
         member.twin = TwinAsset(self, p, prefix=f'{member.name}/', checkpoints=False)
+        member.services = TwinServices(
+            self,
+            p,
+            reset=partial(self._reset_twin, member),
+            save=lambda: self._simulator(member).save(),
+            load=partial(self._load_twin, member),
+            path=f'{member.name}/twin',
+            prefix=f'{member.prefix}.twin.',
+        )
         self._health.add(
             f'{member.name} temperature input',
             member.twin.status,
@@ -118,6 +147,9 @@ class FleetNode(ManagedNode):
         if p is None:
             return
         member.diagnosis = DiagnosisAsset(self, p, prefix=f'{member.name}/')
+        member.reset = self.create_service(
+            Trigger, f'{member.name}/diagnosis/reset', partial(self._on_diagnosis_reset, member)
+        )
         blocks = p['update_interval'] * self.parameters['sample_rate']
         member.wait = int(stagger * blocks / self.parameters['block_size'])
         hardware_id = p['hardware_id'] or member.name
@@ -132,6 +164,10 @@ class FleetNode(ManagedNode):
         for member in self._members:
             if member.diagnosis is not None:
                 member.diagnosis.listen(sensors=member.twin is None)
+        deadline = time.monotonic() + LONGEST_WAIT
+        for member in self._twins:
+            assert member.twin is not None
+            member.twin.await_subscribers(self.parameters['wait_for_subscribers'], deadline)
         self._checkpoint_due = 0
         self._cycle.start()
         diagnoses = sum(m.diagnosis is not None for m in self._members)
@@ -150,12 +186,8 @@ class FleetNode(ManagedNode):
         self._health.destroy()
         self.destroy_service(self._reset)
         for member in self._members:
-            if member.twin is not None:
-                member.twin.destroy()
-            if member.diagnosis is not None:
-                member.diagnosis.destroy()
-            member.twin = member.diagnosis = None
-        self.destroy_publisher(self._checkpoint)
+            member.destroy()
+        self.destroy_lifecycle_publisher(self._checkpoint)
 
     def _apply_twin(self, member: Member, values: Mapping[str, Any]) -> None:
         if member.twin is not None and self._fleet is not None:
@@ -213,7 +245,7 @@ class FleetNode(ManagedNode):
         wait = round(p['checkpoint_period'] * p['sample_rate'])
         self._checkpoint_due = due.first_sample + wait
         configuration = {
-            m.name: m.twin_parameters.values for m in self._twins if m.twin_parameters
+            m.name: m.twin_parameters.configuration for m in self._twins if m.twin_parameters
         }
         self._checkpoint.publish(
             checkpoint_message(
@@ -226,6 +258,33 @@ class FleetNode(ManagedNode):
             )
         )
 
+    def _simulator(self, member: Member) -> Simulator:
+        assert self._fleet is not None
+        return self._fleet.extract(self._twins.index(member))
+
+    def _reset_twin(self, member: Member) -> None:
+        assert member.twin_parameters is not None
+        self._place(member, build_simulator(member.twin_parameters.values))
+
+    def _load_twin(self, member: Member, state: bytes) -> None:
+        simulator = self._simulator(member)
+        simulator.load(state)
+        self._place(member, simulator)
+
+    def _place(self, member: Member, simulator: Simulator) -> None:
+        assert self._fleet is not None
+        self._fleet.place(self._twins.index(member), simulator)
+        self._checkpoint_due = 0
+
+    def _on_diagnosis_reset(
+        self, member: Member, _: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        assert member.diagnosis is not None
+        member.diagnosis.reset()
+        response.success = True
+        response.message = 'window, baseline and trend start anew'
+        return response
+
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._pending.clear()
         self._fleet = self._build_fleet()
@@ -236,6 +295,12 @@ class FleetNode(ManagedNode):
         response.success = True
         response.message = f'{len(self._members)} assets start anew'
         return response
+
+
+def _warm(fleet: Fleet, block_size: int) -> None:
+    """Compile and touch what a block and its state need: the first block has a deadline."""
+    fleet.advance(block_size, 20.0, 0.0)
+    fleet.condition(0)
 
 
 def main(args: list[str] | None = None) -> int:

@@ -12,6 +12,7 @@ from typing import Any
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes import diagnosis_config, realtime, twin_config
 from bearing_twin.nodes.parameters import Spec
+from bearing_twin.nodes.shared_specs import SUBSCRIBERS
 import yaml
 
 __all__ = ['DIAGNOSIS_SPECS', 'SHARED', 'SPECS', 'TWIN_SPECS', 'Asset', 'read_assets']
@@ -47,6 +48,7 @@ SPECS = (
         running=False,
     ),
     *realtime.SPECS,
+    SUBSCRIBERS,
 )
 
 NAME = re.compile(r'[A-Za-z]\w*(/[A-Za-z]\w*)*')
@@ -122,5 +124,16 @@ def _asset(path: str, name: Any, parts: Any) -> Asset:
         if not isinstance(values or {}, dict):
             msg = f"{path}: asset '{name}': {part} must be a table of parameters"
             raise BearingTwinError(msg)
-        chosen[part] = dict(values or {})
+        chosen[part] = _flat(values or {})
     return Asset(str(name), chosen['twin'], chosen['diagnosis'])
+
+
+def _flat(values: dict[Any, Any]) -> dict[str, Any]:
+    """Return parameters of nested tables under dotted names, as files of ROS parameters mean."""
+    flat: dict[str, Any] = {}
+    for name, value in values.items():
+        if isinstance(value, dict):
+            flat.update({f'{name}.{inner}': v for inner, v in _flat(value).items()})
+        else:
+            flat[str(name)] = value
+    return flat

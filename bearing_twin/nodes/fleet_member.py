@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from bearing_twin.nodes.fleet_config import Asset
     from bearing_twin.nodes.lifecycle import ManagedNode
     from bearing_twin.nodes.twin_asset import TwinAsset
+    from bearing_twin.nodes.twin_services import TwinServices
+    from rclpy.service import Service
 
 __all__ = ['Member']
 
@@ -52,14 +54,19 @@ class Member:
         apply_twin: Callable[[Member, Mapping[str, Any]], None],
         apply_diagnosis: Callable[[Member, Mapping[str, Any]], None],
     ) -> None:
+        self._node = node
         self.name = asset.name
         self.twin_parameters: ParameterSet | None = None
         self.diagnosis_parameters: ParameterSet | None = None
         self.twin: TwinAsset | None = None
         self.diagnosis: DiagnosisAsset | None = None
+        self.services: TwinServices | None = None
+        self.reset: Service[Any, Any] | None = None
+        """Service that resets the diagnosis."""
         self.wait = 0
         """Blocks before the diagnosis begins, so that verdicts do not coincide."""
-        prefix = asset.name.replace('/', '.')
+        self.prefix = prefix = asset.name.replace('/', '.')
+        """What the names of its parameters begin with."""
         try:
             if asset.twin is not None:
                 self.twin_parameters = ParameterSet(
@@ -85,6 +92,15 @@ class Member:
         except BearingTwinError as error:
             msg = f'asset {asset.name}: {error}'
             raise BearingTwinError(msg) from None
+
+    def destroy(self) -> None:
+        """Give up topics and services."""
+        for part in (self.twin, self.diagnosis, self.services):
+            if part is not None:
+                part.destroy()
+        if self.reset is not None:
+            self._node.destroy_service(self.reset)
+        self.twin = self.diagnosis = self.services = self.reset = None
 
 
 def _check_twin(values: Mapping[str, Any]) -> None:

@@ -15,7 +15,6 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
-    from types import TracebackType
 
 __all__ = ['COMPILING', 'NodeProcesses', 'local_environment']
 
@@ -55,12 +54,7 @@ class NodeProcesses:
         self._logs.mkdir(parents=True, exist_ok=True)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """End every process."""
         for name in list(self._processes):
             self.end(name)

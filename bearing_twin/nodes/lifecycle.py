@@ -12,9 +12,12 @@ import traceback
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.memory import keep_freed_memory
+from bearing_twin.nodes.compiling import is_compiling, prepare
+from bearing_twin.nodes.executor import LeanExecutor
 from bearing_twin.nodes.parameters import ParameterSet, Spec
 import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
 
 if TYPE_CHECKING:
@@ -43,21 +46,25 @@ class ManagedNode(LifecycleNode):
     """
     A lifecycle node with a parameter table.
 
-    ``configure`` builds what the parameters describe (and compiles), ``activate`` starts it,
-    ``deactivate`` and ``cleanup`` undo the two. A subclass fills in :meth:`check`,
-    :meth:`apply`, :meth:`setup`, :meth:`start`, :meth:`stop` and :meth:`teardown`; each may raise
-    BearingTwinError, which fails the transition with its text in the log.
+    ``configure`` builds what the parameters describe, ``activate`` starts it, ``deactivate`` and
+    ``cleanup`` undo the two. A subclass fills in :meth:`prepare`, :meth:`check`, :meth:`apply`,
+    :meth:`setup`, :meth:`start`, :meth:`stop` and :meth:`teardown`; each of the last four may
+    raise BearingTwinError, which fails the transition with its text in the log.
     """
 
     def __init__(self, name: str, specs: Iterable[Spec]) -> None:
         super().__init__(name)
         self.configured = False
         self.active = False
+        self._managed = False
         self.failed = False
         """Whether the work has ended in an error: the exit status of the process."""
         self.parameters = ParameterSet(
             self, (*specs, AUTOSTART), check=self.check, apply=self._apply, locked=self._is_locked
         )
+
+    def prepare(self) -> None:
+        """Compile what is compiled at the first start; in a thread, while services answer."""
 
     def check(self, values: Mapping[str, Any]) -> None:
         """Raise BearingTwinError if the parameters do not fit together."""
@@ -79,7 +86,7 @@ class ManagedNode(LifecycleNode):
 
     def bring_up(self) -> None:
         """
-        Configure and activate, if the parameter ``autostart`` says so.
+        Configure and activate, if ``autostart`` says so and nobody has begun to.
 
         Raises
         ------
@@ -87,7 +94,7 @@ class ManagedNode(LifecycleNode):
             If a transition failed; its reason is in the log.
 
         """
-        if not self.parameters['autostart']:
+        if self._managed or not self.parameters['autostart']:
             return
         for trigger in (self.trigger_configure, self.trigger_activate):
             result = trigger()
@@ -100,6 +107,7 @@ class ManagedNode(LifecycleNode):
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Build; rclpy's callback."""
+        self._managed = True
         result = self._attempt(self.setup)
         if result == TransitionCallbackReturn.SUCCESS:
             self.configured = True
@@ -131,6 +139,7 @@ class ManagedNode(LifecycleNode):
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop and tear down from any state; rclpy's callback."""
+        self._managed = True
         self.shut_down()
         return TransitionCallbackReturn.SUCCESS
 
@@ -178,8 +187,12 @@ def _never_wait_for_the_network() -> None:
         os.environ['FASTDDS_BUILTIN_TRANSPORTS'] = 'DEFAULT?non_blocking=true'
 
 
-def _spin(executor: SingleThreadedExecutor, node: ManagedNode) -> None:
+def _work(node: ManagedNode) -> None:
+    executor = LeanExecutor()
+    executor.add_node(node)
     try:
+        prepare(node, executor)
+        node.bring_up()
         executor.spin()
     except Exception:
         if node.context.ok():
@@ -194,7 +207,6 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
 
     INT and TERM end it cleanly: files are finished, the status is 0.
     """
-    node: ManagedNode | None = None
     stray = _stray(sys.argv[1:] if args is None else args)
     if stray:
         print(
@@ -204,15 +216,24 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
         )
         return 2
     _never_wait_for_the_network()
+    keep_freed_memory()
+    status = _run(node_class, args)
+    if is_compiling():
+        # It cannot be told to stop, and has nothing to lose.
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
+    return status
+
+
+def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
+    node: ManagedNode | None = None
     try:
         # Not as a context manager, which it is since Kilted only.
         rclpy.init(args=list(args) if args is not None else None)
         try:
             node = node_class()  # type: ignore[call-arg]
-            node.bring_up()
-            executor = SingleThreadedExecutor()
-            executor.add_node(node)
-            _spin(executor, node)
+            _work(node)
         finally:
             _end_undisturbed()
             if node is not None:

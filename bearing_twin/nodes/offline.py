@@ -9,41 +9,38 @@ replay rest on that.
 
 from __future__ import annotations
 
+import array
 from collections import Counter
+import contextlib
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.convert import (
     checkpoint_message,
-    diagnosis_message,
-    features_message,
-    spectrum_message,
     stamp_ns,
     twin_state_message,
     vibration_message,
 )
-from bearing_twin.nodes.diagnosis_config import (
-    build_bearing,
-    build_diagnoser,
-    build_settings,
-    nominal_speed,
-)
-from bearing_twin.nodes.twin_config import build_simulator
+from bearing_twin.nodes.diagnosis_core import DiagnosisCore
+from bearing_twin.nodes.parameters import configuration
+from bearing_twin.nodes.twin_config import build_simulator, SPECS
 from bearing_twin.nodes.vibration_input import read_vibration
-from bearing_twin.recording.schema import canonical_cdr, message_schema
-from rclpy.serialization import serialize_message
+from bearing_twin.recording.plainyaml import load_plain
+from bearing_twin.recording.schema import message_schema, store_from_text
+import numpy as np
 import yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from bearing_twin.diagnosis.update import Analysis
+    from bearing_twin.nodes.diagnosis_core import DueVerdict
     from bearing_twin.nodes.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
 
 __all__ = ['DiagnosisRun', 'Output', 'TwinRun', 'configuration_values']
 
-NANO = 1_000_000_000
 TWIN = '/twin'
 DIAGNOSIS = '/diagnosis'
 
@@ -56,13 +53,25 @@ class Output(NamedTuple):
     cdr: bytes
 
 
+class _Fields:
+    """A ROS message as rosbags serialises it: with its sequences of numbers as numpy arrays."""
+
+    __slots__ = ('_message',)
+
+    def __init__(self, message: Any) -> None:
+        self._message = message
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(self._message, name)
+        return np.asarray(value) if isinstance(value, array.array) else value
+
+
 def _output(topic: str, message: Any) -> Output:
+    """Serialise a message as :func:`canonical_cdr` would make it of the bytes rclpy makes."""
     kind = type(message)
     type_name = f'{kind.__module__.split(".")[0]}/msg/{kind.__name__}'
-    schema = message_schema(type_name)
-    return Output(
-        topic, type_name, canonical_cdr(type_name, schema.text, serialize_message(message))
-    )
+    store = store_from_text(type_name, message_schema(type_name).text)
+    return Output(topic, type_name, bytes(store.serialize_cdr(_Fields(message), type_name)))
 
 
 def configuration_values(text: str) -> dict[str, Any]:
@@ -75,15 +84,21 @@ def configuration_values(text: str) -> dict[str, Any]:
         If it is no table of parameters.
 
     """
-    try:
-        values = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        msg = f'the configuration of a checkpoint cannot be read: {error}'
-        raise BearingTwinError(msg) from None
+    values = load_plain(text, 'the configuration of a checkpoint')
     if not isinstance(values, dict):
         msg = 'the configuration of a checkpoint is no table of parameters'
         raise BearingTwinError(msg)
     return values
+
+
+@contextlib.contextmanager
+def _parameters_of(node: str) -> Iterator[None]:
+    """Say of parameters that do not make up a node that they are none of this version's."""
+    try:
+        yield
+    except (KeyError, TypeError) as error:
+        msg = f'parameters of the {node} are missing or of another version ({error!r})'
+        raise BearingTwinError(msg) from None
 
 
 class TwinRun:
@@ -106,11 +121,9 @@ class TwinRun:
 
     def __init__(self, values: Mapping[str, Any], state: bytes | None = None) -> None:
         self.values = dict(values)
-        try:
+        with _parameters_of('twin'):
             self._simulator = build_simulator(values)
-        except (KeyError, TypeError) as error:
-            msg = f'parameters of the twin are missing or of another version ({error!r})'
-            raise BearingTwinError(msg) from None
+        self._text = yaml.safe_dump(configuration(SPECS, self.values))
         if state is not None:
             self._simulator.load(state)
 
@@ -126,7 +139,7 @@ class TwinRun:
             first_sample=due.first_sample,
             node=TWIN,
             kind='twin',
-            configuration=yaml.safe_dump(self.values),
+            configuration=self._text,
             state=self.state,
         )
         return _output('/twin_checkpoint', message)
@@ -143,20 +156,9 @@ class TwinRun:
             The vibration message; it and the twin's state as the node publishes them.
 
         """
-        values = self.values
         block = self._simulator.advance(length, temperature.used, shaft_hz)
-        vibration = vibration_message(
-            block, due=due, sample_rate=values['sample_rate'], frame_id=values['frame_id']
-        )
-        state = twin_state_message(
-            block,
-            due=due,
-            frame_id=values['frame_id'],
-            temperature=temperature,
-            bearing=values['bearing'],
-            thermal_mode=values['thermal_mode'],
-            defect=values['defect'],
-        )
+        vibration = vibration_message(block, due=due, values=self.values)
+        state = twin_state_message(block, due=due, values=self.values, temperature=temperature)
         # How long it took and how late it was says nothing here, and would differ each time.
         state.blocks_published = due.first_sample // length + 1
         return vibration, (_output('/vibration', vibration), _output('/twin_state', state))
@@ -184,27 +186,26 @@ class DiagnosisRun:
         self.values = dict(values)
         self.counts: Counter[str] = Counter()
         """Verdicts so far, by name."""
-        try:
-            self._bearing = build_bearing(values)
-            self._diagnoser = build_diagnoser(values)
-            self.nominal_hz = nominal_speed(values)
-        except (KeyError, TypeError) as error:
-            msg = f'parameters of the diagnosis are missing or of another version ({error!r})'
-            raise BearingTwinError(msg) from None
+        with _parameters_of('diagnosis'):
+            self._core = DiagnosisCore(values)
+        self._text = yaml.safe_dump(self.values)
         if state is not None:
-            self._diagnoser.load(state)
+            self._core.diagnoser.load(state)
 
     @property
     def state(self) -> bytes:
         """State before the next block."""
-        return self._diagnoser.save()
+        return self._core.diagnoser.save()
+
+    def load(self, state: bytes) -> None:
+        """Take up a state; blocks that were taken right before it stay in the window."""
+        self._core.diagnoser.load(state)
 
     def reconfigure(self, values: Mapping[str, Any]) -> None:
         """Take other parameters as the running node does; the window starts anew."""
         self.values = dict(values)
-        self._bearing = build_bearing(values)
-        self.nominal_hz = nominal_speed(values)
-        self._diagnoser.reconfigure(bearing=self._bearing, settings=build_settings(values))
+        self._text = yaml.safe_dump(self.values)
+        self._core.reconfigure(values)
 
     def checkpoint(self, message: Any) -> Output:
         """Return the checkpoint before the vibration ``message``."""
@@ -213,7 +214,7 @@ class DiagnosisRun:
             first_sample=message.first_sample,
             node=DIAGNOSIS,
             kind='diagnosis',
-            configuration=yaml.safe_dump(self.values),
+            configuration=self._text,
             state=self.state,
         )
         return _output('/diagnosis_checkpoint', checkpoint)
@@ -228,6 +229,24 @@ class DiagnosisRun:
     ) -> Iterator[Output]:
         """
         Take one vibration message; yield what the node publishes.
+
+        The same as :meth:`take`, the analysis and :meth:`judge` after one another.
+        """
+        for due in self.take(
+            message, temperature=temperature, joint_hz=joint_hz, measured=measured
+        ):
+            yield from self.judge(due, due.update.analyse())
+
+    def take(
+        self,
+        message: Any,
+        *,
+        temperature: float,
+        joint_hz: float = math.nan,
+        measured: bool = False,
+    ) -> list[DueVerdict]:
+        """
+        Take one vibration message; return the verdicts that are due.
 
         Parameters
         ----------
@@ -246,29 +265,20 @@ class DiagnosisRun:
             If the message cannot be used.
 
         """
-        block = read_vibration(message, self.values['axis'])
-        carried = not math.isnan(block.shaft_hz)
-        if carried:
-            shaft_hz = block.shaft_hz
-        else:
-            shaft_hz = self.nominal_hz if math.isnan(joint_hz) else joint_hz
-        stamp = stamp_ns(message.header.stamp)
-        for result in self._diagnoser.push(
-            block.first_sample,
-            block.samples,
-            block.sample_rate,
-            shaft_hz,
-            speed_measured=carried or measured,
+        return self._core.take(
+            read_vibration(message, self.values['axis']),
+            stamp=stamp_ns(message.header.stamp),
+            frame_id=message.header.frame_id,
             temperature=temperature,
-            unit=block.unit,
-        ):
-            offset = round((result.first_sample - block.first_sample) * NANO / block.sample_rate)
-            at = {'stamp': stamp + offset, 'frame_id': message.header.frame_id}
-            self.counts[result.result] += 1
-            verdict = diagnosis_message(result, bearing=self._bearing.name, **at)
-            yield _output('/diagnosis', verdict)
-            yield _output('/features', features_message(verdict))
-            yield _output('/spectrum', spectrum_message(result.spectrum, result, **at))
-            yield _output(
-                '/envelope_spectrum', spectrum_message(result.envelope_spectrum, result, **at)
-            )
+            joint_hz=joint_hz,
+            measured=measured,
+        )
+
+    def judge(self, due: DueVerdict, analysis: Analysis) -> Iterator[Output]:
+        """Yield what the node publishes of a verdict; the order is that in which they were due."""
+        verdict = self._core.judge(due, analysis)
+        self.counts[verdict.result.result] += 1
+        yield _output('/diagnosis', verdict.diagnosis)
+        yield _output('/features', verdict.features)
+        yield _output('/spectrum', verdict.spectrum)
+        yield _output('/envelope_spectrum', verdict.envelope_spectrum)

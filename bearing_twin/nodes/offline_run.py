@@ -4,8 +4,12 @@
 
 from __future__ import annotations
 
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+import contextlib
 from dataclasses import dataclass, field
 import math
+import os
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -22,8 +26,11 @@ from bearing_twin.thermal.gate import TemperatureGate
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
+    from concurrent.futures import Future
     from pathlib import Path
 
+    from bearing_twin.diagnosis.update import Analysis
+    from bearing_twin.nodes.diagnosis_core import DueVerdict
     from bearing_twin.nodes.parameters import Spec
     from bearing_twin.recording.reader import RecordedMessage
 
@@ -36,17 +43,26 @@ AHEAD = 200
 """Blocks that the twin may be ahead of the diagnosis."""
 
 
+def workers() -> int:
+    """Threads that analyse windows: one a processor but the twin's; more than 4 wait for it."""
+    return min(max(1, len(os.sched_getaffinity(0)) - 1), 4)
+
+
 @dataclass
 class OfflineReport:
     """What an offline run has made."""
 
     target: Path
     duration: float
-    """Recorded time covered, s."""
+    """Length of the source, s."""
+    covered: float = 0.0
+    """Time of the blocks made, s."""
     blocks: int = 0
     verdicts: dict[str, int] = field(default_factory=dict)
     inputs: int = 0
     """Messages of the source that were used."""
+    stopped: bool = False
+    """Whether it was asked to stop before the end."""
 
 
 def run_offline(
@@ -57,6 +73,7 @@ def run_offline(
     diagnosis: Mapping[str, Any] | None = None,
     options: WriterOptions | None = None,
     progress: Callable[[float], None] | None = None,
+    stop: Callable[[], bool] = lambda: False,
 ) -> OfflineReport:
     """
     Run twin and diagnosis on the temperature and speed of a recording.
@@ -64,6 +81,9 @@ def run_offline(
     Blocks begin with the first input and follow its log time, as the live twin follows the clock;
     an input acts on the block that is due next. The new recording holds the inputs too, and
     checkpoints, so that ``verify`` can re-run it.
+
+    The twin computes ahead in one thread and windows are analysed in others; what is written, and
+    in which order, does not depend on how many there are.
 
     Parameters
     ----------
@@ -77,6 +97,8 @@ def run_offline(
         How the new recording is written.
     progress
         Called with the part done, 0..1, about once per recorded second.
+    stop
+        Asked at every message and block; after True the recording ends in order where it is.
 
     Raises
     ------
@@ -93,22 +115,32 @@ def run_offline(
     diagnosis_values = _values(diagnosis_config.SPECS, diagnosis)
     report = OfflineReport(target, info.duration)
     twin_side = _TwinSide(twin_values, diagnosis_values['joint'], info.start)
-    with RecordingWriter(target, options) as writer:
+    with (
+        RecordingWriter(target, options) as writer,
+        ThreadPoolExecutor(workers(), thread_name_prefix='analysis') as pool,
+    ):
         writer.metadata('bearing_twin.source', {'source': source.name, 'mode': 'offline'})
-        diagnosis_side = _DiagnosisSide(diagnosis_values, writer, report)
+        diagnosis_side = _DiagnosisSide(diagnosis_values, writer, pool, report)
         reported = info.start
         messages = read_messages(source, topics=topics)
-        # The kernel lets go of the interpreter: twin and diagnosis have a core each.
         for item in ahead(twin_side.run(messages, info.end), depth=AHEAD):
+            if stop():
+                report.stopped = True
+                break
             diagnosis_side.take(item)
             if progress is not None and isinstance(item, _Block) and item.now - reported > NANO:
                 reported = item.now
                 progress((reported - info.start) / max(1, info.end - info.start))
+        diagnosis_side.finish()
+        if progress is not None and not report.stopped:
+            progress(1.0)
+    report.covered = report.blocks * twin_values['block_size'] / twin_values['sample_rate']
     return report
 
 
 def _values(specs: tuple[Spec, ...], given: Mapping[str, Any] | None) -> dict[str, Any]:
-    values: dict[str, Any] = {spec.name: spec.default for spec in specs}
+    known = {spec.name: spec for spec in specs}
+    values: dict[str, Any] = {name: spec.default for name, spec in known.items()}
     for name, value in (given or {}).items():
         if name not in values:
             msg = f'there is no parameter {name!r}; there are {", ".join(values)}'
@@ -119,8 +151,21 @@ def _values(specs: tuple[Spec, ...], given: Mapping[str, Any] | None) -> dict[st
         elif kind is str and isinstance(value, (int, float)) and not isinstance(value, bool):
             # A bearing called 6307 is a name.
             value = str(value)
+        elif kind is float and isinstance(value, str):
+            # Such as 68e-6, a number to ROS but, without a point, a text to YAML 1.1.
+            with contextlib.suppress(ValueError):
+                value = float(value)
         if not isinstance(value, kind):
             msg = f'parameter {name}={value!r} must be of type {kind.__name__}'
+            raise BearingTwinError(msg)
+        spec = known[name]
+        low, high = spec.low, spec.high
+        if low is not None and high is not None and not low <= value <= high:
+            limits = f'{low:g}..{high:g} {spec.unit}'.rstrip()
+            msg = f'parameter {name}={value!r} is outside {limits}; choose a value inside'
+            raise BearingTwinError(msg)
+        if spec.choices and value not in spec.choices:
+            msg = f'{name}={value!r} is not one of {", ".join(spec.choices)}'
             raise BearingTwinError(msg)
         values[name] = value
     return values
@@ -207,24 +252,80 @@ class _TwinSide:
         )
 
 
+class _Analysed(NamedTuple):
+    """A verdict whose window is being analysed."""
+
+    due: DueVerdict
+    analysis: Future[Analysis]
+
+
 class _DiagnosisSide:
     """The diagnosis and the new recording."""
 
     def __init__(
-        self, diagnosis: dict[str, Any], writer: RecordingWriter, report: OfflineReport
+        self,
+        diagnosis: dict[str, Any],
+        writer: RecordingWriter,
+        pool: ThreadPoolExecutor,
+        report: OfflineReport,
     ) -> None:
         self._run = DiagnosisRun(diagnosis)
         self._writer = writer
+        self._pool = pool
         self._report = report
         self._qos = sensor_qos()
         self._checkpoint_due = 0
+        self._waiting: deque[tuple[RecordedMessage | Output | _Analysed, int]] = deque()
+        self._analyses = 0
 
     def take(self, item: RecordedMessage | _Block) -> None:
         """Copy an input, or work on a block."""
         if isinstance(item, _Block):
             self._work(item)
         else:
-            self._copy(item)
+            self._waiting.append((item, item.log_time))
+        self._settle(workers() + 1)
+
+    def finish(self) -> None:
+        """Write everything that waits for its analysis or for one before it."""
+        self._settle(0)
+
+    def _settle(self, most: int) -> None:
+        """Write what can be; wait until ``most`` analyses, at most, are under way."""
+        while self._waiting:
+            item, time = self._waiting[0]
+            if isinstance(item, _Analysed):
+                if self._analyses <= most and not item.analysis.done():
+                    return
+                for output in self._run.judge(item.due, item.analysis.result()):
+                    self._write(output, time)
+                self._analyses -= 1
+                self._report.verdicts = dict(self._run.counts)
+            elif isinstance(item, Output):
+                self._write(item, time)
+            else:
+                self._copy(item)
+            self._waiting.popleft()
+
+    def _work(self, block: _Block) -> None:
+        message = block.message
+        self._waiting.extend((output, block.now) for output in block.outputs)
+        if message.first_sample >= self._checkpoint_due:
+            period = self._run.values['checkpoint_period'] * message.sample_rate
+            self._checkpoint_due = message.first_sample + round(period)
+            # The state before this block is that after all verdicts before it.
+            self._settle(0)
+            self._write(self._run.checkpoint(message), block.now)
+        for due in self._run.take(
+            message,
+            temperature=block.temperature,
+            joint_hz=block.joint_hz,
+            measured=block.measured,
+        ):
+            self._analyses += 1
+            analysis = self._pool.submit(due.update.analyse)
+            self._waiting.append((_Analysed(due, analysis), block.now))
+        self._report.blocks += 1
 
     def _copy(self, message: RecordedMessage) -> None:
         channel = message.channel
@@ -238,24 +339,6 @@ class _DiagnosisSide:
             schema=MessageSchema(channel.type_name, channel.schema, channel.type_hash),
         )
         self._report.inputs += 1
-
-    def _work(self, block: _Block) -> None:
-        for output in block.outputs:
-            self._write(output, block.now)
-        message = block.message
-        if message.first_sample >= self._checkpoint_due:
-            period = self._run.values['checkpoint_period'] * message.sample_rate
-            self._checkpoint_due = message.first_sample + round(period)
-            self._write(self._run.checkpoint(message), block.now)
-        for output in self._run.push(
-            message,
-            temperature=block.temperature,
-            joint_hz=block.joint_hz,
-            measured=block.measured,
-        ):
-            self._write(output, block.now)
-        self._report.blocks += 1
-        self._report.verdicts = dict(self._run.counts)
 
     def _write(self, output: Output, time: int) -> None:
         self._writer.write(

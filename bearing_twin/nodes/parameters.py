@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
     from rclpy.parameter import Parameter
 
-__all__ = ['ParameterSet', 'Spec']
+__all__ = ['ParameterSet', 'Spec', 'configuration']
 
 Value = bool | int | float | str | list[str]
 
@@ -47,6 +47,8 @@ class Spec:
     """Whether it can be changed while the node is active; else in state 'unconfigured' only."""
     read_only: bool = False
     """Whether it can be set at start only."""
+    implied: bool = False
+    """Whether a configuration that does not name it means the default."""
 
     def descriptor(self) -> ParameterDescriptor:
         """Return what ``ros2 param describe`` shows."""
@@ -69,6 +71,16 @@ class Spec:
                 IntegerRange(from_value=int(self.low), to_value=int(self.high), step=1)
             ]
         return descriptor
+
+
+def configuration(specs: Iterable[Spec], values: Mapping[str, Any]) -> dict[str, Any]:
+    """
+    Return what a checkpoint says of ``values``: all but the implied ones that have their default.
+
+    A fleet's checkpoint holds one configuration an asset, and is written between two deadlines.
+    """
+    left_out = {spec.name: spec.default for spec in specs if spec.implied}
+    return {n: v for n, v in values.items() if n not in left_out or v != left_out[n]}
 
 
 class ParameterSet:
@@ -166,10 +178,15 @@ class ParameterSet:
 
     @property
     def text(self) -> str:
-        """All values in force as YAML."""
+        """What a checkpoint says of the values in force, as YAML."""
         if not self._text:
-            self._text = yaml.safe_dump(self._values)
+            self._text = yaml.safe_dump(self.configuration)
         return self._text
+
+    @property
+    def configuration(self) -> dict[str, Any]:
+        """What a checkpoint says of the values in force."""
+        return configuration(self._specs.values(), self._values)
 
     @property
     def specs(self) -> tuple[Spec, ...]:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 __all__ = [
+    'SUBSCRIPTION_DEPTH',
+    'deepened',
     'matches',
     'message_class',
     'offered_qos_yaml',
@@ -90,6 +92,16 @@ def matches(subscribed: QoSProfile, offered: QoSProfile) -> bool:
             subscribed.durability == DurabilityPolicy.TRANSIENT_LOCAL
             and offered.durability == DurabilityPolicy.VOLATILE
         )
+    )
+
+
+def deepened(profile: QoSProfile) -> QoSProfile:
+    """Return a profile with the depth that recordings need."""
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=SUBSCRIPTION_DEPTH,
+        reliability=profile.reliability,
+        durability=profile.durability,
     )
 
 

@@ -74,6 +74,22 @@ SPECS = (
         high=1000.0,
     ),
     Spec(
+        name='periodicity.standard_deviation.warn',
+        default=5.0,
+        description='Standard deviation of the rate of the cycles above which /diagnostics warns.',
+        unit='Hz',
+        low=0.0,
+        high=1000.0,
+    ),
+    Spec(
+        name='periodicity.standard_deviation.error',
+        default=10.0,
+        description='Standard deviation of the rate of the cycles that is an error.',
+        unit='Hz',
+        low=0.0,
+        high=1000.0,
+    ),
+    Spec(
         name='execution_time.warn',
         default=0.5,
         description='Mean execution time over the period above which /diagnostics warns.',
@@ -84,6 +100,21 @@ SPECS = (
         name='execution_time.error',
         default=0.9,
         description='Mean execution time over the period that is an error.',
+        low=0.0,
+        high=10.0,
+    ),
+    Spec(
+        name='execution_time.standard_deviation.warn',
+        default=0.25,
+        description='Standard deviation of the execution time over the period above which '
+        '/diagnostics warns.',
+        low=0.0,
+        high=10.0,
+    ),
+    Spec(
+        name='execution_time.standard_deviation.error',
+        default=0.5,
+        description='Standard deviation of the execution time over the period that is an error.',
         low=0.0,
         high=10.0,
     ),
@@ -103,7 +134,13 @@ SPECS = (
     ),
 )
 
-PAIRS = ('lateness', 'periodicity.mean_error', 'execution_time')
+PAIRS = (
+    'lateness',
+    'periodicity.mean_error',
+    'periodicity.standard_deviation',
+    'execution_time',
+    'execution_time.standard_deviation',
+)
 
 
 def check_thresholds(values: Mapping[str, Any]) -> None:
@@ -217,7 +254,15 @@ def status(
             abs(periodicity.mean - 1.0 / period),
             'the rate of the cycles is off by {:.4g} Hz',
         ),
+        'periodicity.standard_deviation': (
+            periodicity.std,
+            'the rate of the cycles varies by {:.4g} Hz',
+        ),
         'execution_time': (execution.mean / period, 'a cycle takes {:.2f} of the period'),
+        'execution_time.standard_deviation': (
+            execution.std / period,
+            'what a cycle takes varies by {:.2f} of the period',
+        ),
     }
     level, texts = Level.OK, []
     for name, (value, text) in measures.items():

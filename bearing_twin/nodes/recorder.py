@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 import sys
 import time
 from typing import Any, TYPE_CHECKING
@@ -12,10 +13,12 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.health import Health, Level, Status
 from bearing_twin.nodes.lifecycle import ManagedNode, run
 from bearing_twin.nodes.rawtopics import (
+    deepened,
     matches,
     message_class,
     offered_qos_yaml,
     published_type,
+    SUBSCRIPTION_DEPTH,
     subscription_qos,
 )
 from bearing_twin.nodes.recorder_config import build_writer, EXPECTED, SPECS, TopicChoice
@@ -23,6 +26,7 @@ from bearing_twin.nodes.recorder_watch import RecordingWatch
 from bearing_twin.recording.recover import find_unfinished
 from bearing_twin.recording.schema import message_schema
 from bearing_twin.recording.snapshot import SnapshotWriter
+from bearing_twin.view.ending import leave
 from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.logging import get_logger
@@ -31,8 +35,8 @@ from std_srvs.srv import Trigger
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from rclpy.event_handler import QoSMessageLostInfo
     from rclpy.qos import QoSProfile
-    from rclpy.qos_event import QoSMessageLostInfo
     from rclpy.subscription import MessageInfo, Subscription
 
 __all__ = ['RecorderNode', 'main']
@@ -67,6 +71,7 @@ class RecorderNode(ManagedNode):
         self._received: dict[str, int] = {}
         self._qos: dict[str, str] = {}
         self._left_out: dict[str, str] = {}
+        self._early: deque[tuple[str, bytes, MessageInfo]] = deque(maxlen=SUBSCRIPTION_DEPTH)
         self._lost = 0
         self._answers = [
             self.create_service(Trigger, '~/split', self._on_split),
@@ -81,7 +86,7 @@ class RecorderNode(ManagedNode):
         for name, (type_name, qos) in EXPECTED.items():
             topic = self.resolve_topic_name(name)
             if topic in self._choice:
-                self._subscribe(topic, type_name, qos)
+                self._subscribe(topic, type_name, deepened(qos))
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._timers_of_recording = [
             self.create_timer(DISCOVERY_PERIOD, self._discover, clock=steady),
@@ -154,17 +159,32 @@ class RecorderNode(ManagedNode):
             self.destroy_subscription(former)
 
     def _on_message(self, topic: str, cdr: bytes, info: MessageInfo) -> None:
+        received = self._log_time(topic, info)
+        if not received:
+            self._early.append((topic, cdr, info))
+            return
+        while self._early:
+            early = self._early.popleft()
+            self._write(*early, received)
+        self._write(topic, cdr, info, received)
+
+    def _log_time(self, topic: str, info: MessageInfo) -> int:
+        """Return when a message was received, ns; 0 while /clock has not been heard of."""
+        if self.get_parameter('use_sim_time').value:
+            # It may jump back, as a recording that is played in a loop does; the log follows it.
+            return int(self.get_clock().now().nanoseconds)
+        received = info['received_timestamp'] or time.time_ns()
+        # What is sent again after a loss arrives late and is handed out in order: by the time of
+        # its arrival it would stand behind messages that follow it.
+        self._received[topic] = max(received, self._received.get(topic, 0))
+        return self._received[topic]
+
+    def _write(self, topic: str, cdr: bytes, info: MessageInfo, received: int) -> None:
         type_name = self._types[topic]
         qos = self._qos.get(topic)
         if qos is None:
             qos = offered_qos_yaml(self.get_publishers_info_by_topic(topic))
             self._qos[topic] = qos
-        received = info['received_timestamp'] or time.time_ns()
-        if self.get_parameter('use_sim_time').value:
-            received = self.get_clock().now().nanoseconds
-        # What is sent again after a loss arrives late and is handed out in order: by the time of
-        # its arrival it would stand behind messages that follow it.
-        received = self._received[topic] = max(0, received, self._received.get(topic, 0))
         self._writer.write(
             topic,
             type_name,
@@ -215,7 +235,7 @@ class RecorderNode(ManagedNode):
             'messages written': writer.written,
             'messages lost by the disk': writer.dropped,
             'messages lost on the way': self._lost,
-            'messages not shown to live viewers': self._watch.pictures_dropped,
+            'pictures not shown to live viewers': self._watch.pictures_dropped,
             'size [MB]': writer.size / 1e6,
             'topics': len(self._subscriptions_of),
             **{f'not recorded: {topic}': reason for topic, reason in self._left_out.items()},
@@ -225,8 +245,9 @@ class RecorderNode(ManagedNode):
             return Status(
                 Level.ERROR, f'not recording: {writer.stopped or writer.problem}', values
             )
-        if self._left_out or self._lost or self._watch.problem:
+        if self._left_out or self._lost or self._watch.problem or self._early:
             texts = [
+                'waiting for the first time on /clock' if self._early else '',
                 f'{len(self._left_out)} topics are not recorded' if self._left_out else '',
                 f'{self._lost} messages were lost on the way' if self._lost else '',
                 self._watch.problem,
@@ -237,7 +258,9 @@ class RecorderNode(ManagedNode):
 
 def main(args: list[str] | None = None) -> int:
     """Run the node."""
-    return run(RecorderNode, args)
+    status = run(RecorderNode, args)
+    leave(status)
+    return status
 
 
 if __name__ == '__main__':

@@ -14,6 +14,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin import __version__
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.recording.schema import message_schema, store_from_text
 from bearing_twin.recording.snapshot import SnapshotWriter
 import yaml
@@ -30,6 +31,8 @@ __all__ = ['RecordingWatch']
 CHECKPOINT = 'bearing_twin_msgs/msg/Checkpoint'
 DIAGNOSIS = 'bearing_twin_msgs/msg/Diagnosis'
 FAULT = 2
+MOST_ATTACHED = 16 * 1024 * 1024
+"""Most that is kept of the parameters of nodes, bytes; they are repeated in every file."""
 LIBRARIES = ('numpy', 'scipy', 'numba', 'mcap', 'rosbags', 'rerun-sdk', 'rclpy')
 
 
@@ -53,6 +56,7 @@ class RecordingWatch:
         self._writer = writer
         self._logger = logger
         self._configurations: dict[str, str] = {}
+        self._attached = 0
         self._in_fault: dict[str, bool] = {}
         self._rerun: RerunLogger | None = None
         writer.metadata('bearing_twin.versions', _versions())
@@ -69,12 +73,12 @@ class RecordingWatch:
                     serve=(values['rerun_address'], port) if port else None,
                 )
             except BearingTwinError as error:
-                self.problem = f'nothing is drawn: {error}'
+                self.problem = f'nothing is drawn: {error} (-p rerun_port:=N, -p rerun_file:=FILE)'
                 logger.error(self.problem)
 
     @property
     def pictures_dropped(self) -> int:
-        """Messages that live viewers miss because one of them did not keep up."""
+        """Pictures that live viewers miss because one of them did not keep up."""
         return self._rerun.dropped if self._rerun is not None else 0
 
     def see(self, topic: str, type_name: str, cdr: bytes, received: int) -> None:
@@ -121,7 +125,11 @@ class RecordingWatch:
         if self._configurations.get(node) == checkpoint.configuration:
             return
         self._configurations[node] = checkpoint.configuration
-        values = yaml.safe_load(checkpoint.configuration)
+        self._attached += len(node) + len(checkpoint.configuration)
+        if self._attached > MOST_ATTACHED:
+            msg = f'more than {MOST_ATTACHED} bytes of parameters: changes are kept no longer'
+            raise BearingTwinError(msg)
+        values = load_plain(checkpoint.configuration, f'the configuration of {node}')
         parameters = yaml.safe_dump({node: {'ros__parameters': values}}, sort_keys=True)
         name = node.strip('/').replace('/', '.')
         self._writer.attach(f'{name}.yaml', parameters.encode(), 'application/yaml')

@@ -18,7 +18,7 @@ from bearing_twin.nodes.health import Health, Level, Status
 from bearing_twin.nodes.lifecycle import ManagedNode, run
 from bearing_twin.nodes.qos import RESULT
 from bearing_twin.nodes.rawtopics import message_class, replay_qos
-from bearing_twin.nodes.replay_config import remapping, SPECS
+from bearing_twin.nodes.replay_config import check_remapping, remapping, SPECS
 from bearing_twin.recording.player import Player, Section
 from rclpy.duration import Duration
 from rosgraph_msgs.msg import Clock
@@ -69,10 +69,15 @@ class ReplayNode(ManagedNode):
             loop=p['loop'],
             paused=p['start_paused'],
         )
-        names = remapping(p['remap'])
+        played = self._player.topics()
+        names = {
+            recorded: self.resolve_topic_name(new)
+            for recorded, new in remapping(p['remap']).items()
+        }
+        check_remapping(names, {name: topic.type_name for name, topic in played.items()})
         self._topics: dict[str, Publisher[Any]] = {}
         self._left_out: dict[str, str] = {}
-        for name, topic in self._player.topics().items():
+        for name, topic in played.items():
             if p['clock_rate'] and name == '/clock':
                 continue
             try:

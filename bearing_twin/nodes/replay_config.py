@@ -4,10 +4,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.parameters import Spec
+from rclpy.exceptions import NameValidationException
+from rclpy.expand_topic_name import expand_topic_name
+from rclpy.validate_full_topic_name import validate_full_topic_name
 
-__all__ = ['SPECS', 'remapping']
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ['SPECS', 'check_remapping', 'remapping']
 
 SPECS = (
     Spec(
@@ -89,7 +97,7 @@ def remapping(rules: list[str]) -> dict[str, str]:
     Raises
     ------
     BearingTwinError
-        If one does not read so.
+        If one does not read so, or the new name is no topic name.
 
     """
     names = {}
@@ -98,5 +106,44 @@ def remapping(rules: list[str]) -> dict[str, str]:
         if not (recorded and separator and new):
             msg = f"remap='{rule}' does not read 'recorded:=new'"
             raise BearingTwinError(msg)
+        try:
+            validate_full_topic_name(expand_topic_name(new, 'replay', '/'))
+        except (ValueError, NameValidationException) as error:
+            reason = str(error).partition(', at ')[0].splitlines()[0].rstrip(':')
+            msg = f"remap='{rule}': {reason}"
+            raise BearingTwinError(msg) from None
         names[recorded] = new
     return names
+
+
+def check_remapping(names: Mapping[str, str], types: Mapping[str, str]) -> None:
+    """
+    Refuse rules that do not fit the recording.
+
+    Parameters
+    ----------
+    names
+        New name by recorded name, resolved.
+    types
+        Type of every topic that is replayed.
+
+    Raises
+    ------
+    BearingTwinError
+        If a rule names a topic that is not replayed, or two topics of different types would share
+        a name.
+
+    """
+    unknown = sorted(names.keys() - types.keys())
+    if unknown:
+        msg = (
+            f'remap names {", ".join(unknown)}, which is not replayed; '
+            f'there is {", ".join(sorted(types))}'
+        )
+        raise BearingTwinError(msg)
+    taken: dict[str, str] = {}
+    for topic, kind in sorted(types.items()):
+        new = names.get(topic, topic)
+        if taken.setdefault(new, kind) != kind:
+            msg = f'remap puts {taken[new]} and {kind} on one topic, {new}; give {topic} another'
+            raise BearingTwinError(msg)

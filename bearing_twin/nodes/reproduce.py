@@ -11,6 +11,7 @@ the speed, and of the temperature that it reports itself.
 from __future__ import annotations
 
 from collections import deque
+import contextlib
 from dataclasses import dataclass, field
 import heapq
 import math
@@ -35,6 +36,8 @@ __all__ = ['Agreement', 'Reproduction', 'reproduce']
 NANO = 1_000_000_000
 HORIZON = 3 * NANO
 """Log time within which messages of several publishers are put into the order of sending, ns."""
+LONGEST_WINDOW = 60.0
+"""Longest window of a diagnosis, s."""
 TYPES = {
     'bearing_twin_msgs/msg/Checkpoint',
     'bearing_twin_msgs/msg/Vibration',
@@ -79,10 +82,17 @@ class Reproduction:
     """What happened in the run besides: restarts, changed parameters."""
 
     @property
+    def uncompared(self) -> list[str]:
+        """Topics of which not one message could be compared."""
+        return sorted(n for n, a in self.topics.items() if not a.identical + a.different)
+
+    @property
     def identical(self) -> bool:
-        """Whether something was compared and all of it was equal to the byte."""
-        return any(a.identical for a in self.topics.values()) and not any(
-            a.different for a in self.topics.values()
+        """Whether something of each topic was compared and all of that was equal to the byte."""
+        return (
+            bool(self.topics)
+            and not self.uncompared
+            and not any(a.different for a in self.topics.values())
         )
 
 
@@ -120,6 +130,8 @@ def reproduce(path: Path) -> Reproduction:
                 twin.checkpoint(message.decode())
             elif name == 'diagnosis_checkpoint':
                 diagnosis.checkpoint(message.decode())
+    for twin in twins.values():
+        twin.finish()
     for diagnosis in diagnoses.values():
         diagnosis.finish()
     result.topics = {name: a for name, a in result.topics.items() if a != Agreement()}
@@ -146,6 +158,7 @@ class _TwinCheck:
         self._pending: Any = None
         self._recorded: RecordedMessage | None = None
         self._published = -1
+        self._of_twin = False
 
     @property
     def _agreement(self) -> Agreement:
@@ -153,6 +166,7 @@ class _TwinCheck:
 
     def checkpoint(self, checkpoint: Any) -> None:
         """Go on from here, unless that is where the re-run is anyway."""
+        self._of_twin = True
         state = bytes(checkpoint.state)
         values = configuration_values(str(checkpoint.configuration))
         if self._run is not None and self._run.values == values and self._run.state == state:
@@ -172,6 +186,7 @@ class _TwinCheck:
 
     def state(self, state: Any) -> None:
         """Re-run the block that this state belongs to."""
+        self._of_twin = True
         message, self._recorded = self._recorded, None
         if message is None:
             self._lose()
@@ -203,6 +218,15 @@ class _TwinCheck:
         )
         self._agreement.compare(message, again.cdr, f'{self._topic} at sample {first}')
 
+    def finish(self) -> None:
+        """Count the last block, which waits for its state; a sensor's are nobody's to re-run."""
+        if self._recorded is not None:
+            self._agreement.skipped += 1
+        if not self._of_twin and self._result.topics.pop(self._topic, None) is not None:
+            self._result.notes.append(
+                f'{self._topic}: no twin was recorded with it; it is taken as measured'
+            )
+
     def _lose(self) -> None:
         """Wait for the next checkpoint: a block is missing in the recording."""
         if self._run is not None:
@@ -223,6 +247,7 @@ class _DiagnosisCheck:
         self._blocks: deque[RecordedMessage] = deque()
         self._checkpoints: deque[Any] = deque()
         self._verdicts: deque[tuple[RecordedMessage, Any]] = deque()
+        self._past: deque[Any] = deque()
 
     def vibration(self, message: RecordedMessage) -> None:
         """Take a block; work on those that have waited long enough."""
@@ -254,13 +279,13 @@ class _DiagnosisCheck:
         if self._checkpoints and int(self._checkpoints[0].first_sample) == int(block.first_sample):
             self._resume(self._checkpoints.popleft())
         if self._run is None:
+            self._keep(block)
             return
         temperature, speed = math.nan, math.nan
         if self._verdicts:
             verdict = self._verdicts[0][1]
             temperature = float(verdict.temperature)
-            if self._run.values['joint']:
-                speed = float(verdict.shaft_hz_given)
+            speed = self._speed(self._run)
         agreement = self._result.topics.setdefault(self._topic, Agreement())
         try:
             outputs = list(
@@ -293,23 +318,75 @@ class _DiagnosisCheck:
             self._result.notes.append(f'{self._topic}: parameters were changed {at}')
         if self._run is not None and self._run.state == state:
             return
-        if self._run is None and self._window_began_before(int(checkpoint.first_sample)):
-            return
+        sample = int(checkpoint.first_sample)
+        window: list[Any] = []
         if self._run is not None:
             self._result.notes.append(f'{self._topic}: the diagnosis was restarted {at}')
-        self._run = DiagnosisRun(values, state)
+        else:
+            found = self._window_before(sample)
+            if found is None:
+                return
+            window = found
+        self._run = self._opened(values, state, window)
+        self._past.clear()
         # Verdicts on what came before cannot be re-run.
-        while self._verdicts and self._verdicts[0][1].first_sample < checkpoint.first_sample:
+        while self._verdicts:
+            verdict = self._verdicts[0][1]
+            if (_end(verdict) if window else int(verdict.first_sample) + 1) > sample:
+                break
             agreement = self._result.topics.setdefault(self._topic, Agreement())
             agreement.skipped += 1
             self._verdicts.popleft()
 
-    def _window_began_before(self, sample: int) -> bool:
-        """Whether the next verdict rests on samples from before a checkpoint."""
+    def _opened(self, values: dict[str, Any], state: bytes, window: list[Any]) -> DiagnosisRun:
+        """Diagnosis in a recorded state, with the blocks before it in its window."""
+        if not window:
+            return DiagnosisRun(values, state)
+        run = DiagnosisRun(values)
+        speed = self._speed(run)
+        for block in window:
+            with contextlib.suppress(BearingTwinError):
+                # The node refuses such a block as well.
+                run.take(
+                    block, temperature=math.nan, joint_hz=speed, measured=not math.isnan(speed)
+                )
+        run.load(state)
+        return run
+
+    def _speed(self, run: DiagnosisRun) -> float:
+        """Speed that the next verdict was given, Hz, where it may come from a joint; else NaN."""
+        if not (self._verdicts and run.values['joint']):
+            return math.nan
+        return float(self._verdicts[0][1].shaft_hz_given)
+
+    def _keep(self, block: Any) -> None:
+        """Keep a block from before the first checkpoint that serves: windows reach back."""
+        if self._past and int(block.first_sample) != _block_end(self._past[-1]):
+            self._past.clear()
+        self._past.append(block)
+        while _block_end(block) - _block_end(self._past[0]) > LONGEST_WINDOW * block.sample_rate:
+            self._past.popleft()
+
+    def _window_before(self, sample: int) -> list[Any] | None:
+        """Blocks before a checkpoint that the next verdict rests on; None if some are missing."""
         for _, verdict in self._verdicts:
-            if verdict.first_sample + verdict.sample_count > sample:
-                return bool(verdict.first_sample < sample)
-        return False
+            if _end(verdict) > sample:
+                first = int(verdict.first_sample)
+                window = [block for block in self._past if _block_end(block) > first]
+                reaches_back = bool(window) and int(window[0].first_sample) <= first
+                whole = reaches_back and _block_end(window[-1]) == sample
+                return window if whole else [] if first >= sample else None
+        return []
+
+
+def _end(verdict: Any) -> int:
+    """Index of the sample after the window of a verdict."""
+    return int(verdict.first_sample) + int(verdict.sample_count)
+
+
+def _block_end(block: Any) -> int:
+    """Index of the sample after a block of vibration."""
+    return int(block.first_sample) + max(len(block.x), len(block.y))
 
 
 def _before(checkpoint: Any, block: Any) -> bool:

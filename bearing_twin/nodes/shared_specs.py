@@ -6,7 +6,14 @@ from __future__ import annotations
 
 from bearing_twin.nodes.parameters import Spec
 
-__all__ = ['CHECKPOINT_PERIOD', 'HARDWARE_ID', 'JOINT', 'STATE_DIRECTORY']
+__all__ = [
+    'CHECKPOINT_PERIOD',
+    'GEOMETRY',
+    'HARDWARE_ID',
+    'JOINT',
+    'STATE_DIRECTORY',
+    'SUBSCRIBERS',
+]
 
 CHECKPOINT_PERIOD = Spec(
     name='checkpoint_period',
@@ -16,6 +23,12 @@ CHECKPOINT_PERIOD = Spec(
     low=1.0,
     high=3600.0,
     running=False,
+)
+
+GEOMETRY = Spec(
+    name='geometry',
+    default='',
+    description="Own bearing as 'Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG', used where bearing is ''.",
 )
 
 HARDWARE_ID = Spec(
@@ -36,5 +49,14 @@ STATE_DIRECTORY = Spec(
     name='state_directory',
     default='',
     description="Folder of saved states; '' for bearing_twin in ROS_HOME (~/.ros).",
+    running=False,
+)
+
+SUBSCRIBERS = Spec(
+    name='wait_for_subscribers',
+    default=0,
+    description='Subscribers of vibration for which the first block waits, for 10 s at most.',
+    low=0,
+    high=100,
     running=False,
 )

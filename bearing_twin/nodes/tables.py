@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import os
 from pathlib import Path
 import sys
 import tempfile
@@ -49,11 +50,27 @@ parameters `qos_overrides./TOPIC.publisher.reliability`, `.history` and `.depth`
 A change of parameters is checked as a whole and taken as a whole or not at all. Where the column
 "running" says no, the parameter can be changed only while the node is not configured.
 
+Names with a point are nested tables in a parameter file (`lubricant: {viscosity_40: 4.6e-05}`); a
+file of assets takes them either way. A checkpoint, and what a recording keeps of the parameters,
+leaves out those of machine, sensor, oil and thermal laws that have their default.
+
 `joint_states` is subscribed to where the parameter `joint` names a joint.
+
+The stamp of `vibration` is the time of its first sample, whatever filters came before. The twin's
+decimator shows what happened 16 samples earlier (0.625 ms at 25.6 kHz), as the converter of a real
+accelerometer does with its own delay; stamp, `first_sample` and deadline keep one exact relation.
 
 The fleet has the topics of a twin and a diagnosis for each asset, under its name (ASSET below),
 and their parameters as `ASSET.twin.NAME` and `ASSET.diagnosis.NAME`, besides those listed. A
 diagnosis whose twin is not hosted listens to `ASSET/vibration` and `ASSET/temperature`.
+
+The twins of a fleet share one running sample index. An asset's `reset` and `load_state` set its
+motion and keep the index: its noise, which is drawn by index, differs from the first time, and its
+filter against aliasing starts anew for a few milliseconds. A fleet's run is repeated to the bit
+from `~/checkpoint`.
+
+At the first start, and after an update, twin and fleet compile their kernel: about 20 s of one
+core. They are seen and answer meanwhile, *unconfigured*; log and `/diagnostics` say so.
 """
 
 TOPICS = {
@@ -64,7 +81,7 @@ TOPICS = {
     'twin_checkpoint': 'complete state, from which a recording is re-run to the bit',
     'diagnosis_checkpoint': 'complete state, from which a recording is re-run to the bit',
     'diagnosis': 'verdict with evidence',
-    'spectrum': 'amplitude spectrum of the window',
+    'spectrum': 'amplitude spectrum of the window: the largest in each step of about 1 Hz',
     'envelope_spectrum': 'squared envelope spectrum of the window with fault cursors',
     'features': 'figures to trend, in a standard type',
     'diagnostics': 'state of the node and its inputs, 1 Hz',
@@ -202,9 +219,10 @@ def _services(node: ManagedNode) -> list[Row]:
     own = f'/{node.get_name()}/'
     rows: list[Row] = []
     for service in node.services:
-        name = service.service_name.removeprefix(own)
-        if name in SERVICES:
-            rows.append((f'`~/{name}`', f'`{_type_name(service.srv_type)}`', SERVICES[name]))
+        name = service.service_name.replace(own, '~/').lstrip('/')
+        verb = name.rpartition('/')[2]
+        if verb in SERVICES:
+            rows.append((f'`{name}`', f'`{_type_name(service.srv_type)}`', SERVICES[verb]))
     return sorted(rows)
 
 
@@ -259,6 +277,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if len(words) != 1:
         print('usage: python -m bearing_twin.nodes.tables FILE', file=sys.stderr)
         return 2
+    # Nodes of others on this network must not get into what ours are found to have.
+    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'OFF'
     Path(words[0]).write_text(document(), encoding='utf-8')
     return 0
 

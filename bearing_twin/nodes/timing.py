@@ -62,8 +62,19 @@ class CycleStatistics:
 
     @property
     def periodicity(self) -> Spread:
-        """Rate of the cycles, Hz."""
-        return _spread(1.0 / np.array(self._intervals))
+        """
+        Rate of the cycles, Hz.
+
+        From the intervals, not from their inverses: a cycle that follows a late one at once would
+        count as a rate of thousands of Hz. The standard deviation is to first order.
+        """
+        interval = _spread(np.array(self._intervals))
+        return Spread(
+            1.0 / interval.mean,
+            1.0 / interval.high,
+            1.0 / interval.low,
+            interval.std / interval.mean**2,
+        )
 
     @property
     def execution_time(self) -> Spread:

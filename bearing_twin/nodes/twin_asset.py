@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import Any, TYPE_CHECKING
 
@@ -15,7 +16,8 @@ from bearing_twin.nodes.convert import (
 )
 from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, STREAM
 from bearing_twin.nodes.shaft import ShaftSpeed
-from bearing_twin.nodes.twin_health import temperature_status
+from bearing_twin.nodes.subscribing import subscribe
+from bearing_twin.nodes.twin_health import clearance_problem, temperature_status
 from bearing_twin.thermal.gate import TemperatureGate
 from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration
 from sensor_msgs.msg import JointState, Temperature
@@ -29,10 +31,12 @@ if TYPE_CHECKING:
     from bearing_twin.nodes.pacer import Due
     from bearing_twin.nodes.parameters import ParameterSet
     from bearing_twin.thermal.gate import GatedTemperature
+    from rclpy.subscription import MessageInfo
 
 __all__ = ['TwinAsset']
 
 FASTEST_SHAFT = 100.0
+LONGEST_WAIT = 10.0
 
 
 class TwinAsset:
@@ -63,6 +67,7 @@ class TwinAsset:
         p = parameters
         self.parameters = p
         self._node = node
+        self._clearance_problem = ''
         self._gate = TemperatureGate(
             start=p['start_temperature'], timeout=p['temperature_timeout']
         )
@@ -81,29 +86,17 @@ class TwinAsset:
             )
             self._publishers.append(self._checkpoint)
         self._inputs = [
-            node.create_subscription(
-                Temperature,
-                f'{prefix}temperature',
-                self._on_temperature,
-                own(MEASUREMENT),
-                qos_overriding_options=OVERRIDES,
-            )
+            subscribe(node, Temperature, f'{prefix}temperature', self._on_temperature, MEASUREMENT)
         ]
         if p['joint']:
             self._inputs.append(
-                node.create_subscription(
-                    JointState,
-                    f'{prefix}joint_states',
-                    self._on_joints,
-                    own(MEASUREMENT),
-                    qos_overriding_options=OVERRIDES,
-                )
+                subscribe(node, JointState, f'{prefix}joint_states', self._on_joints, MEASUREMENT)
             )
 
     def destroy(self) -> None:
         """Give up the topics."""
         for publisher in self._publishers:
-            self._node.destroy_publisher(publisher)
+            self._node.destroy_lifecycle_publisher(publisher)
         for subscription in self._inputs:
             self._node.destroy_subscription(subscription)
 
@@ -117,9 +110,9 @@ class TwinAsset:
         """Let a checkpoint precede the next block, since the state does not follow from before."""
         self._checkpoint_due = 0
 
-    def await_subscribers(self, count: int, longest: float) -> None:
-        """Wait until ``count`` subscribers hear the vibration, for ``longest`` s at most."""
-        deadline = time.monotonic() + longest
+    def await_subscribers(self, count: int, deadline: float = math.inf) -> None:
+        """Wait until ``count`` subscribers hear the vibration; 10 s, or until ``deadline``."""
+        deadline = min(deadline, time.monotonic() + LONGEST_WAIT)
         while self._vibration.get_subscription_count() < count:
             if time.monotonic() > deadline or not self._node.context.ok():
                 return
@@ -148,10 +141,7 @@ class TwinAsset:
 
     def publish_vibration(self, block: Block, due: Due) -> Vibration:
         """Publish the samples of a block and return the message."""
-        p = self.parameters
-        message = vibration_message(
-            block, due=due, sample_rate=p['sample_rate'], frame_id=p['frame_id']
-        )
+        message = vibration_message(block, due=due, values=self.parameters.values)
         self._vibration.publish(message)
         return message
 
@@ -159,15 +149,9 @@ class TwinAsset:
         self, block: Block, due: Due, temperature: GatedTemperature, **realtime: float
     ) -> None:
         """Publish the state after a block; ``realtime`` are the message's fields of that name."""
-        p = self.parameters
+        self._clearance_problem = clearance_problem(block.condition)
         message = twin_state_message(
-            block,
-            due=due,
-            frame_id=p['frame_id'],
-            temperature=temperature,
-            bearing=p['bearing'],
-            thermal_mode=p['thermal_mode'],
-            defect=p['defect'],
+            block, due=due, values=self.parameters.values, temperature=temperature
         )
         for name, value in realtime.items():
             setattr(message, name, value)
@@ -176,12 +160,14 @@ class TwinAsset:
     def status(self) -> Status:
         """Status of the inputs for /diagnostics."""
         now = time.monotonic()
-        return temperature_status(self._gate.at(now), self._shaft.problem(now))
+        return temperature_status(
+            self._gate.at(now), self._shaft.problem(now), self._clearance_problem
+        )
 
-    def _on_temperature(self, message: Temperature) -> None:
+    def _on_temperature(self, message: Temperature, _: MessageInfo) -> None:
         self._gate.offer(
             message.temperature, stamp=stamp_ns(message.header.stamp), now=time.monotonic()
         )
 
-    def _on_joints(self, message: JointState) -> None:
+    def _on_joints(self, message: JointState, _: MessageInfo) -> None:
         self._shaft.offer(message.name, message.velocity, now=time.monotonic())

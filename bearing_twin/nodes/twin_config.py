@@ -4,12 +4,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.bearing import find_bearing, own_bearing
+from bearing_twin.dynamics.parameters import PROFILES
 from bearing_twin.dynamics.presets import preset, PRESETS
 from bearing_twin.dynamics.simulator import Simulator
 from bearing_twin.nodes.parameters import Spec
-from bearing_twin.nodes.shared_specs import CHECKPOINT_PERIOD, HARDWARE_ID, JOINT, STATE_DIRECTORY
+from bearing_twin.nodes.shared_specs import (
+    CHECKPOINT_PERIOD,
+    GEOMETRY,
+    HARDWARE_ID,
+    JOINT,
+    STATE_DIRECTORY,
+)
+from bearing_twin.nodes.twin_model import fields
+from bearing_twin.nodes.twin_model import SPECS as MODEL_SPECS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -22,9 +33,10 @@ SPECS = (
     Spec(
         name='bearing',
         default='6307',
-        description='Bearing of the catalogue (6307 has the geometry of the paper).',
+        description="Bearing of the catalogue (6307: the paper's); '' to use geometry.",
         running=False,
     ),
+    replace(GEOMETRY, running=False, implied=True),
     Spec(
         name='preset',
         default='incipient',
@@ -34,7 +46,10 @@ SPECS = (
     Spec(
         name='defect',
         default='none',
-        description="Place of the defect: none, inner, outer, ball, cage; several: 'inner+ball'.",
+        description=(
+            "none, inner, outer, ball, cage; several: 'inner+ball'; with sizes and places of "
+            "their own: 'inner:width=0.001,angle=1.57+ball:ball=3,profile=rect'."
+        ),
     ),
     Spec(
         name='defect_width',
@@ -50,7 +65,14 @@ SPECS = (
         description="Depth of the defect (the paper's C_d0); 0: from the preset.",
         unit='m',
         low=0.0,
-        high=0.001,
+        high=0.0005,
+    ),
+    Spec(
+        name='defect_profile',
+        default='ball',
+        description='Path of a ball over the defect: geometric, or one of the literature.',
+        choices=PROFILES,
+        implied=True,
     ),
     Spec(
         name='thermal_mode',
@@ -147,7 +169,10 @@ SPECS = (
     HARDWARE_ID,
     CHECKPOINT_PERIOD,
     STATE_DIRECTORY,
+    *MODEL_SPECS,
 )
+
+_IMPLIED = {spec.name: spec.default for spec in SPECS if spec.implied}
 
 
 def build_parameters(values: Mapping[str, Any]) -> TwinParameters:
@@ -160,18 +185,21 @@ def build_parameters(values: Mapping[str, Any]) -> TwinParameters:
         If they do not fit together or leave the model's validity.
 
     """
-    given = {'load': values['load']} if values['load'] else {}
+    values = {**_IMPLIED, **values}
+    bearing = values['bearing']
     return preset(
         values['preset'],
-        bearing=values['bearing'],
+        bearing=find_bearing(bearing) if bearing else own_bearing(values['geometry']),
         defect=values['defect'],
         width=values['defect_width'] or None,
         depth=values['defect_depth'] or None,
+        profile=values['defect_profile'],
         thermal_mode=values['thermal_mode'],
         slip_model=values['slip_model'],
         jitter=values['jitter'],
         noise=values['noise'],
-        **given,
+        **({'load': values['load']} if values['load'] else {}),
+        **fields(values),
     )
 
 

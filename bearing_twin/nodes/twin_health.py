@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What the twin says of its inputs on /diagnostics."""
+"""What the twin says of its inputs, and of what they do to it, on /diagnostics."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from bearing_twin.nodes.health import Level, Status
 from bearing_twin.thermal.gate import TABLE_HIGH, TABLE_LOW, TemperatureStatus
 
 if TYPE_CHECKING:
+    from bearing_twin.dynamics.condition import Condition
     from bearing_twin.thermal.gate import GatedTemperature
 
-__all__ = ['temperature_status']
+__all__ = ['clearance_problem', 'temperature_status']
 
 TEXTS = {
     TemperatureStatus.OK: 'temperature is fresh',
@@ -27,14 +28,26 @@ TEXTS = {
 }
 
 
-def temperature_status(temperature: GatedTemperature, shaft_problem: str) -> Status:
-    """Status of the inputs: temperature and, where a joint is named, shaft speed."""
-    ok = temperature.status is TemperatureStatus.OK and not shaft_problem
+def clearance_problem(condition: Condition) -> str:
+    """Say that the ring temperatures left the clearance that the model holds for, or ''."""
+    left, used = condition.thermal_clearance, condition.radial_clearance
+    if left == used:
+        return ''
+    apart = condition.inner_ring_temperature - condition.outer_ring_temperature
+    return (
+        f'the bearing {"would seize" if left < used else "hangs loose"}: an inner ring '
+        f'{apart:+.0f} K from the outer one leaves a radial clearance of {left * 1e6:.1f} um, '
+        f'the model goes on with {used * 1e6:g} um'
+    )
+
+
+def temperature_status(temperature: GatedTemperature, *problems: str) -> Status:
+    """Status of the temperature and of ``problems``, of which an empty one is none."""
+    ok = temperature.status is TemperatureStatus.OK and not any(problems)
     message = TEXTS[temperature.status]
     if temperature.status is TemperatureStatus.INVALID and math.isnan(temperature.age):
         message = 'temperature is no number or impossible: the start temperature is used'
-    if shaft_problem:
-        message = f'{message}; {shaft_problem}'
+    message = '; '.join([message, *filter(None, problems)])
     return Status(
         Level.OK if ok else Level.WARN,
         message,

@@ -11,10 +11,14 @@ pytest.importorskip('rclpy')
 
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.nodes.convert import floats
+from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin_msgs.msg import Diagnosis, TwinState, Vibration
+from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
 from builtin_interfaces.msg import Time
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Float32MultiArray
+from std_srvs.srv import Trigger
 
 pytestmark = pytest.mark.ros
 
@@ -82,7 +86,7 @@ def test_one_process_hosts_many_bearings(nodes, probe, tmp_path):
             twin: {defect: inner, start_temperature: 40}
             diagnosis: {}
           pump/right:
-            twin: {seed: 1}
+            twin: {seed: 1, lubricant: {viscosity_40: 4.6e-05}}
           fan:
             diagnosis: {bearing: '6205', shaft_hz: 29.9}
         """
@@ -96,6 +100,7 @@ def test_one_process_hosts_many_bearings(nodes, probe, tmp_path):
     probe.until(lambda: left and right and verdicts, 'both twins and the verdict')
     assert (left[-1].defect, left[-1].temperature_used) == ('inner', 40.0)
     assert (right[-1].defect, right[-1].temperature_used) == ('none', 20.0)
+    assert right[-1].viscosity < 0.75 * Lubricant().viscosity(20.0)
     assert all(a.first_sample + 1024 == b.first_sample for a, b in pairwise(samples))
 
     fleet = '/p1/fleet'
@@ -108,6 +113,26 @@ def test_one_process_hosts_many_bearings(nodes, probe, tmp_path):
     assert not accepted
     assert 'moon' in reason
     assert right[-1].defect == 'ball'
+    saved = probe.call(SaveState, '/p1/pump/right/twin/save_state', path='right')
+    assert saved.success, saved.message
+    injected = probe.call(InjectDefect, '/p1/pump/right/twin/inject_defect', place='outer')
+    assert injected.success, injected.message
+    assert probe.get_parameters(fleet, 'pump.right.twin.defect') == ['outer']
+    probe.until(lambda: right[-1].defect == 'outer', 'the injected defect')
+    refused = probe.call(InjectDefect, '/p1/pump/right/twin/inject_defect', place='moon')
+    assert not refused.success
+    assert 'moon' in refused.message
+    assert probe.call(LoadState, '/p1/pump/right/twin/load_state', path='right').success
+    refused = probe.call(LoadState, '/p1/pump/left/twin/load_state', path='../right')
+    assert not refused.success
+    for part in ('twin', 'diagnosis'):
+        assert probe.call(Trigger, f'/p1/pump/left/{part}/reset').success
+    assert left[-1].defect == 'inner'
+    count = len(samples)
+    probe.until(lambda: len(samples) > count + 5, 'blocks after the services')
+    # A busy machine may drop blocks; the index runs on over them, and over what was loaded.
+    steps = [b.first_sample - a.first_sample for a, b in pairwise(samples)]
+    assert all(step > 0 and step % 1024 == 0 for step in steps)
     parts = {
         'pump/left temperature input',
         'pump/left vibration input',
@@ -120,3 +145,44 @@ def test_one_process_hosts_many_bearings(nodes, probe, tmp_path):
     probe.until(lambda: probe.statuses.keys() >= {f'p1/fleet: {p}' for p in parts}, 'statuses')
     assert probe.node.count_subscribers('/p1/fan/vibration') == 1
     assert nodes.end('fleet', by=signal.SIGTERM) == 0
+
+
+def seconds(stamp):
+    return stamp.sec + stamp.nanosec * 1e-9
+
+
+def test_fleet_and_adapter_follow_simulated_time(nodes, probe):
+    simulated = {'use_sim_time': True}
+    nodes.start('fleet', {**simulated, 'names': ['a', 'b']})
+    adapter = {**simulated, 'sample_rate': 25600.0, 'block_size': 1024}
+    nodes.start('adapter', adapter, ros=('-r', 'vibration:=measured'))
+    twin = probe.collect(Vibration, '/b/vibration')
+    measured = probe.collect(Vibration, '/measured')
+    probe.watch_diagnostics()
+    probe.until(lambda: 'fleet: real time' in probe.statuses, 'the fleet')
+    assert twin == []
+
+    def run(begin, end):
+        """Publish /clock and samples from ``begin`` to ``end`` (s), faster than real time."""
+        for tick in range(round(begin * 100), round(end * 100) + 1):
+            probe.publish('/clock', Clock(clock=Time(sec=tick // 100, nanosec=tick % 100 * 10**7)))
+            probe.spin(0.003)
+            probe.publish('samples', Float32MultiArray(data=[0.5] * 256))
+
+    run(100.0, 103.0)
+    probe.spin(0.5)
+    count, heard = len(twin), len(measured)
+    assert 65 <= count <= 75
+    assert 65 <= heard <= 76
+    for blocks in (twin, measured):
+        assert 99.8 <= seconds(blocks[0].header.stamp) <= seconds(blocks[-1].header.stamp) <= 103.0
+    probe.spin(0.5)
+    assert (len(twin), len(measured)) == (count, heard)
+
+    run(50.0, 52.0)
+    probe.until(lambda: len(twin) > count + 30 and len(measured) > heard + 30, 'the jump back')
+    for blocks, before in ((twin, count), (measured, heard)):
+        assert all(49.8 <= seconds(b.header.stamp) <= 52.0 for b in blocks[before + 1 :])
+        assert all(a.first_sample + 1024 == b.first_sample for a, b in pairwise(blocks))
+    assert nodes.end('fleet') == 0
+    assert nodes.end('adapter') == 0

@@ -113,12 +113,19 @@ def test_changes_while_running_are_taken_as_a_whole_or_refused_with_a_reason(
         'locked while running': {'block_size': 512, 'load': 500.0},
         'warning above the error': {'lateness.warn': 5.0, 'load': 500.0},
         'of another type': {'shaft_hz': 'fast', 'load': 500.0},
+        'beyond the law': {'beta0.delta_mu': 1.0, 'resonance_hz': 4500.0},
+        'an oil that is none': {'lubricant.viscosity_100': 1e-4, 'unbalance': 1e-4},
     }
     for why, change in refused.items():
         accepted, reason = probe.set_parameters('twin', **change)
         assert not accepted, why
         assert len(reason) > 20, why
     assert probe.get_parameters('twin', 'defect', 'load', 'block_size') == ['outer', 0.0, 1024]
+    assert probe.get_parameters('twin', 'resonance_hz', 'unbalance') == [6000.0, -1.0]
+    stiffness = states[-1].k_b
+    together = {'hertz_stiffness': 2e10, 'unbalance': 1e-4, 'beta0.hardness': False}
+    assert probe.set_parameters('twin', **together) == (True, '')
+    probe.until(lambda: states[-1].k_b > 1.5 * stiffness, 'the stiffer contact')
 
     injected = probe.call(InjectDefect, 'twin/inject_defect', place='ball', width=0.0, depth=0.0)
     assert injected.success, injected.message

@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Services of one twin, alone in its node or one of a fleet."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes.statefile import StateFolder
+from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
+from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from bearing_twin.nodes.lifecycle import ManagedNode
+    from bearing_twin.nodes.parameters import ParameterSet
+
+__all__ = ['TwinServices']
+
+
+class TwinServices:
+    """
+    Answer ``reset``, ``save_state``, ``load_state`` and ``inject_defect``.
+
+    Parameters
+    ----------
+    node
+        The node that hosts the twin.
+    parameters : ParameterSet
+        The twin's parameters.
+    reset, save, load
+        What is done to the simulator; ``load`` raises BearingTwinError for a state that is none.
+    path
+        Name under which the services lie: ``~`` or ``ASSET/twin``.
+    prefix
+        Put before the names of the parameters: '' or ``ASSET.twin.``.
+
+    """
+
+    def __init__(
+        self,
+        node: ManagedNode,
+        parameters: ParameterSet,
+        *,
+        reset: Callable[[], None],
+        save: Callable[[], bytes],
+        load: Callable[[bytes], None],
+        path: str = '~',
+        prefix: str = '',
+    ) -> None:
+        self._node = node
+        self._parameters = parameters
+        self._reset, self._save, self._load = reset, save, load
+        self._prefix = prefix
+        self._states = StateFolder(parameters['state_directory'])
+        self._services = [
+            node.create_service(kind, f'{path}/{name}', answer)
+            for kind, name, answer in (
+                (Trigger, 'reset', self._on_reset),
+                (SaveState, 'save_state', self._on_save),
+                (LoadState, 'load_state', self._on_load),
+                (InjectDefect, 'inject_defect', self._on_inject),
+            )
+        ]
+
+    def destroy(self) -> None:
+        """Answer no more."""
+        for service in self._services:
+            self._node.destroy_service(service)
+
+    def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._reset()
+        response.success = True
+        response.message = f'back at the start with seed {self._parameters["seed"]}'
+        return response
+
+    def _on_save(
+        self, request: SaveState.Request, response: SaveState.Response
+    ) -> SaveState.Response:
+        try:
+            path = self._states.save(request.path, self._save())
+        except BearingTwinError as error:
+            response.message = str(error)
+            return response
+        response.success = True
+        response.message = str(path)
+        return response
+
+    def _on_load(
+        self, request: LoadState.Request, response: LoadState.Response
+    ) -> LoadState.Response:
+        try:
+            self._load(self._states.load(request.path))
+        except BearingTwinError as error:
+            response.message = str(error)
+            return response
+        response.success = True
+        response.message = f'loaded {request.path}'
+        return response
+
+    def _on_inject(
+        self, request: InjectDefect.Request, response: InjectDefect.Response
+    ) -> InjectDefect.Response:
+        # Through the parameters, so that they say what runs and the same checks hold.
+        result = self._node.set_parameters_atomically(
+            [
+                Parameter(f'{self._prefix}defect', value=request.place),
+                Parameter(f'{self._prefix}defect_width', value=request.width),
+                Parameter(f'{self._prefix}defect_depth', value=request.depth),
+            ]
+        )
+        response.success = result.successful
+        response.message = result.reason or f'defect: {request.place}'
+        return response

@@ -1,0 +1,28 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A node that compiles is seen, says so, answers services and ends when told to."""
+
+import os
+import signal
+import time
+
+from bearing_twin.nodes.launching import COMPILING, NodeProcesses
+import pytest
+
+pytestmark = pytest.mark.ros
+
+
+@pytest.mark.parametrize('node', ['twin', 'fleet'])
+def test_first_start(node, ros_domain, probe, tmp_path):
+    environment = {**os.environ, 'NUMBA_CACHE_DIR': str(tmp_path / 'empty')}
+    given = {'names': ['pump']} if node == 'fleet' else {}
+    with NodeProcesses(tmp_path / 'logs', environment) as nodes:
+        nodes.start(node, given)
+        probe.watch_diagnostics()
+        part = f'{node}: real time'
+        probe.until(lambda: probe.statuses.get(part, ('', ''))[1] == COMPILING, 'a status')
+        assert COMPILING in (tmp_path / 'logs' / f'{node}.log').read_text()
+        assert probe.state(f'/{node}') == 'unconfigured'
+        started = time.monotonic()
+        assert nodes.end(node, by=signal.SIGTERM) == 0
+        assert time.monotonic() - started < 5.0

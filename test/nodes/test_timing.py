@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Periodicity and execution time of the cycles, and when /diagnostics warns of them."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip('rclpy', reason='ROS 2 is not installed')
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes import realtime
+from bearing_twin.nodes.health import Level
+from bearing_twin.nodes.timing import CycleStatistics
+
+PERIOD = 0.04
+VALUES = {spec.name: spec.default for spec in realtime.SPECS} | {
+    'block_size': 1024,
+    'sample_rate': 25600.0,
+}
+
+
+def status_of(began, durations):
+    """Return the status after cycles that began at these times and took so long, s."""
+    cycles = CycleStatistics()
+    for at, duration in zip(began, durations, strict=True):
+        cycles.add(at, duration)
+    pacer = realtime.build_pacer(VALUES)
+    return realtime.status(
+        pacer.report(),
+        cycles,
+        VALUES,
+        period=PERIOD,
+        scheduling='normal',
+        active=True,
+        still=False,
+    )
+
+
+def test_the_spread_of_the_rate_is_that_of_the_intervals():
+    intervals = np.random.default_rng(3).normal(PERIOD, 0.001, 1000)
+    cycles = CycleStatistics()
+    for at in np.cumsum(intervals):
+        cycles.add(at, 0.002)
+    rate = cycles.periodicity
+    assert rate.mean == pytest.approx(25.0, rel=0.01)
+    assert rate.std == pytest.approx(0.001 / PERIOD**2, rel=0.1)
+    assert rate.low == pytest.approx(1.0 / intervals[1:].max())
+    assert rate.high == pytest.approx(1.0 / intervals[1:].min())
+    assert cycles.execution_time.mean == pytest.approx(0.002)
+
+
+def test_punctual_cycles_are_in_time():
+    level, message, values = status_of(np.arange(100) * PERIOD, np.full(100, 0.001))
+    assert (level, message) == (Level.OK, 'in time')
+    assert values['load [%]'] == pytest.approx(2.5)
+
+
+def test_one_cycle_that_waits_and_one_at_once_after_it_are_no_alarm():
+    began = np.arange(1500) * PERIOD
+    began[700] += 0.999 * PERIOD
+    assert status_of(began, np.full(1500, 0.001)).level == Level.OK
+
+
+@pytest.mark.parametrize(
+    ('jitter', 'level'), [(0.004, Level.OK), (0.01, Level.WARN), (0.018, Level.ERROR)]
+)
+def test_a_rate_that_varies_is_reported(jitter, level):
+    # Longer and shorter by the jitter in turn: the mean is right.
+    began = np.arange(1000) * PERIOD + jitter * (np.arange(1000) % 2)
+    found = status_of(began, np.full(1000, 0.001))
+    assert found.level == level
+    assert ('varies' in found.message) == (level != Level.OK)
+
+
+@pytest.mark.parametrize(('longest', 'level'), [(0.015, Level.OK), (0.03, Level.WARN)])
+def test_an_execution_time_that_varies_is_reported(longest, level):
+    durations = np.where(np.arange(1000) % 2, 0.001, longest)
+    found = status_of(np.arange(1000) * PERIOD, durations)
+    assert found.level == level
+    assert ('what a cycle takes varies' in found.message) == (level != Level.OK)
+
+
+@pytest.mark.parametrize('name', realtime.PAIRS)
+def test_a_warning_above_the_error_is_refused(name):
+    with pytest.raises(BearingTwinError, match=f'{name}.warn=9 must not be above'):
+        realtime.check_thresholds(VALUES | {f'{name}.warn': 9.0, f'{name}.error': 8.0})
