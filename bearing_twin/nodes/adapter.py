@@ -48,6 +48,7 @@ class AdapterNode(ManagedNode):
     ``std_msgs/Float32MultiArray`` holds many samples and no stamp: the time of publishing counts
     as that of the last sample, and gaps are seen from the middleware's message numbers.
     ``sensor_msgs/Imu`` holds one sample: time and gaps come from its stamps.
+    In simulated time, what comes without a stamp before ``/clock`` has no time and is left out.
     """
 
     def __init__(self) -> None:
@@ -67,6 +68,7 @@ class AdapterNode(ManagedNode):
         self._frame = p['frame_id']
         self._lost = 0
         self._restarts = 0
+        self._untimed = 0
         self._problem = ''
         self._arrived = math.nan
         self._vibration = self.create_lifecycle_publisher(
@@ -107,12 +109,16 @@ class AdapterNode(ManagedNode):
             return
         self._problem = ''
         count = samples.shape[1]
+        published = self._published(info)
+        if not published:
+            self._untimed += count
+            return
         missing = self._sequence.missing(
             info.get('publisher_gid'), info['publication_sequence_number']
         )
         if missing:
             self._gap(missing * count)
-        stamp = self._published(info) - round(count * NANO / rate)
+        stamp = published - round(count * NANO / rate)
         self._publish(self._builder.push(samples, stamp=stamp, rate=rate), rate)
 
     def _on_imu(self, message: Imu, info: MessageInfo) -> None:
@@ -122,6 +128,9 @@ class AdapterNode(ManagedNode):
         self._problem = ''
         self._frame = self.parameters['frame_id'] or message.header.frame_id
         stamp = stamp_ns(message.header.stamp) or self._published(info)
+        if not stamp:
+            self._untimed += 1
+            return
         missing = self._stamps.missing(stamp)
         rate = self._stamps.rate
         if not rate:
@@ -133,7 +142,7 @@ class AdapterNode(ManagedNode):
         self._publish(self._builder.push(sample, stamp=stamp, rate=rate), rate)
 
     def _published(self, info: MessageInfo) -> int:
-        """Return when a message without a stamp was published, ns."""
+        """Return when a message without a stamp was published, ns; 0 if unknown."""
         simulated = self.get_parameter('use_sim_time').value
         known = 0 if simulated else info['source_timestamp']
         return int(known or self.get_clock().now().nanoseconds)
@@ -179,6 +188,9 @@ class AdapterNode(ManagedNode):
             level, message = Level.ERROR, f'message refused: {self._problem}'
         elif self._sources.contested(time.monotonic()):
             level, message = Level.ERROR, 'several sources on one topic: only the first is used'
+        elif self._untimed and not self._builder.next_sample:
+            level = Level.WARN
+            message = 'samples without a stamp, and no /clock yet (use_sim_time): left out'
         elif not rate:
             level, message = Level.WARN, 'estimating the sample rate'
         elif abs(measured - rate) > RATE_TOLERANCE * rate:
@@ -195,6 +207,7 @@ class AdapterNode(ManagedNode):
                 'sample rate of the stamps [Hz]': measured,
                 'samples published': self._builder.next_sample,
                 'samples lost': self._lost,
+                'samples before /clock': self._untimed,
                 'restarts of the source': self._restarts,
                 'messages of other sources': self._sources.ignored,
             },

@@ -15,6 +15,7 @@ from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin_msgs.msg import Diagnosis, TwinState, Vibration
 from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
 from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Float32MultiArray
@@ -160,7 +161,22 @@ def test_fleet_and_adapter_follow_simulated_time(nodes, probe):
     measured = probe.collect(Vibration, '/measured')
     probe.watch_diagnostics()
     probe.until(lambda: 'fleet: real time' in probe.statuses, 'the fleet')
-    assert twin == []
+
+    def untimed():
+        probe.publish('samples', Float32MultiArray(data=[0.5] * 1024))
+        *_, values = probe.statuses.get('adapter: accelerometer input', [{}])
+        return float(values.get('samples before /clock', 0)) > 2048
+
+    probe.until(untimed, 'samples that come before the first /clock')
+    assert twin == measured == []
+    arrays = probe.collect(DiagnosticArray, '/diagnostics')
+
+    def all_know_the_time():
+        probe.publish('/clock', Clock(clock=Time(sec=99, nanosec=990_000_000)))
+        know = {s.name.split(':')[0] for a in arrays if a.header.stamp.sec for s in a.status}
+        return know == {'fleet', 'adapter'}
+
+    probe.until(all_know_the_time, 'the first /clock')
 
     def run(begin, end):
         """Publish /clock and samples from ``begin`` to ``end`` (s), faster than real time."""
