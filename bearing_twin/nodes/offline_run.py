@@ -20,7 +20,6 @@ from bearing_twin.nodes.pacer import Due
 from bearing_twin.nodes.shaft import ShaftSpeed
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
-from bearing_twin.recording.schema import MessageSchema
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.thermal.gate import TemperatureGate
 
@@ -328,16 +327,7 @@ class _DiagnosisSide:
         self._report.blocks += 1
 
     def _copy(self, message: RecordedMessage) -> None:
-        channel = message.channel
-        self._writer.write(
-            channel.topic,
-            channel.type_name,
-            message.cdr,
-            log_time=message.log_time,
-            publish_time=message.publish_time,
-            qos=channel.qos,
-            schema=MessageSchema(channel.type_name, channel.schema, channel.type_hash),
-        )
+        self._writer.copy(message)
         self._report.inputs += 1
 
     def _write(self, output: Output, time: int) -> None:

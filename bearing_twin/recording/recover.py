@@ -21,7 +21,6 @@ from bearing_twin.recording.mcapfile import (
 )
 from bearing_twin.recording.messages import in_file_order, Selection
 from bearing_twin.recording.reader import recording_files
-from bearing_twin.recording.schema import MessageSchema
 from bearing_twin.recording.writer import RecordingWriter
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Header, Metadata
@@ -146,17 +145,7 @@ def _copy(path: Path, writer: RecordingWriter, report: RecoveryReport) -> None:
             if channel.encoding != 'cdr':
                 msg = f'{path}: {channel.topic} is encoded as {channel.encoding!r}, not as cdr'
                 raise BearingTwinError(msg)
-            writer.write(
-                channel.topic,
-                channel.type_name,
-                message.cdr,
-                log_time=message.log_time,
-                publish_time=message.publish_time,
-                qos=channel.qos,
-                schema=MessageSchema(
-                    channel.type_name, channel.schema, channel.type_hash, channel.schema_encoding
-                ),
-            )
+            writer.copy(message)
             first = not report.kept
             report.kept += 1
             report.topics[channel.topic] = report.topics.get(channel.topic, 0) + 1

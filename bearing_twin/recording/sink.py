@@ -8,10 +8,10 @@ from abc import ABC, abstractmethod
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.schema import message_schema
+from bearing_twin.recording.schema import message_schema, MessageSchema
 
 if TYPE_CHECKING:
-    from bearing_twin.recording.schema import MessageSchema
+    from bearing_twin.recording.messages import RecordedMessage
     from typing_extensions import Self
 
 __all__ = ['MessageSink', 'Written']
@@ -81,6 +81,21 @@ class MessageSink(ABC):
             msg = f'{log_time=}, {publish_time=}: times are 0..{LATEST - 1} ns'
             raise BearingTwinError(msg)
         self.take(Written(topic, type_name, cdr, log_time, publish_time, qos, schema))
+
+    def copy(self, message: RecordedMessage) -> None:
+        """Take a message as it was recorded; raises what :meth:`write` does."""
+        channel = message.channel
+        self.write(
+            channel.topic,
+            channel.type_name,
+            message.cdr,
+            log_time=message.log_time,
+            publish_time=message.publish_time,
+            qos=channel.qos,
+            schema=MessageSchema(
+                channel.type_name, channel.schema, channel.type_hash, channel.schema_encoding
+            ),
+        )
 
     @abstractmethod
     def take(self, message: Written) -> None:
