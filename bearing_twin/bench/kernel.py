@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.reference import solve
-from bearing_twin.dynamics.simulator import Simulator, warm_up
+from bearing_twin.dynamics.simulator import Simulator
+from bearing_twin.dynamics.warming import warm_up
 import numpy as np
 
 if TYPE_CHECKING:

@@ -6,7 +6,8 @@ from bearing_twin.dynamics.condition import Condition
 from bearing_twin.dynamics.fleet import Fleet, FleetBlock
 from bearing_twin.dynamics.parameters import Defect, TwinParameters
 from bearing_twin.dynamics.presets import preset, PRESETS
-from bearing_twin.dynamics.simulator import Block, Simulator, warm_up
+from bearing_twin.dynamics.simulator import Block, Simulator
+from bearing_twin.dynamics.warming import warm_up
 
 __all__ = [
     'PRESETS',

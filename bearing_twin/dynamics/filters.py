@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import math
 
+from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ['STEP_RATE', 'decimator', 'oversampling', 'resonator', 'steps']
+__all__ = ['STEP_RATE', 'check_rate', 'decimator', 'oversampling', 'resonator', 'steps']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -18,6 +19,14 @@ STEP_RATE = 25600.0
 
 _LENGTH = 32
 """Length of the decimator in output samples: -6 dB at 0.5 of the output rate, -80 dB from 0.58."""
+
+
+def check_rate(sample_rate: float) -> float:
+    """Return the output rate in Hz if it is inside 2000..204800."""
+    if not 2000.0 <= sample_rate <= 204800.0:
+        msg = f'sample_rate={sample_rate} is outside 2000..204800 Hz'
+        raise BearingTwinError(msg)
+    return float(sample_rate)
 
 
 def steps(sample_rate: float) -> int:

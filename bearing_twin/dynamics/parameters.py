@@ -32,6 +32,7 @@ __all__ = [
     'RANGES',
     'Defect',
     'TwinParameters',
+    'check_speed',
 ]
 
 Place = Literal['inner', 'outer', 'ball', 'cage']
@@ -77,6 +78,14 @@ def check_range(name: str, value: float, low: float, high: float, unit: str) -> 
         limits = f'{low:g}..{high:g} {unit}'.rstrip()
         msg = f'{name}={value} is outside {limits}; choose a value inside'
         raise BearingTwinError(msg)
+
+
+def check_speed(shaft_hz: float) -> float:
+    """Return the shaft speed in Hz if it is inside 0..`MAX_SHAFT_HZ`."""
+    if not 0.0 <= shaft_hz <= MAX_SHAFT_HZ:
+        msg = f'shaft_hz={shaft_hz} is outside 0..{MAX_SHAFT_HZ:g} Hz'
+        raise BearingTwinError(msg)
+    return float(shaft_hz)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import math
 import struct
 from typing import TYPE_CHECKING
-import zlib
 
-from bearing_twin.dynamics import filters, kernel, laws, layout
+from bearing_twin.dynamics import filters, inner_ring, kernel, laws, layout
 from bearing_twin.dynamics.condition import Condition, condition
-from bearing_twin.dynamics.parameters import MAX_SHAFT_HZ
+from bearing_twin.dynamics.parameters import check_speed
+from bearing_twin.dynamics.saved import Envelope, identity
 from bearing_twin.dynamics.stability import steps
 from bearing_twin.dynamics.statics import equilibrium
 from bearing_twin.dynamics.tables import ball_table, constants, defect_table
@@ -22,11 +22,9 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['Block', 'Simulator', 'warm_up']
+__all__ = ['Block', 'Simulator']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -36,10 +34,7 @@ _MOST_TURNS = 1e3
 jitter, of an almost standing shaft, back."""
 _LARGEST = 2.0**53
 """Above everything in a state: the greatest is the integer whose bits are the loaded balls."""
-_FIELDS = struct.Struct('<dIQddI')
-_MAGIC = b'BTwin\x00\x04\x00'
-_TICK = 0.1
-"""Interval at which the inner ring's temperature is advanced, s; its time constant is seconds."""
+_SAVED = Envelope(b'BTwin\x00\x04\x00', struct.Struct('<dIQddI'), 'one bearing')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +62,7 @@ class Snapshot:
     law: FloatArray
     values: FloatArray
     drift: FloatArray
-    rings: tuple[float, float]
+    rings: FloatArray
     seed: int
 
 
@@ -110,16 +105,13 @@ class Simulator:
         temperature: float = 20.0,
         shaft_hz: float = 25.4,
     ) -> None:
-        if not 2000.0 <= sample_rate <= 204800.0:
-            msg = f'sample_rate={sample_rate} is outside 2000..204800 Hz'
-            raise BearingTwinError(msg)
-        self.sample_rate = float(sample_rate)
+        self.sample_rate = filters.check_rate(sample_rate)
         self._oversample = filters.oversampling(sample_rate)
         self._taps = filters.decimator(self._oversample)
         self._start = (check_temperature(float(temperature)), check_speed(shaft_hz))
-        self.tick = max(1, round(_TICK * sample_rate))
+        self.tick = inner_ring.tick_length(sample_rate)
         self._drift = np.zeros((2, laws.INPUTS))
-        self._rings = (math.nan, math.nan)
+        self._rings = np.full(2, math.nan)
         self._values = np.zeros(laws.CONDITION_SIZE)
         self._configure(parameters)
         self.reset(seed)
@@ -184,7 +176,7 @@ class Simulator:
         physical = self._parameters.thermal_mode == 'physical'
         self._configure(parameters)
         if physical and parameters.thermal_mode == 'physical':
-            self._carry_rings(self._rings)
+            self._carry_rings()
         else:
             self._settle_ring()
         self._restart_motion()
@@ -237,15 +229,17 @@ class Simulator:
             self.next_sample += count
             if self._parameters.thermal_mode == 'physical' and self.next_sample % self.tick == 0:
                 share = done / n
-                self._advance_ring(
-                    was[0] + (temperature - was[0]) * share, was[1] + (shaft_hz - was[1]) * share
-                )
+                inner_ring.advance(
+                    self._law, was[0] + (temperature - was[0]) * share,
+                    was[1] + (shaft_hz - was[1]) * share, self._rings, self._drift, self.tick,
+                    self.tick / self.sample_rate,
+                )  # fmt: skip
         self._temperature, self._shaft_hz, self._values = temperature, shaft_hz, end
         return Block(first_sample=first, x=out[0], y=out[1], condition=self.condition())
 
     def condition(self) -> Condition:
         """State at the next sample."""
-        inner = self._inner_now()
+        inner = inner_ring.temperature(self._rings, self.next_sample % self.tick, self.tick)
         values = self._evaluate(self._temperature, inner, self._shaft_hz)
         return condition(
             self._parameters, values, self._state, self._const, self._defects, self._balls
@@ -260,13 +254,11 @@ class Simulator:
         body = np.concatenate(
             [self._state, self._history.ravel(), self._drift.ravel(), np.nan_to_num(self._rings)]
         )
-        data = body.astype('<f8').tobytes()
         fields = (
             self.sample_rate, self._seed, self.next_sample, self._temperature, self._shaft_hz,
             identity([self._parameters]),
         )  # fmt: skip
-        crc = zlib.crc32(data, zlib.crc32(_FIELDS.pack(*fields)))
-        return _MAGIC + struct.pack('<I', crc) + _FIELDS.pack(*fields) + data
+        return _SAVED.seal(fields, body.astype('<f8').tobytes())
 
     def load(self, data: bytes) -> None:
         """
@@ -279,18 +271,8 @@ class Simulator:
             geometry or thermal mode; the state is then unchanged.
 
         """
-        data = bytes(data)
-        if data[: len(_MAGIC)] != _MAGIC:
-            msg = 'saved state is not of this version of bearing_twin; start without it'
-            raise BearingTwinError(msg)
-        head = len(_MAGIC) + 4
-        body = data[head + _FIELDS.size :]
-        if len(data) < head + _FIELDS.size or zlib.crc32(data[head:]) != int.from_bytes(
-            data[len(_MAGIC) : head], 'little'
-        ):
-            msg = f'saved state of {len(data)} bytes is truncated or damaged; start without it'
-            raise BearingTwinError(msg)
-        rate, seed, next_sample, temperature, shaft_hz, whose = _FIELDS.unpack_from(data, head)
+        fields, body = _SAVED.open(data)
+        rate, seed, next_sample, temperature, shaft_hz, whose = fields
         own = (self.sample_rate, identity([self._parameters]))
         sizes = [self._state.size, self._history.size, self._drift.size, 2]
         if (rate, whose) != own or len(body) != 8 * sum(sizes):
@@ -321,19 +303,18 @@ class Simulator:
         self._history = history.reshape(self._history.shape).copy()
         self._drift = drift.reshape(self._drift.shape).copy()
         physical = self._parameters.thermal_mode == 'physical'
-        self._rings = (float(rings[0]), float(rings[1])) if physical else (math.nan, math.nan)
+        self._rings[:] = rings if physical else math.nan
 
-    def adopt(
-        self, state: FloatArray, next_sample: int, rings: tuple[float, float] | None = None
-    ) -> None:
+    def adopt(self, state: FloatArray, next_sample: int, rings: FloatArray | None = None) -> None:
         """
         Take over phases, positions and velocities in the layout of `kernel`.
 
-        ``rings``, degC, are the inner ring's temperatures at the last and the next thermal tick.
+        ``rings`` are the temperatures of the inner ring, as in `inner_ring`.
         """
         self.next_sample = next_sample
         if rings is not None:
-            self._carry_rings(rings)
+            self._rings[:] = rings
+            self._carry_rings()
         self._state[:] = state
         self._restart_motion()
 
@@ -346,8 +327,8 @@ class Simulator:
             balls=self._balls,
             law=self._law,
             values=self._values,
-            drift=self._drift,
-            rings=self._rings,
+            drift=self._drift.copy(),
+            rings=self._rings.copy(),
             seed=self._seed,
         )
 
@@ -389,77 +370,14 @@ class Simulator:
             self._parameters.bearing.n_balls,
         )  # fmt: skip
 
-    # The inner ring. The inputs of the kernel are those of equal ring temperatures, ramped over a
-    # block, plus a drift: what the difference of the temperatures makes of them, known at the
-    # ticks of a fixed grid of samples and ramped from the last tick to the next. Ticks do not
-    # depend on the blocks, so neither do the bits.
-
     def _settle_ring(self) -> None:
         """Put the inner ring into its steady state."""
         outer, hz = self._temperature, self._shaft_hz
         self._values = self._evaluate(outer, outer, hz)
-        self._drift = np.zeros((2, laws.INPUTS))
-        self._rings = (math.nan, math.nan)
-        if self._parameters.thermal_mode == 'physical':
-            inner = laws.inner_temperature(self._law, outer, outer, hz, math.inf)
-            self._rings = (inner, inner)
-            self._drift[0] = self._difference(outer, inner, hz)
+        inner_ring.settle(self._law, outer, hz, self._rings, self._drift)
 
-    def _carry_rings(self, rings: tuple[float, float]) -> None:
-        """Go on from these temperatures of the inner ring with the parameters in force."""
+    def _carry_rings(self) -> None:
+        """Let the inner ring go on with the parameters in force."""
         outer, hz = self._temperature, self._shaft_hz
         self._values = self._evaluate(outer, outer, hz)
-        self._rings = rings
-        self._drift[0] = self._difference(outer, rings[0], hz)
-        self._drift[1] = (self._difference(outer, rings[1], hz) - self._drift[0]) / self.tick
-
-    def _advance_ring(self, outer: float, shaft_hz: float) -> None:
-        """One tick: the inner ring goes on towards its balance with outer ring and shaft."""
-        inner = self._rings[1]
-        reached = laws.inner_temperature(self._law, outer, inner, shaft_hz, _TICK)
-        self._rings = (inner, reached)
-        self._drift[0] += self._drift[1] * self.tick
-        self._drift[1] = (self._difference(outer, reached, shaft_hz) - self._drift[0]) / self.tick
-
-    def _difference(self, outer: float, inner: float, shaft_hz: float) -> FloatArray:
-        apart = self._evaluate(outer, inner, shaft_hz)
-        alike = self._evaluate(outer, outer, shaft_hz)
-        return apart[: laws.INPUTS] - alike[: laws.INPUTS]
-
-    def _inner_now(self) -> float:
-        share = self.next_sample % self.tick / self.tick
-        return self._rings[0] + (self._rings[1] - self._rings[0]) * share
-
-
-def identity(parameters: Sequence[TwinParameters]) -> int:
-    """Checksum of what a saved state cannot change: geometries and thermal modes."""
-    known = [
-        (b.n_balls, b.d_ball, b.d_pitch, b.contact_angle, p.thermal_mode)
-        for p in parameters
-        for b in [p.bearing]
-    ]
-    return zlib.crc32(repr(known).encode())
-
-
-def warm_up(*, fleet: bool = False) -> None:
-    """
-    Compile, or load from the cache, everything that a running simulator calls.
-
-    With ``fleet`` also what a :class:`Fleet` calls.
-    """
-    from bearing_twin.dynamics.presets import preset
-
-    parameters = preset('incipient', thermal_mode='physical')
-    Simulator(parameters).advance(16, 30.0, 25.0)
-    if fleet:
-        from bearing_twin.dynamics.fleet import Fleet
-
-        Fleet([parameters]).advance(2561, 30.0, 25.0)  # beyond a thermal tick
-
-
-def check_speed(shaft_hz: float) -> float:
-    """Return the shaft speed in Hz if it is inside 0..500."""
-    if not 0.0 <= shaft_hz <= MAX_SHAFT_HZ:
-        msg = f'shaft_hz={shaft_hz} is outside 0..{MAX_SHAFT_HZ:g} Hz'
-        raise BearingTwinError(msg)
-    return float(shaft_hz)
+        inner_ring.carry(self._law, outer, hz, self._rings, self._drift, self.tick)

@@ -1,0 +1,217 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The arrays of a fleet, and one bearing put into its lane of them or taken out."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.dynamics import filters, laws, layout
+from bearing_twin.dynamics import fleet_layout as fl
+from bearing_twin.errors import BearingTwinError
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from bearing_twin.dynamics.parameters import TwinParameters
+    from bearing_twin.dynamics.simulator import Simulator
+
+__all__ = ['Lanes', 'check_defects']
+
+FloatArray = npt.NDArray[np.float64]
+Array = npt.NDArray[Any]
+
+_MOTION = slice(16)
+_SENSOR = slice(16, fl.STATE_ROWS)
+# Rows that are carried on: motion and sensor, and the rotated sines; phases and their speeds.
+_CARRIED = np.array([*range(fl.STATE_ROWS), fl.C, fl.S, fl.CS, fl.SS])
+_TURNED = np.array([0, 1, 2, fl.PHASE_ROWS, fl.PHASE_ROWS + 1, fl.PHASE_ROWS + 2])
+
+
+class Lanes:
+    """
+    What the kernel works on: groups of `fleet_layout.L` bearings, a lane each.
+
+    Idle lanes of the last group repeat the last bearing.
+
+    Parameters
+    ----------
+    parameters : sequence of TwinParameters
+        One set a bearing.
+    sample_rate
+        Output rate, Hz.
+
+    """
+
+    def __init__(self, parameters: Sequence[TwinParameters], sample_rate: float) -> None:
+        self._sample_rate = sample_rate
+        self.oversample = filters.oversampling(sample_rate)
+        self.step = 1.0 / (sample_rate * self.oversample)
+        groups = -(-len(parameters) // fl.L)
+        self.size = groups * fl.L
+        n_balls = _even(max(p.bearing.n_balls for p in parameters))
+        self.w = np.zeros((groups, fl.WORK_ROWS, fl.L), np.float32)
+        self.balls = np.zeros((groups, n_balls, fl.BALL_ROWS, fl.L), np.float32)
+        self.phases = np.zeros((groups, fl.PHASE_ROWS + 3, fl.L))
+        self.keys = np.zeros((groups, fl.L), np.uint64)
+        self.level = np.zeros((groups, fl.L), np.float32)
+        self.law = np.zeros((self.size, laws.LAW_SIZE))
+        self.values = np.zeros((self.size, laws.CONDITION_SIZE))
+        self.drift = np.zeros((self.size, 2, laws.INPUTS))
+        self.rings = np.full((self.size, 2), math.nan)
+        self.balls_in = np.zeros(groups, np.int64)
+        self.spalls_in = np.zeros(groups, np.int64)
+        self.smooth_in = np.zeros(groups, np.bool_)
+        # The decimator by the place of an internal sample within an output sample.
+        taps = filters.decimator(self.oversample)
+        self.delay = (len(taps) - 1) / 2.0 / self.oversample / sample_rate
+        padded = np.concatenate([np.zeros(self.oversample - 1), taps])
+        self.taps = padded.reshape(-1, self.oversample).T.ravel().astype(np.float32)
+        memory = (len(padded) // self.oversample - 1) * 2 * fl.L
+        self.history = np.zeros((groups, self.oversample, memory), np.float32)
+
+    @property
+    def most_balls(self) -> int:
+        """Most balls of a bearing that there is room for."""
+        return self.balls.shape[1]
+
+    def survey(self, parameters: Sequence[TwinParameters]) -> None:
+        """Find what the kernel has to do for each group."""
+        for group in range(len(self.w)):
+            members = parameters[group * fl.L : (group + 1) * fl.L]
+            self.balls_in[group] = _even(max(member.bearing.n_balls for member in members))
+            self.spalls_in[group] = max(len(member.defects) for member in members)
+            self.smooth_in[group] = any(
+                d.profile in ('halfsine', 'smooth') for member in members for d in member.defects
+            )
+
+    def motion(self, index: int, next_sample: int) -> FloatArray:
+        """State of one bearing in the layout of `kernel`, before its `kernel.start`."""
+        group, lane = divmod(index, fl.L)
+        state = np.zeros(layout.STATE_SIZE)
+        state[_MOTION] = self.w[group, _MOTION, lane]
+        phases = self.phases[group, :, lane]
+        since = next_sample % layout.CHUNK / self._sample_rate
+        state[layout.CAGE : layout.SPIN + 1] = (
+            phases[:3] + since * phases[fl.PHASE_ROWS : fl.PHASE_ROWS + 3]
+        ) % 1.0
+        angles = 2.0 * math.pi * state[[layout.CAGE, layout.SHAFT]]
+        state[[layout.CAGE_COS, layout.SHAFT_COS]] = np.cos(angles)
+        state[[layout.CAGE_SIN, layout.SHAFT_SIN]] = np.sin(angles)
+        return state
+
+    def seed(self, index: int) -> int:
+        """Seed of one bearing."""
+        return int(self.keys[divmod(index, fl.L)])
+
+    def quieten(self, index: int) -> None:
+        """Let the filters of one bearing begin anew."""
+        group, lane = divmod(index, fl.L)
+        self.w[group, _SENSOR, lane] = 0.0
+        self.history[group].reshape(self.oversample, -1, fl.L)[:, :, lane] = 0.0
+
+    def place(self, index: int, simulator: Simulator) -> None:
+        """Put one bearing into its lane; the filters' memory stays."""
+        p = simulator.parameters
+        snapshot = simulator.snapshot()
+        group, lane = divmod(index, fl.L)
+        spalls = snapshot.defects
+        w, const, state = self.w[group, :, lane], snapshot.const, snapshot.state
+        w[_MOTION] = state[_MOTION]
+        table = filters.resonator(p.resonance_hz, p.resonance_damping, self.step, 1)
+        w[fl.CONSTANTS : fl.CONSTANTS + fl.CONSTANT_ROWS] = (
+            1.0 / const[layout.MI], const[layout.KI], const[layout.CI], 1.0 / const[layout.MO],
+            const[layout.KO], const[layout.CO], const[layout.CB], const[layout.UNBALANCE],
+            *table.ravel(), p.bearing.n_balls,
+        )  # fmt: skip
+        w[fl.C], w[fl.S] = state[layout.CAGE_COS], state[layout.CAGE_SIN]
+        w[fl.CS], w[fl.SS] = state[layout.SHAFT_COS], state[layout.SHAFT_SIN]
+        n = p.bearing.n_balls
+        balls = self.balls[group, :, :, lane]
+        balls[:] = (0.0, 0.0, 1.0)
+        balls[:n] = snapshot.balls[:3, :n].T
+        phases = self.phases[group, :, lane]
+        since = simulator.next_sample % layout.CHUNK / simulator.sample_rate
+        hz, slip = simulator.shaft_hz, snapshot.values[laws.SLIP]
+        carried = hz * (1.0 - slip)
+        speeds = const[layout.FTF_ORDER] * carried, hz, const[layout.SPIN_ORDER] * carried
+        phases[:3] = state[layout.CAGE : layout.SPIN + 1] - since * np.array(speeds)
+        phases[fl.FTF_ORDER] = const[layout.FTF_ORDER]
+        phases[fl.SPIN_ORDER] = const[layout.SPIN_ORDER]
+        phases[fl.JITTER] = const[layout.JITTER]
+        self.level[group, lane] = const[layout.NOISE_STD]
+        self.keys[group, lane] = snapshot.seed
+        for slot in range(fl.MAX_SPALLS):
+            row = spalls[slot] if slot < len(spalls) else None
+            _place_spall(w, phases, slot, row, const, n)
+        self.law[index], self.values[index] = snapshot.law, snapshot.values
+        self.drift[index], self.rings[index] = snapshot.drift, snapshot.rings
+
+    def state(self) -> list[Array]:
+        """Motion, phases, decimators and inner rings; the first two are copies."""
+        return [
+            self.w[:, _CARRIED], self.phases[:, _TURNED], self.history, self.drift, self.rings
+        ]  # fmt: skip
+
+    def set_state(self, parts: Sequence[Array]) -> None:
+        """Take over what :meth:`state` returned."""
+        self.w[:, _CARRIED], self.phases[:, _TURNED] = parts[:2]
+        for mine, given in zip(self.state()[2:], parts[2:], strict=True):
+            mine[...] = given
+
+
+def check_defects(index: int, parameters: TwinParameters) -> None:
+    """Refuse more defects than a lane has slots for."""
+    if len(parameters.defects) > fl.MAX_SPALLS:
+        msg = (
+            f'bearing {index} of the fleet has {len(parameters.defects)} defects, more than '
+            f'{fl.MAX_SPALLS}; merge some, or use a Simulator for it'
+        )
+        raise BearingTwinError(msg)
+
+
+def _even(n_balls: int) -> int:
+    """Balls come in twos; one that is too many is too small to touch."""
+    return n_balls + n_balls % 2
+
+
+def _place_spall(
+    w: npt.NDArray[np.float32],
+    phases: FloatArray,
+    slot: int,
+    row: FloatArray | None,
+    const: FloatArray,
+    n_balls: int,
+) -> None:
+    """Fill one spall of a lane; None for a slot that is not used."""
+    at = fl.SPALLS + slot * fl.SPALL_ROWS
+    w[at : at + fl.SPALL_ROWS] = 0.0
+    w[at + fl.BALL] = -1.0
+    w[at + fl.HALF] = -1.0
+    w[at + fl.FIXED] = w[at + fl.ONLY] = -1.0
+    angle = fl.FIRST_ANGLE + 4 * slot
+    phases[angle : angle + 4] = 0.0
+    if row is None:
+        return
+    place = row[layout.PLACE]
+    on_ball = place == 2.0
+    radius = const[layout.R_INNER] if place == 0.0 else const[layout.R_OUTER]
+    w[at + fl.U_SCALE] = 2.0 if on_ball else n_balls
+    w[at + fl.METRES] = (
+        0.5 * math.pi * const[layout.D_BALL] if on_ball else 2.0 * math.pi * radius / n_balls
+    )
+    w[at + fl.FIXED] = row[layout.BALL] if on_ball else -1.0
+    inner, outer = row[layout.PATH_INNER], row[layout.PATH_OUTER]
+    w[at + fl.ONLY] = row[layout.BALL] if place == 3.0 else -1.0
+    w[at + fl.EVEN] = outer if place in (1.0, 3.0) else inner
+    w[at + fl.ODD] = outer
+    w[at + fl.KIND] = row[layout.PROFILE]
+    if row[layout.PROFILE] == 1.0:  # a rectangle is a path of endless curvature
+        w[at + fl.EVEN] = w[at + fl.ODD] = 1e30
+    w[at + fl.HALF], w[at + fl.FULL] = row[layout.HALF], row[layout.FULL_DEPTH]
+    # Cage, shaft and spin; an outer spall and a worn pocket follow the cage alone.
+    follows = {0.0: (1.0, -1.0, 0.0), 2.0: (0.0, 0.0, 1.0)}.get(place, (1.0, 0.0, 0.0))
+    phases[angle : angle + 4] = row[layout.ANGLE], *follows

@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The inner ring's temperature and what it makes of the inputs, in the physical mode.
+
+The inputs of the kernels are those of equal ring temperatures, ramped over a block, plus a drift:
+what the difference of the temperatures makes of them, known at the ticks of a fixed grid of
+samples and ramped from the last tick to the next. Ticks do not depend on the blocks, so neither do
+the bits.
+
+``rings``, float64[2], are the inner ring's temperatures at the last and the next tick, degC; NaN
+in the paper's mode. ``drift``, float64[2, INPUTS], is the addition to the inputs at the last tick,
+and its growth per output sample. A tick is ``tick`` samples.
+"""
+
+from __future__ import annotations
+
+import math
+
+from bearing_twin.dynamics import laws
+from bearing_twin.dynamics.compiled import compiled
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ['advance', 'advance_all', 'carry', 'settle', 'temperature', 'tick_length']
+
+FloatArray = npt.NDArray[np.float64]
+
+_TICK = 0.1
+"""Interval at which the temperature is advanced, s; its time constant is seconds."""
+
+
+def tick_length(sample_rate: float) -> int:
+    """Return the output samples of a tick."""
+    return max(1, round(_TICK * sample_rate))
+
+
+def temperature(rings: FloatArray, since_tick: int, tick: int) -> float:
+    """Temperature ``since_tick`` samples after the last tick, degC."""
+    return float(rings[0] + (rings[1] - rings[0]) * (since_tick / tick))
+
+
+def settle(law: FloatArray, outer: float, hz: float, rings: FloatArray, drift: FloatArray) -> None:
+    """Put the inner ring into its steady state; see the module for ``rings`` and ``drift``."""
+    rings[:] = math.nan
+    if law[laws.PHYSICAL] != 0.0:
+        rings[:] = laws.inner_temperature(law, outer, outer, hz, math.inf)
+    drift[0] = _difference(law, outer, rings[0], hz)
+    drift[1] = 0.0
+
+
+def carry(
+    law: FloatArray, outer: float, hz: float, rings: FloatArray, drift: FloatArray, tick: int
+) -> None:
+    """Go on from ``rings`` with another law."""
+    drift[0] = _difference(law, outer, rings[0], hz)
+    drift[1] = (_difference(law, outer, rings[1], hz) - drift[0]) / tick
+
+
+def advance(
+    law: FloatArray,
+    outer: float,
+    hz: float,
+    rings: FloatArray,
+    drift: FloatArray,
+    tick: int,
+    seconds: float,
+) -> None:
+    """One tick, of ``seconds``: the ring goes on towards its balance with outer ring and shaft."""
+    rings[0] = rings[1]
+    rings[1] = laws.inner_temperature(law, outer, rings[0], hz, seconds)
+    drift[0] += drift[1] * tick
+    drift[1] = (_difference(law, outer, rings[1], hz) - drift[0]) / tick
+
+
+@compiled()
+def _difference(law: FloatArray, outer: float, inner: float, hz: float) -> FloatArray:
+    """Return what an inner ring of another temperature adds to the inputs."""
+    apart, alike = np.empty(laws.CONDITION_SIZE), np.empty(laws.CONDITION_SIZE)
+    laws.evaluate(law, outer, inner, hz, apart)
+    laws.evaluate(law, outer, outer, hz, alike)
+    return apart[: laws.INPUTS] - alike[: laws.INPUTS]
+
+
+_advance = compiled()(advance)
+
+
+@compiled()
+def advance_all(
+    law: FloatArray,
+    outer: FloatArray,
+    hz: FloatArray,
+    rings: FloatArray,
+    drift: FloatArray,
+    tick: int,
+    seconds: float,
+) -> None:
+    """One tick of every bearing in the physical mode; arrays with the bearing first."""
+    for i in range(law.shape[0]):
+        if law[i, laws.PHYSICAL] != 0.0:
+            _advance(law[i], outer[i], hz[i], rings[i], drift[i], tick, seconds)

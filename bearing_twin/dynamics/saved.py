@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What encloses a saved state: kind and version, checksum, and whose it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, TYPE_CHECKING
+import zlib
+
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    import struct
+
+    from bearing_twin.dynamics.parameters import TwinParameters
+
+__all__ = ['Envelope', 'identity']
+
+_CHECKSUM = 4
+"""Bytes of the CRC-32 of all that follows it, little endian."""
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """One kind of saved states: a magic number, a checksum, fields of fixed size and a body."""
+
+    magic: bytes
+    """Kind and version."""
+    fields: struct.Struct
+    kind: str
+    """Whose state it is, for the errors."""
+
+    def seal(self, fields: Sequence[Any], body: bytes) -> bytes:
+        """Return the bytes of a saved state."""
+        packed = self.fields.pack(*fields)
+        checksum = zlib.crc32(body, zlib.crc32(packed))
+        return self.magic + checksum.to_bytes(_CHECKSUM, 'little') + packed + body
+
+    def open(self, data: bytes) -> tuple[tuple[Any, ...], bytes]:
+        """
+        Return fields and body of a saved state.
+
+        Raises
+        ------
+        BearingTwinError
+            If ``data`` is of another kind or version, truncated or damaged.
+
+        """
+        data = bytes(data)
+        if data[: len(self.magic)] != self.magic:
+            msg = (
+                f'saved state is not that of {self.kind} of this version of bearing_twin; '
+                'start without it'
+            )
+            raise BearingTwinError(msg)
+        head = len(self.magic) + _CHECKSUM
+        checksum = int.from_bytes(data[len(self.magic) : head], 'little')
+        if len(data) < head + self.fields.size or zlib.crc32(data[head:]) != checksum:
+            msg = f'saved state of {len(data)} bytes is truncated or damaged; start without it'
+            raise BearingTwinError(msg)
+        return self.fields.unpack_from(data, head), data[head + self.fields.size :]
+
+
+def identity(parameters: Sequence[TwinParameters]) -> int:
+    """Checksum of what a saved state cannot change: geometries and thermal modes."""
+    known = [
+        (b.n_balls, b.d_ball, b.d_pitch, b.contact_angle, p.thermal_mode)
+        for p in parameters
+        for b in [p.bearing]
+    ]
+    return zlib.crc32(repr(known).encode())

@@ -1,0 +1,23 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Compilation ahead of time."""
+
+from __future__ import annotations
+
+from bearing_twin.dynamics.fleet import Fleet
+from bearing_twin.dynamics.presets import preset
+from bearing_twin.dynamics.simulator import Simulator
+
+__all__ = ['warm_up']
+
+
+def warm_up(*, fleet: bool = False) -> None:
+    """
+    Compile, or load from the cache, everything that a running simulator calls.
+
+    With ``fleet`` also what a :class:`Fleet` calls.
+    """
+    parameters = preset('incipient', thermal_mode='physical')
+    Simulator(parameters).advance(16, 30.0, 25.0)
+    if fleet:
+        Fleet([parameters]).advance(16, 30.0, 25.0)
