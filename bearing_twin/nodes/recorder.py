@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 __all__ = ['RecorderNode', 'main']
 
 DISCOVERY_PERIOD = 0.25
+LOGGER = 'bearing_twin.recorder'
 
 
 class RecorderNode(ManagedNode):
@@ -95,13 +96,31 @@ class RecorderNode(ManagedNode):
         self._discover()
 
     def stop(self) -> None:
-        """Unsubscribe from everything."""
+        """Write what has arrived; unsubscribe from everything."""
         for timer in self._timers_of_recording:
             self.destroy_timer(timer)
+        self._take_what_waits()
         for subscription in self._subscriptions_of.values():
             self.destroy_subscription(subscription)
         self._subscriptions_of.clear()
+        if self._early:
+            self._lost += len(self._early)
+            get_logger(LOGGER).error(
+                f'{len(self._early)} messages are lost: there was no time on /clock for them'
+            )
+            self._early.clear()
         self._flush()
+
+    def _take_what_waits(self) -> None:
+        """Write what the middleware holds: their publishers believe that it has been received."""
+        for topic, subscription in self._subscriptions_of.items():
+            with subscription.handle:
+                # No more than can have waited: some publisher may go on without a pause.
+                for _ in range(SUBSCRIPTION_DEPTH):
+                    taken = subscription.handle.take_message(subscription.msg_type, True)
+                    if taken is None:
+                        break
+                    self._on_message(topic, *taken)
 
     def teardown(self) -> None:
         """Finish the recording."""
@@ -111,7 +130,7 @@ class RecorderNode(ManagedNode):
         self._watch.close()
         self._writer.close()
         # Not the node's logger: its /rosout may be gone by now.
-        get_logger('bearing_twin.recorder').info(
+        get_logger(LOGGER).info(
             f'{self._writer.path}: {self._writer.written} messages, '
             f'{self._writer.size / 1e6:.1f} MB, {self._writer.dropped} lost'
         )
@@ -161,6 +180,7 @@ class RecorderNode(ManagedNode):
     def _on_message(self, topic: str, cdr: bytes, info: MessageInfo) -> None:
         received = self._log_time(topic, info)
         if not received:
+            self._lost += len(self._early) == self._early.maxlen
             self._early.append((topic, cdr, info))
             return
         while self._early:
@@ -183,8 +203,7 @@ class RecorderNode(ManagedNode):
         type_name = self._types[topic]
         qos = self._qos.get(topic)
         if qos is None:
-            qos = offered_qos_yaml(self.get_publishers_info_by_topic(topic))
-            self._qos[topic] = qos
+            qos = self._qos[topic] = self._offered(topic)
         self._writer.write(
             topic,
             type_name,
@@ -194,6 +213,15 @@ class RecorderNode(ManagedNode):
             qos=qos,
         )
         self._watch.see(topic, type_name, cdr, received)
+
+    def _offered(self, topic: str) -> str:
+        try:
+            return offered_qos_yaml(self.get_publishers_info_by_topic(topic))
+        except Exception:
+            if self.context.ok():
+                raise
+            # Told to end: rclpy answers no more, and what has come is written nevertheless.
+            return ''
 
     def _on_lost(self, info: QoSMessageLostInfo) -> None:
         self._lost += info.total_count_change
