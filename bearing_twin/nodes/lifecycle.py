@@ -228,26 +228,56 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
 
 def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
     node: ManagedNode | None = None
+    interrupts = _note_interrupts()
     try:
         # Not as a context manager, which it is since Kilted only.
         rclpy.init(args=list(args) if args is not None else None)
         try:
-            node = node_class()  # type: ignore[call-arg]
+            if interrupts:
+                # Before rclpy listened.
+                raise ExternalShutdownException
+            node = _build(node_class)
             _work(node)
         finally:
-            _end_undisturbed()
             if node is not None:
                 node.shut_down()
             rclpy.try_shutdown()
-    except (KeyboardInterrupt, ExternalShutdownException):
+    except ExternalShutdownException:
         return 1 if node is not None and node.failed else 0
     except BearingTwinError as error:
         print(f'{_program(node_class)}: {error}', file=sys.stderr)
         return 1
     finally:
-        # rclpy has put Python's own handler back.
-        _end_undisturbed()
+        # Nothing is left to be interrupted but the way out.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
     return 1 if node.failed else 0
+
+
+def _note_interrupts() -> list[int]:
+    """
+    Let INT do what TERM does: rclpy ends the context, and everything looks at that.
+
+    Python would also raise KeyboardInterrupt between any two steps of any callback: in the middle
+    of a record that is being written, or of the work of ending that an earlier interrupt began.
+
+    Returns
+    -------
+    list
+        Filled with the signals that come.
+
+    """
+    came: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    return came
+
+
+def _build(node_class: type[ManagedNode]) -> ManagedNode:
+    try:
+        return node_class()  # type: ignore[call-arg]
+    except Exception:
+        if rclpy.ok():
+            raise
+        raise ExternalShutdownException from None
 
 
 def _program(node_class: type[ManagedNode]) -> str:
@@ -265,8 +295,3 @@ def _stray(words: Sequence[str]) -> str:
         else:
             return word
     return ''
-
-
-def _end_undisturbed() -> None:
-    """Ignore further interrupts: a second Ctrl-C, or the launcher's, must not tear a recording."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
