@@ -4,14 +4,23 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 from pathlib import Path
-import socket
 
 import pytest
 
 HERE = Path(__file__).resolve().parent
+FOREIGN = (
+    'FASTDDS_BUILTIN_TRANSPORTS',
+    'FASTDDS_DEFAULT_PROFILES_FILE',
+    'FASTRTPS_DEFAULT_PROFILES_FILE',
+    'ROS_DISCOVERY_SERVER',
+    'ROS_LOCALHOST_ONLY',
+    'ROS_STATIC_PEERS',
+)
+"""What a user may have set that reaches beyond this machine, or ties ROS to parts of it."""
 
 
 @pytest.fixture(scope='session')
@@ -30,40 +39,35 @@ def data_index(data_dir: Path) -> dict:
 
 
 @pytest.fixture(scope='session')
-def domain_ids():
-    """
-    Return ROS domains in which nobody is, each handed out once.
-
-    Domains up to 101 keep clear of other ports.
-    """
-    start = os.getpid() % 90
-    return (domain for k in range(100) if _deserted(domain := 1 + (start + k) % 100))
+def turns():
+    """Count the tests that ask for a ROS domain: each begins to look for one a step further."""
+    return itertools.count(os.getpid())
 
 
-def _deserted(domain: int) -> bool:
-    """
-    Tell whether no process of this machine is in a ROS domain: it would hold one of its ports.
+@pytest.fixture(scope='session')
+def compiled():
+    """Have the kernels of twin and fleet in the cache: a node's first start compiles for long."""
+    from bearing_twin.dynamics import preset, Simulator
+    from bearing_twin.dynamics.fleet import Fleet
 
-    RTPS 2.5, section 9.6.2.3: 7400 + 250 domain for all, 10 + 2 k above it for the k-th of them.
-    """
-    first = 7400 + 250 * domain
-    for port in (first, *range(first + 10, first + 42, 2)):
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            try:
-                probe.bind(('', port))
-            except OSError:
-                return False
-    return True
+    Simulator(preset('incipient')).advance(1024, 20.0, 25.0)
+    fleet = Fleet([preset('incipient')])
+    fleet.advance(1024, 20.0, 25.0)
+    fleet.condition(0)
 
 
 @pytest.fixture
-def ros_domain(domain_ids, monkeypatch, tmp_path) -> int:
+def ros_domain(compiled, turns, monkeypatch, tmp_path):
     """Give the test a domain, a log folder and a home of its own, on this machine only."""
-    domain = next(domain_ids)
-    monkeypatch.setenv('ROS_DOMAIN_ID', str(domain))
+    from bearing_twin.nodes.domain import own_domain
+
     monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    for name in FOREIGN:
+        monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv('ROS_HOME', str(tmp_path / 'ros_home'))
     monkeypatch.setenv('ROS_LOG_DIR', str(tmp_path / 'ros_log'))
     # Every message that the nodes fill is checked field by field.
     monkeypatch.setenv('ROS_PYTHON_CHECK_FIELDS', '1')
-    return domain
+    with own_domain(next(turns), listen=0.0) as domain:
+        monkeypatch.setenv('ROS_DOMAIN_ID', str(domain))
+        yield domain

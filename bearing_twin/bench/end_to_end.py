@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.convert import stamp_ns
-from bearing_twin.nodes.domain import quiet_domain
+from bearing_twin.nodes.domain import own_domain
 from bearing_twin.nodes.launching import local_environment, NodeProcesses
 from bearing_twin.recording.reader import read_messages
 import numpy as np
@@ -55,9 +55,9 @@ def live_run(
         ``lost_blocks``: published in that time but not in the recording.
 
     """
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory() as name, own_domain(os.getpid()) as domain:
         folder = Path(name)
-        environment = local_environment(quiet_domain(os.getpid()))
+        environment = local_environment(domain)
         with NodeProcesses(folder / 'logs', environment) as nodes:
             nodes.start(
                 'recorder',

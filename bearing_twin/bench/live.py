@@ -12,7 +12,7 @@ import time
 from bearing_twin.bench.end_to_end import cpu_seconds, wait_for
 from bearing_twin.dynamics import Fleet, preset
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.domain import quiet_domain
+from bearing_twin.nodes.domain import own_domain
 from bearing_twin.nodes.launching import local_environment, NodeProcesses
 from bearing_twin.recording.reader import read_messages
 
@@ -81,12 +81,12 @@ def _cost(*, diagnosis: bool) -> tuple[float, float]:
 
 def _fleet_share(count: int, *, diagnosis: bool) -> float:
     """Share of a core of a fleet of ``count``."""
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory() as name, own_domain(os.getpid()) as domain:
         folder = Path(name)
         parts = 'twin: {defect: inner}' + (', diagnosis: {}' if diagnosis else '')
         assets = '\n'.join(f'  bearing_{k}: {{{parts}}}' for k in range(count))
         (folder / 'assets.yaml').write_text(f'assets:\n{assets}\n')
-        environment = local_environment(quiet_domain(os.getpid()))
+        environment = local_environment(domain)
         with NodeProcesses(folder / 'logs', environment) as nodes:
             nodes.start('recorder', {'output': str(folder / 'bag')})
             nodes.start('fleet', {'assets_file': str(folder / 'assets.yaml')})

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from datetime import datetime
 import os
 from pathlib import Path
@@ -20,14 +21,15 @@ from bearing_twin.recording.reader import recording_info
 
 if TYPE_CHECKING:
     import argparse
+    from contextlib import AbstractContextManager
 
     from bearing_twin.recording.reader import RecordingInfo
 
 __all__ = ['configure', 'run']
 
 SLOWEST, FASTEST = 0.001, 1e6
-START_TIMEOUT = 90.0
-"""Time for four processes to come up, the kernel's first compilation included, s."""
+START_TIMEOUT = 300.0
+"""Longest time to come up: a slow machine that is busy compiles the kernel for minutes, s."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -57,12 +59,12 @@ def run(args: argparse.Namespace) -> int:
         msg = f'--rate {args.rate:g} is not within {SLOWEST:g}..{FASTEST:g}'
         raise BearingTwinError(msg)
     preset('incipient', defect=args.defect)
-    domain = _choose_domain(args.domain_id)
-    folder = make_folder(args.out)
     say = (lambda *_: None) if args.json else print
-    say(f'recording  {recording} ({info.duration:.0f} s at pace {args.rate:g})')
-    say(f'nodes      twin, diagnosis, recorder, replay in ROS domain {domain}')
-    _run_nodes(args, recording, info, folder, domain)
+    with _choose_domain(args.domain_id) as domain:
+        folder = make_folder(args.out)
+        say(f'recording  {recording} ({info.duration:.0f} s at pace {args.rate:g})')
+        say(f'nodes      twin, diagnosis, recorder, replay in ROS domain {domain}')
+        _run_nodes(args, recording, info, folder, domain)
     summary = summarise(folder, defect_places(args.defect))
     say()
     print(summary.to_json() if args.json else summary.to_text())
@@ -97,14 +99,14 @@ def make_folder(out: Path) -> Path:
         return folder
 
 
-def _choose_domain(asked: int | None) -> int:
+def _choose_domain(asked: int | None) -> AbstractContextManager[int]:
     os.environ.update(local_environment(0))
-    from bearing_twin.nodes.domain import check_domain, quiet_domain
+    from bearing_twin.nodes.domain import check_domain, own_domain
 
     if asked is None:
-        return quiet_domain(os.getpid())
+        return own_domain(os.getpid())
     check_domain(asked)
-    return asked
+    return nullcontext(asked)
 
 
 def _shipped_schedule() -> Path:

@@ -17,6 +17,7 @@ window, twin, recorder and DDS are those of every day.
 from __future__ import annotations
 
 import argparse
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass, field
 import json
 import math
@@ -27,7 +28,7 @@ import time
 from typing import TYPE_CHECKING
 
 from bearing_twin.nodes.convert import stamp_ns, time_message
-from bearing_twin.nodes.domain import quiet_domain
+from bearing_twin.nodes.domain import own_domain
 from bearing_twin.nodes.launching import local_environment, NodeProcesses
 from bearing_twin.nodes.qos import RESULT, STREAM
 from bearing_twin.recording.health import recording_health
@@ -336,15 +337,15 @@ def main() -> int:
     parser.add_argument('--minutes', type=float, default=math.inf, help='longest time it may take')
     args = parser.parse_args()
     args.folder.mkdir(parents=True)
-    domain = args.domain or quiet_domain(os.getpid())
-    report = soak(
-        args.hours * 3600.0,
-        args.pace,
-        args.folder,
-        domain=domain,
-        longest=args.minutes * 60.0,
-        show=True,
-    )
+    with nullcontext(args.domain) if args.domain else own_domain(os.getpid()) as domain:
+        report = soak(
+            args.hours * 3600.0,
+            args.pace,
+            args.folder,
+            domain=domain,
+            longest=args.minutes * 60.0,
+            show=True,
+        )
     (args.folder / 'soak.json').write_text(json.dumps(asdict(report)))
     print(summary(report))
     return 0
