@@ -119,8 +119,13 @@ class NodeProcesses:
         """Return the process id."""
         return self._processes[name].pid
 
-    def end(self, name: str, *, by: signal.Signals = signal.SIGINT, timeout: float = 15.0) -> int:
-        """End a process as a user would; return its exit status."""
+    def end(self, name: str, *, by: signal.Signals = signal.SIGINT, timeout: float = 60.0) -> int:
+        """
+        End a process as a user would; return its exit status.
+
+        One that has not ended after ``timeout`` (s) is killed: a recorder writes the end of its
+        recording, which a slow disk may take long for.
+        """
         process = self._processes.pop(name)
         if process.poll() is None:
             process.send_signal(by)
