@@ -1,6 +1,13 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Real nodes as processes, and a probe that talks to them over DDS as anybody would."""
+"""
+Real nodes as processes, and a probe that talks to them over DDS as anybody would.
+
+A machine that is busy with something else may hold up any process at any point. So a test waits
+for what it means instead of for a time, simulated time goes on when the nodes have followed it,
+what must not be lost on the way is sent reliably through queues that hold all of it, and blocks
+that a twin gives up because it comes too late are counted instead of forbidden.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +15,11 @@ import os
 import time
 
 from bearing_twin.nodes.launching import NodeProcesses
+from block_streams import block_end
 import pytest
 
-TIMEOUT = 40.0
+TIMEOUT = 120.0
+"""After it a test gives up; nothing is said by it of how long anything may take, s."""
 
 
 class Probe:
@@ -26,6 +35,7 @@ class Probe:
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
         self.statuses = {}
+        self.clocks = {}
         self._publishers = {}
         self._clients = {}
 
@@ -41,13 +51,15 @@ class Probe:
         return messages
 
     def watch_diagnostics(self):
-        """Keep the latest status of every part in ``statuses``, values as a dict."""
+        """Keep the latest status of every part in ``statuses``, each node's time in ``clocks``."""
         from diagnostic_msgs.msg import DiagnosticArray
 
         def keep(array):
             for status in array.status:
                 values = {item.key: item.value for item in status.values}
                 self.statuses[status.name] = (status.level, status.message, values)
+                stamp = array.header.stamp
+                self.clocks[status.name.split(':')[0]] = stamp.sec + stamp.nanosec * 1e-9
 
         self.node.create_subscription(DiagnosticArray, '/diagnostics', keep, 100)
 
@@ -85,6 +97,50 @@ class Probe:
         self.until(future.done, f'the answer of {name}')
         return future.result()
 
+    def run_clock(self, begin, end, streams, each=lambda: None):
+        """
+        Publish /clock from ``begin`` to ``end`` (s) in steps of 10 ms, ``each`` after every one.
+
+        ``streams`` holds for each node the list of its blocks. Time begins when all know of it,
+        and goes on when they have sent the blocks of all but the last 0.15 s: a timer may lie
+        0.04 s behind the clock, and a fleet spreads what it sends over as much.
+        """
+        from builtin_interfaces.msg import Time
+        from rosgraph_msgs.msg import Clock
+
+        def tell(tick):
+            reading = Time(sec=tick // 100, nanosec=tick % 100 * 10**7)
+            self.publish('/clock', Clock(clock=reading))
+
+        def followed(now):
+            return now < begin + 0.2 or all(
+                blocks and abs(now - block_end(blocks[-1])) < 0.15 for blocks in streams.values()
+            )
+
+        first, last = round(begin * 100), round(end * 100)
+        # Nobody asks for a lost /clock again: it is told until it is heard.
+        self.until(
+            lambda: all(self.clocks.get(node) == begin for node in streams),
+            f'the clock of {begin} s',
+            every=lambda: tell(first),
+        )
+        for tick in range(first, last + 1):
+            tell(tick)
+            each()
+            self.until(
+                lambda now=tick / 100: followed(now),
+                f'the blocks until {tick / 100} s',
+                every=lambda tick=tick: tell(tick),
+            )
+
+    def until_still(self, node):
+        """Wait until a node says that its clock stands still, and what it sent before is in."""
+        name = f'{node}: real time'
+        self.until(
+            lambda: 'stands still' in self.statuses.get(name, ('', ''))[1], 'the standing clock'
+        )
+        self.spin(0.5)
+
     def set_parameters(self, node, **values):
         """Set parameters as one change; return (accepted, reason)."""
         from rcl_interfaces.srv import SetParametersAtomically
@@ -119,6 +175,10 @@ class Probe:
         from lifecycle_msgs.srv import GetState
 
         return self.call(GetState, f'{node}/get_state').current_state.label
+
+    def until_active(self, node):
+        """Wait until a node works: it is seen, and has a status, while it still compiles."""
+        self.until(lambda: self.state(node) == 'active', f'{node} at work')
 
 
 @pytest.fixture

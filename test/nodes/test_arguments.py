@@ -22,7 +22,7 @@ def test_a_node_refuses_what_it_cannot_take(ros_domain, words, status, text):
         [sys.executable, '-m', 'bearing_twin', 'run', 'twin', *words],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=120,
         check=False,
     )
     assert ran.returncode == status
@@ -42,7 +42,7 @@ def test_a_picture_is_kept_and_what_is_live_is_not(tmp_path, capsys):
 @pytest.mark.ros
 def test_simulated_time_is_not_switched_on_under_a_running_node(nodes, probe):
     nodes.start('twin', {})
-    probe.until(lambda: probe.state('/twin') == 'active', 'the twin')
+    probe.until_active('/twin')
     accepted, reason = probe.set_parameters('/twin', use_sim_time=True)
     assert not accepted
     assert 'use_sim_time' in reason

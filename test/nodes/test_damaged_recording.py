@@ -24,7 +24,7 @@ def test_a_damaged_recording_ends_the_replay_with_an_error(nodes, tmp_path):
     recording.write_bytes(data)
 
     nodes.start('replay', {'recording': str(recording), 'wait_for_subscribers': 0.0})
-    assert nodes.wait('replay', 60.0) == 1
+    assert nodes.wait('replay', 120.0) == 1
     log = (tmp_path / 'logs' / 'replay.log').read_text()
     assert 'replaying' in log
     assert 'Traceback' not in log

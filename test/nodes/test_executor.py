@@ -10,7 +10,6 @@ rclpy = pytest.importorskip('rclpy', reason='ROS 2 is not installed')
 trigger = pytest.importorskip('std_srvs.srv', reason='std_srvs is not installed').Trigger
 
 from bearing_twin.nodes.executor import LeanExecutor, RARE_PERIOD  # noqa: E402
-import numpy as np  # noqa: E402
 from rclpy.context import Context  # noqa: E402
 from rclpy.service import Service  # noqa: E402
 
@@ -26,30 +25,28 @@ class Counting(LeanExecutor):
         return allowed
 
 
-def test_services_are_answered_between_the_beats_of_a_fast_timer():
+@pytest.mark.ros
+def test_services_are_answered_between_the_beats_of_a_fast_timer(ros_domain):
     context = Context()
     rclpy.init(args=[], context=context)
     try:
         node = rclpy.create_node('beats', context=context)
         executor = Counting(context=context)
         executor.add_node(node)
-        beats, answers = [], []
-        node.create_timer(0.005, lambda: beats.append(time.monotonic()))
+        beats = []
+        node.create_timer(0.005, lambda: beats.append(executor.looks))
         node.create_service(trigger, '~/ask', lambda _, response: response)
         client = node.create_client(trigger, '~/ask')
-        assert client.wait_for_service(10.0)
+        assert client.wait_for_service(60.0)
         began = time.monotonic()
-        while time.monotonic() - began < 1.0:
-            asked = time.monotonic()
+        for _ in range(10):
             future = client.call_async(trigger.Request())
-            while not future.done() and time.monotonic() - asked < 5.0:
+            while not future.done():
                 executor.spin_once()
-            answers.append(time.monotonic() - asked)
-        assert np.median(answers) < 2.0 * RARE_PERIOD
-        assert max(answers) < 5.0
-        assert len(beats) > 5 * executor.looks
-        # Each wait for the timer would look at the service otherwise.
-        assert executor.looks <= (time.monotonic() - began) / RARE_PERIOD + 2
+        # As often as there is something to look at, each of the waits for the timer would look.
+        assert 10 <= executor.looks <= (time.monotonic() - began) / RARE_PERIOD + 2
+        # The timer goes on meanwhile: each time it is looked at, and between the looks.
+        assert len(set(beats)) >= 9
         executor.shutdown()
         node.destroy_node()
     finally:

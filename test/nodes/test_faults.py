@@ -4,15 +4,14 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 import os
 from pathlib import Path
 import signal
 import subprocess
 import sys
-import time
 
-from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Vibration
+from bearing_twin_msgs.msg import Checkpoint, Diagnosis, TwinState, Vibration
+from block_streams import check_complete, DEEP
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import Temperature
@@ -26,8 +25,11 @@ import rclpy
 from bearing_twin_msgs.msg import Vibration
 rclpy.init()
 node = rclpy.create_node('slow')
-node.create_subscription(Vibration, 'vibration', lambda _: None, 50)
-print('listening', flush=True)
+heard = []
+node.create_subscription(Vibration, 'vibration', heard.append, 50)
+while not heard:
+    rclpy.spin_once(node)
+print('hearing', flush=True)
 rclpy.spin(node)
 """
 
@@ -46,9 +48,10 @@ def test_killed_twin_and_killed_diagnosis(nodes, probe, tmp_path):
     diagnosis['state_directory'] = str(tmp_path / 'states')
     nodes.start('recorder', {'output': str(tmp_path / 'bag')})
     nodes.start('diagnosis', diagnosis)
-    nodes.start('twin', {'defect': 'outer'})
+    nodes.start('twin', {'defect': 'outer', **DEEP})
     probe.watch_diagnostics()
     verdicts = probe.collect(Diagnosis, 'diagnosis')
+    states = probe.collect(TwinState, 'twin_state')
     blocks = probe.collect(Vibration, 'vibration')
     probe.until(lambda: len(verdicts) > 3, 'verdicts')
 
@@ -57,7 +60,7 @@ def test_killed_twin_and_killed_diagnosis(nodes, probe, tmp_path):
     probe.until(lambda: probe.statuses[vibration][0] != OK, 'the silence on /diagnostics')
     assert nodes.running('diagnosis')
     assert nodes.running('recorder')
-    nodes.start('twin', {'defect': 'outer'})
+    nodes.start('twin', {'defect': 'outer', **DEEP})
     count = len(verdicts)
     probe.until(lambda: len(verdicts) > count + 3, 'verdicts on the new twin')
     probe.until(lambda: probe.statuses[vibration][0] == OK, 'the input well again')
@@ -67,9 +70,9 @@ def test_killed_twin_and_killed_diagnosis(nodes, probe, tmp_path):
     state = tmp_path / 'states' / 'line3'
     probe.until(state.exists, 'a saved state')
     kill(nodes, 'diagnosis')
-    del blocks[:]
-    probe.until(lambda: len(blocks) > 30, 'blocks while there is no diagnosis')
-    assert all(a.first_sample + 1024 == b.first_sample for a, b in pairwise(blocks))
+    del blocks[:], states[:]
+    probe.until(lambda: len(blocks) > 30 and states, 'blocks while there is no diagnosis')
+    check_complete(states, blocks)
     nodes.start('diagnosis', diagnosis)
     count = len(verdicts)
     probe.until(lambda: len(verdicts) > count, 'verdicts of the new diagnosis')
@@ -82,21 +85,20 @@ def test_killed_twin_and_killed_diagnosis(nodes, probe, tmp_path):
 
 def test_subscribers_that_stop_come_late_or_are_not_alone(nodes, probe, tmp_path):
     nodes.start('diagnosis', {'bearing': '6307', 'window': 2.0})
-    nodes.start('twin', {'checkpoint_period': 2.0})
+    nodes.start('twin', {'checkpoint_period': 2.0, **DEEP})
     probe.watch_diagnostics()
-    real_time = 'twin: real time'
-    probe.until(lambda: real_time in probe.statuses, 'the twin')
+    probe.until_active('twin')
 
     # A subscriber that is stopped for as long as several times the depth of the queues.
     slow = subprocess.Popen(
         [sys.executable, '-c', LISTENER], stdout=subprocess.PIPE, text=True, env=os.environ
     )
     try:
-        assert slow.stdout.readline() == 'listening\n'
-        time.sleep(1.0)
+        assert slow.stdout.readline() == 'hearing\n'
         slow.send_signal(signal.SIGSTOP)
         before = resident(nodes.pid('twin'))
         blocks = probe.collect(Vibration, 'vibration')
+        states = probe.collect(TwinState, 'twin_state')
         # Meanwhile a temperature at 1 kHz, and one that joins late.
         for k in range(3000):
             message = Temperature(temperature=20.0 + 0.03 * k)
@@ -104,7 +106,7 @@ def test_subscribers_that_stop_come_late_or_are_not_alone(nodes, probe, tmp_path
             message.header.stamp.nanosec = k % 1000 * 1_000_000
             probe.publish('temperature', message)
             probe.spin(0.001)
-        probe.spin(3.0)
+        probe.until(lambda: len(blocks) > 150, 'blocks while one subscriber stands still')
         late = []
         probe.node.create_subscription(
             Checkpoint,
@@ -114,9 +116,7 @@ def test_subscribers_that_stop_come_late_or_are_not_alone(nodes, probe, tmp_path
         )
         probe.until(lambda: late, 'the checkpoint published before')
         assert resident(nodes.pid('twin')) - before < 30_000_000
-        assert len(blocks) > 100
-        assert all(a.first_sample + 1024 == b.first_sample for a, b in pairwise(blocks))
-        assert probe.statuses[real_time][2]['blocks dropped'] == '0'
+        check_complete(states, blocks)
     finally:
         slow.send_signal(signal.SIGCONT)
         slow.terminate()
@@ -125,12 +125,13 @@ def test_subscribers_that_stop_come_late_or_are_not_alone(nodes, probe, tmp_path
     # A second twin on the same topic: one of them is diagnosed, the other is ignored and counted.
     nodes.start('twin', {'defect': 'outer'}, name='second', ros=('-r', '__node:=second'))
     name = 'diagnosis: vibration input'
-    probe.until(lambda: probe.statuses[name][0] != OK, 'the second source')
-    text = f'{probe.statuses[name][1]} {probe.statuses[name][2]}'
-    assert 'source' in text or 'ignored' in text
+    probe.until(lambda: 'several sources' in probe.statuses[name][1], 'the second source')
+    assert int(probe.statuses[name][2]['blocks of other sources']) > 0
     verdicts = probe.collect(Diagnosis, 'diagnosis')
     probe.until(lambda: len(verdicts) > 2, 'verdicts on one of the two')
-    assert not any(v.result == Diagnosis.OUTER for v in verdicts)
+    if any(v.result == Diagnosis.OUTER for v in verdicts):
+        # The first was held up for so long that it counted as silent, and that is said.
+        assert int(probe.statuses[name][2]['restarts of the source']) > 0
     assert nodes.end('second') == 0
     assert nodes.end('twin') == 0
     assert nodes.end('diagnosis') == 0

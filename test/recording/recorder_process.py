@@ -5,11 +5,17 @@
 from __future__ import annotations
 
 import array
+import copy
+from pathlib import Path
+import shutil
+import tempfile
 import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.nodes.convert import time_message
 from bearing_twin.nodes.qos import RESULT, STREAM
+from bearing_twin.recording.reader import recording_info
+from bearing_twin.recording.recover import recover
 from bearing_twin_msgs.msg import Vibration
 from diagnostic_msgs.msg import DiagnosticArray
 import rclpy
@@ -20,12 +26,37 @@ from std_srvs.srv import Trigger
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from bearing_twin.recording.reader import RecordingInfo
+    from rclpy.publisher import Publisher
+
 BLOCK = 1024
 PERIOD = BLOCK / 25600.0
+TIMEOUT = 120.0
+"""After it a test gives up; nothing is said by it of how long anything may take, s."""
+KEPT = 1000
+"""Blocks that a source keeps for whoever has not taken them, unless told otherwise."""
+
+
+def on_disk(bag: Path) -> RecordingInfo:
+    """Return what a crash would leave now of a bag that is being written."""
+    with tempfile.TemporaryDirectory() as folder:
+        copy_of_now, saved = Path(folder) / 'now', Path(folder) / 'saved'
+        shutil.copytree(bag, copy_of_now)
+        recover(copy_of_now, saved)
+        return recording_info(saved)
 
 
 class Source:
-    """Publishes blocks in real time, and listens to /diagnostics."""
+    """
+    Publishes blocks in real time, and listens to /diagnostics.
+
+    It keeps every block that a test sends, so that one is missing in a recording only if the
+    recorder has lost it.
+    """
+
+    def __init__(self, kept: int = KEPT) -> None:
+        self._qos = copy.copy(STREAM)
+        self._qos.depth = kept
 
     def __enter__(self) -> Source:
         self._context = rclpy.Context()
@@ -33,11 +64,13 @@ class Source:
         self.node = rclpy.create_node('source', context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
-        self._vibration = self.node.create_publisher(Vibration, 'vibration', STREAM)
+        self._vibration = self.node.create_publisher(Vibration, 'vibration', self._qos)
         self.statuses: dict[str, Any] = {}
+        self.clocks: dict[str, int] = {}
+        """Time of each node by its own clock when it reported last, s."""
         self.node.create_subscription(DiagnosticArray, '/diagnostics', self._listen, RESULT)
         self.sent: list[tuple[int, int]] = []
-        """Running block number and time of sending, ns."""
+        """Of each block: times right before and after it was sent, ns; the first is its stamp."""
         self._due = time.monotonic()
         return self
 
@@ -49,6 +82,7 @@ class Source:
     def _listen(self, message: DiagnosticArray) -> None:
         for status in message.status:
             self.statuses[status.name] = status
+            self.clocks[status.name.split(':')[0]] = message.header.stamp.sec
 
     def publish_for(self, seconds: float) -> None:
         """Publish a block each 40 ms, and listen meanwhile."""
@@ -68,43 +102,45 @@ class Source:
         )
         message.header.stamp = time_message(stamp)
         self._vibration.publish(message)
-        self.sent.append((index, stamp))
+        self.sent.append((stamp, time.time_ns()))
 
-    def wait_for(self, status: str, timeout: float = 90.0) -> None:
+    def wait_for(self, status: str) -> None:
         """Wait, without publishing, until a part of a node has reported."""
-        end = time.monotonic() + timeout
-        while status not in self.statuses:
-            assert time.monotonic() < end, f'{status} did not report within {timeout} s'
-            self._executor.spin_once(timeout_sec=0.05)
+        self.wait_until(lambda: status in self.statuses, f'a report of {status}')
 
     def settle(self) -> None:
-        """Wait, without publishing, until what was sent has arrived."""
-        self._vibration.wait_for_all_acked(Duration(seconds=10))
-        time.sleep(1.0)
+        """Wait, without publishing, until what was sent has arrived at those who listen."""
+        assert self._vibration.wait_for_all_acked(Duration(seconds=TIMEOUT))
         self._due = time.monotonic()
 
-    def publish_until(self, ready: Callable[[], bool], timeout: float = 30.0) -> None:
+    def publish_until(self, ready: Callable[[], bool]) -> None:
         """Publish until something is so."""
-        end = time.monotonic() + timeout
+        end = time.monotonic() + TIMEOUT
         while not ready():
-            assert time.monotonic() < end, f'not so within {timeout} s'
+            assert time.monotonic() < end, f'not so within {TIMEOUT} s'
             self.publish_for(0.2)
 
     def wait_for_recorder(self, *, recorders: int = 1) -> None:
         """Wait, without publishing, until so many listen."""
-        end = time.monotonic() + 30.0
-        while self._vibration.get_subscription_count() < recorders:
-            assert time.monotonic() < end, f'{recorders} recorders did not come up within 30 s'
-            self._executor.spin_once(timeout_sec=0.05)
+        self.wait_for_subscribers(self._vibration, recorders)
         self._due = time.monotonic()
+
+    def wait_for_subscribers(self, publisher: Publisher[Any], count: int = 1) -> None:
+        """Wait, without publishing blocks, until so many listen to a publisher."""
+        self.wait_until(lambda: publisher.get_subscription_count() >= count, 'who listens')
+
+    def wait_until(self, ready: Callable[[], bool], what: str = 'it') -> None:
+        """Wait, without publishing blocks, until something is so."""
+        end = time.monotonic() + TIMEOUT
+        while not ready():
+            assert time.monotonic() < end, f'{what} did not come within {TIMEOUT} s'
+            self._executor.spin_once(timeout_sec=0.05)
 
     def call(self, service: str) -> Any:
         """Call a Trigger service."""
         client = self.node.create_client(Trigger, service)
-        assert client.wait_for_service(10.0)
+        assert client.wait_for_service(TIMEOUT)
         future = client.call_async(Trigger.Request())
-        end = time.monotonic() + 10.0
-        while not future.done() and time.monotonic() < end:
-            self._executor.spin_once(timeout_sec=0.05)
+        self.wait_until(future.done, f'the answer of {service}')
         self.node.destroy_client(client)
         return future.result()

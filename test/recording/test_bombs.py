@@ -54,7 +54,7 @@ def read(path: Path) -> str:
         capture_output=True,
         text=True,
         cwd=Path(__file__).parents[2],
-        timeout=60,
+        timeout=120,
         check=False,
     )
     assert ran.returncode == 0, ran.stderr[-2000:]

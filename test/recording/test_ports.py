@@ -9,6 +9,7 @@ from pathlib import Path
 
 from bearing_twin.nodes.launching import NodeProcesses
 from bearing_twin.recording.reader import recording_info
+from bearing_twin.view.viewer import free_port
 import psutil
 import pytest
 from recorder_process import Source
@@ -24,7 +25,7 @@ def test_with_the_profile_every_port_is_bound_to_this_machine(
     ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv('FASTDDS_DEFAULT_PROFILES_FILE', str(PROFILE))
-    port = 9000 + os.getpid() % 999
+    port = free_port()
     with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'bag'), 'rerun_port': port})
         source.wait_for_recorder()

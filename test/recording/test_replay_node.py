@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.nodes.launching import NodeProcesses
 from bearing_twin.recording.reader import read_messages
 import pytest
-from recorder_process import Source
+from recorder_process import Source, TIMEOUT
 from recording_samples import PERIOD, write_blocks
 
 if TYPE_CHECKING:
@@ -32,21 +32,24 @@ def test_replayed_and_recorded_again_the_bytes_are_the_same(
         source.wait_for_recorder()
         parameters = {
             'recording': str(tmp_path / 'run'),
-            'rate': 2.0,
+            'rate': 0.5,
             'topics': ['/vibration'],
             'remap': ['/vibration:=/line3/vibration'],
             'clock_rate': 100.0,
-            'wait_for_subscribers': 10.0,
+            'wait_for_subscribers': TIMEOUT,
+            'start_paused': True,
         }
         nodes.start('replay', parameters)
-        assert nodes.wait('replay', 60.0) == 0
-        source.settle()
+        # It waits for those who listen to what it replays, and not for those of its clock.
+        source.wait_until(lambda: source.node.count_subscribers('/clock') > 0)
+        assert source.call('/replay/resume').success
+        assert nodes.wait('replay', TIMEOUT) == 0
         assert nodes.end('recorder') == 0
     again = list(read_messages(tmp_path / 'again', topics=['/line3/vibration']))
     assert [m.cdr for m in again] == written
-    # At twice the pace; a busy machine may stretch it, nothing may shorten it.
+    # At half the pace; a busy machine may stretch it, nothing may shorten it.
     took = again[-1].publish_time - again[0].publish_time
-    assert took >= 0.95 * 74 * PERIOD / 2
+    assert took >= 0.95 * 74 * PERIOD / 0.5
     clock = [m.decode().clock for m in read_messages(tmp_path / 'again', topics=['/clock'])]
     times = [c.sec * 10**9 + c.nanosec for c in clock]
     recorded = [m.log_time for m in read_messages(tmp_path / 'run', topics=['/vibration'])]
@@ -64,7 +67,7 @@ def test_paused_stepped_resumed(ros_domain: int, tmp_path: Path) -> None:
         assert '/vibration' in step.message
         assert '/temperature' in source.call('/replay/step').message
         assert source.call('/replay/resume').success
-        assert nodes.wait('replay', 60.0) == 0
+        assert nodes.wait('replay', TIMEOUT) == 0
     log = (tmp_path / 'logs' / 'replay.log').read_text()
     assert '50 messages' in log
     assert 'the recording has ended' in log
@@ -77,7 +80,7 @@ def test_command_line(ros_domain: int, tmp_path: Path) -> None:
         [*words, tmp_path / 'run', '--rate', '10', '--topics', '/temperature'],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=TIMEOUT,
         check=False,
     )
     assert ran.returncode == 0
@@ -95,7 +98,7 @@ def test_command_line(ros_domain: int, tmp_path: Path) -> None:
         ([tmp_path / 'run', '--offline'], 'name it with -o'),
     ):
         ran = subprocess.run(
-            [*words, *wrong], capture_output=True, text=True, timeout=60, check=False
+            [*words, *wrong], capture_output=True, text=True, timeout=TIMEOUT, check=False
         )
         assert ran.returncode == 1
         assert text in ran.stderr + ran.stdout

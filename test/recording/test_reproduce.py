@@ -8,6 +8,7 @@ from importlib import import_module
 import os
 import signal
 import threading
+import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.cli import main
@@ -24,7 +25,7 @@ from bearing_twin.recording.writer import RecordingWriter
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
-from recorder_process import Source
+from recorder_process import Source, TIMEOUT
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -202,8 +203,13 @@ def test_an_interrupted_run_is_a_sound_recording(
     source, target = tmp_path / 'long.mcap', tmp_path / 'cut'
     times, temperatures = paper_schedule(3600.0)
     write_temperature_recording(source, times, temperatures, source='test')
-    interrupt = threading.Timer(1.5, signal.raise_signal, [signal.SIGINT])
-    interrupt.start()
+
+    def interrupt() -> None:
+        while not target.exists() or sum(p.stat().st_size for p in target.iterdir()) < 1e6:
+            time.sleep(0.01)
+        signal.raise_signal(signal.SIGINT)
+
+    threading.Thread(target=interrupt, daemon=True).start()
     assert main(['replay', '--offline', str(source), '-o', str(target)]) == 130
     said = capsys.readouterr()
     assert 'of 3600.0 s, where it was stopped' in said.out
@@ -231,7 +237,7 @@ def test_a_live_run_is_reproduced_offline(ros_domain: int, tmp_path: Path, sched
         # Blocks before the recorder had found the twin are lost; a reset gives a checkpoint now.
         assert source.call('/twin/reset').success
         nodes.start('replay', {'recording': str(schedule)})
-        assert nodes.wait('replay', 60.0) == 0
+        assert nodes.wait('replay', TIMEOUT) == 0
         for name in ('twin', 'diagnosis', 'recorder'):
             assert nodes.end(name) == 0
     result = reproduce(tmp_path / 'bag')

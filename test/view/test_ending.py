@@ -6,13 +6,16 @@ import subprocess
 import sys
 
 PROGRAM = """
-import atexit, sys, threading, time
+import atexit, sys, threading
 from bearing_twin.view.ending import leave, SERVING
 
 atexit.register(print, 'torn down')
-threading.Thread(target=time.sleep, args=(0.0 if sys.argv[1] == 'done' else 60.0,),
-                 name=SERVING, daemon=True).start()
-time.sleep(0.1)
+done = threading.Event()
+thread = threading.Thread(target=done.wait, name=SERVING, daemon=True)
+thread.start()
+if sys.argv[1] == 'done':
+    done.set()
+    thread.join()
 print('finished')
 leave(3)
 assert 'rerun' not in sys.modules
@@ -23,7 +26,7 @@ sys.exit(4)
 def outcome(state):
     """Return status and output of a process whose thread is done or waits."""
     done = subprocess.run(
-        [sys.executable, '-c', PROGRAM, state], capture_output=True, text=True, timeout=30
+        [sys.executable, '-c', PROGRAM, state], capture_output=True, text=True, timeout=120
     )
     return done.returncode, done.stdout
 
