@@ -16,46 +16,50 @@ __all__ = ['ahead']
 T = TypeVar('T')
 
 
-def ahead(items: Iterable[T], *, depth: int) -> Iterator[T]:
+def ahead(items: Iterable[T], *, depth: int, batch: int) -> Iterator[T]:
     """
     Yield ``items`` while a thread computes up to ``depth`` of them in advance.
 
+    They change hands ``batch`` at a time: each time may cost both threads a wait for the other.
     An exception that ``items`` raises is raised here after what came before it. Leaving the
     iteration early ends the thread.
     """
-    results: queue.Queue[tuple[bool, T | BaseException | None]] = queue.Queue(depth)
+    results: queue.Queue[tuple[list[T], bool, BaseException | None]]
+    results = queue.Queue(max(depth // batch, 1))
     left = threading.Event()
 
-    def put(entry: tuple[bool, T | BaseException | None]) -> None:
+    def put(part: list[T], *, last: bool, error: BaseException | None = None) -> None:
         while not left.is_set():
             try:
-                results.put(entry, timeout=0.1)
+                results.put((part, last, error), timeout=0.1)
             except queue.Full:
                 continue
             return
 
     def work() -> None:
+        part: list[T] = []
+        error = None
         try:
             for item in items:
-                put((True, item))
+                part.append(item)
+                if len(part) == batch:
+                    put(part, last=False)
+                    part = []
                 if left.is_set():
                     return
-        except BaseException as error:
-            put((False, error))
-        else:
-            put((False, None))
+        except BaseException as raised:
+            error = raised
+        put(part, last=True, error=error)
 
     thread = threading.Thread(target=work, name='ahead', daemon=True)
     thread.start()
     try:
-        while True:
-            more, item = results.get()
-            if more:
-                yield item  # type: ignore[misc]
-            elif item is None:
-                return
-            else:
-                raise item  # type: ignore[misc]
+        last = False
+        while not last:
+            part, last, error = results.get()
+            yield from part
+            if error is not None:
+                raise error
     finally:
         left.set()
         thread.join()

@@ -53,25 +53,18 @@ class Output(NamedTuple):
     cdr: bytes
 
 
-class _Fields:
-    """A ROS message as rosbags serialises it: with its sequences of numbers as numpy arrays."""
-
-    __slots__ = ('_message',)
-
-    def __init__(self, message: Any) -> None:
-        self._message = message
-
-    def __getattr__(self, name: str) -> Any:
-        value = getattr(self._message, name)
-        return np.asarray(value) if isinstance(value, array.array) else value
-
-
 def _output(topic: str, message: Any) -> Output:
     """Serialise a message as :func:`canonical_cdr` would make it of the bytes rclpy makes."""
     kind = type(message)
     type_name = f'{kind.__module__.split(".")[0]}/msg/{kind.__name__}'
     store = store_from_text(type_name, message_schema(type_name).text)
-    return Output(topic, type_name, bytes(store.serialize_cdr(_Fields(message), type_name)))
+    # Each field is read once, into the plain object that rosbags serialises: it asks for some of
+    # them twice, and rclpy's are properties. Sequences of numbers it takes as numpy arrays.
+    values = [getattr(message, name) for name, _ in store.fielddefs[type_name][1]]
+    plain = store.types[type_name](
+        *[np.asarray(value) if isinstance(value, array.array) else value for value in values]
+    )
+    return Output(topic, type_name, bytes(store.serialize_cdr(plain, type_name)))
 
 
 def configuration_values(text: str) -> dict[str, Any]:

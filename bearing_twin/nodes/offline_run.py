@@ -38,13 +38,18 @@ __all__ = ['OfflineReport', 'run_offline']
 NANO = 1_000_000_000
 TEMPERATURE = 'sensor_msgs/msg/Temperature'
 JOINTS = 'sensor_msgs/msg/JointState'
-AHEAD = 200
-"""Blocks that the twin may be ahead of the diagnosis."""
+AHEAD, BATCH = 200, 25
+"""Blocks that the twin may be ahead of the diagnosis, and that it hands over at a time."""
 
 
 def workers() -> int:
-    """Threads that analyse windows: one a processor but the twin's; more than 4 wait for it."""
-    return min(max(1, len(os.sched_getaffinity(0)) - 1), 4)
+    """
+    Threads that analyse windows: one a processor, at most 4, more than which wait for the twin.
+
+    The twin's processor too: an analysis waits for the interpreter lock now and then, and the twin
+    is done first.
+    """
+    return min(len(os.sched_getaffinity(0)), 4)
 
 
 @dataclass
@@ -113,16 +118,17 @@ def run_offline(
     twin_values = _values(twin_config.SPECS, twin)
     diagnosis_values = _values(diagnosis_config.SPECS, diagnosis)
     report = OfflineReport(target, info.duration)
+    threads = workers()
     twin_side = _TwinSide(twin_values, diagnosis_values['joint'], info.start)
     with (
         RecordingWriter(target, options) as writer,
-        ThreadPoolExecutor(workers(), thread_name_prefix='analysis') as pool,
+        ThreadPoolExecutor(threads, thread_name_prefix='analysis') as pool,
     ):
         writer.metadata('bearing_twin.source', {'source': source.name, 'mode': 'offline'})
-        diagnosis_side = _DiagnosisSide(diagnosis_values, writer, pool, report)
+        diagnosis_side = _DiagnosisSide(diagnosis_values, writer, pool, threads + 1, report)
         reported = info.start
         messages = read_messages(source, topics=topics)
-        for item in ahead(twin_side.run(messages, info.end), depth=AHEAD):
+        for item in ahead(twin_side.run(messages, info.end), depth=AHEAD, batch=BATCH):
             if stop():
                 report.stopped = True
                 break
@@ -259,18 +265,20 @@ class _Analysed(NamedTuple):
 
 
 class _DiagnosisSide:
-    """The diagnosis and the new recording."""
+    """The diagnosis and the new recording; at most ``most`` analyses are under way."""
 
     def __init__(
         self,
         diagnosis: dict[str, Any],
         writer: RecordingWriter,
         pool: ThreadPoolExecutor,
+        most: int,
         report: OfflineReport,
     ) -> None:
         self._run = DiagnosisRun(diagnosis)
         self._writer = writer
         self._pool = pool
+        self._most = most
         self._report = report
         self._qos = sensor_qos()
         self._checkpoint_due = 0
@@ -283,7 +291,7 @@ class _DiagnosisSide:
             self._work(item)
         else:
             self._waiting.append((item, item.log_time))
-        self._settle(workers() + 1)
+        self._settle(self._most)
 
     def finish(self) -> None:
         """Write everything that waits for its analysis or for one before it."""
