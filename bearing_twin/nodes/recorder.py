@@ -61,12 +61,20 @@ class RecorderNode(ManagedNode):
         named = {self.resolve_topic_name(topic) for topic in p['topics'] if topic}
         self._choice = TopicChoice(p.values, named)
         self._writer = build_writer(p.values)
+        try:
+            self._begin()
+        except Exception:
+            # Told to end while it comes up: what has been made is finished.
+            self._writer.close()
+            raise
+        self.get_logger().info(f'recording to {self._writer.path}')
+
+    def _begin(self) -> None:
         self._unfinished = find_unfinished(self._writer.path.absolute().parent)
         for path in self._unfinished:
             self.get_logger().warning(
                 f"{path} was not finished: 'bearing-twin recover {path}' saves what is in it"
             )
-        self._watch = RecordingWatch(self._writer, p.values, self.get_logger())
         self._subscriptions_of: dict[str, Subscription[Any]] = {}
         self._types: dict[str, str] = {}
         self._received: dict[str, int] = {}
@@ -74,13 +82,14 @@ class RecorderNode(ManagedNode):
         self._left_out: dict[str, str] = {}
         self._early: deque[tuple[str, bytes, MessageInfo]] = deque(maxlen=SUBSCRIPTION_DEPTH)
         self._lost = 0
+        self._longest_wait = 0
         self._answers = [
             self.create_service(Trigger, '~/split', self._on_split),
             self.create_service(Trigger, '~/snapshot', self._on_snapshot),
         ]
         self._health = Health(self, self.get_namespace())
+        self._watch = RecordingWatch(self._writer, self.parameters.values, self.get_logger())
         self._health.add('recording', self._status)
-        self.get_logger().info(f'recording to {self._writer.path}')
 
     def start(self) -> None:
         """Subscribe, and look for new topics from now on."""
@@ -178,6 +187,9 @@ class RecorderNode(ManagedNode):
             self.destroy_subscription(former)
 
     def _on_message(self, topic: str, cdr: bytes, info: MessageInfo) -> None:
+        if info['received_timestamp']:
+            waited = time.time_ns() - info['received_timestamp']
+            self._longest_wait = max(self._longest_wait, waited)
         received = self._log_time(topic, info)
         if not received:
             self._lost += len(self._early) == self._early.maxlen
@@ -263,12 +275,14 @@ class RecorderNode(ManagedNode):
             'messages written': writer.written,
             'messages lost by the disk': writer.dropped,
             'messages lost on the way': self._lost,
+            'longest wait of a message [s]': self._longest_wait / 1e9,
             'pictures not shown to live viewers': self._watch.pictures_dropped,
             'size [MB]': writer.size / 1e6,
             'topics': len(self._subscriptions_of),
             **{f'not recorded: {topic}': reason for topic, reason in self._left_out.items()},
             **{f'unfinished {i}': path for i, path in enumerate(self._unfinished)},
         }
+        self._longest_wait = 0
         if writer.stopped or writer.problem:
             return Status(
                 Level.ERROR, f'not recording: {writer.stopped or writer.problem}', values
