@@ -9,6 +9,7 @@ import json
 import os
 from pathlib import Path
 
+from hypothesis import HealthCheck, settings
 import pytest
 
 HERE = Path(__file__).resolve().parent
@@ -21,6 +22,10 @@ FOREIGN = (
     'ROS_STATIC_PEERS',
 )
 """What a user may have set that reaches beyond this machine, or ties ROS to parts of it."""
+
+# How long an example takes says how busy the machine is.
+settings.register_profile('untimed', deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile('untimed')
 
 
 @pytest.fixture(scope='session')

@@ -52,13 +52,17 @@ NANO = 1_000_000_000
 START = 1_600_000_000 * NANO
 TICK = 0.004
 """Time between two readings of the clock, s of the machine."""
-AHEAD = {'twin': 4.0, 'diagnosis': UPDATE_INTERVAL + 4.0}
+AHEAD = {'twin': 4.0, 'diagnosis': UPDATE_INTERVAL + 4.0, 'recorder': 120.0}
 """Most operated time that the clock may be ahead of a node, s: below what its queues hold."""
+LONGEST_WAIT = 0.5
+"""Time that a message may wait for the recorder, s of the machine: its queue holds 2.7 s."""
 DEPTH = 400
 """Blocks kept for whoever is held up: at 60 times real time, two seconds of the machine."""
 MEMORY_PERIOD = 0.5
 MIB = 1024 * 1024
 NODES = ('twin', 'diagnosis', 'recorder')
+STATUSES = {'twin: real time', 'diagnosis: vibration input', 'recorder: recording'}
+"""What each of them reports once a second."""
 
 
 @dataclass
@@ -143,6 +147,18 @@ class _Clock:
             self._executor.spin_once(timeout_sec=0.05)
         self._began = self._ticked = time.monotonic()
 
+    def wait_until_still(self) -> None:
+        """Let the clock stand until all that was sent is in, and each has said how it went."""
+        end = time.monotonic() + 120.0
+        still = 0
+        while still < 3:
+            self.statuses.clear()
+            before = self.state
+            while not self.statuses.keys() >= STATUSES:
+                assert time.monotonic() < end, 'the nodes did not come to rest within 120 s'
+                self.tick(advance=False)
+            still = still + 1 if self.state is before else 0
+
     def tick(self, *, advance: bool = True) -> None:
         """Let the time go on for one tick, or wait for a node that is behind."""
         due = self._ticked + TICK
@@ -184,7 +200,10 @@ class _Clock:
 
     def _on_status(self, array: DiagnosticArray) -> None:
         for status in array.status:
-            self.statuses[status.name] = {item.key: item.value for item in status.values}
+            values = {item.key: item.value for item in status.values}
+            self.statuses[status.name] = values
+            if float(values.get('longest wait of a message [s]', math.inf)) < LONGEST_WAIT:
+                self.reached['recorder'] = (stamp_ns(array.header.stamp) - START) / NANO
 
 
 class _Files:
@@ -262,11 +281,7 @@ def soak(
                 name: (sum(p.cpu_times()[:2]) - spent[name]) / took
                 for name, p in processes.items()
             }
-            # Time stands still until what has been sent is in, and each has said how it went.
-            clock.statuses.clear()
-            end = time.monotonic() + 3.0
-            while time.monotonic() < end:
-                clock.tick(advance=False)
+            clock.wait_until_still()
             _ask(clock, report)
             for name in NODES:
                 assert nodes.end(name) == 0, name
