@@ -37,9 +37,17 @@ def requirements() -> list[str]:
     return [*wanted, f'{NAME}_msgs']
 
 
+def by_colcon() -> bool:
+    """Whether colcon runs this file: setup.cfg then sends every script to lib/bearing_twin."""
+    given = set(sys.argv)
+    if 'install_data' in given:
+        return bool({'install', 'develop'} & given)
+    return not PIP & given
+
+
 def executables() -> list[tuple[str, list[str]]]:
     """Return the executables of lib/bearing_twin for pip; colcon puts console_scripts there."""
-    if not {*PIP, 'install_data'} & set(sys.argv) or {'install', 'develop'} & set(sys.argv):
+    if by_colcon():
         return []
     folder = Path('build') / 'executables'
     folder.mkdir(parents=True, exist_ok=True)
@@ -53,9 +61,12 @@ def executables() -> list[tuple[str, list[str]]]:
 
 def scripts() -> list[str]:
     """Return the nodes as console scripts for colcon: not into a venv's bin, under such names."""
-    if PIP & set(sys.argv):
-        return []
-    return [f'{node} = {NAME}.nodes.{node}:main' for node in NODES]
+    return [f'{node} = {NAME}.nodes.{node}:main' for node in NODES] if by_colcon() else []
+
+
+def command() -> list[tuple[str, list[str]]]:
+    """Return what calls the command from the PATH; pip puts the command itself there."""
+    return [('bin', ['resource/bearing-twin'])] if by_colcon() else []
 
 
 def shared(folder: str) -> tuple[str, list[str]]:
@@ -80,6 +91,7 @@ setup(
         shared('config'),
         shared('recordings'),
         *executables(),
+        *command(),
     ],
     install_requires=requirements(),
     extras_require={'dask': ['dask[distributed]'], 'test': ['pytest', 'hypothesis']},

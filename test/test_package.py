@@ -3,8 +3,11 @@
 """The package as ROS and pip see it."""
 
 import importlib
+import importlib.util
 from pathlib import Path
 import re
+import subprocess
+import sys
 import xml.etree.ElementTree as ElementTree
 
 import bearing_twin
@@ -65,3 +68,23 @@ def test_setup_names_nodes_that_exist():
     [names] = re.findall(r'^NODES = \((.*)\)$', (ROOT / 'setup.py').read_text(), re.MULTILINE)
     for node in re.findall(r"'(\w+)'", names):
         assert callable(importlib.import_module(f'bearing_twin.nodes.{node}').main)
+
+
+@pytest.mark.skipif(not importlib.util.find_spec('colcon_core'), reason='colcon is not installed')
+def test_colcon_installs_nodes_for_ros2_run_and_the_command_for_the_path(tmp_path):
+    subprocess.run(
+        [
+            *(sys.executable, '-m', 'colcon', '--log-base', tmp_path / 'log', 'build'),
+            *('--build-base', tmp_path / 'build', '--install-base', tmp_path / 'install'),
+            *('--paths', ROOT, '--packages-select', 'bearing_twin'),
+        ],
+        check=True,
+        cwd=tmp_path,
+        capture_output=True,
+    )
+    prefix = tmp_path / 'install' / 'bearing_twin'
+    nodes = {path.name for path in (prefix / 'lib' / 'bearing_twin').iterdir()}
+    assert nodes == {'adapter', 'bearing-twin', 'diagnosis', 'fleet', 'recorder', 'replay', 'twin'}
+    sourced = f'. {tmp_path}/install/local_setup.sh && bearing-twin --version'
+    said = subprocess.run(['sh', '-c', sourced], check=True, capture_output=True, text=True)
+    assert said.stdout.split() == ['bearing-twin', bearing_twin.__version__]
