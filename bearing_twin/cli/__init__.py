@@ -54,7 +54,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     for name, text in COMMANDS.items():
         sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + '.')
         if name == chosen:
-            module = importlib.import_module(f'bearing_twin.cli.{name}')
+            try:
+                module = importlib.import_module(f'bearing_twin.cli.{name}')
+            except ImportError as error:
+                missing = "a library is missing or too old: 'pip install -r requirements.txt'"
+                print(f'bearing-twin {name}: {error}; {missing}', file=sys.stderr)
+                return 1
             module.configure(sub)
             sub.set_defaults(run=module.run)
     args = parser.parse_args(arguments)

@@ -62,11 +62,11 @@ class RecordingWatch:
         writer.metadata('bearing_twin.versions', _versions())
         writer.metadata('bearing_twin.recorder', {k: str(v) for k, v in values.items()})
         if values['rerun_file'] or values['rerun_port']:
-            # Rerun takes a second to load, which a recorder without it should not wait for.
-            from bearing_twin.view import logger as rerun
-
             port = values['rerun_port']
             try:
+                # It takes a second to load, which a recorder without it should not wait for.
+                from bearing_twin.view import logger as rerun
+
                 self._rerun = rerun.RerunLogger(
                     recording_id=str(writer.path.absolute()),
                     rrd=Path(values['rerun_file']) if values['rerun_file'] else None,
@@ -74,6 +74,12 @@ class RecordingWatch:
                 )
             except BearingTwinError as error:
                 self.problem = f'nothing is drawn: {error} (-p rerun_port:=N, -p rerun_file:=FILE)'
+                logger.error(self.problem)
+            except ImportError as error:
+                # rosdep has no key for it.
+                self.problem = (
+                    f'nothing is drawn: {error} (pip install rerun-sdk, or rerun_port:=0)'
+                )
                 logger.error(self.problem)
 
     @property
