@@ -42,11 +42,16 @@ class LeanExecutor(SingleThreadedExecutor):
             self._looked = True
         return bool(super().can_execute(entity))
 
-    def spin_once(self, timeout_sec: float | None = RARE_PERIOD) -> None:
-        """Run what is ready next."""
+    def wait_for_ready_callbacks(
+        self, timeout_sec: Any = None, *args: Any, **kwargs: Any
+    ) -> tuple[Any, Any, Any]:
+        """Return what is ready next; every way of spinning asks here."""
         now = time.monotonic()
         if self._looked:
             self._looked = False
             self._next_look = now + RARE_PERIOD
         self._rare = now >= self._next_look
-        super().spin_once(timeout_sec)
+        if timeout_sec is None:
+            # A wait without services must end.
+            timeout_sec = RARE_PERIOD
+        return super().wait_for_ready_callbacks(timeout_sec, *args, **kwargs)

@@ -178,14 +178,14 @@ class ParameterSet:
 
     @property
     def text(self) -> str:
-        """What a checkpoint says of the values in force, as YAML."""
+        """Return what a checkpoint says of the values in force, as YAML."""
         if not self._text:
             self._text = yaml.safe_dump(self.configuration)
         return self._text
 
     @property
     def configuration(self) -> dict[str, Any]:
-        """What a checkpoint says of the values in force."""
+        """Return what a checkpoint says of the values in force."""
         return configuration(self._specs.values(), self._values)
 
     @property

@@ -25,8 +25,19 @@ class Counting(LeanExecutor):
         return allowed
 
 
+def by_single_steps(executor, future):
+    while not future.done():
+        executor.spin_once()
+
+
+def by_the_loops_of_rclpy(executor, future):
+    # Goes the way that spin() goes in newer rclpy: not through spin_once().
+    executor.spin_until_future_complete(future)
+
+
 @pytest.mark.ros
-def test_services_are_answered_between_the_beats_of_a_fast_timer(ros_domain):
+@pytest.mark.parametrize('spin', [by_single_steps, by_the_loops_of_rclpy])
+def test_services_are_answered_between_the_beats_of_a_fast_timer(ros_domain, spin):
     context = Context()
     rclpy.init(args=[], context=context)
     try:
@@ -40,9 +51,7 @@ def test_services_are_answered_between_the_beats_of_a_fast_timer(ros_domain):
         assert client.wait_for_service(60.0)
         began = time.monotonic()
         for _ in range(10):
-            future = client.call_async(trigger.Request())
-            while not future.done():
-                executor.spin_once()
+            spin(executor, client.call_async(trigger.Request()))
         # As often as there is something to look at, each of the waits for the timer would look.
         assert 10 <= executor.looks <= (time.monotonic() - began) / RARE_PERIOD + 2
         # The timer goes on meanwhile: each time it is looked at, and between the looks.
