@@ -11,6 +11,7 @@ import signal
 import subprocess
 import time
 
+from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.fleet_config import SPECS as FLEET
 from bearing_twin.nodes.recorder_config import SPECS as RECORDER
 from bearing_twin.nodes.replay_config import SPECS as REPLAY
@@ -39,17 +40,42 @@ STARTS = {
 """Arguments of each type, and what a node then says."""
 
 
-@pytest.mark.parametrize('path', sorted(FOLDER.glob('*.launch.py')), ids=lambda p: p.name)
-def test_launch_file_describes_itself(path):
+def described(path):
     spec = importlib.util.spec_from_file_location(path.name.split('.')[0], path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     assert inspect.getdoc(module)
-    arguments = module.generate_launch_description().get_launch_arguments()
+    return module.generate_launch_description()
+
+
+@pytest.mark.parametrize('path', sorted(FOLDER.glob('*.launch.py')), ids=lambda p: p.name)
+def test_launch_file_describes_itself(path):
+    arguments = described(path).get_launch_arguments()
     assert arguments
     for argument in arguments:
         assert argument.description, argument.name
         assert argument.name in PARAMETERS | NOT_PARAMETERS
+
+
+@pytest.mark.parametrize(
+    ('name', 'arguments', 'said'),
+    [
+        ('twin', {'params_file': 'my_machine.yaml'}, 'params_file:=my_machine.yaml is no file'),
+        ('twin', {'shaft_hz': 'fast'}, 'shaft_hz:=fast must be of type float'),
+        ('twin', {'rerun_port': '98.5'}, 'rerun_port:=98.5 must be of type int'),
+        ('fleet', {'record': 'maybe'}, 'record:=maybe must be of type bool'),
+    ],
+)
+def test_arguments_that_cannot_be_used_are_refused(name, arguments, said):
+    description = described(FOLDER / f'{name}.launch.py')
+    service = launch.LaunchService(argv=[])
+    context = service.context
+    context.launch_configurations.update(arguments)
+    for declared in description.get_launch_arguments():
+        declared.visit(context)
+    [start] = [a for a in description.entities if isinstance(a, launch.actions.OpaqueFunction)]
+    with pytest.raises(BearingTwinError, match=said):
+        start.visit(context)
 
 
 @pytest.mark.ros

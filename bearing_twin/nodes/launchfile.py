@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What the launch files have in common: typed arguments that win over a parameter file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.conditions import IfCondition
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from launch import LaunchContext
+
+__all__ = ['Argument', 'launch_description', 'shared']
+
+PACKAGE = 'bearing_twin'
+
+
+@dataclass(frozen=True)
+class Argument:
+    """An argument of a launch file."""
+
+    name: str
+    text: str
+    default: str | PathJoinSubstitution = ''
+    """If it ends up empty, the parameter is that of the file, or the node's default."""
+    kind: type = str
+
+
+def shared(*path: str) -> PathJoinSubstitution:
+    """Return where a file of this package is installed."""
+    return PathJoinSubstitution([FindPackageShare(PACKAGE), *path])
+
+
+def launch_description(
+    arguments: Sequence[Argument],
+    nodes: Mapping[str, Sequence[str]],
+    conditions: Mapping[str, str] | None = None,
+) -> LaunchDescription:
+    """
+    Return the description of a launch file.
+
+    Parameters
+    ----------
+    arguments
+        Its arguments, among them ``namespace``; ``params_file`` and ``use_sim_time``, where they
+        are there, are for all nodes.
+    nodes
+        Executables to start, and the arguments that become parameters of each.
+    conditions
+        Argument that tells whether to start an executable.
+
+    Raises
+    ------
+    BearingTwinError
+        At launch, if an argument has the wrong type or ``params_file`` is no file: launch itself
+        would warn and go on with the defaults.
+
+    """
+    conditions = conditions or {}
+
+    def start(context: LaunchContext) -> list[Node]:
+        texts = {each.name: LaunchConfiguration(each.name).perform(context) for each in arguments}
+        given = {each.name: _value(each, context) for each in arguments if texts[each.name]}
+        file = texts.get('params_file', '')
+        if file and not Path(file).is_file():
+            msg = f'params_file:={file} is no file; the path is taken from where launch is started'
+            raise BearingTwinError(msg)
+        started = []
+        for executable, names in nodes.items():
+            chosen = {name: given[name] for name in (*names, 'use_sim_time') if name in given}
+            condition = conditions.get(executable)
+            started.append(
+                Node(
+                    package=PACKAGE,
+                    executable=executable,
+                    namespace=LaunchConfiguration('namespace'),
+                    parameters=[*([file] if file else []), *([chosen] if chosen else [])],
+                    condition=IfCondition(LaunchConfiguration(condition)) if condition else None,
+                    output='screen',
+                )
+            )
+        return started
+
+    declared = [
+        DeclareLaunchArgument(each.name, default_value=each.default, description=each.text)
+        for each in arguments
+    ]
+    return LaunchDescription([*declared, OpaqueFunction(function=start)])
+
+
+def _value(argument: Argument, context: LaunchContext) -> ParameterValue:
+    value = ParameterValue(LaunchConfiguration(argument.name), value_type=argument.kind)
+    try:
+        value.evaluate(context)
+    except ValueError:
+        text = LaunchConfiguration(argument.name).perform(context)
+        msg = f'{argument.name}:={text} must be of type {argument.kind.__name__}'
+        raise BearingTwinError(msg) from None
+    return value
