@@ -11,6 +11,7 @@ import time
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes.launching import ensure_log_folder
 import rclpy
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def inhabitants(domain: int, listen: float = LISTEN) -> list[str]:
         Longest time to listen, s; whoever is heard earlier ends it.
 
     """
+    ensure_log_folder()
     context = rclpy.Context()
     context.init(domain_id=domain)
     node = rclpy.create_node(f'domain_probe_{os.getpid()}', context=context, enable_rosout=False)

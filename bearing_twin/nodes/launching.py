@@ -5,18 +5,19 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 import signal
 import subprocess
 import sys
+import tempfile
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
-__all__ = ['COMPILING', 'NodeProcesses', 'local_environment']
+__all__ = ['COMPILING', 'NodeProcesses', 'ensure_log_folder', 'local_environment']
 
 COMPILING = 'compiling the kernel (first start only)'
 """What a twin logs when its start takes long for that reason."""
@@ -29,6 +30,29 @@ def local_environment(domain_id: int) -> dict[str, str]:
         'ROS_DOMAIN_ID': str(domain_id),
         'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
     }
+
+
+def ensure_log_folder() -> None:
+    """
+    Let ROS log to a temporary folder where it cannot write to its own.
+
+    A container may have no HOME, or one that is read-only: rclpy does not start then. A folder
+    named by the user (``ROS_LOG_DIR``) is left as it is, and rclpy says what is wrong with it.
+    """
+    if os.environ.get('ROS_LOG_DIR'):
+        return
+    home = os.environ.get('HOME')
+    base = os.environ.get('ROS_HOME') or (f'{home}/.ros' if home else '')
+    if base:
+        folder = Path(base).expanduser() / 'log'
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError:
+            pass
+        else:
+            if os.access(folder, os.W_OK | os.X_OK):
+                return
+    os.environ['ROS_LOG_DIR'] = tempfile.mkdtemp(prefix='ros_log_')
 
 
 class NodeProcesses:

@@ -15,6 +15,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.nodes.compiling import is_compiling, prepare
 from bearing_twin.nodes.executor import LeanExecutor
+from bearing_twin.nodes.launching import ensure_log_folder
 from bearing_twin.nodes.parameters import ParameterSet, Spec
 import rclpy
 from rclpy.executors import ExternalShutdownException
@@ -216,6 +217,7 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
         )
         return 2
     _never_wait_for_the_network()
+    ensure_log_folder()
     keep_freed_memory()
     status = _run(node_class, args)
     if is_compiling():

@@ -18,6 +18,7 @@ import sys
 import tempfile
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.nodes.launching import ensure_log_folder
 from bearing_twin.nodes.lifecycle import ManagedNode
 from bearing_twin.recording.schedule import write_temperature_recording
 import numpy as np
@@ -123,6 +124,7 @@ def _node_section(name: str, folder: Path) -> str:
         arguments = ['--ros-args', '--log-level', 'error', '--disable-rosout-logs']
         for key, value in parameters.items():
             arguments += ['-p', f'{key}:={value}']
+        ensure_log_folder()
         rclpy.init(args=arguments)
         try:
             node = node_class()  # type: ignore[call-arg]

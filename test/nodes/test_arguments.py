@@ -2,10 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is asked for is done or refused, never ignored."""
 
+import os
 import subprocess
 import sys
 
 from bearing_twin.cli import main
+from bearing_twin.nodes.launching import NodeProcesses
 import pytest
 
 
@@ -37,6 +39,21 @@ def test_a_picture_is_kept_and_what_is_live_is_not(tmp_path, capsys):
     assert target.read_bytes() == b'picture'
     assert main(['view', '--live', '--save', str(tmp_path / 'c.rrd')]) == 1
     assert '--save' in capsys.readouterr().err
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize('home', [None, '/proc/nobody'])
+def test_a_node_needs_no_home(ros_domain, probe, tmp_path, monkeypatch, home):
+    for name in ('HOME', 'ROS_HOME', 'ROS_LOG_DIR'):
+        monkeypatch.delenv(name, raising=False)
+    if home is not None:
+        monkeypatch.setenv('HOME', home)
+    monkeypatch.setenv('TMPDIR', str(tmp_path))
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes:
+        nodes.start('adapter', {'sample_rate': 100.0})
+        probe.until_active('/adapter')
+        assert nodes.end('adapter') == 0
+    assert list(tmp_path.glob('ros_log_*/*.log'))
 
 
 @pytest.mark.ros

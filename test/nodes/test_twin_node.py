@@ -199,7 +199,14 @@ def test_names_and_quality_of_service_can_be_changed_from_outside(nodes, probe):
     [info] = probe.until(publisher, 'the publisher under its new names')
     assert info.qos_profile.reliability.name == 'BEST_EFFORT'
     name = 'line3/bearing_7/model: real time'
-    _, message, values = probe.until(lambda: probe.statuses.get(name), 'the status of real time')
+    probe.until_active('/line3/bearing_7/model')
+
+    def at_work():
+        """Return the status of the deadlines; while it comes up the node says that it does."""
+        status = probe.statuses.get(name)
+        return status if status and 'blocks published' in status[2] else None
+
+    _, message, values = probe.until(at_work, 'the status of real time')
     assert message
     assert {'lateness p99 [ms]', 'periodicity [Hz]', 'execution time [us]'} <= values.keys()
     assert nodes.end('twin', by=signal.SIGINT) == 0
