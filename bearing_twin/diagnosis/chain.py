@@ -16,9 +16,10 @@ from bearing_twin.diagnosis.comb import (
     OrderSpectra,
 )
 from bearing_twin.diagnosis.decision import decide, Verdict
-from bearing_twin.diagnosis.families import family_order, sideband_ratio
+from bearing_twin.diagnosis.families import family_order
 from bearing_twin.diagnosis.gate import check_record, check_speeds, HEALTHY_TURNS
 from bearing_twin.diagnosis.knocks import limit_knocks
+from bearing_twin.diagnosis.lines import sideband_ratio
 from bearing_twin.diagnosis.report import insufficient, not_shown, report
 from bearing_twin.diagnosis.result import (
     Diagnosis,
@@ -164,12 +165,11 @@ def conclude(
         # A fault beside an integer order can pass for a shaft that runs a little off: the speed
         # under which the fault shows more clearly is then the right one.
         apart = abs(speed.shaft_hz / shaft_hz_given - 1.0)
-        given = ShaftSpeed(shaft_hz_given, max(speed.uncertainty, apart), speed.score)
+        given = ShaftSpeed(shaft_hz_given, max(speed.uncertainty, apart), 0.0, speed.tolerance)
         at_given = accumulate([window.at_given_speed() for window in windows])
         other = decide(at_given, bearing, given, turns)
-        if other.evidence > _CLEARER * verdict.evidence and _mistaken(
-            at_given, other, speed.shaft_hz / shaft_hz_given
-        ):
+        clearer = other.level == 'fault' and other.evidence > _CLEARER * verdict.evidence
+        if clearer and _mistaken(at_given, other, speed.shaft_hz / shaft_hz_given):
             verdict, newest = other, replace(newest, speed=given)
     if verdict.result == 'healthy' and turns < HEALTHY_TURNS:
         needed = HEALTHY_TURNS / newest.speed.shaft_hz

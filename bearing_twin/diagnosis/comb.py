@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
@@ -62,21 +62,24 @@ class OrderSpectra:
         np.maximum(index, 0, out=index)
         return np.minimum(index, len(self.logs) - 1, out=index)
 
-    def silenced(self, orders: Iterable[float], half_width: float) -> OrderSpectra:
+    def silenced(self, orders: NDArray[np.float64], half_width: float) -> OrderSpectra:
         """Copy in which the bins within ``half_width`` orders of ``orders`` say nothing."""
         logs, excess = self.logs.copy(), self.excess.copy()
         hidden = self.near(orders, half_width)
         logs[hidden], excess[hidden] = NEUTRAL, 0.0
         return replace(self, logs=logs, excess=excess)
 
-    def near(self, orders: Iterable[float], half_width: float) -> NDArray[np.bool_]:
+    def near(self, orders: NDArray[np.float64], half_width: float) -> NDArray[np.bool_]:
         """(K,) mask of the bins within ``half_width`` orders of any of ``orders``."""
-        mask = np.zeros(len(self.logs), dtype=bool)
-        for order in orders:
-            first = int(np.ceil((order - half_width) / self.step)) - 1
-            last = int(np.floor((order + half_width) / self.step)) - 1
-            mask[max(first, 0) : max(last + 1, 0)] = True
-        return mask
+        count = len(self.logs)
+        first = np.ceil((orders - half_width) / self.step) - 1.0
+        last = np.floor((orders + half_width) / self.step)
+        # How many ranges have begun by each bin, less those that have ended.
+        begun, ended = (
+            np.bincount(np.clip(edge, 0, count).astype(np.intp), minlength=count + 1)
+            for edge in (first, np.maximum(last, first))
+        )
+        return np.asarray(np.cumsum(begun - ended)[:count] > 0)
 
     def at_given_speed(self) -> OrderSpectra:
         """Return the same over orders of the speed handed in."""

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.confidence import confidence
-from bearing_twin.diagnosis.families import Candidate, Judge, on_comb, sideband_ratio
+from bearing_twin.diagnosis.families import Candidate, Judge
 from bearing_twin.diagnosis.gate import CAGE_TURNS
+from bearing_twin.diagnosis.lines import on_comb, sideband_ratio
 from bearing_twin.diagnosis.result import FAMILIES
 from bearing_twin.diagnosis.thresholds import (
     BLURRED,
@@ -82,8 +83,11 @@ def decide(
         and c.index >= INDEX_SUSPECT
         and c.teeth >= 2
     ]
+    own = [c for c in strong if not (judge.foreign(c) or judge.shafts_own(c))]
+    if strong and not own:
+        return _not_its_own(judge, max(strong, key=lambda c: c.evidence), candidates)
     strong, contested = _one_comb_one_family(judge, strong)
-    cage = next((c for c in strong if c.family == 'cage'), None)
+    cage = next((c for c in own if c.family == 'cage'), None)
     strong = [c for c in strong if c.family != 'cage']
     if cage is not None and cage.index >= INDEX_FAULT and _rules(cage, strong, spectra.step):
         return _judge_cage(judge, cage, candidates, revolutions)
@@ -92,7 +96,11 @@ def decide(
         verdict = _nothing_strong(judge, candidates) if not strong else None
     if verdict is not None:
         return verdict
-    verdict = _name(judge, strong, candidates)
+    # What belongs to no part of this bearing must not hide what does.
+    left = [c for c in strong if c in own]
+    if not left:
+        return _not_its_own(judge, max(strong, key=lambda c: c.evidence), candidates)
+    verdict = _name(judge, left, candidates)
     for rival in contested:
         if verdict.faults and verdict.faults[0] in (rival[0].family, rival[1].family):
             return _either(verdict, rival)
@@ -213,7 +221,7 @@ def _name(judge: Judge, strong: list[Candidate], candidates: dict[str, Candidate
     ]
     if rivals:
         return _same_lines((primary, *rivals), candidates)
-    verdict = _not_its_own(judge, primary, candidates)
+    verdict = _another_cause(judge, primary, candidates)
     if verdict is not None:
         return verdict
     found: list[Candidate] = [primary]
@@ -225,6 +233,7 @@ def _name(judge: Judge, strong: list[Candidate], candidates: dict[str, Candidate
                 again.z >= Z_FAULT
                 and again.teeth >= 2
                 and not (judge.carried(again) or judge.struck(again) or judge.turned(again))
+                and not judge.foreign(again)
             ):
                 certain = again.index >= INDEX_FAULT and judge.steady
                 (found if certain else weak).append(again)
@@ -248,20 +257,34 @@ def _name(judge: Judge, strong: list[Candidate], candidates: dict[str, Candidate
     return Verdict(faults[0], 'fault', faults, tuple(reasons), candidates, primary)
 
 
-def _not_its_own(
-    judge: Judge, primary: Candidate, candidates: dict[str, Candidate]
-) -> Verdict | None:
+def _not_its_own(judge: Judge, primary: Candidate, candidates: dict[str, Candidate]) -> Verdict:
     """Verdict on a comb that only shares its teeth with something else."""
-    order, z = judge.parent(primary)
-    if order:
+    verdict = _another_cause(judge, primary, candidates)
+    if verdict is not None:
+        return verdict
+    if judge.shafts_own(primary):
         text = (
-            f'it shares its teeth with a stronger comb at {order:.3f} orders (z {z:.1f}), which '
-            'no part of this bearing has: check geometry and speed; another bearing, or a cage '
-            'that slips far?'
+            f'it coincides with {round(primary.order)} turns of the shaft within the resolution, '
+            'and the other multiples of the shaft stand as high: a knock once a turn, or the '
+            'fault; a longer window or an exact speed may part them'
         )
         return Verdict(
-            'suspect', 'suspect', (primary.family,), (str(primary), text), candidates, primary
+            'ambiguous', 'suspect', (primary.family,), (str(primary), text), candidates, primary
         )
+    text = (
+        f'it shares its teeth with a comb at {judge.foreign(primary):.3f} orders, which no part '
+        'of this bearing has: check geometry and speed; a gear, a belt, another bearing or a '
+        'cage that slips far?'
+    )
+    return Verdict(
+        'suspect', 'suspect', (primary.family,), (str(primary), text), candidates, primary
+    )
+
+
+def _another_cause(
+    judge: Judge, primary: Candidate, candidates: dict[str, Candidate]
+) -> Verdict | None:
+    """Verdict on a comb that mains, the cage or another family may make; None if none does."""
     mains = judge.mains(primary)
     if mains:
         text = (
@@ -328,7 +351,9 @@ def _rules(cage: Candidate, others: Sequence[Candidate], step: float) -> bool:
     """
     for other in others:
         weaker = other.z < cage.z and other.index <= cage.index
-        if other.index >= INDEX_FAULT and not (on_comb(other, cage.order, step) and weaker):
+        if other.index < INDEX_FAULT:
+            continue
+        if not (weaker and on_comb(other.order, cage.order, step)):
             return False
     return True
 

@@ -10,10 +10,18 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders
 from bearing_twin.diagnosis.comb import comb_scores, HARMONICS, OrderSpectra
+from bearing_twin.diagnosis.lines import (
+    comb_power,
+    HANN_BINS,
+    modulation_index,
+    sideband_ratio,
+    sideband_ratios,
+)
 from bearing_twin.diagnosis.result import FAMILIES
+from bearing_twin.diagnosis.shaft import SHAFT_FOUND
 from bearing_twin.diagnosis.spectra import WHITENINGS
+from bearing_twin.diagnosis.teeth import beside_shaft, denser_comb, missing_teeth
 from bearing_twin.diagnosis.thresholds import (
-    CARRIER,
     GATED,
     INDEX_FAULT,
     JOINT_SLIP,
@@ -32,16 +40,8 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.shaft import ShaftSpeed
     from numpy.typing import NDArray
 
-__all__ = [
-    'Candidate',
-    'Judge',
-    'family_order',
-    'modulation_index',
-    'on_comb',
-    'sideband_ratio',
-]
+__all__ = ['Candidate', 'Judge', 'family_order']
 
-_HANN_BINS = 1.5
 _SIDEBANDS = 4
 _RACES = ('inner', 'outer')
 _UNTESTED = 1.0
@@ -102,12 +102,17 @@ class Judge:
         self._slipped = fault_orders(bearing, SLIP[1])
         self._n_balls = bearing.n_balls
         self._uncertainty = speed.uncertainty
+        # Six harmonics of the shaft place its speed within a sixth of a bin of the first.
+        found = spectra.step / 6.0 if speed.score >= SHAFT_FOUND else math.inf
+        measured = speed.tolerance <= STEADY
+        self._precision = 0.0 if measured else min(speed.uncertainty, found)
         self._shaft_hz = speed.shaft_hz
         self.top = len(spectra.logs) * spectra.step
         shaft = np.arange(1.0, self.top + 1.0)
         self._silent = spectra.near(shaft, 1.25 * spectra.step)
         self.spectra = spectra.silenced(shaft, 1.25 * spectra.step)
         self._all = spectra
+        self._foreign: dict[Candidate, float] = {}
         highest = 1.08 * max(family_order(name, self.orders) for name in FAMILIES)
         self._scores = comb_scores(self.spectra, highest, len(WHITENINGS))
 
@@ -141,8 +146,7 @@ class Judge:
 
     def capped_index(self, cage: Candidate) -> float:
         """Modulation index of the cage's comb with lines capped."""
-        power = _comb_power(self.spectra, cage.order, cage.band) / _HANN_BINS
-        return 2.0 * math.sqrt(power)
+        return 2.0 * math.sqrt(comb_power(self.spectra, cage.order, cage.band) / HANN_BINS)
 
     def mirrored(self, other: Candidate) -> float | None:
         """
@@ -163,9 +167,9 @@ class Judge:
             return None
         # The inner race's own teeth may hide behind shaft harmonics: they are looked at here.
         near = np.arange(-2.0, 2.25, 0.25) * self._all.step
-        own = _comb_power(self._all, other.order, other.band)
+        own = comb_power(self._all, other.order, other.band)
         power = max(
-            _comb_power(self._all, other.order + side + away, other.band)
+            comb_power(self._all, other.order + side + away, other.band)
             for side in sides
             for away in near
         )
@@ -192,15 +196,20 @@ class Judge:
         A race fault is modulated at the shaft's speed, a ball fault at the cage's. The two
         strikes of a ball in each spin differ: its odd multiples of half the order show as well.
         """
-        order, reach = candidate.order, _SIDEBANDS
-        gap = 1.0
+        return self.spectra.silenced(self._explained(candidate), 2.0 * self.spectra.step)
+
+    def _explained(self, candidate: Candidate) -> NDArray[np.float64]:
+        """Orders of the lines that a fault explains."""
+        order, reach, gap = candidate.order, _SIDEBANDS, 1.0
         if candidate.family == 'ball':
             order, gap = 0.5 * order, self.cage_sideband(candidate)[0]
         elif candidate.family == 'cage':
             reach = 0
+        elif not self.steady:
+            gap = self._highest_sideband(candidate, 1.0, 1.0)[0]
         sides = gap * np.arange(-reach, reach + 1)
         lines = order * np.arange(1, int(self.top / order) + 2)[:, None] + sides
-        return self.spectra.silenced(lines.ravel().tolist(), 2.0 * self.spectra.step)
+        return np.asarray(lines.ravel())
 
     def cage_sideband(self, candidate: Candidate) -> tuple[float, float]:
         """Order of the cage at which a comb has its highest sidebands, and their ratio."""
@@ -215,7 +224,7 @@ class Judge:
         slack = self._uncertainty * high
         # Two gaps beside a tooth: half a bin more moves the farther sidebands by one.
         gaps = np.arange(low - slack, high + slack + self._all.step, 0.5 * self._all.step)
-        ratios = _sideband_ratios(self.spectra, candidate.order, candidate.band, gaps)
+        ratios = sideband_ratios(self.spectra, candidate.order, candidate.band, gaps)
         best = int(np.argmax(ratios))
         return float(gaps[best]), float(ratios[best])
 
@@ -263,19 +272,49 @@ class Judge:
         shaft = sideband_ratio(self.spectra, ball.order, ball.band)
         return shaft > max(GATED, RIVAL * self.cage_sideband(ball)[1])
 
-    def parent(self, candidate: Candidate) -> tuple[float, float]:
+    def foreign(self, candidate: Candidate) -> float:
         """
-        Order and score of a much higher comb that has every second or third tooth in common.
+        Order of the comb that a candidate merely shares teeth with, 0 if it stands for itself.
 
-        It belongs to no family, or it would have been found as such: the candidate merely shares
-        its teeth. Order 0 if there is none. Half the order may be the ball's own; a third of the
-        outer race's may be the cage's, where the number of balls has that factor, but not higher.
-        Where the odd teeth are missing, the comb of twice the order is the higher one.
+        Its own teeth are missing, or lines that it does not explain stand between them.
         """
-        shares = (2.0, 2.0 / 3.0, 1.0 / 3.0) + (() if candidate.family == 'ball' else (0.5,))
-        combs = [self._score_near(share * candidate.order) for share in shares]
-        order, z = max(combs, key=lambda comb: comb[1])
-        return (order, z) if z > RIVAL * candidate.z else (0.0, 0.0)
+        if candidate not in self._foreign:
+            self._foreign[candidate] = self._shares_with(candidate)
+        return self._foreign[candidate]
+
+    def _shares_with(self, candidate: Candidate) -> float:
+        order, columns = candidate.order, self._columns(candidate)
+        multiple = missing_teeth(self._all, order, columns, self._silent)
+        if multiple > 1:
+            return multiple * order
+        # A ball that strikes one race only has lines at its spin, as high as its teeth.
+        own = 0.5 * order if candidate.family == 'ball' else order
+        lower = self._explained(candidate)
+        if candidate.family == 'outer':
+            cage = order / self._n_balls
+            lower = np.concatenate((lower, np.arange(cage, self.top, cage)))
+        width = 2.0 * self._all.step
+        mine = self._all.near(np.arange(own, self.top, own), width)
+        sidebands = self._all.near(lower, width)
+        return denser_comb(
+            self._all, order, columns, self._silent, mine, sidebands, self._uncertainty
+        )
+
+    def shafts_own(self, candidate: Candidate) -> bool:
+        """Whether a comb may be a multiple of the shaft, and stands no higher than the others."""
+        return beside_shaft(
+            self._all,
+            candidate.order,
+            self._columns(candidate),
+            precision=self._precision,
+            uncertainty=self._uncertainty,
+        )
+
+    def _columns(self, candidate: Candidate) -> NDArray[np.intp]:
+        """Bands in which a comb stands highest, one of each whitening."""
+        _, bands = self._scores.judge(self._all, np.array([candidate.order]))
+        best = bands[0].argmax(axis=1)
+        return np.asarray(best + bands.shape[2] * np.arange(len(best)))
 
     def mains(self, candidate: Candidate) -> float:
         """
@@ -320,65 +359,3 @@ class Judge:
         if not self.steady or primary.family == 'cage':
             return SLIP
         return primary.slip - JOINT_SLIP, primary.slip + JOINT_SLIP
-
-
-def modulation_index(
-    spectra: OrderSpectra, order: float, band_scores: NDArray[np.float32], family: str
-) -> tuple[float, int]:
-    """
-    Modulation index of a comb, the largest of the bands that show it, and that band.
-
-    Root of the sum over harmonics of the squared relative amplitudes of the squared envelope,
-    noise floor taken off: m for an envelope 1 + m cos. It is taken from the spectrum with capped
-    lines, so that steady lines beating with one another do not count. The cage's, whose pulses
-    are slow and smooth, is taken with lines kept. A healthy bearing forces its housing at the
-    outer race's frequency and its low multiples (variable compliance); for that family the index
-    counts only in bands that begin above ``CARRIER`` multiples.
-    """
-    bands = len(spectra.carrier)
-    lines = slice(0, bands) if family == 'cage' else slice(bands, None)
-    teeth = order * np.arange(1, HARMONICS + 1)
-    rows = spectra.rows(teeth[:, None] + spectra.step * np.arange(-1, 2))
-    # A line spreads over three bins of the Hann window, whose noise bandwidth is 1.5 bins.
-    power = spectra.excess[rows.ravel(), lines].sum(axis=0) / _HANN_BINS
-    if family == 'outer':
-        # Half of the range stays in any case, for low sample rates.
-        limit = min(CARRIER * order, 0.5 * float(spectra.carrier.max()))
-        power[spectra.carrier < limit] = 0.0
-    index = 2.0 * np.sqrt(power)
-    shown = band_scores >= min(3.0, float(band_scores.max()))
-    band = int(np.argmax(np.where(shown, index, -1.0)))
-    return float(index[band]), band
-
-
-def _comb_power(spectra: OrderSpectra, order: float, band: int) -> float:
-    """Relative power of the lines of a comb in one band, lines capped."""
-    teeth = order * np.arange(1, HARMONICS + 1)
-    rows = spectra.rows(teeth[:, None] + spectra.step * np.arange(-1, 2))
-    return float(spectra.excess[rows, len(spectra.carrier) + band].sum())
-
-
-def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 1.0) -> float:
-    """Amplitude of the lines one and two gaps beside the teeth of a comb over the teeth's."""
-    return float(_sideband_ratios(spectra, order, band, np.array([gap]))[0])
-
-
-def _sideband_ratios(
-    spectra: OrderSpectra, order: float, band: int, gaps: NDArray[np.float64]
-) -> NDArray[np.float32]:
-    """Return the same for each of several gaps."""
-    teeth = order * np.arange(1, HARMONICS + 1)
-    sides = gaps[:, None] * np.array([0.0, -2.0, -1.0, 1.0, 2.0])
-    lines = sides[..., None, None] + teeth[:, None] + spectra.step * np.arange(-1, 2)
-    power = spectra.excess[spectra.rows(lines), len(spectra.carrier) + band].sum(axis=(2, 3))
-    ratios: NDArray[np.float32] = np.sqrt(
-        power[:, 1:].mean(axis=1) / np.maximum(power[:, 0], 1e-30)
-    )
-    return ratios
-
-
-def on_comb(candidate: Candidate, cage_order: float, step: float) -> bool:
-    """Whether every second tooth of a comb, at least, lies on a multiple of the cage's order."""
-    multiple = round(2.0 * candidate.order / cage_order)
-    away = abs(2.0 * candidate.order - multiple * cage_order)
-    return away <= (4.0 + 0.25 * multiple) * step

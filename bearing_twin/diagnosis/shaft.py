@@ -13,7 +13,10 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
 
-__all__ = ['ShaftSpeed', 'refine_shaft_hz', 'resample_to_angle', 'varies']
+__all__ = ['SHAFT_FOUND', 'ShaftSpeed', 'refine_shaft_hz', 'resample_to_angle', 'varies']
+
+SHAFT_FOUND = 5.0
+"""Score from which the harmonics of the shaft are believed."""
 
 _HARMONICS = 6
 _MARGIN = 3.0
@@ -28,6 +31,8 @@ class ShaftSpeed(NamedTuple):
     """Relative."""
     score: float
     """Standard deviations of its harmonic comb over the combs beside it."""
+    tolerance: float
+    """Relative tolerance of the speed handed in."""
 
 
 def refine_shaft_hz(
@@ -37,7 +42,7 @@ def refine_shaft_hz(
     given_hz: float,
     tolerance: float,
     *,
-    threshold: float = 5.0,
+    threshold: float = SHAFT_FOUND,
 ) -> ShaftSpeed:
     """
     Look for the shaft's harmonics within the tolerance of the given speed.
@@ -90,7 +95,7 @@ def refine_shaft_hz(
     scores = (comb(near) - center) / spread
     best = float(scores.max())
     if best < threshold:
-        return ShaftSpeed(given_hz, tolerance, best)
+        return ShaftSpeed(given_hz, tolerance, best, tolerance)
     # Fault lines and their sidebands beside an integer order look like a shaft a little off: the
     # given speed is left only for harmonics that are clearly better.
     if best < scores[len(near) // 2] + _MARGIN:
@@ -100,7 +105,7 @@ def refine_shaft_hz(
         ties = near[scores >= best - 1e-9]
         shaft_hz = float(ties[np.argmin(np.abs(ties - np.median(ties)))])
     uncertainty = bin_hz / (2.0 * shaft_hz)
-    return ShaftSpeed(shaft_hz, min(uncertainty, tolerance), best)
+    return ShaftSpeed(shaft_hz, min(uncertainty, tolerance), best, tolerance)
 
 
 def varies(shaft_hz: NDArray[np.float64]) -> bool:

@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Heights of the lines of a comb and of their sidebands, as modulation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bearing_twin.diagnosis.comb import HARMONICS
+from bearing_twin.diagnosis.thresholds import CARRIER
+import numpy as np
+
+if TYPE_CHECKING:
+    from bearing_twin.diagnosis.comb import OrderSpectra
+    from numpy.typing import NDArray
+
+__all__ = [
+    'HANN_BINS',
+    'comb_power',
+    'modulation_index',
+    'on_comb',
+    'sideband_ratio',
+    'sideband_ratios',
+]
+
+HANN_BINS = 1.5
+"""Noise bandwidth of the Hann window, bins: a line spreads over three."""
+
+
+def modulation_index(
+    spectra: OrderSpectra, order: float, band_scores: NDArray[np.float32], family: str
+) -> tuple[float, int]:
+    """
+    Modulation index of a comb, the largest of the bands that show it, and that band.
+
+    Root of the sum over harmonics of the squared relative amplitudes of the squared envelope,
+    noise floor taken off: m for an envelope 1 + m cos. It is taken from the spectrum with capped
+    lines, so that steady lines beating with one another do not count. The cage's, whose pulses
+    are slow and smooth, is taken with lines kept. A healthy bearing forces its housing at the
+    outer race's frequency and its low multiples (variable compliance); for that family the index
+    counts only in bands that begin above ``CARRIER`` multiples.
+    """
+    bands = len(spectra.carrier)
+    lines = slice(0, bands) if family == 'cage' else slice(bands, None)
+    teeth = order * np.arange(1, HARMONICS + 1)
+    rows = spectra.rows(teeth[:, None] + spectra.step * np.arange(-1, 2))
+    # A line spreads over three bins of the Hann window, whose noise bandwidth is 1.5 bins.
+    power = spectra.excess[rows.ravel(), lines].sum(axis=0) / HANN_BINS
+    if family == 'outer':
+        # Half of the range stays in any case, for low sample rates.
+        limit = min(CARRIER * order, 0.5 * float(spectra.carrier.max()))
+        power[spectra.carrier < limit] = 0.0
+    index = 2.0 * np.sqrt(power)
+    shown = band_scores >= min(3.0, float(band_scores.max()))
+    band = int(np.argmax(np.where(shown, index, -1.0)))
+    return float(index[band]), band
+
+
+def comb_power(spectra: OrderSpectra, order: float, band: int) -> float:
+    """Relative power of the lines of a comb in one band, lines capped."""
+    teeth = order * np.arange(1, HARMONICS + 1)
+    rows = spectra.rows(teeth[:, None] + spectra.step * np.arange(-1, 2))
+    return float(spectra.excess[rows, len(spectra.carrier) + band].sum())
+
+
+def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 1.0) -> float:
+    """Amplitude of the lines one and two gaps beside the teeth of a comb over the teeth's."""
+    return float(sideband_ratios(spectra, order, band, np.array([gap]))[0])
+
+
+def sideband_ratios(
+    spectra: OrderSpectra, order: float, band: int, gaps: NDArray[np.float64]
+) -> NDArray[np.float32]:
+    """Return the same for each of several gaps."""
+    teeth = order * np.arange(1, HARMONICS + 1)
+    sides = gaps[:, None] * np.array([0.0, -2.0, -1.0, 1.0, 2.0])
+    lines = sides[..., None, None] + teeth[:, None] + spectra.step * np.arange(-1, 2)
+    power = spectra.excess[spectra.rows(lines), len(spectra.carrier) + band].sum(axis=(2, 3))
+    ratios: NDArray[np.float32] = np.sqrt(
+        power[:, 1:].mean(axis=1) / np.maximum(power[:, 0], 1e-30)
+    )
+    return ratios
+
+
+def on_comb(order: float, cage_order: float, step: float) -> bool:
+    """Whether every second tooth of a comb, at least, lies on a multiple of the cage's order."""
+    multiple = round(2.0 * order / cage_order)
+    away = abs(2.0 * order - multiple * cage_order)
+    return away <= (4.0 + 0.25 * multiple) * step
