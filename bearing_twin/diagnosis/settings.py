@@ -56,6 +56,11 @@ class DiagnosisSettings:
     hold_updates: int = 3
     """Equal answers in a row before the level rises or falls (hysteresis of the stream)."""
 
+    @property
+    def averages(self) -> bool:
+        """Whether the memory holds a window before the newest, so that they can be averaged."""
+        return self.memory >= 2.0 * self.window
+
     def __post_init__(self) -> None:
         for field in fields(self):
             if field.name not in _RANGES:

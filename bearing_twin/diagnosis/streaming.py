@@ -6,11 +6,10 @@ from __future__ import annotations
 
 from collections import deque
 import math
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.chain import conclude
+from bearing_twin.diagnosis.chain import Window
 from bearing_twin.diagnosis.comb import OrderSpectra
-from bearing_twin.diagnosis.report import insufficient
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.diagnosis.trend import Trend
@@ -177,44 +176,18 @@ class StreamingDiagnoser:
 
     def judge(self, update: Update, analysis: Analysis) -> Diagnosis:
         """Judge an update together with the windows and verdicts before it."""
-        about: dict[str, Any] = {
-            'first_sample': update.first_sample,
-            'sample_count': len(update.samples),
-            'sample_rate': update.sample_rate,
-            'temperature': update.temperature,
-        }
-        window, settings = analysis.window, update.settings
-        if window is None:
-            return insufficient(
-                [*update.notes, *analysis.reasons],
-                update.bearing,
-                shaft_hz=analysis.shaft_hz,
-                unit=update.unit,
-                **about,
-            )
-        # Only windows that do not overlap this one, nor one another, add evidence.
+        settings, answer = update.settings, analysis.answer
         wanted = round(settings.window * update.sample_rate)
-        oldest = update.end - round(settings.memory * update.sample_rate)
-        while update.earlier and update.earlier[0][0] - wanted < oldest:
-            update.earlier.popleft()
-        earlier, limit = [], update.first_sample
-        for end, orders in reversed(update.earlier):
-            if end <= limit:
-                earlier.append(orders)
-                limit = end - wanted
         full = len(update.samples) == wanted
-        if full and settings.memory >= 2.0 * settings.window:
-            update.earlier.append((update.end, window.orders))
-        diagnosis = conclude(
-            window,
-            update.bearing,
-            earlier=earlier[::-1],
-            shaft_hz_given=analysis.shaft_hz,
-            notes=update.notes,
-            **about,
-        )
+        if isinstance(answer, Window):
+            earlier = _before(update, wanted)
+            if full and settings.averages:
+                update.earlier.append((update.end, answer.orders))
+            answer = update.conclude(answer, analysis.shaft_hz, earlier)
+        if analysis.refused:
+            return answer
         return self._trend.update(
-            diagnosis,
+            answer,
             wanted=settings.baseline_windows,
             hold=settings.hold_updates,
             full=full,
@@ -319,3 +292,17 @@ class StreamingDiagnoser:
             notes=notes,
             earlier=self._earlier,
         )
+
+
+def _before(update: Update, wanted: int) -> list[OrderSpectra]:
+    """Windows to be averaged with that of an update, oldest first; those too old are dropped."""
+    oldest = update.end - round(update.settings.memory * update.sample_rate)
+    while update.earlier and update.earlier[0][0] - wanted < oldest:
+        update.earlier.popleft()
+    # Only windows that do not overlap this one, nor one another, add evidence.
+    windows, limit = [], update.first_sample
+    for end, orders in reversed(update.earlier):
+        if end <= limit:
+            windows.append(orders)
+            limit = end - wanted
+    return windows[::-1]

@@ -7,9 +7,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.chain import analyse_window, highest_fault_order
+from bearing_twin.diagnosis.chain import analyse_window, conclude, highest_fault_order
 from bearing_twin.diagnosis.gate import check_record, check_speeds
-from bearing_twin.diagnosis.report import not_shown
+from bearing_twin.diagnosis.report import insufficient, not_shown
 from bearing_twin.diagnosis.shaft import resample_to_angle, varies
 import numpy as np
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.chain import Window
     from bearing_twin.diagnosis.comb import OrderSpectra
+    from bearing_twin.diagnosis.result import Diagnosis
     from bearing_twin.diagnosis.settings import DiagnosisSettings
     from numpy.typing import NDArray
 
@@ -30,12 +31,12 @@ __all__ = ['Analysis', 'Update']
 class Analysis:
     """What the samples of a window say, before anything that came earlier is asked."""
 
+    answer: Diagnosis | Window
+    """Verdict on the window alone; where windows before it have a say, the window itself."""
     shaft_hz: float
     """Mean speed over the window, Hz."""
-    window: Window | None = None
-    """None where the window cannot be diagnosed..."""
-    reasons: Sequence[str] = ()
-    """...and why."""
+    refused: bool = False
+    """Whether the gate has refused it: then it says nothing about the machine."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +85,17 @@ class Update:
         else:
             reasons = check_speeds(self.shaft_hz)
         if reasons:
-            return Analysis(mean_hz, reasons=reasons)
+            refused = insufficient(
+                [*self.notes, *reasons],
+                self.bearing,
+                first_sample=self.first_sample,
+                sample_count=len(self.samples),
+                sample_rate=self.sample_rate,
+                shaft_hz=mean_hz,
+                temperature=self.temperature,
+                unit=self.unit,
+            )
+            return Analysis(refused, mean_hz, refused=True)
         if varies(speeds):
             x, mean_hz = resample_to_angle(x, self.sample_rate, speeds)
         settings = self.settings
@@ -93,4 +104,22 @@ class Update:
         window = analyse_window(
             x, self.sample_rate, self.bearing, mean_hz, settings, unit=self.unit
         )
-        return Analysis(mean_hz, window)
+        if settings.averages or self.earlier:
+            return Analysis(window, mean_hz)
+        return Analysis(self.conclude(window, mean_hz), mean_hz)
+
+    def conclude(
+        self, window: Window, shaft_hz: float, earlier: Sequence[OrderSpectra] = ()
+    ) -> Diagnosis:
+        """Judge the analysed window, averaged with ``earlier`` ones, oldest first."""
+        return conclude(
+            window,
+            self.bearing,
+            earlier=earlier,
+            shaft_hz_given=shaft_hz,
+            notes=self.notes,
+            first_sample=self.first_sample,
+            sample_count=len(self.samples),
+            sample_rate=self.sample_rate,
+            temperature=self.temperature,
+        )
