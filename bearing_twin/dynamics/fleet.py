@@ -14,11 +14,11 @@ from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.condition import Condition, condition
 from bearing_twin.dynamics.fleet_kernel import advance_all
 from bearing_twin.dynamics.fleet_lanes import check_defects, Lanes
-from bearing_twin.dynamics.fleet_layout import L
 from bearing_twin.dynamics.parameters import check_speed
 from bearing_twin.dynamics.saved import Envelope, identity
 from bearing_twin.dynamics.simulator import Simulator
 from bearing_twin.dynamics.tables import ball_table, constants, defect_table
+from bearing_twin.dynamics.vector import L
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import check_temperature
 import numpy as np
@@ -34,7 +34,7 @@ __all__ = ['Fleet', 'FleetBlock']
 FloatArray = npt.NDArray[np.float64]
 Array = npt.NDArray[Any]
 
-_SAVED = Envelope(b'BFleet\x00\x04', struct.Struct('<dQIII'), 'a fleet')
+_SAVED = Envelope(b'BFleet\x00\x05', struct.Struct('<dQIII'), 'a fleet')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,7 +158,7 @@ class Fleet:
                 lanes.w, lanes.balls, lanes.balls_in, lanes.phases, lanes.history, lanes.keys,
                 lanes.level, ramp, lanes.drift, lanes.taps, lanes.spalls_in, lanes.smooth_in,
                 self.next_sample, self.next_sample % self._tick, lanes.oversample, lanes.step,
-                out[:, :, done : done + count],
+                lanes.room, out, done, count,
             )  # fmt: skip
             done += count
             self.next_sample += count

@@ -20,32 +20,23 @@ import math
 from typing import Any
 
 from bearing_twin.dynamics.compiled import compiled
-from bearing_twin.dynamics.fleet_layout import L, PHASE_ROWS
-from bearing_twin.dynamics.fleet_motion import (
-    balls_alone,
-    balls_over_a_spall,
-    balls_over_spalls,
-    correct,
-    predict,
-    react,
-)
-from bearing_twin.dynamics.fleet_signal import decimate, sense
-from bearing_twin.dynamics.fleet_turning import (
-    grid_point,
-    prescribe,
-    spoil,
-    spoil_first,
-    spoil_smooth,
-)
+from bearing_twin.dynamics.fleet_layout import PHASE_ROWS
+from bearing_twin.dynamics.fleet_motion import advance
+from bearing_twin.dynamics.fleet_signal import copy, decimate, hand_out
+from bearing_twin.dynamics.fleet_turning import grid_point
 from bearing_twin.dynamics.layout import CHUNK
+from bearing_twin.dynamics.vector import L
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ['advance_all']
+__all__ = ['advance_all', 'room_size']
 
 Array = npt.NDArray[Any]
 
-_F = np.float32
+
+def room_size(oversample: int, memory: int) -> int:
+    """Numbers that the kernel needs to work in; ``memory`` is that of the decimator's phases."""
+    return CHUNK * 2 * L + oversample * (memory + CHUNK * 2 * L)
 
 
 @compiled()
@@ -66,21 +57,25 @@ def _advance_group(
     since_tick: int,
     oversample: int,
     h: float,
+    room: Array,
     out: Array,
+    lane: int,
+    begin: int,
+    n: int,
 ) -> None:
     """
-    Advance L bearings by ``out.shape[2]`` output samples.
+    Advance L bearings by ``n`` output samples.
 
     Parameters
     ----------
     w
         float32[WORK_ROWS * L]: work array; its first `STATE_ROWS` rows are the state.
     balls, n_balls
-        float32[n * BALL_ROWS * L]: the balls; how many of them are in use, an even number.
+        float32[(n + 2) * BALL_ROWS * L]: the slots of the balls; how many of them are in use.
     phases
         float64[PHASE_ROWS + 3, L]: phases at the last grid point and what they follow.
     history
-        float32[oversample, (t - 1) * 2 * L]: memory of the decimator.
+        float32[oversample * (t - 1) * 2 * L]: memory of the decimator.
     keys, level
         uint64[L], float32[L]: seeds; standard deviation of the noise.
     ramp, drift
@@ -94,19 +89,21 @@ def _advance_group(
         Index of the first output sample; output samples since the last thermal tick.
     oversample, h
         Internal steps per output sample; internal step, s.
-    out
-        float32[2, L, n]: acceleration of the sensors, m/s^2.
+    room
+        float32[room_size(oversample, (t - 1) * 2 * L)]: to work in.
+    out, lane, begin, n
+        float32[2, bearings, samples]: acceleration of the sensors, m/s^2; where in it the first
+        bearing and the first sample stand; samples.
 
     """
-    n = out.shape[2]
-    memory = history.shape[1]
+    memory = history.shape[0] // oversample
     stride = memory + CHUNK * 2 * L
-    raw = np.empty(oversample * stride, np.float32)
-    tile = np.empty(CHUNK * 2 * L, np.float32)
+    tile, raw = room[: CHUNK * 2 * L], room[CHUNK * 2 * L :]
     for phase in range(oversample):
-        raw[phase * stride : phase * stride + memory] = history[phase]
+        copy(raw, phase * stride // L, history, phase * memory // L, memory // L)
     inputs, growth = np.empty((6, L)), np.empty((6, L))
-    step_size, per_second = _F(h), _F(1.0 / h)
+    step_size = np.float32(h)
+    few = 2 * ((n_balls + 3) // 4)
     done = 0
     while done < n:
         within = (first + done) % CHUNK
@@ -117,50 +114,19 @@ def _advance_group(
                 inputs[q, i] = ramp[0, q, i] + slope * (done - within)
                 inputs[q, i] += drift[0, q, i] + drift[1, q, i] * (since_tick + done - within)
                 growth[q, i] = (slope + drift[1, q, i]) / oversample
-        begin, end = within * oversample, (within + count) * oversample
         grid_point(
-            w,
-            phases,
-            keys,
-            inputs,
-            growth,
-            (first + done) // CHUNK,
-            begin,
-            CHUNK * oversample,
-            h,
-            spalls,
-        )
-        for step in range(begin, end):
-            number = _F(step)
-            prescribe(w, number)
-            if spalls > 0:
-                spoil_first(w, number, per_second)
-            for k in range(1, spalls):
-                spoil(w, k, number, per_second)
-            if smooth:
-                for k in range(spalls):
-                    spoil_smooth(w, k, number, per_second)
-            predict(w, step_size)
-            if spalls > 1:
-                balls_over_spalls(w, balls, n_balls)
-            elif spalls > 0:
-                balls_over_a_spall(w, balls, n_balls)
-            else:
-                balls_alone(w, balls, n_balls)
-            react(w)
-            sample, phase = divmod(step - begin, oversample)
-            at = phase * stride + memory + sample * 2 * L
-            sense(w, step_size, raw, np.uint64(at))
-            correct(w, step_size)
+            w, phases, keys, inputs, growth, (first + done) // CHUNK, within, CHUNK * oversample,
+            h, spalls,
+        )  # fmt: skip
+        advance(
+            w, balls, n_balls, few, spalls, smooth, within, count, oversample, step_size, raw,
+            memory // L, stride // L,
+        )  # fmt: skip
         decimate(tile, raw, taps, oversample, level, keys, first + done, count)
-        for axis in range(2):
-            for i in range(L):
-                for k in range(count):
-                    out[axis, i, done + k] = tile[(2 * k + axis) * L + i]
-        moved = count * 2 * L
+        hand_out(tile, out, lane, begin + done, count)
         for phase in range(oversample):
-            for i in range(memory):
-                raw[phase * stride + i] = raw[phase * stride + moved + i]
+            begins = phase * stride // L
+            copy(raw, begins, raw, begins + 2 * count, memory // L)
         done += count
         if (first + done) % CHUNK == 0:
             for i in range(L):
@@ -168,7 +134,7 @@ def _advance_group(
                     phase = phases[row, i] + CHUNK * oversample * h * phases[PHASE_ROWS + row, i]
                     phases[row, i] = phase - math.floor(phase)
     for phase in range(oversample):
-        history[phase] = raw[phase * stride : phase * stride + memory]
+        copy(history, phase * memory // L, raw, phase * stride // L, memory // L)
 
 
 @compiled()
@@ -189,7 +155,10 @@ def advance_all(
     since_tick: int,
     oversample: int,
     h: float,
+    room: Array,
     out: Array,
+    begin: int,
+    n: int,
 ) -> None:
     """Advance every group; arrays as in `_advance_group` with the group first."""
     lanes = w.shape[2]
@@ -201,7 +170,7 @@ def advance_all(
                     inputs[part, q, i] = ramp[part, g * lanes + i, q]
                     drifts[part, q, i] = drift[g * lanes + i, part, q]
         _advance_group(
-            w[g].reshape(-1), balls[g].reshape(-1), balls_in[g], phases[g], history[g], keys[g],
-            level[g], inputs, drifts, taps, spalls_in[g], smooth_in[g], first,
-            since_tick, oversample, h, out[:, g * lanes : (g + 1) * lanes],
+            w[g].reshape(-1), balls[g].reshape(-1), balls_in[g], phases[g],
+            history[g].reshape(-1), keys[g], level[g], inputs, drifts, taps, spalls_in[g],
+            smooth_in[g], first, since_tick, oversample, h, room, out, g * lanes, begin, n,
         )  # fmt: skip

@@ -9,6 +9,9 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.dynamics import filters, laws, layout
 from bearing_twin.dynamics import fleet_layout as fl
+from bearing_twin.dynamics.fleet_kernel import room_size
+from bearing_twin.dynamics.fleet_turning import first_slot
+from bearing_twin.dynamics.vector import aligned, L
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
@@ -24,10 +27,10 @@ __all__ = ['Lanes', 'check_defects']
 FloatArray = npt.NDArray[np.float64]
 Array = npt.NDArray[Any]
 
-_MOTION = slice(16)
-_SENSOR = slice(16, fl.STATE_ROWS)
-# Rows that are carried on: motion and sensor, and the rotated sines; phases and their speeds.
-_CARRIED = np.array([*range(fl.STATE_ROWS), fl.C, fl.S, fl.CS, fl.SS])
+_MOTION = slice(fl.SENSOR)
+_SENSOR = slice(fl.SENSOR, fl.C)
+_CARRIED = slice(fl.STATE_ROWS)
+# Phases that are carried on, and their speeds.
 _TURNED = np.array([0, 1, 2, fl.PHASE_ROWS, fl.PHASE_ROWS + 1, fl.PHASE_ROWS + 2])
 
 
@@ -50,14 +53,16 @@ class Lanes:
         self._sample_rate = sample_rate
         self.oversample = filters.oversampling(sample_rate)
         self.step = 1.0 / (sample_rate * self.oversample)
-        groups = -(-len(parameters) // fl.L)
-        self.size = groups * fl.L
-        n_balls = _even(max(p.bearing.n_balls for p in parameters))
-        self.w = np.zeros((groups, fl.WORK_ROWS, fl.L), np.float32)
-        self.balls = np.zeros((groups, n_balls, fl.BALL_ROWS, fl.L), np.float32)
-        self.phases = np.zeros((groups, fl.PHASE_ROWS + 3, fl.L))
-        self.keys = np.zeros((groups, fl.L), np.uint64)
-        self.level = np.zeros((groups, fl.L), np.float32)
+        groups = -(-len(parameters) // L)
+        self.size = groups * L
+        self.most_balls = max(p.bearing.n_balls for p in parameters)
+        # The kernel looks at the directions of two slots beyond the last.
+        slots = self.most_balls + 2
+        self.w = aligned((groups, fl.WORK_ROWS, L), np.float32)
+        self.balls = aligned((groups, slots, fl.BALL_ROWS, L), np.float32)
+        self.phases = np.zeros((groups, fl.PHASE_ROWS + 3, L))
+        self.keys = np.zeros((groups, L), np.uint64)
+        self.level = np.zeros((groups, L), np.float32)
         self.law = np.zeros((self.size, laws.LAW_SIZE))
         self.values = np.zeros((self.size, laws.CONDITION_SIZE))
         self.drift = np.zeros((self.size, 2, laws.INPUTS))
@@ -70,19 +75,15 @@ class Lanes:
         self.delay = (len(taps) - 1) / 2.0 / self.oversample / sample_rate
         padded = np.concatenate([np.zeros(self.oversample - 1), taps])
         self.taps = padded.reshape(-1, self.oversample).T.ravel().astype(np.float32)
-        memory = (len(padded) // self.oversample - 1) * 2 * fl.L
-        self.history = np.zeros((groups, self.oversample, memory), np.float32)
-
-    @property
-    def most_balls(self) -> int:
-        """Most balls of a bearing that there is room for."""
-        return self.balls.shape[1]
+        memory = (len(padded) // self.oversample - 1) * 2 * L
+        self.history = aligned((groups, self.oversample, memory), np.float32)
+        self.room = aligned((room_size(self.oversample, memory),), np.float32)
 
     def survey(self, parameters: Sequence[TwinParameters]) -> None:
         """Find what the kernel has to do for each group."""
         for group in range(len(self.w)):
-            members = parameters[group * fl.L : (group + 1) * fl.L]
-            self.balls_in[group] = _even(max(member.bearing.n_balls for member in members))
+            members = parameters[group * L : (group + 1) * L]
+            self.balls_in[group] = max(member.bearing.n_balls for member in members)
             self.spalls_in[group] = max(len(member.defects) for member in members)
             self.smooth_in[group] = any(
                 d.profile in ('halfsine', 'smooth') for member in members for d in member.defects
@@ -90,7 +91,7 @@ class Lanes:
 
     def motion(self, index: int, next_sample: int) -> FloatArray:
         """State of one bearing in the layout of `kernel`, before its `kernel.start`."""
-        group, lane = divmod(index, fl.L)
+        group, lane = divmod(index, L)
         state = np.zeros(layout.STATE_SIZE)
         state[_MOTION] = self.w[group, _MOTION, lane]
         phases = self.phases[group, :, lane]
@@ -105,40 +106,39 @@ class Lanes:
 
     def seed(self, index: int) -> int:
         """Seed of one bearing."""
-        return int(self.keys[divmod(index, fl.L)])
+        return int(self.keys[divmod(index, L)])
 
     def quieten(self, index: int) -> None:
         """Let the filters of one bearing begin anew."""
-        group, lane = divmod(index, fl.L)
+        group, lane = divmod(index, L)
         self.w[group, _SENSOR, lane] = 0.0
-        self.history[group].reshape(self.oversample, -1, fl.L)[:, :, lane] = 0.0
+        self.history[group].reshape(self.oversample, -1, L)[:, :, lane] = 0.0
 
     def place(self, index: int, simulator: Simulator) -> None:
         """Put one bearing into its lane; the filters' memory stays."""
         p = simulator.parameters
         snapshot = simulator.snapshot()
-        group, lane = divmod(index, fl.L)
+        group, lane = divmod(index, L)
         spalls = snapshot.defects
         w, const, state = self.w[group, :, lane], snapshot.const, snapshot.state
         w[_MOTION] = state[_MOTION]
-        table = filters.resonator(p.resonance_hz, p.resonance_damping, self.step, 1)
+        n = p.bearing.n_balls
         w[fl.CONSTANTS : fl.CONSTANTS + fl.CONSTANT_ROWS] = (
             1.0 / const[layout.MI], const[layout.KI], const[layout.CI], 1.0 / const[layout.MO],
             const[layout.KO], const[layout.CO], const[layout.CB], const[layout.UNBALANCE],
-            *table.ravel(), p.bearing.n_balls,
+            *_sensor_table(p, self.step), n, 1.0 / n,
         )  # fmt: skip
-        w[fl.C], w[fl.S] = state[layout.CAGE_COS], state[layout.CAGE_SIN]
-        w[fl.CS], w[fl.SS] = state[layout.SHAFT_COS], state[layout.SHAFT_SIN]
-        n = p.bearing.n_balls
-        balls = self.balls[group, :, :, lane]
-        balls[:] = (0.0, 0.0, 1.0)
-        balls[:n] = snapshot.balls[:3, :n].T
+        self.balls[group, :, :, lane] = _slots(n, self.balls.shape[1])
         phases = self.phases[group, :, lane]
         since = simulator.next_sample % layout.CHUNK / simulator.sample_rate
         hz, slip = simulator.shaft_hz, snapshot.values[laws.SLIP]
         carried = hz * (1.0 - slip)
         speeds = const[layout.FTF_ORDER] * carried, hz, const[layout.SPIN_ORDER] * carried
         phases[:3] = state[layout.CAGE : layout.SPIN + 1] - since * np.array(speeds)
+        phases[:3] -= np.floor(phases[:3])
+        ahead = 2.0 * math.pi * (state[layout.CAGE] + first_slot(phases[fl.CAGE], n) / n)
+        w[fl.C], w[fl.S] = math.cos(ahead), math.sin(ahead)
+        w[fl.CS], w[fl.SS] = state[layout.SHAFT_COS], state[layout.SHAFT_SIN]
         phases[fl.FTF_ORDER] = const[layout.FTF_ORDER]
         phases[fl.SPIN_ORDER] = const[layout.SPIN_ORDER]
         phases[fl.JITTER] = const[layout.JITTER]
@@ -151,16 +151,16 @@ class Lanes:
         self.drift[index], self.rings[index] = snapshot.drift, snapshot.rings
 
     def state(self) -> list[Array]:
-        """Motion, phases, decimators and inner rings; the first two are copies."""
+        """Motion, phases (a copy), decimators and inner rings."""
         return [
             self.w[:, _CARRIED], self.phases[:, _TURNED], self.history, self.drift, self.rings
         ]  # fmt: skip
 
     def set_state(self, parts: Sequence[Array]) -> None:
         """Take over what :meth:`state` returned."""
-        self.w[:, _CARRIED], self.phases[:, _TURNED] = parts[:2]
-        for mine, given in zip(self.state()[2:], parts[2:], strict=True):
+        for mine, given in zip(self.state(), parts, strict=True):
             mine[...] = given
+        self.phases[:, _TURNED] = parts[1]
 
 
 def check_defects(index: int, parameters: TwinParameters) -> None:
@@ -173,9 +173,21 @@ def check_defects(index: int, parameters: TwinParameters) -> None:
         raise BearingTwinError(msg)
 
 
-def _even(n_balls: int) -> int:
-    """Balls come in twos; one that is too many is too small to touch."""
-    return n_balls + n_balls % 2
+def _sensor_table(p: TwinParameters, step: float) -> FloatArray:
+    """Return the coefficients of both states at the end of a step, and of what is read then."""
+    table = filters.resonator(p.resonance_hz, p.resonance_damping, step, 1)[:2]
+    table[:, [3, 5]] *= step  # the kernel has the jerk itself
+    read = (-1.0, -2.0 * p.resonance_damping, 0.0) if p.resonance_hz else (0.0, 0.0, 1.0)
+    return np.concatenate([table.ravel(), read])
+
+
+def _slots(n_balls: int, slots: int) -> FloatArray:
+    """Directions and negative numbers of the slots of a lane, see `fleet_layout`."""
+    numbers = np.array([(k + 1) // 2 if k % 2 else -(k // 2) for k in range(slots)])
+    angles = 2.0 * math.pi * numbers / n_balls
+    rows = np.stack([np.cos(angles), np.sin(angles), -numbers], axis=1)
+    rows[n_balls:, :2] = 0.0
+    return rows
 
 
 def _place_spall(
@@ -189,9 +201,7 @@ def _place_spall(
     """Fill one spall of a lane; None for a slot that is not used."""
     at = fl.SPALLS + slot * fl.SPALL_ROWS
     w[at : at + fl.SPALL_ROWS] = 0.0
-    w[at + fl.BALL] = -1.0
-    w[at + fl.HALF] = -1.0
-    w[at + fl.FIXED] = w[at + fl.ONLY] = -1.0
+    w[at + fl.BALL] = w[at + fl.ONLY] = w[at + fl.HALF] = -1.0
     angle = fl.FIRST_ANGLE + 4 * slot
     phases[angle : angle + 4] = 0.0
     if row is None:
@@ -203,11 +213,12 @@ def _place_spall(
     w[at + fl.METRES] = (
         0.5 * math.pi * const[layout.D_BALL] if on_ball else 2.0 * math.pi * radius / n_balls
     )
-    w[at + fl.FIXED] = row[layout.BALL] if on_ball else -1.0
+    w[at + fl.RACE] = not on_ball
+    w[at + fl.BALL] = row[layout.BALL] if on_ball else -1.0
     inner, outer = row[layout.PATH_INNER], row[layout.PATH_OUTER]
     w[at + fl.ONLY] = row[layout.BALL] if place == 3.0 else -1.0
     w[at + fl.EVEN] = outer if place in (1.0, 3.0) else inner
-    w[at + fl.ODD] = outer
+    w[at + fl.ODD] = outer if on_ball else w[at + fl.EVEN]
     w[at + fl.KIND] = row[layout.PROFILE]
     if row[layout.PROFILE] == 1.0:  # a rectangle is a path of endless curvature
         w[at + fl.EVEN] = w[at + fl.ODD] = 1e30

@@ -5,7 +5,8 @@
 """
 Hermite's scheme of order 4 and the forces of the balls, for a group of a fleet.
 
-All lanes take every branch, so the contact is written with selections.
+All lanes take every branch, so the contact is written with selections. Balls that cannot be loaded
+in any lane are passed over: mostly the half on the side away from the load.
 """
 
 from __future__ import annotations
@@ -13,198 +14,173 @@ from __future__ import annotations
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.fleet_layout import (
     A,
-    AN,
-    AP,
-    BALL,
     BALL_ROWS,
-    BX,
-    BY,
     C,
     CB,
     CI,
     CO,
-    CS,
-    FOOT,
-    FX,
-    FY,
-    GAP,
-    GX,
-    GY,
+    DEPTH0,
+    DEPTH1,
+    FOOT0,
+    FOOT1,
+    GAP0,
+    GAP1,
     HEAVY,
     J,
-    JN,
-    KB,
+    KB0,
+    KB1,
     KI,
     KO,
-    L,
     LIGHT,
-    MAX_SPALLS,
     OMEGA,
     PULL,
     Q,
-    QP,
-    S,
+    SENSOR,
+    SLOT,
     SPALL_ROWS,
     SPALLS,
-    SS,
     TAKEN,
     TAKEN_RATE,
+    TURN,
     TURNING,
-    UX,
-    UY,
     V,
-    VP,
-    VX,
-    VY,
-    X,
-    Y,
 )
+from bearing_twin.dynamics.fleet_signal import sense
+from bearing_twin.dynamics.fleet_turning import spoil, spoil_smooth
+from bearing_twin.dynamics.hermite import correct, NOUGHT, predict
+from bearing_twin.dynamics.vector import any_of, chosen, load, magnitude, root, splat, store
 import numpy as np
 
-__all__ = ['balls_alone', 'balls_over_a_spall', 'balls_over_spalls', 'correct', 'predict', 'react']
+__all__ = ['advance']
 
 _F = np.float32
-_ZERO, _HALF_, _ONE_HALF = _F(0.0), _F(0.5), _F(1.5)
+_ZERO = _F(0.0)
 
 
-@compiled(fast=FAST)
-def predict(w, h):
-    half, third = _F(0.5) * h, h / _F(3.0)
+@compiled(inline=True, fast=FAST)
+def _at(w, row):
+    return load(w, row), load(w, row + 1), load(w, row + 2), load(w, row + 3)
+
+
+@compiled(inline=True, fast=FAST)
+def _keep(w, row, values):
     for d in range(4):
-        for i in range(L):
-            a, j = w[(A + d) * L + i], w[(J + d) * L + i]
-            v = w[(V + d) * L + i]
-            w[(AP + d) * L + i] = a + h * j
-            w[(VP + d) * L + i] = v + h * (a + half * j)
-            w[(QP + d) * L + i] = w[(Q + d) * L + i] + h * (v + half * (a + third * j))
-    for i in range(L):
-        turning = w[TURNING * L + i]
-        x = w[QP * L + i] - w[(QP + 2) * L + i]
-        y = w[(QP + 1) * L + i] - w[(QP + 3) * L + i]
-        vx = w[VP * L + i] - w[(VP + 2) * L + i]
-        vy = w[(VP + 1) * L + i] - w[(VP + 3) * L + i]
-        w[X * L + i], w[Y * L + i], w[VX * L + i], w[VY * L + i] = x, y, vx, vy
-        w[UX * L + i], w[UY * L + i] = vx + turning * y, vy - turning * x
-        ax = w[AP * L + i] - w[(AP + 2) * L + i]
-        ay = w[(AP + 1) * L + i] - w[(AP + 3) * L + i]
-        w[BX * L + i], w[BY * L + i] = ax + turning * vy, ay - turning * vx
-        w[FX * L + i] = _ZERO
-        w[FY * L + i] = _ZERO
-        w[GX * L + i] = _ZERO
-        w[GY * L + i] = _ZERO
+        store(w, row + d, values[d])
 
 
 @compiled(inline=True, fast=FAST)
-def _contact(c, s, gap, gap_rate, x, y, vx, vy, ux, uy, bx, by, kb, cb):
-    """Force of a ball along its direction (c, s) and the rate of that, or zeros."""
-    delta = x * c + y * s - gap
-    closed = delta if delta > _ZERO else _ZERO
-    stiff = kb * np.sqrt(closed)
-    force = stiff * closed + cb * (vx * c + vy * s)
-    rate = _ONE_HALF * stiff * (ux * c + uy * s - gap_rate) + cb * (bx * c + by * s)
-    loaded = (delta > _ZERO) & (force > _ZERO)
-    return force if loaded else _ZERO, rate if loaded else _ZERO
+def _few_are_enough(balls, few, c0, s0, x, y, gap):
+    """Whether no ball from slot ``few`` on touches: the next on each side are the nearest."""
+    left, right = few * BALL_ROWS, (few + 1) * BALL_ROWS
+    low = s0 * load(balls, left) + c0 * load(balls, left + 1)
+    high = s0 * load(balls, right) + c0 * load(balls, right + 1)
+    least = chosen(low > high, high, low)
+    # The sine of all others is at least that, their cosine at most one.
+    reach = chosen(y > _ZERO, y, y * least)
+    return not any_of(magnitude(x) + reach > gap)
 
 
 @compiled(inline=True, fast=FAST)
-def _two_balls(w, balls, j, spalls):
-    """Add the forces of balls ``j`` and ``j + 1`` and their rates to the sums."""
-    number, following = _F(j), _F(j + 1)
-    two = balls[j * BALL_ROWS * L : (j + 2) * BALL_ROWS * L]
-    first = SPALLS * L
-    for i in range(L):
-        c0, s0, gap = w[C * L + i], w[S * L + i], w[GAP * L + i]
-        pc, ps = two[i], two[L + i]
-        qc, qs = two[3 * L + i], two[4 * L + i]
-        p_gap, q_gap = gap + two[2 * L + i], gap + two[5 * L + i]
-        p_rate = q_rate = _ZERO
-        if spalls > 0:
-            ball = w[first + BALL * L + i]
-            taken, taken_rate = w[first + TAKEN * L + i], w[first + TAKEN_RATE * L + i]
-            p_gap += taken if ball == number else _ZERO
-            p_rate += taken_rate if ball == number else _ZERO
-            q_gap += taken if ball == following else _ZERO
-            q_rate += taken_rate if ball == following else _ZERO
-        if spalls > 1:
-            for k in range(1, MAX_SPALLS):
-                more = first + k * SPALL_ROWS * L
-                ball = w[more + BALL * L + i]
-                taken, taken_rate = w[more + TAKEN * L + i], w[more + TAKEN_RATE * L + i]
-                p_gap += taken if ball == number else _ZERO
-                p_rate += taken_rate if ball == number else _ZERO
-                q_gap += taken if ball == following else _ZERO
-                q_rate += taken_rate if ball == following else _ZERO
-        x, y, vx, vy = w[X * L + i], w[Y * L + i], w[VX * L + i], w[VY * L + i]
-        ux, uy, bx, by = w[UX * L + i], w[UY * L + i], w[BX * L + i], w[BY * L + i]
-        kb, cb = w[KB * L + i], w[CB * L + i]
+def _contact(w, balls, n_balls, spalls, c0, s0, gap, kb, turning, q, v, a):
+    """Force of the balls on the outer ring, N, and its rate, N/s."""
+    x, y, vx, vy = q[0] - q[2], q[1] - q[3], v[0] - v[2], v[1] - v[3]
+    ax, ay = a[0] - a[2], a[1] - a[3]
+    # Velocity and acceleration as seen from the cage.
+    ux, uy = vx + turning * y, vy - turning * x
+    bx, by = ax + turning * vy, ay - turning * vx
+    cb, three_halves = load(w, CB), _F(1.5) * kb
+    nought = splat(_ZERO)
+    fx, fy, gx, gy = nought, nought, nought, nought
+    for j in range(n_balls):
+        pc, ps = load(balls, j * BALL_ROWS), load(balls, j * BALL_ROWS + 1)
+        number = load(balls, j * BALL_ROWS + 2)
         c, s = c0 * pc - s0 * ps, s0 * pc + c0 * ps
-        force, rate = _contact(c, s, p_gap, p_rate, x, y, vx, vy, ux, uy, bx, by, kb, cb)
-        d, t = c0 * qc - s0 * qs, s0 * qc + c0 * qs
-        other, change = _contact(d, t, q_gap, q_rate, x, y, vx, vy, ux, uy, bx, by, kb, cb)
-        w[FX * L + i] += force * c + other * d
-        w[FY * L + i] += force * s + other * t
-        w[GX * L + i] += rate * c + change * d
-        w[GY * L + i] += rate * s + change * t
+        delta, closing = x * c + y * s - gap, ux * c + uy * s
+        for k in range(spalls):
+            at = SPALLS + k * SPALL_ROWS
+            under = load(w, at + SLOT) == number
+            delta = chosen(under, delta - load(w, at + TAKEN), delta)
+            closing = chosen(under, closing - load(w, at + TAKEN_RATE), closing)
+        touches = delta > nought
+        closed = chosen(touches, delta, nought)
+        deep = root(closed)
+        force = kb * deep * closed + cb * (vx * c + vy * s)
+        rate = three_halves * deep * closing + cb * (bx * c + by * s)
+        loaded = touches & (force > nought)
+        force, rate = chosen(loaded, force, nought), chosen(loaded, rate, nought)
+        fx, fy, gx, gy = fx + force * c, fy + force * s, gx + rate * c, gy + rate * s
+    return fx, fy, gx - turning * fy, gy + turning * fx
 
 
-@compiled(fast=FAST)
-def balls_alone(w, balls, n_balls):
-    """Add up all balls where there is no spall; ``n_balls`` is even."""
-    for j in range(0, n_balls, 2):
-        _two_balls(w, balls, j, 0)
+@compiled(inline=True, fast=FAST)
+def _rings(w, cs, ss, foot, fx, fy, gx, gy, q, v, a):
+    """Acceleration and jerk of both rings under the balls' force and its rate."""
+    omega, pull = load(w, OMEGA), load(w, PULL)
+    px, py = pull * cs, pull * ss
+    ki, ci, light = load(w, KI), load(w, CI), load(w, LIGHT)
+    ko, co, heavy = load(w, KO), load(w, CO), load(w, HEAVY)
+    return (
+        (
+            (px - fx - ki * q[0] - ci * v[0]) * light,
+            (py - fy - ki * (q[1] - foot) - ci * v[1]) * light,
+            (fx - ko * q[2] - co * v[2]) * heavy,
+            (fy - ko * q[3] - co * v[3]) * heavy,
+        ),
+        (
+            (-omega * py - gx - ki * v[0] - ci * a[0]) * light,
+            (omega * px - gy - ki * v[1] - ci * a[1]) * light,
+            (gx - ko * v[2] - co * a[2]) * heavy,
+            (gy - ko * v[3] - co * a[3]) * heavy,
+        ),
+    )
 
 
-@compiled(fast=FAST)
-def balls_over_a_spall(w, balls, n_balls):
-    """As `balls_alone` with one spall a bearing."""
-    for j in range(0, n_balls, 2):
-        _two_balls(w, balls, j, 1)
+@compiled(fast=FAST, borrows=True)
+def advance(
+    w, balls, n_balls, few, spalls, smooth, first, count, oversample, h, raw, begin, stride
+):
+    """
+    Advance a group by ``count`` output samples, from ``first`` of the chunk on.
 
-
-@compiled(fast=FAST)
-def balls_over_spalls(w, balls, n_balls):
-    """As `balls_alone` with up to `MAX_SPALLS` spalls a bearing."""
-    for j in range(0, n_balls, 2):
-        _two_balls(w, balls, j, 2)
-
-
-@compiled(fast=FAST)
-def react(w):
-    """Accelerations and jerks at the predicted state. Small loops: large ones stay scalar."""
-    for i in range(L):
-        turning = w[TURNING * L + i]
-        fx, fy = w[FX * L + i], w[FY * L + i]
-        w[GX * L + i] = w[GX * L + i] - turning * fy
-        w[GY * L + i] = w[GY * L + i] + turning * fx
-    for i in range(L):
-        omega, pull = w[OMEGA * L + i], w[PULL * L + i]
-        px, py = pull * w[CS * L + i], pull * w[SS * L + i]
-        ki, ci, light = w[KI * L + i], w[CI * L + i], w[LIGHT * L + i]
-        x, y = w[QP * L + i], w[(QP + 1) * L + i] - w[FOOT * L + i]
-        vx, vy = w[VP * L + i], w[(VP + 1) * L + i]
-        ax, ay = w[AP * L + i], w[(AP + 1) * L + i]
-        w[AN * L + i] = (px - w[FX * L + i] - ki * x - ci * vx) * light
-        w[(AN + 1) * L + i] = (py - w[FY * L + i] - ki * y - ci * vy) * light
-        w[JN * L + i] = (-omega * py - w[GX * L + i] - ki * vx - ci * ax) * light
-        w[(JN + 1) * L + i] = (omega * px - w[GY * L + i] - ki * vy - ci * ay) * light
-    for i in range(L):
-        ko, co, heavy = w[KO * L + i], w[CO * L + i], w[HEAVY * L + i]
-        vx, vy = w[(VP + 2) * L + i], w[(VP + 3) * L + i]
-        ax, ay = w[(AP + 2) * L + i], w[(AP + 3) * L + i]
-        w[(AN + 2) * L + i] = (w[FX * L + i] - ko * w[(QP + 2) * L + i] - co * vx) * heavy
-        w[(AN + 3) * L + i] = (w[FY * L + i] - ko * w[(QP + 3) * L + i] - co * vy) * heavy
-        w[(JN + 2) * L + i] = (w[GX * L + i] - ko * vx - co * ax) * heavy
-        w[(JN + 3) * L + i] = (w[GY * L + i] - ko * vy - co * ay) * heavy
-
-
-@compiled(fast=FAST)
-def correct(w, h):
-    """Hermite's corrector."""
-    half, twelfth = _HALF_ * h, h * h / _F(12.0)
-    for d in range(4):
-        for i in range(L):
-            a, b = w[(A + d) * L + i], w[(AN + d) * L + i]
-            v, j = w[(V + d) * L + i], w[(JN + d) * L + i]
-            faster = v + (half * (a + b) + twelfth * (w[(J + d) * L + i] - j))
-            w[(Q + d) * L + i] += half * (v + faster) + twelfth * (a - b)
-            w[(V + d) * L + i], w[(A + d) * L + i], w[(J + d) * L + i] = faster, b, j
+    Writes the sensors to ``raw``: two rows a sample, from row ``begin`` on, the internal samples
+    of an output sample ``stride`` rows apart.
+    """
+    per_second = _F(1.0) / h
+    q, v, a, j = _at(w, Q), _at(w, V), _at(w, A), _at(w, J)
+    zx, wx, zy, wy = _at(w, SENSOR)
+    c, s, cs, ss = _at(w, C)
+    for sample in range(count):
+        for phase in range(oversample):
+            now = _F((first + sample) * oversample + phase + 1)
+            cd, sd, csd, ssd = _at(w, C + TURN)
+            c, s = c * cd - s * sd, s * cd + c * sd
+            cs, ss = cs * csd - ss * ssd, ss * csd + cs * ssd
+            for k in range(spalls):
+                spoil(w, k, now, load(w, DEPTH0) + now * load(w, DEPTH1))
+            if smooth:
+                for k in range(spalls):
+                    spoil_smooth(w, k, now, per_second)
+            further, faster, ahead = predict(h, q, v, a, j, NOUGHT)
+            gap = load(w, GAP0) + now * load(w, GAP1)
+            enough = _few_are_enough(
+                balls, few, c, s, further[0] - further[2], further[1] - further[3], gap
+            )
+            fx, fy, gx, gy = _contact(
+                w, balls, few if enough else n_balls, spalls, c, s, gap,
+                load(w, KB0) + now * load(w, KB1), load(w, TURNING), further, faster, ahead,
+            )  # fmt: skip
+            foot = load(w, FOOT0) + now * load(w, FOOT1)
+            a1, j1 = _rings(w, cs, ss, foot, fx, fy, gx, gy, further, faster, ahead)
+            at = begin + phase * stride + 2 * sample
+            zx, wx, felt = sense(w, zx, wx, a[2], j[2], a1[2], j1[2])
+            store(raw, at, felt)
+            zy, wy, felt = sense(w, zy, wy, a[3], j[3], a1[3], j1[3])
+            store(raw, at + 1, felt)
+            q, v = correct(h, q, v, a, j, a1, j1)
+            a, j = a1, j1
+    _keep(w, Q, q)
+    _keep(w, V, v)
+    _keep(w, A, a)
+    _keep(w, J, j)
+    _keep(w, SENSOR, (zx, wx, zy, wy))
+    _keep(w, C, (c, s, cs, ss))

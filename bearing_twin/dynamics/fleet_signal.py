@@ -7,80 +7,77 @@
 from __future__ import annotations
 
 from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.fleet_layout import A, AN, J, JN, L, OUT, READ, TO_W, TO_Z, WX, ZX
-from bearing_twin.dynamics.random import NOISE, normal_pair
+from bearing_twin.dynamics.fleet_layout import READ, TO_W, TO_Z
+from bearing_twin.dynamics.random import NOISE, normal_pairs
+from bearing_twin.dynamics.vector import L, load, load_words, splat, store
 import numpy as np
 
-__all__ = ['TAPS', 'decimate', 'sense']
+__all__ = ['TAPS', 'copy', 'decimate', 'hand_out', 'sense']
 
 TAPS = 11
 """Taps of the decimator applied at once."""
 
-_F, _U = np.float32, np.uint64
-_ROW, _LANES, _FROM = np.uint64(2 * L), np.uint64(L), np.uint64(OUT * L)
+_ROW, _LANES = np.uint64(2 * L), np.uint64(L)
 
 
 @compiled(inline=True, fast=FAST)
-def _weigh(w, row, i, z, v, a, j, a1, j1):
+def _weigh(w, row, z, v, a, j, a1, j1):
     """One row of the sensor's table; see `filters.resonator`."""
     return (
-        (w[row * L + i] * z + w[(row + 1) * L + i] * v)
-        + (w[(row + 2) * L + i] * a + w[(row + 3) * L + i] * j)
-        + (w[(row + 4) * L + i] * a1 + w[(row + 5) * L + i] * j1)
+        (load(w, row) * z + load(w, row + 1) * v)
+        + (load(w, row + 2) * a + load(w, row + 3) * j)
+        + (load(w, row + 4) * a1 + load(w, row + 5) * j1)
     )
 
 
 @compiled(inline=True, fast=FAST)
-def _sense_axis(w, axis, h):
-    """Sensor along one axis of the housing."""
-    for i in range(L):
-        a, a1 = w[(A + 2 + axis) * L + i], w[(AN + 2 + axis) * L + i]
-        j, j1 = h * w[(J + 2 + axis) * L + i], h * w[(JN + 2 + axis) * L + i]
-        z, v = w[(ZX + 2 * axis) * L + i], w[(WX + 2 * axis) * L + i]
-        w[(OUT + axis) * L + i] = _weigh(w, READ, i, z, v, a, j, a1, j1)
-        w[(ZX + 2 * axis) * L + i] = _weigh(w, TO_Z, i, z, v, a, j, a1, j1)
-        w[(WX + 2 * axis) * L + i] = _weigh(w, TO_W, i, z, v, a, j, a1, j1)
+def sense(w, z, v, a, j, a1, j1):
+    """Sensor along one axis of the housing: both states at the end of a step, what it reads."""
+    z, v = _weigh(w, TO_Z, z, v, a, j, a1, j1), _weigh(w, TO_W, z, v, a, j, a1, j1)
+    return z, v, load(w, READ) * z + load(w, READ + 1) * v + load(w, READ + 2) * a1
 
 
-@compiled(fast=FAST)
-def sense(w, h, raw, at):
-    """Sensors of both axes, to the two rows of ``raw`` at the unsigned ``at``."""
-    _sense_axis(w, 0, h)
-    _sense_axis(w, 1, h)
-    for i in range(_ROW):
-        raw[at + i] = w[_FROM + i]
-
-
-@compiled(fast=FAST)
-def _some_taps(tile, raw, begin, taps, first, size):
-    """
-    Add `TAPS` taps to ``size`` values: one long loop over samples, axes and lanes.
-
-    Written out, since an inner loop over the taps would be vectorised instead. Unsigned indices
-    cannot count from the end, which keeps the loop simple.
-    """
-    begin, first = np.uint64(begin), np.uint64(first)
-    t0, t1, t2 = taps[first], taps[first + _U(1)], taps[first + _U(2)]
-    t3, t4, t5 = taps[first + _U(3)], taps[first + _U(4)], taps[first + _U(5)]
-    t6, t7, t8 = taps[first + _U(6)], taps[first + _U(7)], taps[first + _U(8)]
-    t9, t10 = taps[first + _U(9)], taps[first + _U(10)]
-    for i in range(np.uint64(size)):
+@compiled(fast=FAST, borrows=True)
+def _some_taps(tile, raw, begin, taps, first, rows):
+    """Add `TAPS` taps to ``rows`` rows, which stay in registers meanwhile."""
+    t0, t1, t2 = splat(taps[first]), splat(taps[first + 1]), splat(taps[first + 2])
+    t3, t4, t5 = splat(taps[first + 3]), splat(taps[first + 4]), splat(taps[first + 5])
+    t6, t7, t8 = splat(taps[first + 6]), splat(taps[first + 7]), splat(taps[first + 8])
+    t9, t10 = splat(taps[first + 9]), splat(taps[first + 10])
+    for i in range(rows):
         k = begin + i
-        tile[i] += (
-            (t0 * raw[k] + t1 * raw[k + _ROW] + t2 * raw[k + _U(2) * _ROW])
-            + (t3 * raw[k + _U(3) * _ROW] + t4 * raw[k + _U(4) * _ROW])
-            + (t5 * raw[k + _U(5) * _ROW] + t6 * raw[k + _U(6) * _ROW])
-            + (t7 * raw[k + _U(7) * _ROW] + t8 * raw[k + _U(8) * _ROW])
-            + (t9 * raw[k + _U(9) * _ROW] + t10 * raw[k + _U(10) * _ROW])
-        )
+        some = t0 * load(raw, k) + t1 * load(raw, k + 2) + t2 * load(raw, k + 4)
+        more = t3 * load(raw, k + 6) + t4 * load(raw, k + 8) + t5 * load(raw, k + 10)
+        some = some + t6 * load(raw, k + 12) + t7 * load(raw, k + 14) + t8 * load(raw, k + 16)
+        more = more + t9 * load(raw, k + 18) + t10 * load(raw, k + 20)
+        store(tile, i, load(tile, i) + (some + more))
 
 
-@compiled(fast=FAST)
-def _noise(tile, at, level, keys, index):
-    for i in range(_LANES):
-        pair = normal_pair(index, NOISE, keys[i])
-        tile[at + i] = level[i] * pair[0]
-        tile[at + _LANES + i] = level[i] * pair[1]
+@compiled(fast=FAST, borrows=True)
+def _noise(tile, level, keys, first, count):
+    strength, seeds = load(level, 0), load_words(keys)
+    for k in range(count):
+        x, y = normal_pairs(first + k, NOISE, seeds)
+        store(tile, 2 * k, strength * x)
+        store(tile, 2 * k + 1, strength * y)
+
+
+@compiled(fast=FAST, borrows=True)
+def copy(to, begin, source, first, rows):
+    """Copy rows; within one array forward, to where they were read before."""
+    for i in range(rows):
+        store(to, begin + i, load(source, first + i))
+
+
+@compiled(fast=FAST, borrows=True)
+def hand_out(tile, out, lane, begin, count):
+    """Copy ``count`` samples to the rows of ``out`` from ``lane`` on, from ``begin`` on."""
+    # Unsigned: an index that might be negative is looked at each time.
+    lane, begin = np.uint64(lane), np.uint64(begin)
+    for axis in range(np.uint64(2)):
+        for i in range(_LANES):
+            for k in range(np.uint64(count)):
+                out[axis, lane + i, begin + k] = tile[k * _ROW + axis * _LANES + i]
 
 
 @compiled()
@@ -91,11 +88,10 @@ def decimate(tile, raw, taps, oversample, level, keys, first, count):
     ``raw`` holds the internal samples by their place within an output sample (polyphase), so that
     a tap is the same shift for all output samples.
     """
-    for k in range(count):
-        _noise(tile, np.uint64(k) * _ROW, level, keys, first + k)
-    stride = raw.shape[0] // oversample
+    _noise(tile, level, keys, first, count)
+    stride = raw.shape[0] // oversample // L
     each = taps.shape[0] // oversample
     for phase in range(oversample):
         for tap in range(0, each, TAPS):
-            begin = phase * stride + tap * 2 * L
-            _some_taps(tile, raw, begin, taps, phase * each + tap, count * 2 * L)
+            begin = phase * stride + 2 * tap
+            _some_taps(tile, raw, begin, taps, phase * each + tap, 2 * count)

@@ -16,9 +16,10 @@ from __future__ import annotations
 import math
 
 from bearing_twin.dynamics.compiled import compiled, FAST
+from bearing_twin.dynamics.vector import chosen, has_bit, real, root, splat_words, split
 import numpy as np
 
-__all__ = ['NOISE', 'WALK', 'normal_pair', 'philox']
+__all__ = ['NOISE', 'WALK', 'normal_pair', 'normal_pairs', 'philox', 'sines']
 
 NOISE, WALK = 0, 1
 """Streams of one seed: sensor noise and cage phase."""
@@ -71,7 +72,13 @@ def _log(u):
     # Split at sqrt(1/2), so that the mantissa lies in 0.707..1.414.
     exponent = np.int32((bits - np.int32(0x3F3504F3)) >> np.int32(23))
     m = np.int32(bits - np.int32(exponent << np.int32(23))).view(np.float32)
-    t = _F(m - _F(1.0))
+    return _log_of(_F(exponent), m)
+
+
+@compiled(inline=True, fast=FAST)
+def _log_of(exponent, m):
+    """Logarithm of ``m`` times 2 to the ``exponent``, ``m`` in 0.707..1.414; numbers or values."""
+    t = m - _F(1.0)
     p = _F(7.0376836292e-2) * t - _F(1.1514610310e-1)
     p = p * t + _F(1.1676998740e-1)
     p = p * t - _F(1.2420140846e-1)
@@ -81,7 +88,18 @@ def _log(u):
     p = p * t - _F(2.4999993993e-1)
     p = p * t + _F(3.3333331174e-1)
     square = t * t
-    return _F(exponent) * _LN2 + (t - _F(0.5) * square + square * t * p)
+    return exponent * _LN2 + (t - _F(0.5) * square + square * t * p)
+
+
+@compiled(inline=True, fast=FAST)
+def sines(angle):
+    """Cosine and sine of an angle up to pi/4, to 1e-7; numbers or values of `vector`."""
+    square = angle * angle
+    c = _F(2.443315711809948e-5) * square - _F(1.388731625493765e-3)
+    c = _F(1.0) - square * (_F(0.5) - square * (c * square + _F(4.166664568298827e-2)))
+    s = _F(-1.9515295891e-4) * square + _F(8.3321608736e-3)
+    s = angle + angle * square * (s * square - _F(1.6666654611e-1))
+    return c, s
 
 
 @compiled(inline=True, fast=FAST)
@@ -99,14 +117,25 @@ def normal_pair(index, stream, seed):
     radius = np.sqrt(_F(-2.0) * _log(u))
     # 30 bits place the angle in a quarter turn about 0, two choose the quarter.
     angle = _F(np.int32(b & _FRACTION)) * _QUARTER_TURN - _EIGHTH
-    square = angle * angle
-    c = _F(2.443315711809948e-5) * square - _F(1.388731625493765e-3)
-    c = _F(1.0) - square * (_F(0.5) - square * (c * square + _F(4.166664568298827e-2)))
-    s = _F(-1.9515295891e-4) * square + _F(8.3321608736e-3)
-    s = angle + angle * square * (s * square - _F(1.6666654611e-1))
+    c, s = sines(angle)
     quarter = b >> _QUADRANT
     odd = (quarter & np.uint64(1)) != np.uint64(0)
     first = -s if odd else c
     second = c if odd else s
     signed = -radius if quarter >= np.uint64(2) else radius
     return signed * first, signed * second
+
+
+@compiled(inline=True, fast=FAST)
+def normal_pairs(index, stream, seeds):
+    """As `normal_pair` for sixteen seeds, `vector.WORDS`."""
+    k = np.uint64(index)
+    low = splat_words(k & _LOW)
+    high = splat_words((k >> _SHIFT) | (np.uint64(stream) << _STREAM))
+    a, b = philox(low, high, seeds & _LOW)
+    exponent, rest = split((real(a >> _EIGHT) + _F(0.5)) * _F(2.0**-24))
+    radius = root(_F(-2.0) * _log_of(exponent, rest))
+    c, s = sines(real(b & _FRACTION) * _QUARTER_TURN - _EIGHTH)
+    odd = has_bit(b, _QUADRANT)
+    signed = chosen(has_bit(b, _QUADRANT + np.uint64(1)), -radius, radius)
+    return signed * chosen(odd, -s, c), signed * chosen(odd, c, s)

@@ -5,6 +5,9 @@
 import dataclasses
 
 from bearing_twin.dynamics import Fleet, preset, Simulator
+from bearing_twin.dynamics.compiled import compiled
+from bearing_twin.dynamics.random import NOISE, normal_pair, normal_pairs
+from bearing_twin.dynamics.vector import load_words, store
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import pytest
@@ -14,12 +17,32 @@ def relative(got, expected):
     return np.linalg.norm(got - expected) / np.linalg.norm(expected)
 
 
+@compiled()
+def drawn(index, keys, out):
+    """Fill the first two rows of ``out`` lane by lane, the others at once."""
+    for i in range(16):
+        out[i], out[16 + i] = normal_pair(index, NOISE, keys[i])
+    x, y = normal_pairs(index, NOISE, load_words(keys))
+    store(out, 2, x)
+    store(out, 3, y)
+
+
+@pytest.mark.parametrize('index', [0, 1, 123_456_789_012, 2**62 - 1])
+def test_sixteen_numbers_at_once_are_those_of_each_seed(index):
+    out = np.empty(64, np.float32)
+    drawn(index, np.arange(16, dtype=np.uint64) * 0x1234567, out)
+    np.testing.assert_allclose(out[32:], out[:32], rtol=0.0, atol=2e-6)
+
+
 def test_fleet_is_many_simulators():
     parameters = [
         preset('incipient'),
         preset('extended', defect='outer'),
         preset('incipient', defect='inner+ball+cage', unbalance=1e-3),
         preset('incipient', bearing='6205', thermal_mode='physical'),
+        # Where all balls are loaded, or the load turns, no ball may be passed over.
+        preset('incipient', clearance=-5e-6),
+        preset('incipient', unbalance=6e-3),
     ]
     parameters += [
         dataclasses.replace(

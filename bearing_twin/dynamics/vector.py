@@ -1,0 +1,334 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+# Numba calls what is below while it compiles; its own interfaces have no types.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,no-any-unimported,misc"
+"""
+Sixteen numbers of single precision as one value of compiled code.
+
+The compiler turns loops over arrays into vector instructions, but by itself only of 256 bits, only
+where it sees that nothing overlaps, and with every result written to memory. A value of `FLOATS`
+is a register of 512 bits, or two of 256, or four of 128, as the processor has them. Operators act
+on each number; the other operand may be a scalar. No function here can be called from Python.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.datamodel import models
+from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
+from numba.extending import intrinsic, lower_builtin, register_model
+import numpy as np
+import numpy.typing as npt
+
+__all__ = [
+    'FLOATS',
+    'L',
+    'aligned',
+    'any_of',
+    'chosen',
+    'floor',
+    'has_bit',
+    'load',
+    'load_words',
+    'magnitude',
+    'real',
+    'root',
+    'splat',
+    'splat_words',
+    'split',
+    'store',
+]
+
+L = 16
+"""Numbers in a value."""
+
+_intrinsic: Any = intrinsic
+"""Of any type: its arguments are not those that compiled code gives."""
+_BYTES = 64
+"""A value that crosses a cache line is loaded twice."""
+_FLAGS = ('contract', 'nsz', 'arcp', 'nnan', 'ninf')
+_FLOAT = ir.FloatType()
+_VECTOR = ir.VectorType(_FLOAT, L)
+_BITS = ir.VectorType(ir.IntType(1), L)
+_INT = ir.IntType(32)
+_INTS = ir.VectorType(_INT, L)
+_LONG = ir.IntType(64)
+_LONGS = ir.VectorType(_LONG, L)
+
+
+class _Floats(types.Type):
+    def __init__(self) -> None:
+        super().__init__(name=f'Floats{L}')
+
+
+class _Mask(types.Type):
+    def __init__(self) -> None:
+        super().__init__(name=f'Mask{L}')
+
+
+class _Words(types.Type):
+    def __init__(self) -> None:
+        super().__init__(name=f'Words{L}')
+
+
+FLOATS, MASK, WORDS = _Floats(), _Mask(), _Words()
+
+
+@register_model(_Floats)
+class _FloatsModel(models.PrimitiveModel):
+    def __init__(self, manager, kind) -> None:
+        super().__init__(manager, kind, _VECTOR)
+
+
+@register_model(_Mask)
+class _MaskModel(models.PrimitiveModel):
+    def __init__(self, manager, kind) -> None:
+        super().__init__(manager, kind, _BITS)
+
+
+@register_model(_Words)
+class _WordsModel(models.PrimitiveModel):
+    def __init__(self, manager, kind) -> None:
+        super().__init__(manager, kind, _LONGS)
+
+
+def aligned(shape: tuple[int, ...], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    """Array of zeros that begins at a cache line."""
+    size = math.prod(shape) * np.dtype(dtype).itemsize
+    room = np.zeros(size + _BYTES, np.uint8)
+    begin = -room.ctypes.data % _BYTES
+    return room[begin : begin + size].view(dtype).reshape(shape)
+
+
+_SCALARS = (types.float32, types.float64)
+_WORD_PAIRS = ((WORDS, WORDS), (WORDS, types.uint64), (types.uint64, WORDS))
+_PAIRS = ((FLOATS, FLOATS), *((FLOATS, s) for s in _SCALARS), *((s, FLOATS) for s in _SCALARS))
+
+
+def _same(builder, value, kind):
+    """Repeat a scalar."""
+    if kind in (FLOATS, WORDS):
+        return value
+    if kind == types.float64:
+        value = builder.fptrunc(value, _FLOAT)
+    nothing = ir.Constant(ir.VectorType(value.type, L), ir.Undefined)
+    one = builder.insert_element(nothing, value, ir.Constant(_INT, 0))
+    return builder.shuffle_vector(one, nothing, ir.Constant(_INTS, None))
+
+
+def _declare(function, *signatures) -> None:
+    """Let an operator take these types."""
+    infer_global(function)(type(function.__name__, (ConcreteTemplate,), {'cases': signatures}))
+
+
+def _define(function, result, build, pairs=_PAIRS) -> None:
+    """Let an operator build its code for two values, or a value and a scalar."""
+    _declare(function, *(signature(result, *pair) for pair in pairs))
+
+    def code(context, builder, sig, args):
+        return build(builder, *(_same(builder, a, k) for a, k in zip(args, sig.args, strict=True)))
+
+    for pair in pairs:
+        lower_builtin(function, *pair)(code)
+
+
+def _integer(name):
+    return lambda builder, a, b: getattr(builder, name)(a, b)
+
+
+def _arithmetic(name):
+    return lambda builder, a, b: getattr(builder, name)(a, b, flags=_FLAGS)
+
+
+def _comparison(sign):
+    return lambda builder, a, b: builder.fcmp_ordered(sign, a, b)
+
+
+for _operators, _name in (
+    ((operator.add, operator.iadd), 'fadd'),
+    ((operator.sub, operator.isub), 'fsub'),
+    ((operator.mul, operator.imul), 'fmul'),
+):
+    for _operator in _operators:
+        _define(_operator, FLOATS, _arithmetic(_name))
+for _operator, _name in ((operator.gt, '>'), (operator.ge, '>='), (operator.eq, '==')):
+    _define(_operator, MASK, _comparison(_name))
+for _operator, _name in (
+    (operator.add, 'add'),
+    (operator.mul, 'mul'),
+    (operator.and_, 'and_'),
+    (operator.xor, 'xor'),
+    (operator.rshift, 'lshr'),
+):
+    _define(_operator, WORDS, _integer(_name), _WORD_PAIRS)
+
+
+_declare(operator.and_, signature(MASK, MASK, MASK))
+_declare(operator.neg, signature(FLOATS, FLOATS))
+
+
+@lower_builtin(operator.and_, MASK, MASK)
+def _and(context, builder, sig, args):
+    return builder.and_(*args)
+
+
+@lower_builtin(operator.neg, FLOATS)
+def _negative(context, builder, sig, args):
+    return builder.fsub(ir.Constant(_VECTOR, [-0.0] * L), args[0], flags=_FLAGS)
+
+
+def _place(context, builder, array, kind, row):
+    """Pointer to a row of ``array``."""
+    data = context.make_array(kind)(context, builder, array).data
+    index = builder.mul(row, ir.Constant(row.type, L))
+    return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
+
+
+@_intrinsic
+def load(typing, array, row):
+    """Sixteen numbers of a flat float32 array, from ``16 row`` on."""
+
+    def code(context, builder, sig, args):
+        value = builder.load(_place(context, builder, args[0], sig.args[0], args[1]))
+        value.align = 4
+        return value
+
+    return FLOATS(array, types.intp), code
+
+
+@_intrinsic
+def store(typing, array, row, value):
+    """Put sixteen numbers into a flat float32 array, from ``16 row`` on."""
+
+    def code(context, builder, sig, args):
+        place = _place(context, builder, args[0], sig.args[0], args[1])
+        builder.store(args[2], place).align = 4
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp, FLOATS), code
+
+
+@_intrinsic
+def splat(typing, scalar):
+    """Sixteen times the same number."""
+
+    def code(context, builder, sig, args):
+        return _same(builder, args[0], types.float32)
+
+    return FLOATS(types.float32), code
+
+
+@_intrinsic
+def chosen(typing, mask, value, other):
+    """``value`` where the mask is set, ``other`` elsewhere."""
+
+    def code(context, builder, sig, args):
+        return builder.select(*args)
+
+    return FLOATS(MASK, FLOATS, FLOATS), code
+
+
+@_intrinsic
+def any_of(typing, mask):
+    """Whether the mask is set anywhere."""
+
+    def code(context, builder, sig, args):
+        bits = builder.bitcast(args[0], ir.IntType(L))
+        return builder.icmp_unsigned('!=', bits, ir.Constant(bits.type, 0))
+
+    return types.boolean(MASK), code
+
+
+def _function(name):
+    """Code that calls a function of LLVM's on a value."""
+
+    def code(context, builder, sig, args):
+        kind = ir.FunctionType(_VECTOR, [_VECTOR])
+        function = cgutils.get_or_insert_function(builder.module, kind, f'{name}.v{L}f32')
+        return builder.call(function, args, fastmath=_FLAGS)
+
+    return code
+
+
+@_intrinsic
+def root(typing, value):
+    """Square root."""
+    return FLOATS(FLOATS), _function('llvm.sqrt')
+
+
+@_intrinsic
+def magnitude(typing, value):
+    """Magnitude."""
+    return FLOATS(FLOATS), _function('llvm.fabs')
+
+
+@_intrinsic
+def floor(typing, value):
+    """Greatest integer that is not above."""
+    return FLOATS(FLOATS), _function('llvm.floor')
+
+
+@_intrinsic
+def load_words(typing, array):
+    """Sixteen numbers of a uint64 array."""
+
+    def code(context, builder, sig, args):
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        value = builder.load(builder.bitcast(data, _LONGS.as_pointer()))
+        value.align = 8
+        return value
+
+    return WORDS(array), code
+
+
+@_intrinsic
+def splat_words(typing, scalar):
+    """Sixteen times the same integer."""
+
+    def code(context, builder, sig, args):
+        return _same(builder, args[0], types.uint64)
+
+    return WORDS(types.uint64), code
+
+
+@_intrinsic
+def real(typing, words):
+    """Numbers below 2^31 as real ones."""
+
+    def code(context, builder, sig, args):
+        return builder.sitofp(builder.trunc(args[0], _INTS), _VECTOR)
+
+    return FLOATS(WORDS), code
+
+
+@_intrinsic
+def has_bit(typing, words, bit):
+    """Whether a bit is set."""
+
+    def code(context, builder, sig, args):
+        one = _same(builder, builder.shl(ir.Constant(_LONG, 1), args[1]), types.uint64)
+        return builder.icmp_unsigned('!=', builder.and_(args[0], one), ir.Constant(_LONGS, None))
+
+    return MASK(WORDS, types.uint64), code
+
+
+@_intrinsic
+def split(typing, value):
+    """Exponents of 2, and what they leave: 0.707 to 1.414. For positive numbers."""
+
+    def code(context, builder, sig, args):
+        bits = builder.bitcast(args[0], _INTS)
+        root_half = ir.Constant(_INTS, [0x3F3504F3] * L)
+        digits = ir.Constant(_INTS, [23] * L)
+        exponent = builder.ashr(builder.sub(bits, root_half), digits)
+        rest = builder.bitcast(builder.sub(bits, builder.shl(exponent, digits)), _VECTOR)
+        pair = builder.sitofp(exponent, _VECTOR), rest
+        return context.make_tuple(builder, sig.return_type, pair)
+
+    return types.UniTuple(FLOATS, 2)(FLOATS), code
