@@ -109,16 +109,18 @@ def test_a_pulled_cable_costs_the_samples_of_that_time_and_nothing_else(
                 for status in message.decode().status
                 if status.name == 'diagnosis: vibration input'
             ]
+    # The twin was not held up: a socket that blocks would cost it the blocks of the cut, and more.
+    # A machine that is busy with something else may cost some, which it counts.
+    given_up = states[-1].blocks_dropped
+    assert states[-1].blocks_published + given_up == states[-1].first_sample // 1024 + 1
+    assert given_up * 0.04 < 0.5 * cut
     # In order, and no more is missing than the cut explains; the last blocks were sent again.
     assert all(a < b for a, b in pairwise(blocks))
     gaps = [(a, b) for a, b in pairwise(blocks) if b != a + 1]
-    lost = sum(b - a - 1 for a, b in gaps)
+    lost = sum(b - a - 1 for a, b in gaps) - given_up
     assert 0 < lost * 0.04 <= cut + 1.0
     assert (gaps[-1][1] - gaps[0][0]) * 0.04 <= cut + 4.0
     assert blocks[-1] > gaps[-1][1] + 50
-    # The twin did not notice: no block dropped, as many published as there were.
-    assert states[-1].blocks_dropped == 0
-    assert states[-1].blocks_published == states[-1].first_sample // 1024 + 1
     # The diagnosis said so while it lasted, counted what is missing, and came back by itself.
     assert any('no vibration for' in status['message'] for status in inputs)
     assert int(inputs[-1]['samples lost']) >= 1024
