@@ -122,6 +122,7 @@ class RecorderNode(ManagedNode):
 
     def _take_what_waits(self) -> None:
         """Write what the middleware holds: their publishers believe that it has been received."""
+        waiting: list[tuple[str, bytes, MessageInfo]] = []
         for topic, subscription in self._subscriptions_of.items():
             with subscription.handle:
                 # No more than can have waited: some publisher may go on without a pause.
@@ -129,7 +130,10 @@ class RecorderNode(ManagedNode):
                     taken = subscription.handle.take_message(subscription.msg_type, True)
                     if taken is None:
                         break
-                    self._on_message(topic, *taken)
+                    waiting.append((topic, *taken))
+        # In the order in which it came, since simulated time may be the same for all of it.
+        for message in sorted(waiting, key=lambda m: m[2]['received_timestamp'] or 0):
+            self._on_message(*message)
 
     def teardown(self) -> None:
         """Finish the recording."""
