@@ -115,7 +115,7 @@ class BlockCycle:
         return {
             'blocks_published': due.number,
             'blocks_late': self._pacer.late,
-            'blocks_dropped': self._pacer.dropped,
+            'blocks_dropped': due.dropped,
             'lateness': due.lateness,
             'execution_time': time.perf_counter() - self._began,
         }

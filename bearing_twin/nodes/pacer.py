@@ -32,6 +32,8 @@ class Due(NamedTuple):
     """Time since its deadline, s."""
     number: int = 0
     """Blocks given out up to this one, itself included."""
+    dropped: int = 0
+    """Blocks skipped up to this one."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +153,8 @@ class Pacer:
             deadline = self._tick_anchor + self._offset(self.next_sample + self.block)
             lateness = (ticks - deadline) / NANO
             stamp = self._time_anchor + self._offset(self.next_sample)
-            blocks.append(Due(self.next_sample, stamp, lateness, self.published + 1))
+            number = self.published + 1
+            blocks.append(Due(self.next_sample, stamp, lateness, number, self.dropped))
             self.next_sample += self.block
             self.published += 1
             self.late += lateness > self.late_after

@@ -40,6 +40,7 @@ def test_catches_up_then_skips_and_counts():
     late = run(p, 24 * PERIOD)
     assert [b.first_sample // 1024 for b in late] == [19, 20, 21, 22, 23]
     assert [b.number for b in late] == [5, 6, 7, 8, 9]
+    assert [b.dropped for b in late] == [15] * 5
     assert p.report().dropped == 15
     assert late[0].lateness == pytest.approx(4 * 0.04)
     assert p.report().published == 9
