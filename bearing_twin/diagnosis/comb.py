@@ -32,6 +32,7 @@ NEUTRAL = 0.5963474
 
 _STEPS_PER_BIN = 2
 _LOWEST_ORDER = 0.3
+_PART = 512
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ def order_spectra(
 
     """
     whitenings, bands, count = spectra.power.shape
-    logs = np.log1p(spectra.power / spectra.floor).reshape(whitenings * bands, count)
+    logs = spectra.logs.reshape(whitenings * bands, count)
     excess = np.maximum(spectra.power[:2] - spectra.floor[:2], 0.0).reshape(2 * bands, count)
     return OrderSpectra(
         spectra.bin_hz / shaft_hz,
@@ -166,14 +167,18 @@ class CombScores:
 
 def _teeth(spectra: OrderSpectra, grid: NDArray[np.float64]) -> NDArray[np.float32]:
     """Sum over the teeth of each comb, (W B, G)."""
-    total = np.take(spectra.logs, spectra.rows(grid), axis=0)
-    tooth = np.empty_like(total)
-    for harmonic in range(2, HARMONICS + 1):
-        # The rows are within bounds; the other modes would buffer what they write.
-        total += np.take(
-            spectra.logs, spectra.rows(harmonic * grid), axis=0, out=tooth, mode='clip'
-        )
-    return np.ascontiguousarray(total.T)
+    first, *others = (spectra.rows(harmonic * grid) for harmonic in range(1, HARMONICS + 1))
+    sums = np.empty((spectra.logs.shape[1], len(grid)), np.float32)
+    # In parts that stay in the cache until they are turned over.
+    for begin in range(0, len(grid), _PART):
+        part = slice(begin, begin + _PART)
+        total = np.take(spectra.logs, first[part], axis=0)
+        tooth = np.empty_like(total)
+        for rows in others:
+            # The rows are within bounds; the other modes would buffer what they write.
+            total += np.take(spectra.logs, rows[part], axis=0, out=tooth, mode='clip')
+        sums[:, part] = total.T
+    return sums
 
 
 def _best_bands(

@@ -75,9 +75,7 @@ def refine_shaft_hz(
     last = min(int(np.ceil(8.0 * given_hz / bin_hz)), len(power) - 1)
     low = power[1 : last + 1]
     direct = np.log1p(low / local_floor(low, max(int(4.0 * given_hz / bin_hz), 32)))
-    rows = min(last, envelopes.power.shape[-1])
-    ratio = envelopes.power[..., :rows] / envelopes.floor[..., :rows]
-    indirect = np.log1p(ratio).mean(axis=(0, 1))
+    indirect = envelopes.logs[..., :last].mean(axis=(0, 1))
 
     def comb(hertz: NDArray[np.floating]) -> NDArray[np.float64]:
         teeth = np.empty((_HARMONICS, len(hertz)))

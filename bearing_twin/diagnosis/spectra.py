@@ -133,7 +133,10 @@ def whiten(
         np.maximum(floor, power / np.float32(cap)),
         np.maximum(power, _TINY),
     )
-    return np.stack([spectrum * (np.float32(1.0) / np.sqrt(gain)) for gain in gains])
+    white = np.empty((len(gains), len(spectrum)), np.complex64)
+    for row, gain in zip(white, gains, strict=True):
+        np.multiply(spectrum, np.float32(1.0) / np.sqrt(gain), out=row)
+    return white
 
 
 @dataclass(frozen=True)
@@ -179,6 +182,11 @@ class EnvelopeSpectra:
     """(W, B, K): power of the squared envelope relative to its mean's; bin k is (k + 1) bin_hz."""
     floor: NDArray[np.float32]
     """(W, B, K): its local floor."""
+
+    @functools.cached_property
+    def logs(self) -> NDArray[np.float32]:
+        """(W, B, K): log(1 + power / floor)."""
+        return np.asarray(np.log1p(self.power / self.floor))
 
 
 def envelope_spectra(
@@ -302,9 +310,10 @@ def _power_by_tile(
 
 def _cross(signal: NDArray[np.complex64], apart: int) -> NDArray[np.complex64]:
     """Cross-correlation of each tile with the one so many further on, from their transforms."""
-    product = np.conj(signal[:-apart])
-    product *= signal[apart:]
-    return np.asarray(fft.fft(product, axis=-1, overwrite_x=True))
+    product = np.conj(signal)
+    product[:-apart] *= signal[apart:]
+    # Transforms go four at a time: those of the last tiles, which have no partner, are free.
+    return np.asarray(fft.fft(product, axis=-1, overwrite_x=True))[:-apart]
 
 
 def _line_power(correlation: NDArray[np.complex64]) -> NDArray[np.float32]:
