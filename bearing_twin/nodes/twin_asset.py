@@ -17,6 +17,7 @@ from bearing_twin.nodes.convert import (
 from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, STREAM
 from bearing_twin.nodes.shaft import ShaftSpeed
 from bearing_twin.nodes.subscribing import subscribe
+from bearing_twin.nodes.twin_config import FASTEST_SHAFT
 from bearing_twin.nodes.twin_health import clearance_problem, temperature_status
 from bearing_twin.thermal.gate import TemperatureGate
 from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
 
 __all__ = ['TwinAsset']
 
-FASTEST_SHAFT = 100.0
 LONGEST_WAIT = 10.0
 
 

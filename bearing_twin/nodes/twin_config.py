@@ -27,7 +27,15 @@ if TYPE_CHECKING:
 
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['SPECS', 'build_parameters', 'build_simulator']
+__all__ = ['FASTEST_SHAFT', 'SPECS', 'build_parameters', 'build_simulator']
+
+FASTEST_SHAFT = 100.0
+"""
+Fastest shaft of a twin that runs live, Hz.
+
+The simulator goes on to 500 Hz, but knows no centrifugal force of the balls, and its errors grow
+from below 0.1 % to some percent, a fleet's from below 2 % to a third (docs/realtime.md).
+"""
 
 SPECS = (
     Spec(
@@ -137,10 +145,10 @@ SPECS = (
     Spec(
         name='shaft_hz',
         default=25.4,
-        description='Shaft speed while no joint tells it.',
+        description='Shaft speed while no joint tells it. A joint is taken up to the same limit.',
         unit='Hz',
         low=0.0,
-        high=100.0,
+        high=FASTEST_SHAFT,
     ),
     JOINT,
     Spec(
