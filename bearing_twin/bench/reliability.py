@@ -4,7 +4,7 @@
 How often the answers of the diagnosis are right, by their score: what its confidence rests on.
 
 ``python -m bearing_twin.bench.reliability [TWINS IMPACTS [FIRST]]`` diagnoses machines drawn at
-random, from number FIRST (200000) on, with both models of
+random, from number FIRST (300000) on, with both models of
 :mod:`bearing_twin.bench.generalisation`, writes ``reliability.json`` of
 ``bearing_twin/diagnosis`` anew from those of even number, and prints how far the confidence so
 gained holds on those of odd number. No real record takes part.
@@ -25,6 +25,7 @@ import bearing_twin.diagnosis
 from bearing_twin.diagnosis.confidence import KINDS
 from bearing_twin.errors import BearingTwinError
 import numpy as np
+from scipy import optimize
 
 if TYPE_CHECKING:
     from bearing_twin.bench.generalisation import Machine
@@ -32,17 +33,11 @@ if TYPE_CHECKING:
 
 __all__ = ['main', 'tell']
 
-EDGES = {
-    'fault': (5.5, 7.0, 9.0, 12.0, 17.0),
-    'suspect': (5.5, 7.0, 10.0, 14.0),
-    'ambiguous': (5.5, 9.0, 13.0, 17.0),
-    'healthy': (-9.0, 3.0, 4.0, 4.5, 5.0, 6.0, 7.5, 10.0),
-}
-"""
-Lower edges of the ranges of score in which answers are counted.
+GROWS = {'fault': True, 'suspect': True, 'ambiguous': True, 'healthy': False}
+"""Whether the share of right answers grows with the score; healthy with a high one is doubtful."""
 
-Between their means the share is interpolated: it falls steeply where combs become significant.
-"""
+GROUP = 25
+"""Least answers of about one score that are counted together."""
 
 HEALTHY_SHARE = 0.2
 """Of the machines drawn; they are weighted to be as many as the damaged ones."""
@@ -64,20 +59,31 @@ def tell(case: Machine, said: Diagnosis) -> tuple[str, float, bool, float]:
 
 
 def _count(told: list[tuple[str, float, bool, float]]) -> dict[str, dict[str, list[float]]]:
-    """Per kind the mean score of each range and the share of right answers in it."""
+    """
+    Per kind, for groups of about one score, their mean score and the share of right answers.
+
+    The share is made to grow, or to fall, with the score (isotonic regression): what few answers
+    say against it is chance.
+    """
     table: dict[str, dict[str, list[float]]] = {}
-    for kind, edges in EDGES.items():
-        rows = np.array([t[1:] for t in told if t[0] == kind]).reshape(-1, 3)
-        of = np.searchsorted(edges, rows[:, 0], side='right') - 1
-        table[kind] = {'score': [], 'right': []}
-        for number in range(len(edges)):
-            z, right, weight = rows[of == number].T
-            if len(z) < 10:
-                continue
-            # The rule of succession: no count makes certain.
-            share = ((right * weight).sum() + 1.0) / (weight.sum() + 2.0)
-            table[kind]['score'].append(round(float(z.mean()), 2))
-            table[kind]['right'].append(round(float(share), 3))
+    for kind, grows in GROWS.items():
+        rows = np.array(sorted(t[1:] for t in told if t[0] == kind)).reshape(-1, 3)
+        if len(rows) < GROUP:
+            msg = f'{len(rows)} answers {kind!r} are fewer than {GROUP}; draw more machines'
+            raise BearingTwinError(msg)
+        groups = np.array_split(rows, len(rows) // GROUP)
+        weights = np.array([group[:, 2].sum() for group in groups])
+        right = np.array([(group[:, 1] * group[:, 2]).sum() for group in groups])
+        pooled = optimize.isotonic_regression(right / weights, weights=weights, increasing=grows)
+        alike = np.repeat(pooled.weights, np.diff(pooled.blocks))
+        # The rule of succession: no count makes certain.
+        share = optimize.isotonic_regression(
+            (pooled.x * alike + 1.0) / (alike + 2.0), weights=weights, increasing=grows
+        ).x
+        table[kind] = {
+            'score': [round(float(group[:, 0].mean()), 2) for group in groups],
+            'right': [round(float(value), 3) for value in share],
+        }
     return table
 
 
@@ -90,7 +96,7 @@ def _one(task: tuple[str, int]) -> tuple[int, tuple[str, float, bool, float]] | 
 def main() -> None:
     """Write the data file and print the check."""
     twins, impacts = (int(a) for a in sys.argv[1:3]) if len(sys.argv) > 2 else (600, 1150)
-    first = int(sys.argv[3]) if len(sys.argv) > 3 else 200_000
+    first = int(sys.argv[3]) if len(sys.argv) > 3 else 300_000
     tasks = [('twin', first + n) for n in range(twins)]
     tasks += [('impacts', first + n) for n in range(impacts)]
     with ProcessPoolExecutor(len(os.sched_getaffinity(0))) as pool:
@@ -101,9 +107,6 @@ def main() -> None:
 def _write(found: list[tuple[int, tuple[str, float, bool, float]]]) -> None:
     """Count the answers of even number, check on those of odd number."""
     table = _count([told for number, told in found if number % 2 == 0])
-    if not all(rows['score'] for rows in table.values()):
-        msg = f'{len(found)} answers are too few to count all kinds; draw more machines'
-        raise BearingTwinError(msg)
     about = 'written by python -m bearing_twin.bench.reliability'
     path = Path(bearing_twin.diagnosis.__file__).with_name('reliability.json')
     path.write_text(json.dumps({'about': about, **table}, indent=1) + '\n', encoding='utf-8')

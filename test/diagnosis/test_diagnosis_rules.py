@@ -110,12 +110,14 @@ def test_lines_of_a_cage_that_do_not_fade_are_no_ball_fault(rng, name, slip):
     assert 'cage' in said.faults
 
 
-def test_confidence_is_a_share_and_grows_with_the_score_of_a_fault():
+def test_confidence_is_a_share_and_grows_with_the_score_but_that_of_healthy_falls():
     for result in RESULTS:
         assert all(0.0 <= confidence(result, z) <= 1.0 for z in (0.0, 5.5, 9.0, 99.0))
     assert confidence('insufficient', 9.0) == 0.0
-    assert confidence('inner', 20.0) >= confidence('inner', 5.5)
-    assert confidence('healthy', 1.0) >= confidence('healthy', 5.0)
+    scores = np.arange(-2.0, 40.0, 0.25)
+    for result, sign in (('inner', 1), ('suspect', 1), ('ambiguous', 1), ('healthy', -1)):
+        shares = np.array([confidence(result, z) for z in scores])
+        assert (sign * np.diff(shares) >= 0.0).all()
 
 
 def test_too_short_a_window_says_what_it_could_have_shown(rng):
