@@ -19,6 +19,7 @@ from bearing_twin.diagnosis.thresholds import (
     INDEX_STRIKE,
     INDEX_SUSPECT,
     RIVAL,
+    SLIP_COST,
     Z_CAGE,
     Z_FAULT,
 )
@@ -127,7 +128,9 @@ def _one_comb_one_family(
             side = judge.sidedness(other, c)
             loser = other if side is c else c
             left.remove(loser)
-            if side is None and c.z * RIVAL > other.z:
+            # Sidebands alone do not make up for twice the slip that costs one standard deviation.
+            unlikely = abs(c.slip) - abs(other.slip) > 2.0 * SLIP_COST
+            if (unlikely and side is c) or (side is None and c.z * RIVAL > other.z):
                 contested.append((other, c))
     return left, contested
 

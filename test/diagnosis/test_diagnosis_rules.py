@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules that keep one cause from being called by another's name."""
 
-from bearing_twin.bearing import fault_orders, find_bearing
+from bearing_twin.bearing import fault_orders, find_bearing, own_bearing
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.confidence import confidence
 from bearing_twin.diagnosis.knocks import limit_knocks
@@ -85,6 +85,18 @@ def test_ball_that_strikes_unevenly_is_no_race_fault(rng):
     x = _strikes(times, heights) + rng.standard_normal(N)
     said = diagnose_record(x, RATE, bearing, SHAFT_HZ)
     assert said.faults == ('ball',), said.reasons
+
+
+@pytest.mark.parametrize('slip', [-0.005, 0.0, 0.01])
+def test_ball_without_sidebands_is_no_outer_race_of_an_unlikely_slip(rng, slip):
+    """Thirteen rollers: the outer race would have to slip by 5 % more to strike as often."""
+    bearing = own_bearing('13,7.5,38.5')
+    order = 2.0 * fault_orders(bearing, slip).bsf
+    gaps = (1.0 + 0.002 * rng.standard_normal(2000)) / (order * SHAFT_HZ)
+    x = _strikes(np.cumsum(gaps), 8.0) + rng.standard_normal(N)
+    said = diagnose_record(x, RATE, bearing, SHAFT_HZ, speed_tolerance=0.002)
+    assert said.faults != ('outer',), said.reasons
+    assert 'ball' in said.faults
 
 
 @pytest.mark.parametrize('slip', [0.07, 0.085, 0.1])
