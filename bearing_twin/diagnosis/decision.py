@@ -271,17 +271,13 @@ def _not_its_own(judge: Judge, primary: Candidate, candidates: dict[str, Candida
             'and the other multiples of the shaft stand as high: a knock once a turn, or the '
             'fault; a longer window or an exact speed may part them'
         )
-        return Verdict(
-            'ambiguous', 'suspect', (primary.family,), (str(primary), text), candidates, primary
-        )
+        return _doubtful(primary, text, candidates)
     text = (
         f'it shares its teeth with a comb at {judge.foreign(primary):.3f} orders, which no part '
         'of this bearing has: check geometry and speed; a gear, a belt, another bearing or a '
         'cage that slips far?'
     )
-    return Verdict(
-        'suspect', 'suspect', (primary.family,), (str(primary), text), candidates, primary
-    )
+    return _doubtful(primary, text, candidates, result='suspect')
 
 
 def _another_cause(
@@ -294,41 +290,48 @@ def _another_cause(
             f'it coincides with a multiple of {2.0 * mains:g} Hz: the pulses of rectifiers and '
             f'converters on mains of {mains:g} Hz; another shaft speed parts them'
         )
-        return Verdict(
-            'ambiguous', 'suspect', (primary.family,), (str(primary), text), candidates,
-            primary,
-        )  # fmt: skip
+        return _doubtful(primary, text, candidates)
     cage = judge.carried(primary)
     if cage:
         text = (
             f'its sidebands are {cage:.3f} orders apart, as the cage turns, and a race does not '
             'move with the cage: a ball, or the cage'
         )
-        return Verdict(
-            'ambiguous', 'suspect', ('ball', 'cage'), (str(primary), text), candidates,
-            primary,
-        )  # fmt: skip
+        return _doubtful(primary, text, candidates, ('ball', 'cage'))
     cage = judge.struck(primary)
     if cage:
         text = (
             f'it is one of many lines {cage:.3f} orders apart that do not fade, as a strike once '
             'a cage turn makes them: the cage, or a ball'
         )
-        return Verdict(
-            'ambiguous', 'suspect', ('ball', 'cage'), (str(primary), text), candidates,
-            primary,
-        )  # fmt: skip
+        return _doubtful(primary, text, candidates, ('ball', 'cage'))
     if judge.turned(primary):
         text = (
             'its sidebands are one turn of the shaft apart, higher than those of the cage with '
             'which a ball moves: the inner race at a slip or a speed that was not expected, or '
             'the ball; check the shaft speed'
         )
-        return Verdict(
-            'ambiguous', 'suspect', ('inner', 'ball'), (str(primary), text), candidates,
-            primary,
-        )  # fmt: skip
+        return _doubtful(primary, text, candidates, ('inner', 'ball'))
     return None
+
+
+def _doubtful(
+    primary: Candidate,
+    text: str,
+    candidates: dict[str, Candidate],
+    families: tuple[str, ...] = (),
+    *,
+    result: str = 'ambiguous',
+) -> Verdict:
+    """Verdict without an alarm on a comb of ``families``, its own if none is given, and why."""
+    return Verdict(
+        result,
+        'suspect',
+        families or (primary.family,),
+        (str(primary), text),
+        candidates,
+        primary,
+    )
 
 
 def _same_lines(claimants: Sequence[Candidate], candidates: dict[str, Candidate]) -> Verdict:
@@ -374,22 +377,8 @@ def _judge_cage(
             'ball and cage coincide: the envelope ripples with the cage; a ball strikes while it '
             'passes the load zone, once a cage turn, or the cage is damaged'
         )
-        return Verdict(
-            'ambiguous',
-            'suspect',
-            ('ball', 'cage'),
-            (str(cage), text),
-            candidates,
-            cage,
-        )
+        return _doubtful(cage, text, candidates, ('ball', 'cage'))
     if turns < CAGE_TURNS:
         text = f'{turns:.0f} cage turns: {CAGE_TURNS:g} are needed to call it a cage fault'
-        return Verdict(
-            'suspect',
-            'suspect',
-            ('cage',),
-            (str(cage), text),
-            candidates,
-            cage,
-        )
+        return _doubtful(cage, text, candidates, result='suspect')
     return Verdict('cage', 'fault', ('cage',), (str(cage),), candidates, cage)
