@@ -14,10 +14,10 @@ import sys
 import tempfile
 import time
 
-from bearing_twin.nodes.launching import local_environment, NodeProcesses
-from bearing_twin.nodes.offline_run import run_offline
-from bearing_twin.view.opening import draw_recordings
-from bearing_twin.view.viewer import free_port, HeadlessViewer, LOOPBACK
+from bearing_twin.offline.run import run_offline
+from bearing_twin.ros.launching import local_environment, NodeProcesses
+from bearing_twin.view.rerun.opening import draw_recordings
+from bearing_twin.view.rerun.viewer import free_port, HeadlessViewer, LOOPBACK
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -18,8 +18,13 @@ ROOMS = (
     'diagnosis',
     'paper',
     'recording',
+    'streams',
+    'assets',
+    'offline',
     'view',
+    'ros',
     'nodes',
+    'studies',
     'bench',
     'cli',
 )
@@ -53,6 +58,27 @@ def test_a_room_imports_only_rooms_before_it(path):
         parts = name.split('.')
         if parts[0] == 'bearing_twin' and len(parts) > 1 and parts[1] in ROOMS:
             assert parts[1] in allowed, f'{room} must not import {name}'
+
+
+def edges():
+    """Return which modules each module imports, whatever is imported for types alone too."""
+    names = {}
+    for path in modules():
+        parts = path.relative_to(PACKAGE.parent).with_suffix('').parts
+        names['.'.join(parts[:-1] if parts[-1] == '__init__' else parts)] = path
+    return {
+        name: {other for other in imports(path) if other in names and other != name}
+        for name, path in names.items()
+        if path.name != '__init__.py'
+    }
+
+
+def test_no_files_import_each_other_in_a_circle():
+    left = edges()
+    while left:
+        ground = {name for name, needs in left.items() if not needs & left.keys()}
+        assert ground, f'in a circle, or above one: {", ".join(sorted(left))}'
+        left = {name: needs for name, needs in left.items() if name not in ground}
 
 
 def test_the_core_runs_without_ros_mcap_and_rerun():

@@ -11,11 +11,11 @@ import signal
 import subprocess
 import time
 
+from bearing_twin.assets.twin_parameters import SPECS as TWIN
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.fleet_config import SPECS as FLEET
 from bearing_twin.nodes.recorder_config import SPECS as RECORDER
 from bearing_twin.nodes.replay_config import SPECS as REPLAY
-from bearing_twin.nodes.twin_config import SPECS as TWIN
 import pytest
 
 launch = pytest.importorskip('launch', reason='launch is part of an installed ROS 2 only')

@@ -12,9 +12,9 @@ import time
 from bearing_twin.bench.end_to_end import cpu_seconds, wait_for
 from bearing_twin.dynamics import Fleet, preset
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.domain import own_domain
-from bearing_twin.nodes.launching import local_environment, NodeProcesses
 from bearing_twin.recording.reader import read_messages
+from bearing_twin.ros.domain import own_domain
+from bearing_twin.ros.launching import local_environment, NodeProcesses
 
 __all__ = ['measure']
 

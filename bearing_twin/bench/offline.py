@@ -8,8 +8,8 @@ from pathlib import Path
 import tempfile
 import time
 
-from bearing_twin.nodes.offline_run import run_offline
-from bearing_twin.nodes.reproduce import reproduce
+from bearing_twin.offline.run import run_offline
+from bearing_twin.offline.verify import reproduce
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 
 __all__ = ['measure']

@@ -9,11 +9,11 @@ import tempfile
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.nodes.offline_run import run_offline
+from bearing_twin.offline.run import run_offline
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
-from bearing_twin.view.logger import RerunLogger
-from bearing_twin.view.viewer import free_port, LOOPBACK
+from bearing_twin.view.rerun.logger import RerunLogger
+from bearing_twin.view.rerun.viewer import free_port, LOOPBACK
 
 if TYPE_CHECKING:
     from bearing_twin.recording.reader import RecordedMessage

@@ -15,8 +15,8 @@ import sys
 from typing import Any
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.vibration_input import GapCounter
 from bearing_twin.recording.reader import read_messages
+from bearing_twin.streams.vibration_input import GapCounter
 
 __all__ = ['Summary', 'summarise']
 

@@ -79,7 +79,7 @@ def _live(args: argparse.Namespace) -> int:
 
 
 def _offline(args: argparse.Namespace) -> int:
-    from bearing_twin.nodes.offline_run import run_offline
+    from bearing_twin.offline.run import run_offline
 
     if args.output is None:
         msg = 'an offline replay writes a new recording: name it with -o'

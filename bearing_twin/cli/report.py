@@ -32,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
         msg = f'{output} is not called .html; a report never overwrites a recording'
         raise BearingTwinError(msg)
     # Matplotlib takes a second to load, which a wrong name should not wait for.
-    from bearing_twin.view.report import report_page
+    from bearing_twin.view.report.page import report_page
 
     page = report_page(args.recording)
     try:

@@ -9,12 +9,12 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearing_twin.nodes.reproduce import reproduce
+from bearing_twin.offline.verify import reproduce
 
 if TYPE_CHECKING:
     import argparse
 
-    from bearing_twin.nodes.reproduce import Reproduction
+    from bearing_twin.offline.verify import Reproduction
 
 __all__ = ['configure', 'run']
 

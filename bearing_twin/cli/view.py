@@ -12,8 +12,8 @@ import tempfile
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.view.opening import draw_recordings, find_recording
-from bearing_twin.view.viewer import HeadlessViewer, live_url, show, show_in_browser
+from bearing_twin.view.rerun.opening import draw_recordings, find_recording
+from bearing_twin.view.rerun.viewer import HeadlessViewer, live_url, show, show_in_browser
 
 if TYPE_CHECKING:
     import argparse

@@ -29,8 +29,8 @@ def confidence(result: str, score: float) -> float:
 
     Right is: a named fault that is there, and no other; a suspect or ambiguous answer that names
     the fault among others; healthy where there is no fault, however small. The machines are drawn
-    at random, as many healthy as damaged ones (``python -m bearing_twin.bench.reliability``); the
-    share on your machines is another one as their faults are larger or smaller.
+    at random, as many healthy as damaged ones (``python -m bearing_twin.studies.reliability``);
+    the share on your machines is another one as their faults are larger or smaller.
 
     Parameters
     ----------

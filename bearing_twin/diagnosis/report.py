@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.chain import Window
     from bearing_twin.diagnosis.decision import Verdict
+    from bearing_twin.diagnosis.window import Window
     from numpy.typing import NDArray
 
 __all__ = ['coarse_spectrum', 'insufficient', 'not_shown', 'report']

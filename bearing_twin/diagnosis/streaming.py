@@ -8,12 +8,12 @@ from collections import deque
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.chain import Window
 from bearing_twin.diagnosis.comb import OrderSpectra
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.diagnosis.trend import Trend
 from bearing_twin.diagnosis.update import Update
+from bearing_twin.diagnosis.window import Window
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 

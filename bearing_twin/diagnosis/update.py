@@ -7,10 +7,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.chain import analyse_window, conclude, highest_fault_order
+from bearing_twin.diagnosis.chain import conclude
 from bearing_twin.diagnosis.gate import check_record, check_speeds
 from bearing_twin.diagnosis.report import insufficient, not_shown
 from bearing_twin.diagnosis.shaft import resample_to_angle, varies
+from bearing_twin.diagnosis.window import analyse_window, highest_fault_order
 import numpy as np
 
 if TYPE_CHECKING:
@@ -18,10 +19,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.chain import Window
     from bearing_twin.diagnosis.comb import OrderSpectra
     from bearing_twin.diagnosis.result import Diagnosis
     from bearing_twin.diagnosis.settings import DiagnosisSettings
+    from bearing_twin.diagnosis.window import Window
     from numpy.typing import NDArray
 
 __all__ = ['Analysis', 'Update']

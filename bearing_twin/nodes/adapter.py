@@ -9,21 +9,21 @@ import sys
 import time
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.messages import floats, stamp_ns, time_message
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.adapter_config import check_adapter, IMU, SPECS
-from bearing_twin.nodes.convert import floats, stamp_ns, time_message
-from bearing_twin.nodes.health import Health, Level, Status
-from bearing_twin.nodes.lifecycle import ManagedNode, run
-from bearing_twin.nodes.qos import OVERRIDES, own, SENSOR, STREAM
-from bearing_twin.nodes.sampling import (
+from bearing_twin.ros.health import Health, Level, Status
+from bearing_twin.ros.lifecycle import ManagedNode, run
+from bearing_twin.ros.qos import OVERRIDES, own, SENSOR, STREAM
+from bearing_twin.ros.subscribing import subscribe
+from bearing_twin.streams.sampling import (
     BlockBuilder,
     NANO,
     SequenceTracker,
     split_channels,
     StampTracker,
 )
-from bearing_twin.nodes.subscribing import subscribe
-from bearing_twin.nodes.vibration_input import SourceLock
+from bearing_twin.streams.vibration_input import SourceLock
 from bearing_twin_msgs.msg import Vibration
 import numpy as np
 from sensor_msgs.msg import Imu
@@ -32,7 +32,7 @@ from std_msgs.msg import Float32MultiArray, Header
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bearing_twin.nodes.sampling import SampledBlock
+    from bearing_twin.streams.sampling import SampledBlock
     from rclpy.subscription import MessageInfo
 
 __all__ = ['AdapterNode', 'main']

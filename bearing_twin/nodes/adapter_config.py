@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.shared_specs import HARDWARE_ID
+from bearing_twin.assets.spec import Spec
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.parameters import Spec
-from bearing_twin.nodes.shared_specs import HARDWARE_ID
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

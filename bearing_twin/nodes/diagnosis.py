@@ -7,10 +7,10 @@ from __future__ import annotations
 import sys
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.diagnosis_parameters import build_bearing, build_settings, SPECS
 from bearing_twin.nodes.diagnosis_asset import DiagnosisAsset
-from bearing_twin.nodes.diagnosis_config import build_bearing, build_settings, SPECS
-from bearing_twin.nodes.health import Health
-from bearing_twin.nodes.lifecycle import ManagedNode, run
+from bearing_twin.ros.health import Health
+from bearing_twin.ros.lifecycle import ManagedNode, run
 from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:

@@ -8,15 +8,15 @@ import math
 import time
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.diagnosis import DiagnosisCore
+from bearing_twin.assets.messages import checkpoint_message, stamp_ns
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.convert import checkpoint_message, stamp_ns
-from bearing_twin.nodes.diagnosis_core import DiagnosisCore
 from bearing_twin.nodes.diagnosis_health import input_status, verdict_status
-from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
-from bearing_twin.nodes.shaft import ShaftSpeed
-from bearing_twin.nodes.statefile import StateFolder
-from bearing_twin.nodes.subscribing import subscribe
-from bearing_twin.nodes.vibration_input import GapCounter, read_vibration, SourceLock
+from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
+from bearing_twin.ros.subscribing import subscribe
+from bearing_twin.streams.shaft import ShaftSpeed
+from bearing_twin.streams.statefile import StateFolder
+from bearing_twin.streams.vibration_input import GapCounter, read_vibration, SourceLock
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
 from sensor_msgs.msg import JointState, Temperature
 from std_msgs.msg import Float64MultiArray
@@ -24,12 +24,12 @@ from std_msgs.msg import Float64MultiArray
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from bearing_twin.assets.diagnosis import Verdict
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
-    from bearing_twin.nodes.diagnosis_core import Verdict
-    from bearing_twin.nodes.health import Status
-    from bearing_twin.nodes.lifecycle import ManagedNode
-    from bearing_twin.nodes.parameters import ParameterSet
-    from bearing_twin.nodes.vibration_input import VibrationBlock
+    from bearing_twin.ros.health import Status
+    from bearing_twin.ros.lifecycle import ManagedNode
+    from bearing_twin.ros.parameters import ParameterSet
+    from bearing_twin.streams.vibration_input import VibrationBlock
     from rclpy.qos import QoSProfile
     from rclpy.subscription import MessageInfo, Subscription
 

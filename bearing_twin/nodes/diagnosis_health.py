@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bearing_twin.nodes.health import Level, Status
+from bearing_twin.ros.health import Level, Status
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis import Diagnosis
-    from bearing_twin.nodes.vibration_input import GapCounter
+    from bearing_twin.streams.vibration_input import GapCounter
 
 __all__ = ['input_status', 'verdict_status']
 

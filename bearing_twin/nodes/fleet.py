@@ -12,21 +12,21 @@ import sys
 import time
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.messages import checkpoint_message
+from bearing_twin.assets.twin_parameters import build_parameters, build_simulator
 from bearing_twin.dynamics import preset
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.dynamics.simulator import Block
-from bearing_twin.nodes import realtime
-from bearing_twin.nodes.convert import checkpoint_message
-from bearing_twin.nodes.cycle import BlockCycle
 from bearing_twin.nodes.diagnosis_asset import DiagnosisAsset
 from bearing_twin.nodes.fleet_config import read_assets, SPECS
 from bearing_twin.nodes.fleet_member import Member
-from bearing_twin.nodes.health import Health
-from bearing_twin.nodes.lifecycle import ManagedNode, run
-from bearing_twin.nodes.qos import CHECKPOINT
 from bearing_twin.nodes.twin_asset import LONGEST_WAIT, TwinAsset
-from bearing_twin.nodes.twin_config import build_parameters, build_simulator
 from bearing_twin.nodes.twin_services import TwinServices
+from bearing_twin.ros import realtime
+from bearing_twin.ros.cycle import BlockCycle
+from bearing_twin.ros.health import Health
+from bearing_twin.ros.lifecycle import ManagedNode, run
+from bearing_twin.ros.qos import CHECKPOINT
 from bearing_twin_msgs.msg import Checkpoint
 from std_srvs.srv import Trigger
 import yaml
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.dynamics.fleet import FleetBlock
     from bearing_twin.dynamics.simulator import Simulator
-    from bearing_twin.nodes.pacer import Due
+    from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
 
 __all__ = ['FleetNode', 'main']

@@ -9,10 +9,12 @@ from pathlib import Path
 import re
 from typing import Any
 
+from bearing_twin.assets import diagnosis_parameters as diagnosis_config
+from bearing_twin.assets import twin_parameters as twin_config
+from bearing_twin.assets.shared_specs import SUBSCRIBERS
+from bearing_twin.assets.spec import Spec
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes import diagnosis_config, realtime, twin_config
-from bearing_twin.nodes.parameters import Spec
-from bearing_twin.nodes.shared_specs import SUBSCRIBERS
+from bearing_twin.ros import realtime
 import yaml
 
 __all__ = ['DIAGNOSIS_SPECS', 'SHARED', 'SPECS', 'TWIN_SPECS', 'Asset', 'read_assets']

@@ -7,21 +7,21 @@ from __future__ import annotations
 from functools import partial
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.diagnosis_parameters import build_bearing, build_settings
+from bearing_twin.assets.twin_parameters import build_parameters
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.diagnosis_config import build_bearing, build_settings
 from bearing_twin.nodes.fleet_config import DIAGNOSIS_SPECS, SHARED, TWIN_SPECS
-from bearing_twin.nodes.parameters import ParameterSet
-from bearing_twin.nodes.twin_config import build_parameters
+from bearing_twin.ros.parameters import ParameterSet
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from bearing_twin.nodes.diagnosis_asset import DiagnosisAsset
     from bearing_twin.nodes.fleet_config import Asset
-    from bearing_twin.nodes.lifecycle import ManagedNode
     from bearing_twin.nodes.twin_asset import TwinAsset
     from bearing_twin.nodes.twin_services import TwinServices
+    from bearing_twin.ros.lifecycle import ManagedNode
     from rclpy.service import Service
 
 __all__ = ['Member']

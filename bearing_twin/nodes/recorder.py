@@ -10,9 +10,14 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.health import Health, Level, Status
-from bearing_twin.nodes.lifecycle import ManagedNode, run
-from bearing_twin.nodes.rawtopics import (
+from bearing_twin.nodes.recorder_config import build_writer, EXPECTED, SPECS, TopicChoice
+from bearing_twin.nodes.recorder_watch import RecordingWatch
+from bearing_twin.recording.recover import find_unfinished
+from bearing_twin.recording.schema import message_schema
+from bearing_twin.recording.snapshot import SnapshotWriter
+from bearing_twin.ros.health import Health, Level, Status
+from bearing_twin.ros.lifecycle import ManagedNode, run
+from bearing_twin.ros.rawtopics import (
     deepened,
     matches,
     message_class,
@@ -21,12 +26,7 @@ from bearing_twin.nodes.rawtopics import (
     SUBSCRIPTION_DEPTH,
     subscription_qos,
 )
-from bearing_twin.nodes.recorder_config import build_writer, EXPECTED, SPECS, TopicChoice
-from bearing_twin.nodes.recorder_watch import RecordingWatch
-from bearing_twin.recording.recover import find_unfinished
-from bearing_twin.recording.schema import message_schema
-from bearing_twin.recording.snapshot import SnapshotWriter
-from bearing_twin.view.ending import leave
+from bearing_twin.view.rerun.ending import leave
 from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.logging import get_logger

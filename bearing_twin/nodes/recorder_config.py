@@ -9,11 +9,11 @@ from pathlib import Path
 import re
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.spec import Spec
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.parameters import Spec
-from bearing_twin.nodes.qos import CHECKPOINT, RESULT, STREAM
 from bearing_twin.recording.snapshot import SnapshotWriter
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from bearing_twin.ros.qos import CHECKPOINT, RESULT, STREAM
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from bearing_twin.recording.writer import RecordingWriter
-    from bearing_twin.view.logger import RerunLogger
+    from bearing_twin.view.rerun.logger import RerunLogger
     from rclpy.impl.rcutils_logger import RcutilsLogger
 
 __all__ = ['RecordingWatch']
@@ -65,7 +65,7 @@ class RecordingWatch:
             port = values['rerun_port']
             try:
                 # It takes a second to load, which a recorder without it should not wait for.
-                from bearing_twin.view import logger as rerun
+                from bearing_twin.view.rerun import logger as rerun
 
                 self._rerun = rerun.RerunLogger(
                     recording_id=str(writer.path.absolute()),

@@ -12,14 +12,14 @@ import time
 import traceback
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.messages import time_message
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.convert import time_message
-from bearing_twin.nodes.health import Health, Level, Status
-from bearing_twin.nodes.lifecycle import ManagedNode, run
-from bearing_twin.nodes.qos import RESULT
-from bearing_twin.nodes.rawtopics import message_class, replay_qos
 from bearing_twin.nodes.replay_config import check_remapping, remapping, SPECS
 from bearing_twin.recording.player import Player, Section
+from bearing_twin.ros.health import Health, Level, Status
+from bearing_twin.ros.lifecycle import ManagedNode, run
+from bearing_twin.ros.qos import RESULT
+from bearing_twin.ros.rawtopics import message_class, replay_qos
 from rclpy.duration import Duration
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger

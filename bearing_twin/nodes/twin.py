@@ -7,20 +7,20 @@ from __future__ import annotations
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.nodes import realtime
-from bearing_twin.nodes.cycle import BlockCycle
-from bearing_twin.nodes.health import Health
-from bearing_twin.nodes.lifecycle import ManagedNode, run
-from bearing_twin.nodes.shared_specs import SUBSCRIBERS
+from bearing_twin.assets.shared_specs import SUBSCRIBERS
+from bearing_twin.assets.twin_parameters import build_parameters, build_simulator, SPECS
 from bearing_twin.nodes.twin_asset import TwinAsset
-from bearing_twin.nodes.twin_config import build_parameters, build_simulator, SPECS
 from bearing_twin.nodes.twin_services import TwinServices
+from bearing_twin.ros import realtime
+from bearing_twin.ros.cycle import BlockCycle
+from bearing_twin.ros.health import Health
+from bearing_twin.ros.lifecycle import ManagedNode, run
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from bearing_twin.dynamics.simulator import Simulator
-    from bearing_twin.nodes.pacer import Due
+    from bearing_twin.streams.pacer import Due
 
 __all__ = ['TwinNode', 'main']
 

@@ -8,17 +8,17 @@ import math
 import time
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.nodes.convert import (
+from bearing_twin.assets.messages import (
     checkpoint_message,
     stamp_ns,
     twin_state_message,
     vibration_message,
 )
-from bearing_twin.nodes.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, STREAM
-from bearing_twin.nodes.shaft import ShaftSpeed
-from bearing_twin.nodes.subscribing import subscribe
-from bearing_twin.nodes.twin_config import FASTEST_SHAFT
+from bearing_twin.assets.twin_parameters import FASTEST_SHAFT
 from bearing_twin.nodes.twin_health import clearance_problem, temperature_status
+from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, STREAM
+from bearing_twin.ros.subscribing import subscribe
+from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.thermal.gate import TemperatureGate
 from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration
 from sensor_msgs.msg import JointState, Temperature
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from bearing_twin.dynamics.simulator import Block
-    from bearing_twin.nodes.health import Status
-    from bearing_twin.nodes.lifecycle import ManagedNode
-    from bearing_twin.nodes.pacer import Due
-    from bearing_twin.nodes.parameters import ParameterSet
+    from bearing_twin.ros.health import Status
+    from bearing_twin.ros.lifecycle import ManagedNode
+    from bearing_twin.ros.parameters import ParameterSet
+    from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
     from rclpy.subscription import MessageInfo
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.nodes.health import Level, Status
+from bearing_twin.ros.health import Level, Status
 from bearing_twin.thermal.gate import TABLE_HIGH, TABLE_LOW, TemperatureStatus
 
 if TYPE_CHECKING:

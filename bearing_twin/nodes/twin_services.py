@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.statefile import StateFolder
+from bearing_twin.streams.statefile import StateFolder
 from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
@@ -15,8 +15,8 @@ from std_srvs.srv import Trigger
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from bearing_twin.nodes.lifecycle import ManagedNode
-    from bearing_twin.nodes.parameters import ParameterSet
+    from bearing_twin.ros.lifecycle import ManagedNode
+    from bearing_twin.ros.parameters import ParameterSet
 
 __all__ = ['TwinServices']
 

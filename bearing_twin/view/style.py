@@ -6,7 +6,19 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ['FAMILIES', 'LANE_LEVELS', 'LINE', 'TEMPERATURE_STATES', 'VERDICTS', 'Family', 'State']
+__all__ = [
+    'APPLICATION',
+    'FAMILIES',
+    'LANE_LEVELS',
+    'LINE',
+    'TEMPERATURE_STATES',
+    'VERDICTS',
+    'Family',
+    'State',
+]
+
+APPLICATION = 'bearing_twin'
+"""Rerun keeps a blueprint per application."""
 
 Colour = tuple[int, int, int]
 

@@ -4,10 +4,10 @@
 
 from collections import Counter
 
-from bearing_twin.bench import generalisation
 from bearing_twin.diagnosis import DiagnosisSettings, StreamingDiagnoser
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.simulator import Simulator
+from bearing_twin.studies import generalisation
 import pytest
 
 CASES = 100

@@ -14,7 +14,7 @@ from __future__ import annotations
 import os
 import time
 
-from bearing_twin.nodes.launching import NodeProcesses
+from bearing_twin.ros.launching import NodeProcesses
 from block_streams import block_end
 import pytest
 

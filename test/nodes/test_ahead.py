@@ -5,7 +5,7 @@
 import threading
 import time
 
-from bearing_twin.nodes.ahead import ahead
+from bearing_twin.streams.ahead import ahead
 import pytest
 
 

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 from bearing_twin.cli import main
-from bearing_twin.nodes.launching import NodeProcesses
+from bearing_twin.ros.launching import NodeProcesses
 import pytest
 
 

@@ -5,7 +5,7 @@
 import os
 import signal
 
-from bearing_twin.nodes.launching import COMPILING, NodeProcesses
+from bearing_twin.ros.launching import COMPILING, NodeProcesses
 import pytest
 
 pytestmark = pytest.mark.ros

@@ -9,7 +9,7 @@ import pytest
 rclpy = pytest.importorskip('rclpy', reason='ROS 2 is not installed')
 trigger = pytest.importorskip('std_srvs.srv', reason='std_srvs is not installed').Trigger
 
-from bearing_twin.nodes.executor import LeanExecutor, RARE_PERIOD  # noqa: E402
+from bearing_twin.ros.executor import LeanExecutor, RARE_PERIOD  # noqa: E402
 from rclpy.context import Context  # noqa: E402
 from rclpy.service import Service  # noqa: E402
 

@@ -10,8 +10,8 @@ import pytest
 
 pytest.importorskip('rclpy')
 
+from bearing_twin.assets.messages import floats
 from bearing_twin.dynamics import preset, Simulator
-from bearing_twin.nodes.convert import floats
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin_msgs.msg import Diagnosis, TwinState, Vibration
 from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState

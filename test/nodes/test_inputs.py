@@ -6,9 +6,9 @@ import math
 from types import SimpleNamespace
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.shaft import ShaftSpeed
-from bearing_twin.nodes.statefile import StateFolder
-from bearing_twin.nodes.vibration_input import GapCounter, read_vibration, SourceLock
+from bearing_twin.streams.shaft import ShaftSpeed
+from bearing_twin.streams.statefile import StateFolder
+from bearing_twin.streams.vibration_input import GapCounter, read_vibration, SourceLock
 import numpy as np
 import pytest
 

@@ -14,8 +14,8 @@ import signal
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.nodes.launching import NodeProcesses
 from bearing_twin.recording.reader import recording_info
+from bearing_twin.ros.launching import NodeProcesses
 import pytest
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@
 from itertools import pairwise
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.pacer import Pacer
+from bearing_twin.streams.pacer import Pacer
 from hypothesis import given
 from hypothesis import strategies as st
 import pytest

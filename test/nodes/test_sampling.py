@@ -3,7 +3,7 @@
 """From other people's samples to blocks: nothing is lost, shifted or invented unseen."""
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.sampling import (
+from bearing_twin.streams.sampling import (
     BlockBuilder,
     SequenceTracker,
     split_channels,

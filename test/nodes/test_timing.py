@@ -8,9 +8,9 @@ import pytest
 pytest.importorskip('rclpy', reason='ROS 2 is not installed')
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes import realtime
-from bearing_twin.nodes.health import Level
-from bearing_twin.nodes.timing import CycleStatistics
+from bearing_twin.ros import realtime
+from bearing_twin.ros.health import Level
+from bearing_twin.streams.timing import CycleStatistics
 
 PERIOD = 0.04
 VALUES = {spec.name: spec.default for spec in realtime.SPECS} | {

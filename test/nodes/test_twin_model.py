@@ -9,15 +9,15 @@ import pytest
 
 pytest.importorskip('rclpy')
 
+from bearing_twin.assets import model_parameters as twin_model
+from bearing_twin.assets.spec import configuration
+from bearing_twin.assets.twin_parameters import build_parameters, SPECS
 from bearing_twin.dynamics import Defect, preset, TwinParameters
 from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes import twin_model
 from bearing_twin.nodes.fleet_config import read_assets
-from bearing_twin.nodes.offline_run import run_offline
-from bearing_twin.nodes.parameters import configuration
-from bearing_twin.nodes.reproduce import reproduce
-from bearing_twin.nodes.twin_config import build_parameters, SPECS
+from bearing_twin.offline.run import run_offline
+from bearing_twin.offline.verify import reproduce
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.thermal.gcr15 import Beta0

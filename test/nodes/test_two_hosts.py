@@ -17,8 +17,8 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from bearing_twin.nodes.launching import NodeProcesses
 from bearing_twin.recording.reader import read_messages
+from bearing_twin.ros.launching import NodeProcesses
 
 pytestmark = pytest.mark.ros
 

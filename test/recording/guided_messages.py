@@ -10,13 +10,13 @@ import struct
 from typing import Any, TYPE_CHECKING
 import zlib
 
+from bearing_twin.assets.diagnosis_parameters import build_diagnoser, SPECS
+from bearing_twin.assets.messages import stamp_ns
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.convert import stamp_ns
-from bearing_twin.nodes.diagnosis_config import build_diagnoser, SPECS
-from bearing_twin.nodes.shaft import ShaftSpeed
-from bearing_twin.nodes.subscribing import read_message
-from bearing_twin.nodes.vibration_input import GapCounter, read_vibration
+from bearing_twin.ros.subscribing import read_message
+from bearing_twin.streams.shaft import ShaftSpeed
+from bearing_twin.streams.vibration_input import GapCounter, read_vibration
 from bearing_twin.thermal.gate import TABLE_HIGH, TABLE_LOW, TemperatureGate
 from bearing_twin_msgs.msg import Vibration
 import numpy as np

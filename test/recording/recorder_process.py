@@ -12,10 +12,10 @@ import tempfile
 import time
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.nodes.convert import time_message
-from bearing_twin.nodes.qos import RESULT, STREAM
+from bearing_twin.assets.messages import time_message
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.recording.recover import recover
+from bearing_twin.ros.qos import RESULT, STREAM
 from bearing_twin_msgs.msg import Vibration
 from diagnostic_msgs.msg import DiagnosticArray
 import rclpy

@@ -27,12 +27,12 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.nodes.convert import stamp_ns, time_message
-from bearing_twin.nodes.domain import own_domain
-from bearing_twin.nodes.launching import local_environment, NodeProcesses
-from bearing_twin.nodes.qos import RESULT, STREAM
+from bearing_twin.assets.messages import stamp_ns, time_message
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import recording_info
+from bearing_twin.ros.domain import own_domain
+from bearing_twin.ros.launching import local_environment, NodeProcesses
+from bearing_twin.ros.qos import RESULT, STREAM
 from bearing_twin_msgs.msg import Diagnosis, TwinState
 from diagnostic_msgs.msg import DiagnosticArray
 import psutil

@@ -11,9 +11,9 @@ from pathlib import Path
 import random
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.nodes.launching import NodeProcesses
-from bearing_twin.nodes.qos import CHECKPOINT, STREAM
 from bearing_twin.recording.reader import recording_info
+from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.ros.qos import CHECKPOINT, STREAM
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
 import pytest
 from rclpy.serialization import serialize_message

@@ -7,9 +7,9 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from bearing_twin.nodes.launching import NodeProcesses
 from bearing_twin.recording.reader import recording_info
-from bearing_twin.view.viewer import free_port
+from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.view.rerun.viewer import free_port
 import psutil
 import pytest
 from recorder_process import Source

@@ -15,11 +15,11 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.nodes.launching import NodeProcesses
-from bearing_twin.nodes.qos import STREAM
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover
+from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.ros.qos import STREAM
 from bearing_twin_msgs.msg import Diagnosis
 from builtin_interfaces.msg import Time
 from mcap.reader import NonSeekingReader

@@ -9,8 +9,8 @@ import subprocess
 import sys
 from typing import TYPE_CHECKING
 
-from bearing_twin.nodes.launching import NodeProcesses
 from bearing_twin.recording.reader import read_messages
+from bearing_twin.ros.launching import NodeProcesses
 import pytest
 from recorder_process import Source, TIMEOUT
 from recording_samples import PERIOD, write_blocks

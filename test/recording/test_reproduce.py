@@ -13,15 +13,15 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.launching import NodeProcesses
-from bearing_twin.nodes.offline import configuration_values
-from bearing_twin.nodes.offline_run import run_offline
-from bearing_twin.nodes.reproduce import reproduce
+from bearing_twin.offline.run import run_offline
+from bearing_twin.offline.sides import configuration_values
+from bearing_twin.offline.verify import reproduce
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.recording.schema import canonical_cdr, MessageSchema
 from bearing_twin.recording.writer import RecordingWriter
+from bearing_twin.ros.launching import NodeProcesses
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message

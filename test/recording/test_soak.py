@@ -7,7 +7,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from bearing_twin.nodes.offline_run import run_offline
+from bearing_twin.offline.run import run_offline
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.schedule import write_temperature_recording
 import numpy as np

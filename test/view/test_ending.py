@@ -7,7 +7,7 @@ import sys
 
 PROGRAM = """
 import atexit, sys, threading
-from bearing_twin.view.ending import leave, SERVING
+from bearing_twin.view.rerun.ending import leave, SERVING
 
 atexit.register(print, 'torn down')
 done = threading.Event()

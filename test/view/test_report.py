@@ -14,9 +14,9 @@ from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.writer import RecordingWriter
-from bearing_twin.view.report import report_page
-from bearing_twin.view.report_data import collect, STRIP_SECONDS
-from bearing_twin.view.report_spectra import cursor_lines
+from bearing_twin.view.report.data import collect, STRIP_SECONDS
+from bearing_twin.view.report.page import report_page
+from bearing_twin.view.report.spectra import cursor_lines
 import numpy as np
 import pytest
 
@@ -27,7 +27,7 @@ SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.
 def recording(tmp_path_factory):
     """Return a recording of twin and diagnosis over the paper's schedule."""
     pytest.importorskip('bearing_twin_msgs', reason='the message package is not built')
-    from bearing_twin.nodes.offline_run import run_offline
+    from bearing_twin.offline.run import run_offline
 
     target = tmp_path_factory.mktemp('report') / 'inner'
     run_offline(SCHEDULE, target, twin={'defect': 'inner'})

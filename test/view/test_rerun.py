@@ -12,13 +12,13 @@ from bearing_twin.bearing import fault_frequencies
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.view.bearing3d import contact_forces, SLOWED
-from bearing_twin.view.logger import RerunLogger
-from bearing_twin.view.opening import draw_recordings, find_recording
-from bearing_twin.view.spectra import cursors, pooled
+from bearing_twin.view.rerun.bearing3d import contact_forces, SLOWED
+from bearing_twin.view.rerun.logger import RerunLogger
+from bearing_twin.view.rerun.opening import draw_recordings, find_recording
+from bearing_twin.view.rerun.spectra import cursors, pooled
+from bearing_twin.view.rerun.viewer import live_url, LOOPBACK
+from bearing_twin.view.rerun.waveform import extremes
 from bearing_twin.view.timebase import Timebase
-from bearing_twin.view.viewer import live_url, LOOPBACK
-from bearing_twin.view.waveform import extremes
 import numpy as np
 import pytest
 from rerun.chunk import RrdReader
@@ -31,7 +31,7 @@ SECOND = 1_000_000_000
 def recording(tmp_path_factory):
     """Return a recording of twin and diagnosis over the paper's schedule."""
     pytest.importorskip('bearing_twin_msgs', reason='the message package is not built')
-    from bearing_twin.nodes.offline_run import run_offline
+    from bearing_twin.offline.run import run_offline
 
     target = tmp_path_factory.mktemp('view') / 'inner'
     run_offline(SCHEDULE, target, twin={'defect': 'inner'})

@@ -14,9 +14,9 @@ import time
 from bearing_twin import cli
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.view.logger import RerunLogger
-from bearing_twin.view.opening import draw_recordings
-from bearing_twin.view.viewer import free_port, HeadlessViewer, LOOPBACK
+from bearing_twin.view.rerun.logger import RerunLogger
+from bearing_twin.view.rerun.opening import draw_recordings
+from bearing_twin.view.rerun.viewer import free_port, HeadlessViewer, LOOPBACK
 import matplotlib.image
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ COLOURED, WRITTEN = 30, 300
 def recordings(tmp_path_factory):
     """Return a healthy recording and one with a defect."""
     pytest.importorskip('bearing_twin_msgs', reason='the message package is not built')
-    from bearing_twin.nodes.offline_run import run_offline
+    from bearing_twin.offline.run import run_offline
 
     folder = tmp_path_factory.mktemp('viewer')
     for defect in ('none', 'outer'):
@@ -119,9 +119,9 @@ SPEAKER = """
 import sys, threading, time
 from pathlib import Path
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.view import outlet
-from bearing_twin.view.logger import RerunLogger
-from bearing_twin.view.viewer import LOOPBACK
+from bearing_twin.view.rerun import outlet
+from bearing_twin.view.rerun.logger import RerunLogger
+from bearing_twin.view.rerun.viewer import LOOPBACK
 
 # The buffers of Rerun alone take six minutes of samples; ours shall not double that.
 outlet.WAITING = 200

@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""From checked blocks of vibration to the messages of a verdict, live and offline alike."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, TYPE_CHECKING
+
+from bearing_twin.assets.diagnosis_parameters import (
+    build_bearing,
+    build_diagnoser,
+    build_settings,
+    nominal_speed,
+)
+from bearing_twin.assets.messages import diagnosis_message, features_message, spectrum_message
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
+    from bearing_twin.diagnosis.update import Analysis, Update
+    from bearing_twin.streams.vibration_input import VibrationBlock
+    from bearing_twin_msgs.msg import Diagnosis, Spectrum
+    from std_msgs.msg import Float64MultiArray
+
+__all__ = ['DiagnosisCore', 'DueVerdict', 'Verdict']
+
+NANO = 1_000_000_000
+
+
+class DueVerdict(NamedTuple):
+    """A verdict that is due: the window to be analysed for it."""
+
+    update: Update
+    stamp: int
+    """Of the first sample of the window, ns."""
+    frame_id: str
+
+
+class Verdict(NamedTuple):
+    """A verdict, and the messages in which it is published."""
+
+    result: DiagnosisResult
+    diagnosis: Diagnosis
+    features: Float64MultiArray
+    spectrum: Spectrum
+    envelope_spectrum: Spectrum
+
+
+class DiagnosisCore:
+    """
+    The diagnosis that a set of parameters describes.
+
+    Parameters
+    ----------
+    values
+        Parameters of the diagnosis node.
+
+    Raises
+    ------
+    BearingTwinError
+        If they do not fit together.
+
+    """
+
+    def __init__(self, values: Mapping[str, object]) -> None:
+        self.diagnoser = build_diagnoser(values)
+        self.nominal_hz = nominal_speed(values)
+        """Speed where nobody knows a better one, Hz; NaN if the parameters have none."""
+
+    @property
+    def bearing(self) -> Bearing:
+        """Geometry in use."""
+        return self.diagnoser.bearing
+
+    def reconfigure(self, values: Mapping[str, object]) -> None:
+        """Take other parameters; the window starts anew, the baseline stays."""
+        self.nominal_hz = nominal_speed(values)
+        self.diagnoser.reconfigure(build_bearing(values), build_settings(values))
+
+    def take(
+        self,
+        block: VibrationBlock,
+        *,
+        stamp: int,
+        frame_id: str,
+        temperature: float,
+        joint_hz: float,
+        measured: bool,
+    ) -> list[DueVerdict]:
+        """
+        Take one block; return the verdicts that are due, to be judged in this order.
+
+        Parameters
+        ----------
+        block
+            The block.
+        stamp
+            Of its first sample, ns.
+        frame_id
+            Of the sensor.
+        temperature
+            Of the bearing, degC; NaN where there is none.
+        joint_hz
+            Speed to use where the block has none, Hz; NaN: that of the parameters.
+        measured
+            Whether ``joint_hz`` comes from a joint.
+
+        """
+        # The source knows best; then a joint; the parameter is but a nameplate.
+        carried = not math.isnan(block.shaft_hz)
+        shaft_hz = joint_hz
+        if carried:
+            shaft_hz = block.shaft_hz
+        elif math.isnan(joint_hz):
+            shaft_hz = self.nominal_hz
+        updates = self.diagnoser.take(
+            block.first_sample,
+            block.samples,
+            block.sample_rate,
+            shaft_hz,
+            speed_measured=carried or measured,
+            temperature=temperature,
+            unit=block.unit,
+        )
+        return [
+            DueVerdict(
+                update,
+                stamp
+                + round((update.first_sample - block.first_sample) * NANO / block.sample_rate),
+                frame_id,
+            )
+            for update in updates
+        ]
+
+    def judge(self, due: DueVerdict, analysis: Analysis) -> Verdict:
+        """Judge a verdict that is due by the analysis of its window."""
+        result = self.diagnoser.judge(due.update, analysis)
+        stamp, frame_id = due.stamp, due.frame_id
+        diagnosis = diagnosis_message(
+            result, stamp=stamp, frame_id=frame_id, bearing=due.update.bearing.name
+        )
+        spectrum, envelope_spectrum = (
+            spectrum_message(which, result, stamp=stamp, frame_id=frame_id)
+            for which in (result.spectrum, result.envelope_spectrum)
+        )
+        return Verdict(result, diagnosis, features_message(diagnosis), spectrum, envelope_spectrum)

@@ -1,0 +1,241 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Core results to ROS messages. Live and offline runs both build their messages here."""
+
+from __future__ import annotations
+
+import array
+import math
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin import __version__
+from bearing_twin.dynamics.defect_text import defect_places
+from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
+from builtin_interfaces.msg import Time
+import numpy as np
+from std_msgs.msg import Float64MultiArray, Header, MultiArrayDimension, MultiArrayLayout
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
+    from bearing_twin.diagnosis import Spectrum as SpectrumResult
+    from bearing_twin.dynamics.simulator import Block
+    from bearing_twin.streams.pacer import Due
+    from bearing_twin.thermal.gate import GatedTemperature
+    from numpy.typing import NDArray
+
+__all__ = [
+    'RESULTS',
+    'checkpoint_message',
+    'diagnosis_message',
+    'features_message',
+    'spectrum_message',
+    'stamp_ns',
+    'time_message',
+    'twin_state_message',
+    'vibration_message',
+]
+
+NANO = 1_000_000_000
+
+RESULTS = {
+    'healthy': Diagnosis.HEALTHY,
+    'inner': Diagnosis.INNER,
+    'outer': Diagnosis.OUTER,
+    'ball': Diagnosis.BALL,
+    'cage': Diagnosis.CAGE,
+    'suspect': Diagnosis.SUSPECT,
+    'ambiguous': Diagnosis.AMBIGUOUS,
+    'insufficient': Diagnosis.INSUFFICIENT,
+}
+LEVELS = {
+    'ok': Diagnosis.LEVEL_OK,
+    'suspect': Diagnosis.LEVEL_SUSPECT,
+    'fault': Diagnosis.LEVEL_FAULT,
+    'none': Diagnosis.LEVEL_NONE,
+}
+FAMILIES = ('inner', 'outer', 'ball', 'cage')
+
+
+def time_message(ns: int) -> Time:
+    """Nanoseconds to a stamp; clamped to what the message can carry."""
+    ns = min(max(ns, 0), (2**31 - 1) * NANO + NANO - 1)
+    return Time(sec=ns // NANO, nanosec=ns % NANO)
+
+
+def stamp_ns(time: Time) -> int:
+    """Return a stamp in nanoseconds."""
+    return int(time.sec) * NANO + int(time.nanosec)
+
+
+def floats(values: NDArray[np.floating]) -> array.array[float]:
+    """Return a float32 array as array.array, which rclpy takes 70 times faster than ndarray."""
+    return array.array('f', np.ascontiguousarray(values, dtype=np.float32).tobytes())
+
+
+def _header(stamp: int, frame_id: str) -> Header:
+    return Header(stamp=time_message(stamp), frame_id=frame_id)
+
+
+def vibration_message(block: Block, *, due: Due, values: Mapping[str, Any]) -> Vibration:
+    """One block of the acceleration of a twin with such parameters, at the time of ``due``."""
+    return Vibration(
+        header=_header(due.stamp, values['frame_id']),
+        sample_rate=values['sample_rate'],
+        first_sample=due.first_sample,
+        unit='m/s^2',
+        shaft_hz=block.condition.shaft_hz,
+        x=floats(block.x),
+        y=floats(block.y),
+    )
+
+
+def twin_state_message(
+    block: Block, *, due: Due, values: Mapping[str, Any], temperature: GatedTemperature
+) -> TwinState:
+    """State after one block of a twin with such parameters; its times are left to the node."""
+    c = block.condition
+    return TwinState(
+        header=_header(due.stamp, values['frame_id']),
+        first_sample=due.first_sample,
+        sample_count=block.x.size,
+        bearing=values['bearing'] or values['geometry'],
+        thermal_mode=values['thermal_mode'],
+        defect=defect_places(values['defect']),
+        temperature_status=int(temperature.status),
+        temperature_measured=temperature.measured,
+        temperature_used=temperature.used,
+        temperature_age=temperature.age,
+        alpha=c.alpha,
+        hardness=c.hardness,
+        friction=c.friction,
+        beta0=c.beta0,
+        k_b=c.k_b,
+        c_d=c.c_d,
+        radial_clearance=c.radial_clearance,
+        slip=c.slip,
+        inner_ring_temperature=c.inner_ring_temperature,
+        outer_ring_temperature=c.outer_ring_temperature,
+        viscosity=c.viscosity,
+        kappa=c.kappa,
+        friction_moment=c.friction_moment,
+        life_hours=c.life_hours,
+        shaft_hz=c.shaft_hz,
+        bpfo=c.bpfo,
+        bpfi=c.bpfi,
+        bsf=c.bsf,
+        ftf=c.ftf,
+        shaft_angle=c.shaft_angle,
+        cage_angle=c.cage_angle,
+        ball_angle=c.ball_angle,
+        inner_x=c.inner_x,
+        inner_y=c.inner_y,
+        ball_force=floats(c.ball_force),
+    )
+
+
+def diagnosis_message(
+    result: DiagnosisResult, *, stamp: int, frame_id: str, bearing: str
+) -> Diagnosis:
+    """Verdict on a window whose first sample was taken at ``stamp`` ns."""
+    severity = result.severity
+    return Diagnosis(
+        header=_header(stamp, frame_id),
+        first_sample=result.first_sample,
+        sample_count=result.sample_count,
+        sample_rate=result.sample_rate,
+        bearing=bearing,
+        result=RESULTS[result.result],
+        level=LEVELS[result.level],
+        result_name=result.result,
+        faults=list(result.faults),
+        fault_code=result.fault_code,
+        confidence=result.confidence,
+        reasons=list(result.reasons),
+        shaft_hz_given=result.shaft_hz_given,
+        shaft_hz=result.shaft_hz,
+        slip=result.slip,
+        bpfo=result.expected.bpfo,
+        bpfi=result.expected.bpfi,
+        bsf=result.expected.bsf,
+        ftf=result.expected.ftf,
+        fault_hz=result.fault_hz,
+        fault_hz_expected=result.fault_hz_expected,
+        score=[float(result.score.get(f, math.nan)) for f in FAMILIES],
+        modulation_index=[float(result.modulation_index.get(f, math.nan)) for f in FAMILIES],
+        band_low=result.band[0],
+        band_high=result.band[1],
+        line_hz=floats(result.line_hz),
+        line_level=floats(result.line_level),
+        rms=severity.rms,
+        peak=severity.peak,
+        crest_factor=severity.crest_factor,
+        kurtosis=severity.kurtosis,
+        velocity_rms=severity.velocity_rms,
+        level_over_baseline=severity.level_over_baseline,
+        iso_zone=severity.iso_zone,
+        unit=severity.unit,
+        temperature=result.temperature,
+        smallest_detectable=result.smallest_detectable,
+    )
+
+
+def spectrum_message(
+    spectrum: SpectrumResult, result: DiagnosisResult, *, stamp: int, frame_id: str
+) -> Spectrum:
+    """Either spectrum of a window, with the cursors of its verdict."""
+    return Spectrum(
+        header=_header(stamp, frame_id),
+        first_sample=result.first_sample,
+        sample_count=result.sample_count,
+        kind=spectrum.kind,
+        unit=spectrum.unit,
+        start_hz=spectrum.start_hz,
+        bin_hz=spectrum.bin_hz,
+        band_low=spectrum.band[0],
+        band_high=spectrum.band[1],
+        shaft_hz=result.shaft_hz,
+        bpfo=result.expected.bpfo,
+        bpfi=result.expected.bpfi,
+        bsf=result.expected.bsf,
+        ftf=result.expected.ftf,
+        values=floats(spectrum.values),
+        floor=floats(spectrum.floor),
+    )
+
+
+def features_message(message: Diagnosis) -> Float64MultiArray:
+    """
+    Return the figures people trend, in a standard type that viewers draw by themselves.
+
+    The labels of the dimensions name the elements in their order.
+    """
+    features = {
+        'level': float(message.level),
+        'confidence': message.confidence,
+        'level_over_baseline_dB': message.level_over_baseline,
+        'rms': message.rms,
+        'crest_factor': message.crest_factor,
+        'kurtosis': message.kurtosis,
+        **{f'score_{f}': s for f, s in zip(FAMILIES, message.score, strict=True)},
+    }
+    dimensions = [MultiArrayDimension(label=label, size=1, stride=1) for label in features]
+    return Float64MultiArray(
+        layout=MultiArrayLayout(dim=dimensions), data=array.array('d', features.values())
+    )
+
+
+def checkpoint_message(
+    *, stamp: int, first_sample: int, node: str, kind: str, configuration: str, state: bytes
+) -> Checkpoint:
+    """State of a node before sample ``first_sample``."""
+    return Checkpoint(
+        header=_header(stamp, ''),
+        first_sample=first_sample,
+        node=node,
+        kind=kind,
+        version=__version__,
+        configuration=configuration,
+        state=array.array('B', state),
+    )

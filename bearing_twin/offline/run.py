@@ -1,0 +1,350 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Offline replay: drive twin and diagnosis from the inputs in a recording, as fast as it goes."""
+
+from __future__ import annotations
+
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+import contextlib
+from dataclasses import dataclass, field
+import math
+import os
+from typing import Any, NamedTuple, TYPE_CHECKING
+
+from bearing_twin.assets import diagnosis_parameters as diagnosis_config
+from bearing_twin.assets import twin_parameters as twin_config
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.offline.sides import DiagnosisRun, Output, TwinRun
+from bearing_twin.recording.qos import sensor_qos
+from bearing_twin.recording.reader import known_fields, read_messages, recording_info
+from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from bearing_twin.streams.ahead import ahead
+from bearing_twin.streams.pacer import Due
+from bearing_twin.streams.shaft import ShaftSpeed
+from bearing_twin.thermal.gate import TemperatureGate
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping
+    from concurrent.futures import Future
+    from pathlib import Path
+
+    from bearing_twin.assets.diagnosis import DueVerdict
+    from bearing_twin.assets.spec import Spec
+    from bearing_twin.diagnosis.update import Analysis
+    from bearing_twin.recording.reader import RecordedMessage
+
+__all__ = ['OfflineReport', 'run_offline']
+
+NANO = 1_000_000_000
+TEMPERATURE = 'sensor_msgs/msg/Temperature'
+JOINTS = 'sensor_msgs/msg/JointState'
+AHEAD, BATCH = 200, 25
+"""Blocks that the twin may be ahead of the diagnosis, and that it hands over at a time."""
+
+
+def workers() -> int:
+    """
+    Threads that analyse windows: one a processor, at most 4, more than which wait for the twin.
+
+    The twin's processor too: an analysis waits for the interpreter lock now and then, and the twin
+    is done first.
+    """
+    return min(len(os.sched_getaffinity(0)), 4)
+
+
+@dataclass
+class OfflineReport:
+    """What an offline run has made."""
+
+    target: Path
+    duration: float
+    """Length of the source, s."""
+    covered: float = 0.0
+    """Time of the blocks made, s."""
+    blocks: int = 0
+    verdicts: dict[str, int] = field(default_factory=dict)
+    inputs: int = 0
+    """Messages of the source that were used."""
+    stopped: bool = False
+    """Whether it was asked to stop before the end."""
+
+
+def run_offline(
+    source: Path,
+    target: Path,
+    *,
+    twin: Mapping[str, Any] | None = None,
+    diagnosis: Mapping[str, Any] | None = None,
+    options: WriterOptions | None = None,
+    progress: Callable[[float], None] | None = None,
+    stop: Callable[[], bool] = lambda: False,
+) -> OfflineReport:
+    """
+    Run twin and diagnosis on the temperature and speed of a recording.
+
+    Blocks begin with the first input and follow its log time, as the live twin follows the clock;
+    an input acts on the block that is due next. The new recording holds the inputs too, and
+    checkpoints, so that ``verify`` can re-run it.
+
+    The twin computes ahead in one thread and windows are analysed in others; what is written, and
+    in which order, does not depend on how many there are.
+
+    Parameters
+    ----------
+    source
+        Recording with ``sensor_msgs/Temperature`` and, for a joint, ``sensor_msgs/JointState``.
+    target
+        Recording to make.
+    twin, diagnosis
+        Parameters of the nodes that differ from their defaults.
+    options
+        How the new recording is written.
+    progress
+        Called with the part done, 0..1, about once per recorded second.
+    stop
+        Asked at every message and block; after True the recording ends in order where it is.
+
+    Raises
+    ------
+    BearingTwinError
+        If there is no temperature in the source, or parameters or target do not fit.
+
+    """
+    info = recording_info(source)
+    topics = [t for t, about in info.topics.items() if about.type_name in (TEMPERATURE, JOINTS)]
+    if not any(info.topics[t].type_name == TEMPERATURE and info.topics[t].count for t in topics):
+        msg = f'{source} holds no {TEMPERATURE}; an offline run needs it'
+        raise BearingTwinError(msg)
+    twin_values = _values(twin_config.SPECS, twin)
+    diagnosis_values = _values(diagnosis_config.SPECS, diagnosis)
+    report = OfflineReport(target, info.duration)
+    threads = workers()
+    twin_side = _TwinSide(twin_values, diagnosis_values['joint'], info.start)
+    with (
+        RecordingWriter(target, options) as writer,
+        ThreadPoolExecutor(threads, thread_name_prefix='analysis') as pool,
+    ):
+        writer.metadata('bearing_twin.source', {'source': source.name, 'mode': 'offline'})
+        diagnosis_side = _DiagnosisSide(diagnosis_values, writer, pool, threads + 1, report)
+        reported = info.start
+        messages = read_messages(source, topics=topics)
+        for item in ahead(twin_side.run(messages, info.end), depth=AHEAD, batch=BATCH):
+            if stop():
+                report.stopped = True
+                break
+            diagnosis_side.take(item)
+            if progress is not None and isinstance(item, _Block) and item.now - reported > NANO:
+                reported = item.now
+                progress((reported - info.start) / max(1, info.end - info.start))
+        diagnosis_side.finish()
+        if progress is not None and not report.stopped:
+            progress(1.0)
+    report.covered = report.blocks * twin_values['block_size'] / twin_values['sample_rate']
+    return report
+
+
+def _values(specs: tuple[Spec, ...], given: Mapping[str, Any] | None) -> dict[str, Any]:
+    known = {spec.name: spec for spec in specs}
+    values: dict[str, Any] = {name: spec.default for name, spec in known.items()}
+    for name, value in (given or {}).items():
+        if name not in values:
+            msg = f'there is no parameter {name!r}; there are {", ".join(values)}'
+            raise BearingTwinError(msg)
+        kind = type(values[name])
+        if kind is float and isinstance(value, int) and not isinstance(value, bool):
+            value = float(value)
+        elif kind is str and isinstance(value, (int, float)) and not isinstance(value, bool):
+            # A bearing called 6307 is a name.
+            value = str(value)
+        elif kind is float and isinstance(value, str):
+            # Such as 68e-6, a number to ROS but, without a point, a text to YAML 1.1.
+            with contextlib.suppress(ValueError):
+                value = float(value)
+        if not isinstance(value, kind):
+            msg = f'parameter {name}={value!r} must be of type {kind.__name__}'
+            raise BearingTwinError(msg)
+        spec = known[name]
+        low, high = spec.low, spec.high
+        if low is not None and high is not None and not low <= value <= high:
+            limits = f'{low:g}..{high:g} {spec.unit}'.rstrip()
+            msg = f'parameter {name}={value!r} is outside {limits}; choose a value inside'
+            raise BearingTwinError(msg)
+        if spec.choices and value not in spec.choices:
+            msg = f'{name}={value!r} is not one of {", ".join(spec.choices)}'
+            raise BearingTwinError(msg)
+        values[name] = value
+    return values
+
+
+class _Block(NamedTuple):
+    """One block of the twin, and what the diagnosis needs with it."""
+
+    now: int
+    message: Any
+    outputs: tuple[Output, ...]
+    temperature: float
+    joint_hz: float
+    measured: bool
+
+
+class _TwinSide:
+    """The inputs and the twin on one time line."""
+
+    def __init__(self, twin: dict[str, Any], joint: str, start: int) -> None:
+        self._run = TwinRun(twin)
+        self._gate = TemperatureGate(
+            start=twin['start_temperature'], timeout=twin['temperature_timeout']
+        )
+        self._shaft = ShaftSpeed(nominal=twin['shaft_hz'], joint=twin['joint'], highest=100.0)
+        self._speed = ShaftSpeed(nominal=math.nan, joint=joint)
+        self._temperature = math.nan
+        self._start = start
+        self._next_sample = 0
+        self._checkpoint_due = 0
+
+    def run(
+        self, messages: Iterable[RecordedMessage], end: int
+    ) -> Iterator[RecordedMessage | _Block]:
+        """Yield inputs and blocks in their order; the last block ends before ``end`` (ns)."""
+        for message in messages:
+            yield from self._blocks_until(message.log_time)
+            yield message
+            self._take(message)
+        yield from self._blocks_until(end)
+
+    def _take(self, message: RecordedMessage) -> None:
+        with known_fields(message.topic, message.type_name):
+            self._offer(message)
+
+    def _offer(self, message: RecordedMessage) -> None:
+        decoded = message.decode()
+        now = message.log_time / NANO
+        if message.type_name == TEMPERATURE:
+            stamp = decoded.header.stamp.sec * NANO + decoded.header.stamp.nanosec
+            self._gate.offer(decoded.temperature, stamp=stamp, now=now)
+            self._temperature = decoded.temperature
+        else:
+            self._shaft.offer(decoded.name, decoded.velocity, now=now)
+            self._speed.offer(decoded.name, decoded.velocity, now=now)
+
+    def _blocks_until(self, time: int) -> Iterator[_Block]:
+        """Yield every block whose last sample has been taken before ``time`` (ns)."""
+        length = self._run.values['block_size']
+        rate = self._run.values['sample_rate']
+        while True:
+            now = self._start + round((self._next_sample + length) * NANO / rate)
+            if now > time:
+                return
+            stamp = self._start + round(self._next_sample * NANO / rate)
+            yield self._block(Due(self._next_sample, stamp, 0.0), length, now)
+            self._next_sample += length
+
+    def _block(self, due: Due, length: int, now: int) -> _Block:
+        run = self._run
+        checkpoint: tuple[Output, ...] = ()
+        if due.first_sample >= self._checkpoint_due:
+            period = run.values['checkpoint_period'] * run.values['sample_rate']
+            self._checkpoint_due = due.first_sample + round(period)
+            checkpoint = (run.checkpoint(due),)
+        message, outputs = run.block(due, length, self._gate.at(now / NANO), self._shaft.hz)
+        return _Block(
+            now,
+            message,
+            (*checkpoint, *outputs),
+            self._temperature,
+            self._speed.hz,
+            self._speed.measured,
+        )
+
+
+class _Analysed(NamedTuple):
+    """A verdict whose window is being analysed."""
+
+    due: DueVerdict
+    analysis: Future[Analysis]
+
+
+class _DiagnosisSide:
+    """The diagnosis and the new recording; at most ``most`` analyses are under way."""
+
+    def __init__(
+        self,
+        diagnosis: dict[str, Any],
+        writer: RecordingWriter,
+        pool: ThreadPoolExecutor,
+        most: int,
+        report: OfflineReport,
+    ) -> None:
+        self._run = DiagnosisRun(diagnosis)
+        self._writer = writer
+        self._pool = pool
+        self._most = most
+        self._report = report
+        self._qos = sensor_qos()
+        self._checkpoint_due = 0
+        self._waiting: deque[tuple[RecordedMessage | Output | _Analysed, int]] = deque()
+        self._analyses = 0
+
+    def take(self, item: RecordedMessage | _Block) -> None:
+        """Copy an input, or work on a block."""
+        if isinstance(item, _Block):
+            self._work(item)
+        else:
+            self._waiting.append((item, item.log_time))
+        self._settle(self._most)
+
+    def finish(self) -> None:
+        """Write everything that waits for its analysis or for one before it."""
+        self._settle(0)
+
+    def _settle(self, most: int) -> None:
+        """Write what can be; wait until ``most`` analyses, at most, are under way."""
+        while self._waiting:
+            item, time = self._waiting[0]
+            if isinstance(item, _Analysed):
+                if self._analyses <= most and not item.analysis.done():
+                    return
+                for output in self._run.judge(item.due, item.analysis.result()):
+                    self._write(output, time)
+                self._analyses -= 1
+                self._report.verdicts = dict(self._run.counts)
+            elif isinstance(item, Output):
+                self._write(item, time)
+            else:
+                self._copy(item)
+            self._waiting.popleft()
+
+    def _work(self, block: _Block) -> None:
+        message = block.message
+        self._waiting.extend((output, block.now) for output in block.outputs)
+        if message.first_sample >= self._checkpoint_due:
+            period = self._run.values['checkpoint_period'] * message.sample_rate
+            self._checkpoint_due = message.first_sample + round(period)
+            # The state before this block is that after all verdicts before it.
+            self._settle(0)
+            self._write(self._run.checkpoint(message), block.now)
+        for due in self._run.take(
+            message,
+            temperature=block.temperature,
+            joint_hz=block.joint_hz,
+            measured=block.measured,
+        ):
+            self._analyses += 1
+            analysis = self._pool.submit(due.update.analyse)
+            self._waiting.append((_Analysed(due, analysis), block.now))
+        self._report.blocks += 1
+
+    def _copy(self, message: RecordedMessage) -> None:
+        self._writer.copy(message)
+        self._report.inputs += 1
+
+    def _write(self, output: Output, time: int) -> None:
+        self._writer.write(
+            output.topic,
+            output.type_name,
+            output.cdr,
+            log_time=time,
+            publish_time=time,
+            qos=self._qos,
+        )

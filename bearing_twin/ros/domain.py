@@ -1,0 +1,143 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A ROS domain in which nobody else is, for runs that must hear only themselves."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+import os
+import socket
+import time
+from typing import TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.ros.launching import ensure_log_folder
+import rclpy
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ['HIGHEST_DOMAIN', 'check_domain', 'inhabitants', 'own_domain']
+
+HIGHEST_DOMAIN = 232
+"""Above it the port numbers of DDS end."""
+DOMAINS = 100
+"""Domains 1 to 100 keep clear of the ports that Linux hands out by itself."""
+LISTEN = 1.5
+"""Time in which whoever is there has announced itself, s."""
+LISTEN_FOR_NAMES = 10.0
+"""Longest time to hear who holds a port of the domain, s."""
+
+# RTPS 2.5, section 9.6.2.3: where the ports of a domain begin, and that of its k-th participant.
+FIRST_PORT, PORTS_A_DOMAIN = 7400, 250
+PARTICIPANTS = range(10, 42, 2)
+CLAIM = 5
+"""A port of the domain that RTPS leaves free: who holds it has the domain for its run."""
+
+
+def inhabitants(domain: int, listen: float = LISTEN) -> list[str]:
+    """
+    Return the nodes of a domain, heard from this machine.
+
+    Parameters
+    ----------
+    domain
+        The domain.
+    listen
+        Longest time to listen, s; whoever is heard earlier ends it.
+
+    """
+    ensure_log_folder()
+    context = rclpy.Context()
+    context.init(domain_id=domain)
+    node = rclpy.create_node(f'domain_probe_{os.getpid()}', context=context, enable_rosout=False)
+    try:
+        own = (node.get_name(), node.get_namespace())
+        end = time.monotonic() + listen
+        while True:
+            others = [
+                f'{namespace.rstrip("/")}/{name}'
+                for name, namespace in node.get_node_names_and_namespaces()
+                if (name, namespace) != own
+            ]
+            # Publishers that are no ROS nodes, such as a bridge, are nobody's in the list.
+            if not others and node.count_publishers('/twin_state'):
+                others = ['a publisher of /twin_state']
+            if others or time.monotonic() > end:
+                return sorted(others)
+            time.sleep(0.1)
+    finally:
+        node.destroy_node()
+        context.shutdown()
+
+
+def check_domain(domain: int) -> None:
+    """Raise BearingTwinError unless ``domain`` can be used and nobody is in it."""
+    if not 0 <= domain <= HIGHEST_DOMAIN:
+        msg = f'ROS domain {domain} is not within 0..{HIGHEST_DOMAIN}'
+        raise BearingTwinError(msg)
+    # Above domain 100 anybody may hold a port of it by chance: who is there must be heard.
+    others = inhabitants(domain, LISTEN_FOR_NAMES if _ports_are_held(domain) else LISTEN)
+    if others:
+        msg = f'in ROS domain {domain} there is {others[0]} already; name another, or none'
+        raise BearingTwinError(msg)
+
+
+@contextmanager
+def own_domain(first: int, listen: float = LISTEN) -> Iterator[int]:
+    """
+    Give a domain in which nobody is, and into which no other caller comes meanwhile.
+
+    Whoever is there holds one of the domain's ports, even if it has not announced itself yet.
+    Listening finds those, too, who talk in another way than by UDP.
+
+    Parameters
+    ----------
+    first
+        Where to begin, such as the process id: at domain ``1 + first % 100``.
+    listen
+        Time to listen in each, s; 0 to look at the ports alone.
+
+    Raises
+    ------
+    BearingTwinError
+        If every domain is in use.
+
+    """
+    for step in range(DOMAINS):
+        domain = 1 + (first + step) % DOMAINS
+        claim = _bind(_port(domain) + CLAIM)
+        if claim is None:
+            continue
+        with claim:
+            if _ports_are_held(domain) or (listen and inhabitants(domain, listen)):
+                continue
+            yield domain
+            return
+    msg = f'every ROS domain from 1 to {DOMAINS} is in use on this machine'
+    raise BearingTwinError(msg)
+
+
+def _port(domain: int) -> int:
+    return FIRST_PORT + PORTS_A_DOMAIN * domain
+
+
+def _bind(port: int) -> socket.socket | None:
+    """Return a socket that holds a UDP port until it is closed; None if another one does."""
+    claim = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        claim.bind(('', port))
+    except OSError:
+        claim.close()
+        return None
+    return claim
+
+
+def _ports_are_held(domain: int) -> bool:
+    """Whether a process of this machine holds a port that a participant of the domain takes."""
+    for offset in (0, *PARTICIPANTS):
+        claim = _bind(_port(domain) + offset)
+        if claim is None:
+            return True
+        claim.close()
+    return False

@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a node says of itself on /diagnostics (REP 107), once a second."""
+
+from __future__ import annotations
+
+import enum
+from typing import NamedTuple, TYPE_CHECKING
+
+from bearing_twin.ros.qos import RESULT
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.clock import Clock, ClockType
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from rclpy.node import Node
+
+__all__ = ['Health', 'Level', 'Status']
+
+
+class Level(enum.Enum):
+    """Levels of a diagnostic status."""
+
+    OK = DiagnosticStatus.OK
+    WARN = DiagnosticStatus.WARN
+    ERROR = DiagnosticStatus.ERROR
+    STALE = DiagnosticStatus.STALE
+
+
+class Status(NamedTuple):
+    """One status; ``values`` carry their unit in the key."""
+
+    level: Level
+    message: str
+    values: Mapping[str, object]
+
+
+class Health:
+    """
+    Publish the statuses of a node's parts on the absolute topic /diagnostics.
+
+    The idiom of diagnostic_updater, which is not available from PyPI: named tasks, 1 Hz,
+    names ``NODE: PART``, a fresh message even where nothing has changed so that an aggregator
+    sees the node become stale when it dies.
+
+    Parameters
+    ----------
+    node
+        The node.
+    hardware_id
+        Asset or sensor that the statuses speak of.
+
+    """
+
+    def __init__(self, node: Node, hardware_id: str) -> None:
+        self.hardware_id = hardware_id
+        self._node = node
+        self._tasks: dict[str, tuple[Callable[[], Status], str]] = {}
+        self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', RESULT)
+        # The wall clock: a paused /clock must not silence a node.
+        self._timer = node.create_timer(
+            1.0, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+
+    def add(self, part: str, task: Callable[[], Status], *, hardware_id: str = '') -> None:
+        """
+        Add a part of the node.
+
+        Parameters
+        ----------
+        part
+            Its name.
+        task
+            Returns its status when asked.
+        hardware_id
+            Asset that it speaks of; '' for that of the node.
+
+        """
+        self._tasks[part] = (task, hardware_id or self.hardware_id)
+
+    def destroy(self) -> None:
+        """Stop publishing."""
+        self._node.destroy_timer(self._timer)
+        self._node.destroy_publisher(self._publisher)
+
+    def publish(self) -> None:
+        """Ask every part and publish."""
+        array = DiagnosticArray()
+        array.header.stamp = self._node.get_clock().now().to_msg()
+        name = self._node.get_fully_qualified_name().lstrip('/')
+        for part, (task, hardware_id) in self._tasks.items():
+            level, message, values = task()
+            array.status.append(
+                DiagnosticStatus(
+                    level=level.value,
+                    name=f'{name}: {part}',
+                    message=message,
+                    hardware_id=hardware_id,
+                    values=[KeyValue(key=k, value=_text(v)) for k, v in values.items()],
+                )
+            )
+        self._publisher.publish(array)
+
+
+def _text(value: object) -> str:
+    return f'{value:.6g}' if isinstance(value, float) else str(value)

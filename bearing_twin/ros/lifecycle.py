@@ -1,0 +1,300 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Base of our nodes: a lifecycle node that brings itself up, and the ``main`` they share."""
+
+from __future__ import annotations
+
+import gc
+import os
+import signal
+import sys
+import traceback
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.assets.spec import Spec
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.memory import keep_freed_memory
+from bearing_twin.ros.compiling import is_compiling, prepare
+from bearing_twin.ros.executor import LeanExecutor
+from bearing_twin.ros.launching import ensure_log_folder
+from bearing_twin.ros.parameters import ParameterSet
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from rclpy.lifecycle import LifecycleState
+
+__all__ = ['AUTOSTART', 'ManagedNode', 'run']
+
+TRANSPORT_SETTINGS = (
+    'FASTDDS_BUILTIN_TRANSPORTS',
+    'FASTDDS_DEFAULT_PROFILES_FILE',
+    'FASTRTPS_DEFAULT_PROFILES_FILE',
+)
+
+AUTOSTART = Spec(
+    name='autostart',
+    default=True,
+    description='Configure and activate at start; false leaves that to a lifecycle manager.',
+    running=False,
+    read_only=True,
+)
+
+
+class ManagedNode(LifecycleNode):
+    """
+    A lifecycle node with a parameter table.
+
+    ``configure`` builds what the parameters describe, ``activate`` starts it, ``deactivate`` and
+    ``cleanup`` undo the two. A subclass fills in :meth:`prepare`, :meth:`check`, :meth:`apply`,
+    :meth:`setup`, :meth:`start`, :meth:`stop` and :meth:`teardown`; each of the last four may
+    raise BearingTwinError, which fails the transition with its text in the log.
+    """
+
+    def __init__(self, name: str, specs: Iterable[Spec]) -> None:
+        super().__init__(name)
+        self.configured = False
+        self.active = False
+        self._managed = False
+        self.failed = False
+        """Whether the work has ended in an error: the exit status of the process."""
+        self.parameters = ParameterSet(
+            self, (*specs, AUTOSTART), check=self.check, apply=self._apply, locked=self._is_locked
+        )
+
+    def prepare(self) -> None:
+        """Compile what is compiled at the first start; in a thread, while services answer."""
+
+    def check(self, values: Mapping[str, Any]) -> None:
+        """Raise BearingTwinError if the parameters do not fit together."""
+
+    def apply(self, values: Mapping[str, Any]) -> None:
+        """Take changed parameters into the configured node."""
+
+    def setup(self) -> None:
+        """Build publishers, subscriptions and the core objects."""
+
+    def start(self) -> None:
+        """Begin to work."""
+
+    def stop(self) -> None:
+        """Stop working; :meth:`start` may follow."""
+
+    def teardown(self) -> None:
+        """Give up what :meth:`setup` built."""
+
+    def bring_up(self) -> None:
+        """
+        Configure and activate, if ``autostart`` says so and nobody has begun to.
+
+        Raises
+        ------
+        BearingTwinError
+            If a transition failed; its reason is in the log.
+
+        """
+        if self._managed or not self.parameters['autostart']:
+            return
+        for trigger in (self.trigger_configure, self.trigger_activate):
+            result = trigger()
+            if not self.context.ok():
+                # Told to end while still coming up: no error.
+                raise ExternalShutdownException
+            if result != TransitionCallbackReturn.SUCCESS:
+                msg = 'the node could not start; the reason stands in the log above'
+                raise BearingTwinError(msg)
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Build; rclpy's callback."""
+        self._managed = True
+        result = self._attempt(self.setup)
+        if result == TransitionCallbackReturn.SUCCESS:
+            self.configured = True
+            # A full collection takes tens of milliseconds with these libraries loaded: what
+            # exists now stays, so the collector need not look at it again.
+            gc.collect()
+            gc.freeze()
+        return result
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Start; rclpy's callback."""
+        if super().on_activate(state) != TransitionCallbackReturn.SUCCESS:
+            return TransitionCallbackReturn.FAILURE
+        result = self._attempt(self.start)
+        self.active = result == TransitionCallbackReturn.SUCCESS
+        return result
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Stop; rclpy's callback."""
+        self.active = False
+        result = self._attempt(self.stop)
+        super().on_deactivate(state)
+        return result
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Tear down; rclpy's callback."""
+        self.configured = False
+        return self._attempt(self.teardown)
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Stop and tear down from any state; rclpy's callback."""
+        self._managed = True
+        self.shut_down()
+        return TransitionCallbackReturn.SUCCESS
+
+    def shut_down(self) -> None:
+        """Stop and tear down what is up; called on every way out."""
+        if self.active:
+            self.active = False
+            self._attempt(self.stop)
+        if self.configured:
+            self.configured = False
+            self._attempt(self.teardown)
+
+    def _is_locked(self) -> bool:
+        return self.configured
+
+    def _apply(self, values: Mapping[str, Any]) -> None:
+        if self.configured:
+            self.apply(values)
+
+    def _attempt(self, step: Any) -> TransitionCallbackReturn:
+        try:
+            step()
+        except BearingTwinError as error:
+            self.get_logger().error(str(error))
+            return TransitionCallbackReturn.FAILURE
+        except Exception:
+            if not self.context.ok():
+                # An interrupt can strike anywhere, in the compiler too: no defect of ours.
+                return TransitionCallbackReturn.FAILURE
+            # rclpy would swallow it: a defect of ours must be seen where it happened.
+            self.get_logger().fatal(traceback.format_exc())
+            return TransitionCallbackReturn.ERROR
+        return TransitionCallbackReturn.SUCCESS
+
+
+def _never_wait_for_the_network() -> None:
+    """
+    Let Fast DDS drop what a pulled cable cannot take, instead of holding up the publisher.
+
+    By default its sockets block for seconds when the other host has gone, and so would every
+    deadline. What was dropped is sent again if it is still in the writer's history. A user who
+    has set up the transports keeps them; other middleware does not look at this.
+    """
+    if not any(name in os.environ for name in TRANSPORT_SETTINGS):
+        os.environ['FASTDDS_BUILTIN_TRANSPORTS'] = 'DEFAULT?non_blocking=true'
+
+
+def _work(node: ManagedNode) -> None:
+    executor = LeanExecutor()
+    executor.add_node(node)
+    try:
+        prepare(node, node.prepare, executor)
+        node.bring_up()
+        executor.spin()
+    except Exception:
+        if node.context.ok():
+            raise
+        # INT and TERM end the context at once, under the hands of a callback that publishes.
+        raise ExternalShutdownException from None
+
+
+def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int:
+    """
+    Run a node until it is told to end; return the exit status.
+
+    INT and TERM end it cleanly: files are finished, the status is 0.
+    """
+    stray = _stray(sys.argv[1:] if args is None else args)
+    if stray:
+        print(
+            f"{_program(node_class)}: unknown argument '{stray}'; parameters and remappings go "
+            "behind --ros-args, e.g. '--ros-args -p NAME:=VALUE'",
+            file=sys.stderr,
+        )
+        return 2
+    _never_wait_for_the_network()
+    ensure_log_folder()
+    keep_freed_memory()
+    status = _run(node_class, args)
+    if is_compiling():
+        # It cannot be told to stop, and has nothing to lose.
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
+    return status
+
+
+def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
+    node: ManagedNode | None = None
+    interrupts = _note_interrupts()
+    try:
+        # Not as a context manager, which it is since Kilted only.
+        rclpy.init(args=list(args) if args is not None else None)
+        try:
+            if interrupts:
+                # Before rclpy listened.
+                raise ExternalShutdownException
+            node = _build(node_class)
+            _work(node)
+        finally:
+            if node is not None:
+                node.shut_down()
+            rclpy.try_shutdown()
+    except ExternalShutdownException:
+        return 1 if node is not None and node.failed else 0
+    except BearingTwinError as error:
+        print(f'{_program(node_class)}: {error}', file=sys.stderr)
+        return 1
+    finally:
+        # Nothing is left to be interrupted but the way out.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    return 1 if node.failed else 0
+
+
+def _note_interrupts() -> list[int]:
+    """
+    Let INT do what TERM does: rclpy ends the context, and everything looks at that.
+
+    Python would also raise KeyboardInterrupt between any two steps of any callback: in the middle
+    of a record that is being written, or of the work of ending that an earlier interrupt began.
+
+    Returns
+    -------
+    list
+        Filled with the signals that come.
+
+    """
+    came: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    return came
+
+
+def _build(node_class: type[ManagedNode]) -> ManagedNode:
+    try:
+        return node_class()  # type: ignore[call-arg]
+    except Exception:
+        if rclpy.ok():
+            raise
+        raise ExternalShutdownException from None
+
+
+def _program(node_class: type[ManagedNode]) -> str:
+    return node_class.__name__.removesuffix('Node').lower()
+
+
+def _stray(words: Sequence[str]) -> str:
+    """Return the first word that is not between ``--ros-args`` and ``--``; '' if there is none."""
+    inside = False
+    for word in words:
+        if word == '--ros-args':
+            inside = True
+        elif inside:
+            inside = word != '--'
+        else:
+            return word
+    return ''

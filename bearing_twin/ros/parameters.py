@@ -1,0 +1,210 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Parameters of the nodes: one table a node, declared, checked and applied in one place.
+
+The nodes' tables are also what ``docs/nodes.md`` is generated from.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.assets.spec import configuration
+from bearing_twin.errors import BearingTwinError
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.exceptions import InvalidParameterTypeException
+import yaml
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from bearing_twin.assets.spec import Spec
+    from rclpy.node import Node
+    from rclpy.parameter import Parameter
+
+__all__ = ['ParameterSet', 'descriptor']
+
+
+def descriptor(spec: Spec) -> ParameterDescriptor:
+    """Return what ``ros2 param describe`` shows."""
+    text = spec.description
+    if spec.unit:
+        text += f' [{spec.unit}]'
+    if spec.choices:
+        text += f' One of: {", ".join(spec.choices)}.'
+    if not spec.running and not spec.read_only:
+        text += ' Can be changed only while the node is not configured.'
+    descriptor = ParameterDescriptor(description=text, read_only=spec.read_only)
+    if spec.low is None or spec.high is None:
+        return descriptor
+    if isinstance(spec.default, float):
+        descriptor.floating_point_range = [
+            FloatingPointRange(from_value=float(spec.low), to_value=float(spec.high))
+        ]
+    else:
+        descriptor.integer_range = [
+            IntegerRange(from_value=int(spec.low), to_value=int(spec.high), step=1)
+        ]
+    return descriptor
+
+
+class ParameterSet:
+    """
+    Declare the parameters of a node, check changes as a whole and apply them afterwards.
+
+    Parameters
+    ----------
+    node
+        The node.
+    specs
+        Its table.
+    check
+        Called with all values as they would become; raises BearingTwinError to refuse the change.
+    apply
+        Called with all values after a change has been accepted.
+    locked
+        Returns whether parameters with ``running=False`` are locked now.
+    prefix
+        Put before the names: '' or ``ASSET.``, where a node hosts several.
+    given
+        Defaults that replace those of the table, such as those of a file of assets.
+    inherited
+        Values that are not parameters here but belong to :attr:`values`.
+
+    Raises
+    ------
+    BearingTwinError
+        If a start value is unknown, has the wrong type or is refused.
+
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        specs: Iterable[Spec],
+        *,
+        check: Callable[[Mapping[str, Any]], None],
+        apply: Callable[[Mapping[str, Any]], None],
+        locked: Callable[[], bool],
+        prefix: str = '',
+        given: Mapping[str, Any] | None = None,
+        inherited: Mapping[str, Any] | None = None,
+    ) -> None:
+        self._specs = {spec.name: spec for spec in specs}
+        self._check = check
+        self._apply = apply
+        self._locked = locked
+        self._prefix = prefix
+        self._text = ''
+        self._values: dict[str, Any] = dict(inherited or {})
+        given = given or {}
+        unknown = [name for name in given if name not in self._specs]
+        if unknown:
+            msg = f'there is no parameter {", ".join(unknown)}; there are {", ".join(self._specs)}'
+            raise BearingTwinError(msg)
+        for spec in self._specs.values():
+            default = given.get(spec.name, spec.default)
+            if isinstance(spec.default, float) and type(default) is int:
+                default = float(default)
+            self._values[spec.name] = self._declare(node, spec, default)
+        self._validate(self._values)
+        node.add_on_set_parameters_callback(self._on_set)
+        node.add_post_set_parameters_callback(self._after_set)
+
+    def _declare(self, node: Node, spec: Spec, default: Any) -> Any:
+        name = self._prefix + spec.name
+        kind = type(spec.default).__name__
+        hint = ''
+        if kind == 'float':
+            hint = ' (write a decimal point, e.g. 5.0)'
+        elif kind == 'str':
+            # The shell takes one pair of quotes away, YAML the other.
+            hint = f' (quote a text that looks like a number twice: {name}:="\'6307\'")'
+        if type(default) is not type(spec.default):
+            msg = f'parameter {name}={default!r} must be of type {kind}{hint}'
+            raise BearingTwinError(msg)
+        try:
+            return node.declare_parameter(name, default, descriptor(spec)).value
+        except InvalidParameterTypeException as error:
+            msg = f'parameter {name} must be of type {kind}{hint}: {error}'
+            raise BearingTwinError(msg) from None
+        except Exception as error:
+            msg = f'parameter {name}: {error}'
+            raise BearingTwinError(msg) from None
+
+    def __getitem__(self, name: str) -> Any:
+        """Return the value in force."""
+        return self._values[name]
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """All values in force."""
+        return dict(self._values)
+
+    @property
+    def text(self) -> str:
+        """Return what a checkpoint says of the values in force, as YAML."""
+        if not self._text:
+            self._text = yaml.safe_dump(self.configuration)
+        return self._text
+
+    @property
+    def configuration(self) -> dict[str, Any]:
+        """Return what a checkpoint says of the values in force."""
+        return configuration(self._specs.values(), self._values)
+
+    @property
+    def specs(self) -> tuple[Spec, ...]:
+        """Return the table."""
+        return tuple(self._specs.values())
+
+    def _validate(self, values: Mapping[str, Any]) -> None:
+        for name, spec in self._specs.items():
+            if spec.choices and values[name] not in spec.choices:
+                msg = f'{name}={values[name]!r} is not one of {", ".join(spec.choices)}'
+                raise BearingTwinError(msg)
+        self._check(values)
+
+    def _ours(self, parameters: list[Parameter[Any]]) -> dict[str, Any]:
+        named = {p.name: p.value for p in parameters}
+        return {n: named[self._prefix + n] for n in self._specs if self._prefix + n in named}
+
+    def _on_set(self, parameters: list[Parameter[Any]]) -> SetParametersResult:
+        if self._locked() and any(p.name == 'use_sim_time' for p in parameters):
+            reason = (
+                'use_sim_time cannot change while the node runs: its stamps would jump; start the '
+                "node anew with '-p use_sim_time:=true'"
+            )
+            return SetParametersResult(successful=False, reason=reason)
+        ours = self._ours(parameters)
+        if not ours:
+            return SetParametersResult(successful=True)
+        fixed = [
+            name
+            for name, value in ours.items()
+            if not self._specs[name].running and value != self._values[name]
+        ]
+        if fixed and self._locked():
+            reason = (
+                f'{", ".join(fixed)} cannot change while the node runs: deactivate and clean it '
+                "up first ('ros2 lifecycle set NODE deactivate', then 'cleanup')"
+            )
+            return SetParametersResult(successful=False, reason=reason)
+        try:
+            self._validate({**self._values, **ours})
+        except BearingTwinError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def _after_set(self, parameters: list[Parameter[Any]]) -> None:
+        ours = self._ours(parameters)
+        if ours:
+            self._text = ''
+            self._values.update(ours)
+            self._apply(self._values)

@@ -1,0 +1,298 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What makes a publishing node punctual: its policy, its thresholds, its scheduling."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.assets.spec import Spec
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.ros.health import Level, Status
+from bearing_twin.streams.pacer import Pacer
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from bearing_twin.streams.pacer import LatenessReport
+    from bearing_twin.streams.timing import CycleStatistics
+
+__all__ = ['SPECS', 'build_pacer', 'check_thresholds', 'lock_memory', 'raise_priority', 'status']
+
+MCL_CURRENT, MCL_FUTURE = 1, 2
+
+SPECS = (
+    Spec(
+        name='catch_up_blocks',
+        default=25,
+        description='Most blocks published at once after being late; older ones are dropped.',
+        low=1,
+        high=100,
+        running=False,
+    ),
+    Spec(
+        name='late_after',
+        default=0.02,
+        description='Lateness above which a block counts as late.',
+        unit='s',
+        low=0.001,
+        high=10.0,
+        running=False,
+    ),
+    Spec(
+        name='lateness.warn',
+        default=0.04,
+        description='99th percentile of the lateness above which /diagnostics warns.',
+        unit='s',
+        low=0.0,
+        high=10.0,
+    ),
+    Spec(
+        name='lateness.error',
+        default=0.2,
+        description='99th percentile of the lateness that is an error.',
+        unit='s',
+        low=0.0,
+        high=10.0,
+    ),
+    Spec(
+        name='periodicity.mean_error.warn',
+        default=1.0,
+        description='Deviation of the mean rate of the cycles above which /diagnostics warns.',
+        unit='Hz',
+        low=0.0,
+        high=1000.0,
+    ),
+    Spec(
+        name='periodicity.mean_error.error',
+        default=5.0,
+        description='Deviation of the mean rate of the cycles that is an error.',
+        unit='Hz',
+        low=0.0,
+        high=1000.0,
+    ),
+    Spec(
+        name='periodicity.standard_deviation.warn',
+        default=5.0,
+        description='Standard deviation of the rate of the cycles above which /diagnostics warns.',
+        unit='Hz',
+        low=0.0,
+        high=1000.0,
+    ),
+    Spec(
+        name='periodicity.standard_deviation.error',
+        default=10.0,
+        description='Standard deviation of the rate of the cycles that is an error.',
+        unit='Hz',
+        low=0.0,
+        high=1000.0,
+    ),
+    Spec(
+        name='execution_time.warn',
+        default=0.5,
+        description='Mean execution time over the period above which /diagnostics warns.',
+        low=0.0,
+        high=10.0,
+    ),
+    Spec(
+        name='execution_time.error',
+        default=0.9,
+        description='Mean execution time over the period that is an error.',
+        low=0.0,
+        high=10.0,
+    ),
+    Spec(
+        name='execution_time.standard_deviation.warn',
+        default=0.25,
+        description='Standard deviation of the execution time over the period above which '
+        '/diagnostics warns.',
+        low=0.0,
+        high=10.0,
+    ),
+    Spec(
+        name='execution_time.standard_deviation.error',
+        default=0.5,
+        description='Standard deviation of the execution time over the period that is an error.',
+        low=0.0,
+        high=10.0,
+    ),
+    Spec(
+        name='priority',
+        default=0,
+        description='Real-time priority (SCHED_FIFO) of the publishing thread; 0: normal.',
+        low=0,
+        high=98,
+        running=False,
+    ),
+    Spec(
+        name='lock_memory',
+        default=False,
+        description='Keep the memory of the process from being swapped out (mlockall).',
+        running=False,
+    ),
+)
+
+PAIRS = (
+    'lateness',
+    'periodicity.mean_error',
+    'periodicity.standard_deviation',
+    'execution_time',
+    'execution_time.standard_deviation',
+)
+
+
+def check_thresholds(values: Mapping[str, Any]) -> None:
+    """
+    Refuse a warning that would come after the error.
+
+    Raises
+    ------
+    BearingTwinError
+        If a threshold of a warning is above that of the error.
+
+    """
+    for name in PAIRS:
+        warn, error = values[f'{name}.warn'], values[f'{name}.error']
+        if not warn <= error:
+            msg = f'{name}.warn={warn:g} must not be above {name}.error={error:g}'
+            raise BearingTwinError(msg)
+
+
+def build_pacer(values: Mapping[str, Any]) -> Pacer:
+    """Return the deadlines that the parameters describe."""
+    return Pacer(
+        block=values['block_size'],
+        rate=values['sample_rate'],
+        catch_up=values['catch_up_blocks'],
+        late_after=values['late_after'],
+    )
+
+
+def raise_priority(priority: int) -> str:
+    """
+    Give the calling thread a real-time priority; 0 leaves it normal.
+
+    Returns
+    -------
+    str
+        What is in force, for /diagnostics.
+
+    Raises
+    ------
+    BearingTwinError
+        If the system refuses.
+
+    """
+    if not priority:
+        return 'normal'
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
+    except OSError as error:
+        msg = (
+            f'priority={priority} refused ({error.strerror}): allow it with '
+            "'@realtime - rtprio 98' in /etc/security/limits.conf, or set priority to 0"
+        )
+        raise BearingTwinError(msg) from None
+    return f'SCHED_FIFO {priority}'
+
+
+def lock_memory() -> None:
+    """
+    Keep all present and future memory of the process from being swapped out.
+
+    Raises
+    ------
+    BearingTwinError
+        If the system refuses.
+
+    """
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.mlockall(MCL_CURRENT | MCL_FUTURE):
+        reason = os.strerror(ctypes.get_errno())
+        msg = (
+            f"lock_memory refused ({reason}): allow it with '@realtime - memlock unlimited' "
+            'in /etc/security/limits.conf, or set lock_memory to false'
+        )
+        raise BearingTwinError(msg)
+
+
+def status(
+    report: LatenessReport,
+    cycles: CycleStatistics,
+    values: Mapping[str, Any],
+    *,
+    period: float,
+    scheduling: str,
+    active: bool,
+    still: bool,
+) -> Status:
+    """
+    Status of the deadlines for /diagnostics.
+
+    Parameters
+    ----------
+    report
+        Lateness and counts.
+    cycles
+        Periodicity and execution time.
+    values
+        Parameters, with the thresholds.
+    period
+        Time between deadlines, s.
+    scheduling
+        Scheduling in force.
+    active, still
+        Whether the node publishes, and whether its clock (/clock) stands still.
+
+    """
+    periodicity, execution = cycles.periodicity, cycles.execution_time
+    measures = {
+        'lateness': (report.p99, '99 % of the blocks are late by up to {:.4g} s'),
+        'periodicity.mean_error': (
+            abs(periodicity.mean - 1.0 / period),
+            'the rate of the cycles is off by {:.4g} Hz',
+        ),
+        'periodicity.standard_deviation': (
+            periodicity.std,
+            'the rate of the cycles varies by {:.4g} Hz',
+        ),
+        'execution_time': (execution.mean / period, 'a cycle takes {:.2f} of the period'),
+        'execution_time.standard_deviation': (
+            execution.std / period,
+            'what a cycle takes varies by {:.2f} of the period',
+        ),
+    }
+    level, texts = Level.OK, []
+    for name, (value, text) in measures.items():
+        for threshold, what in ((f'{name}.error', Level.ERROR), (f'{name}.warn', Level.WARN)):
+            if value > values[threshold]:
+                level = max(level, what, key=lambda x: x.value)
+                texts.append(text.format(value))
+                break
+    if report.recently_dropped:
+        level = Level.ERROR
+        texts.insert(0, f'{report.recently_dropped} of the last blocks dropped')
+    if not active:
+        level, texts = Level.OK, ['not active']
+    elif still:
+        level, texts = Level.OK, ['/clock stands still, and so do the blocks']
+    return Status(
+        level,
+        '; '.join(texts) or 'in time',
+        {
+            'periodicity [Hz]': periodicity.text(),
+            'desired periodicity [Hz]': 1.0 / period,
+            'execution time [us]': execution.scaled(1e6).text(0),
+            'load [%]': 100.0 * execution.mean / period,
+            'lateness p50 [ms]': report.p50 * 1e3,
+            'lateness p99 [ms]': report.p99 * 1e3,
+            'lateness max [ms]': report.worst * 1e3,
+            'blocks published': report.published,
+            'blocks late': report.late,
+            'blocks dropped': report.dropped,
+            'clock steps': report.clock_steps,
+            'scheduling': scheduling,
+        },
+    )

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Subscriptions that take bytes from anybody: what is no message is refused, and said."""
+
+from __future__ import annotations
+
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.ros.qos import OVERRIDES, own
+from rclpy.serialization import deserialize_message
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rclpy.node import Node
+    from rclpy.qos import QoSProfile
+    from rclpy.subscription import MessageInfo, Subscription
+
+__all__ = ['read_message', 'subscribe']
+
+HEADER = 4
+"""Bytes before the message: its encoding, and how many bytes of padding end it."""
+
+
+def read_message(cdr: bytes, kind: type) -> Any:
+    """
+    Return the ROS message of class ``kind`` in ``cdr``, as it came off the wire.
+
+    Fast CDR (2.3.3) takes the padding off the length without a look whether there is as much, and
+    reads on behind the end of the memory: four bytes from anybody end the process. So this is
+    looked at here.
+
+    Raises
+    ------
+    BearingTwinError
+        If the bytes are no such message.
+
+    """
+    if len(cdr) < HEADER or len(cdr) - HEADER < cdr[HEADER - 1] & 3:
+        msg = f'{len(cdr)} bytes are no {kind.__name__}: refused'
+        raise BearingTwinError(msg)
+    try:
+        return deserialize_message(cdr, kind)
+    except Exception as error:
+        # The bytes come from outside; rclpy says RMWError or UnicodeDecodeError.
+        msg = f'{len(cdr)} bytes are no {kind.__name__} ({type(error).__name__}): refused'
+        raise BearingTwinError(msg) from None
+
+
+def subscribe(
+    node: Node,
+    kind: Any,
+    topic: str,
+    callback: Callable[[Any, MessageInfo], None],
+    qos: QoSProfile,
+) -> Subscription[Any]:
+    """
+    Subscribe to a topic; its QoS can be overridden by parameters.
+
+    Parameters
+    ----------
+    node
+        The node.
+    kind
+        Class of the messages.
+    topic
+        Name, relative to the node's namespace.
+    callback
+        Called with each message and what is known of its way.
+    qos
+        Profile, where no parameter says otherwise.
+
+    """
+
+    def on_bytes(cdr: bytes, info: MessageInfo) -> None:
+        try:
+            message = read_message(cdr, kind)
+        except BearingTwinError as error:
+            node.get_logger().warning(f'{topic}: {error}', throttle_duration_sec=10.0)
+            return
+        callback(message, info)
+
+    return node.create_subscription(
+        kind, topic, on_bytes, own(qos), raw=True, qos_overriding_options=OVERRIDES
+    )

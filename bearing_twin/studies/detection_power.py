@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The smallest fault that the chain shows, and the healthy level, simulated with the twin.
+
+``python -m bearing_twin.studies.detection_power`` writes ``detection_power.json`` of
+``bearing_twin/diagnosis`` anew (some minutes) and prints it as a table.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+import json
+from pathlib import Path
+from typing import Any
+
+from bearing_twin.bearing import find_bearing
+import bearing_twin.diagnosis
+from bearing_twin.diagnosis import diagnose_record
+from bearing_twin.dynamics.presets import preset
+from bearing_twin.dynamics.simulator import Simulator
+from bearing_twin.memory import keep_freed_memory
+import numpy as np
+
+__all__ = ['main', 'simulate_table']
+
+BEARING = '6307-catalogue'
+RATE = 25600.0
+SPEEDS = (12.5, 25.0, 50.0)
+TEMPERATURES = (30.0, 90.0)
+NOISES = (0.2, 1.0, 5.0)
+WINDOWS = (1.0, 2.0, 4.0, 8.0)
+WIDTHS = (0.1, 0.2, 0.3, 0.5, 0.8, 1.2, 2.0)
+SEEDS = (1, 2, 3)
+SENSOR_NOISE = 0.1
+"""Of the healthy level: without it the twin falls silent at low speed, no real sensor does."""
+LEVEL_SPEEDS = (6.25, 12.5, 25.0, 50.0, 100.0)
+LEVEL_TEMPERATURES = (20.0, 50.0, 80.0, 110.0)
+
+
+def _record(
+    defect: str, width: float | None, shaft_hz: float, temperature: float, noise: float, seed: int
+) -> np.ndarray[Any, Any]:
+    """Vertical acceleration of the twin, m/s^2, as long as the longest window."""
+    parameters = preset(
+        'incipient',
+        bearing=BEARING,
+        defect=defect,
+        width=None if width is None else width * 1e-3,
+        # The ball profile bounds the depth by the width: a deep floor never touches.
+        depth=None if width is None else 50e-6,
+        noise=noise,
+    )
+    twin = Simulator(
+        parameters, sample_rate=RATE, seed=seed, temperature=temperature, shaft_hz=shaft_hz
+    )
+    twin.advance(int(0.5 * RATE), temperature, shaft_hz)
+    return twin.advance(int(WINDOWS[-1] * RATE), temperature, shaft_hz).y.astype(float)
+
+
+def _shown(
+    defect: str, width: float, shaft_hz: float, temperature: float, noise: float
+) -> list[bool]:
+    """Whether each window names the fault with most seeds."""
+    bearing = find_bearing(BEARING)
+    hits = np.zeros(len(WINDOWS), dtype=int)
+    for seed in SEEDS:
+        x = _record(defect, width, shaft_hz, temperature, noise, seed)
+        for number, seconds in enumerate(WINDOWS):
+            part = x[: int(seconds * RATE)]
+            found = diagnose_record(part, RATE, bearing, shaft_hz, speed_tolerance=0.002)
+            hits[number] += found.level == 'fault' and defect in found.faults
+    return [bool(hit > len(SEEDS) / 2) for hit in hits]
+
+
+def _smallest(
+    defect: str, shaft_hz: float, temperature: float, noise: float
+) -> list[float | None]:
+    """Per window the smallest width, mm, from which on all larger ones show, too."""
+    shown = np.array([_shown(defect, width, shaft_hz, temperature, noise) for width in WIDTHS])
+    smallest: list[float | None] = []
+    for column in shown.T:
+        hidden = np.flatnonzero(~column)
+        first = hidden[-1] + 1 if len(hidden) else 0
+        smallest.append(WIDTHS[first] if first < len(WIDTHS) else None)
+    return smallest
+
+
+def simulate_table() -> dict[str, Any]:
+    """Everything that ``bearing_twin.diagnosis.power`` reads."""
+    smallest = {
+        defect: [
+            [[_smallest(defect, speed, heat, noise) for noise in NOISES] for heat in TEMPERATURES]
+            for speed in SPEEDS
+        ]
+        for defect in ('inner', 'outer', 'ball')
+    }
+    level = np.zeros((len(LEVEL_SPEEDS), len(LEVEL_TEMPERATURES)))
+    for (i, speed), (j, heat) in product(enumerate(LEVEL_SPEEDS), enumerate(LEVEL_TEMPERATURES)):
+        x = _record('none', None, speed, heat, SENSOR_NOISE, 1)
+        level[i, j] = 20.0 * np.log10(x.std())
+    return {
+        'about': 'written by python -m bearing_twin.studies.detection_power',
+        'bearing': BEARING,
+        'd_ball_m': find_bearing(BEARING).d_ball,
+        'sample_rate': RATE,
+        'shaft_hz': SPEEDS,
+        'temperature_C': TEMPERATURES,
+        'noise_m_s2': NOISES,
+        'window_s': WINDOWS,
+        'width_mm': WIDTHS,
+        'smallest_mm': smallest,
+        'level_shaft_hz': LEVEL_SPEEDS,
+        'level_temperature_C': LEVEL_TEMPERATURES,
+        'level_dB': level.round(2).tolist(),
+    }
+
+
+def main() -> None:
+    """Write the data file and print the table."""
+    keep_freed_memory()
+    table = simulate_table()
+    path = Path(bearing_twin.diagnosis.__file__).with_name('detection_power.json')
+    path.write_text(json.dumps(table, indent=1) + '\n', encoding='utf-8')
+    print(f'| fault | shaft Hz | degC | noise m/s^2 | {" | ".join(f"{w:g} s" for w in WINDOWS)} |')
+    print('|---' * (4 + len(WINDOWS)) + '|')
+    for defect, rows in table['smallest_mm'].items():
+        for i, j, k in np.ndindex(len(SPEEDS), len(TEMPERATURES), len(NOISES)):
+            cells = ' | '.join('-' if mm is None else f'{mm:g}' for mm in rows[i][j][k])
+            print(f'| {defect} | {SPEEDS[i]:g} | {TEMPERATURES[j]:g} | {NOISES[k]:g} | {cells} |')
+
+
+if __name__ == '__main__':
+    main()

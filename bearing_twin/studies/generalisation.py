@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What the diagnosis says on simulated machines that nobody tuned it for.
+
+``python -m bearing_twin.studies.generalisation [CASES] [twin|impacts] [FIRST]`` draws machines at
+random, CASES of them from number FIRST (0) on: numbers that nobody has drawn judge afresh.
+Those of ``twin`` are solved with the equations of motion: bearing of the catalogue, speed, sample
+rate, load, slip, place and size of the defect. Those of ``impacts`` share nothing with the twin:
+trains of impacts with random slip, or noise that swells with them, through random resonances, at
+the geometries, sample rates and lengths of known rigs. Both have a sensor gain without a unit, a
+nameplate speed that is off, and what other machinery adds. It prints tables of the answers by the
+true condition and by the machine.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+import sys
+from typing import Protocol, TYPE_CHECKING
+
+from bearing_twin.diagnosis import diagnose_record
+from bearing_twin.memory import keep_freed_memory
+from bearing_twin.studies import impact_machines, twin_machines
+from bearing_twin.studies.disturbances import CONDITIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis import Diagnosis
+    import numpy as np
+    from numpy.typing import NDArray
+
+__all__ = ['MODELS', 'Machine', 'judge_case', 'main', 'outcome', 'study']
+
+MODELS = ('twin', 'impacts')
+
+
+class Machine(Protocol):
+    """What cases of all models have."""
+
+    @property
+    def condition(self) -> str:
+        """Name of ``CONDITIONS``."""
+
+    @property
+    def machine(self) -> str:
+        """Return the kind of machine around the bearing."""
+
+    @property
+    def geometry(self) -> Bearing:
+        """Geometry of the bearing."""
+
+    @property
+    def sample_rate(self) -> float:
+        """Hz."""
+
+    @property
+    def given_hz(self) -> float:
+        """Shaft speed handed to the diagnosis, Hz."""
+
+
+def outcome(case: Machine, said: Diagnosis) -> str:
+    """``right``, ``wrong`` (a fault that is not there), or the answer that was not one."""
+    truth = () if case.condition == 'none' else (case.condition,)
+    if said.result in ('healthy', 'suspect', 'ambiguous', 'insufficient'):
+        return 'right' if said.result == 'healthy' and not truth else said.result
+    return 'right' if said.faults == truth else 'wrong'
+
+
+def judge_case(model: str, number: int) -> tuple[Machine, Diagnosis]:
+    """Draw a machine and diagnose its record."""
+    if model == 'twin':
+        twin = twin_machines.draw(number)
+        return twin, _diagnose(twin, twin_machines.record(twin))
+    rig = impact_machines.draw(number)
+    return rig, _diagnose(rig, impact_machines.record(rig))
+
+
+def _diagnose(case: Machine, x: NDArray[np.float64]) -> Diagnosis:
+    return diagnose_record(x, case.sample_rate, case.geometry, case.given_hz)
+
+
+def study(cases: Iterable[int], model: str = 'twin') -> list[tuple[Machine, Diagnosis]]:
+    """Diagnose each case."""
+    return [judge_case(model, number) for number in cases]
+
+
+def main() -> None:
+    """Print the answers by condition and by machine."""
+    keep_freed_memory()
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 600
+    model = sys.argv[2] if len(sys.argv) > 2 else 'twin'
+    first = int(sys.argv[3]) if len(sys.argv) > 3 else 0
+    found = study(range(first, first + count), model)
+    answers = ('right', 'wrong', 'suspect', 'ambiguous', 'insufficient', 'healthy')
+    machines = sorted({case.machine for case, _ in found})
+    for kind, names in (('condition', CONDITIONS), ('machine', machines)):
+        print(f'| {kind} | cases | {" | ".join(answers)} |')
+        print('|---' * (2 + len(answers)) + '|')
+        for name in names:
+            told = Counter(outcome(c, said) for c, said in found if getattr(c, kind) == name)
+            cells = ' | '.join(str(told[answer] or '') for answer in answers)
+            print(f'| {name} | {told.total()} | {cells} |')
+        print()
+    for case, said in found:
+        if outcome(case, said) == 'wrong':
+            print(f'- {case}: {said.reasons}')
+
+
+if __name__ == '__main__':
+    main()

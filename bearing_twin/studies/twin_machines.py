@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Machines drawn at random whose bearings are twins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.bearing import catalogue, find_bearing
+from bearing_twin.dynamics.presets import preset
+from bearing_twin.dynamics.simulator import Simulator
+from bearing_twin.studies.disturbances import CONDITIONS, disturbance, MACHINES
+import numpy as np
+
+if TYPE_CHECKING:
+    from bearing_twin.bearing import Bearing
+
+__all__ = ['Case', 'draw', 'record']
+
+RATES = (12800.0, 20000.0, 25600.0, 51200.0)
+SETTLE_S = 0.5
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One machine, one bearing, one record."""
+
+    bearing: str
+    condition: str
+    machine: str
+    shaft_hz: float
+    given_hz: float
+    """Speed handed to the diagnosis: the nameplate's, off by up to 2 %."""
+    sample_rate: float
+    turns: float
+    load: float
+    slip: float
+    temperature: float
+    noise: float
+    """Sensor noise, m/s^2."""
+    width: float
+    """Of the defect, m."""
+    angle: float
+    """Place of an outer race defect from the load direction, rad."""
+    gain: float
+    """Units of the record a m/s^2; the diagnosis is not told."""
+    disturbance: float
+    """RMS of what the machine adds over that of the bearing with its noise."""
+    seed: int
+
+    @property
+    def geometry(self) -> Bearing:
+        """Geometry of the bearing."""
+        return find_bearing(self.bearing)
+
+
+def draw(number: int) -> Case:
+    """Machine of a number; the same number is the same machine."""
+    rng = np.random.default_rng([2026, number])
+    bearing = str(rng.choice(sorted(catalogue())))
+    geometry = find_bearing(bearing)
+    rate = float(rng.choice(RATES))
+    # Four harmonics of the ball's or the inner race's frequency must fit: see the record gate.
+    fastest = min(60.0, rate / (8.0 * 0.62 * geometry.n_balls))
+    shaft_hz = float(rng.uniform(10.0, fastest))
+    return Case(
+        bearing=bearing,
+        condition=CONDITIONS[number % len(CONDITIONS)],
+        machine=str(rng.choice(MACHINES)),
+        shaft_hz=shaft_hz,
+        given_hz=shaft_hz * float(rng.uniform(0.98, 1.02)),
+        sample_rate=rate,
+        turns=float(rng.uniform(120.0, 250.0)),
+        load=float(10.0 ** rng.uniform(2.0, 3.5)),
+        slip=float(rng.uniform(0.0, 0.02)),
+        temperature=float(rng.uniform(20.0, 100.0)),
+        noise=float(10.0 ** rng.uniform(-1.0, 0.5)),
+        width=float(geometry.d_ball * rng.uniform(0.03, 0.15)),
+        angle=float(rng.uniform(-1.0, 1.0)),
+        gain=float(10.0 ** rng.uniform(-4.0, 4.0)),
+        disturbance=float(10.0 ** rng.uniform(-1.0, 0.3)),
+        seed=number,
+    )
+
+
+def record(case: Case) -> np.ndarray[Any, Any]:
+    """Return the samples of a case, in no known unit."""
+    options: dict[str, Any] = {'defect': case.condition}
+    if case.condition in ('inner', 'outer', 'ball'):
+        options |= {'width': case.width, 'depth': 50e-6}
+    parameters = preset(
+        'incipient',
+        # The twin moves one row of balls; what is tried here is the geometry.
+        bearing=replace(find_bearing(case.bearing), element='ball', rows=1),
+        load=case.load,
+        slip=case.slip,
+        noise=case.noise,
+        **options,
+    )
+    if case.condition == 'outer':
+        place = replace(parameters.defects[0], angle=parameters.defects[0].angle + case.angle)
+        parameters = replace(parameters, defects=(place,))
+    twin = Simulator(
+        parameters,
+        sample_rate=case.sample_rate,
+        seed=case.seed,
+        temperature=case.temperature,
+        shaft_hz=case.shaft_hz,
+    )
+    twin.advance(int(SETTLE_S * case.sample_rate), case.temperature, case.shaft_hz)
+    n = int(case.turns / case.shaft_hz * case.sample_rate)
+    x = twin.advance(n, case.temperature, case.shaft_hz).y.astype(float)
+    x = x - x.mean()
+    turns = np.asarray(case.shaft_hz / case.sample_rate * np.arange(n), dtype=np.float64)
+    rng = np.random.default_rng([case.seed, 1])
+    other = disturbance(case.machine, turns, case.sample_rate, rng)
+    if case.machine != 'quiet':
+        x = x + other * (case.disturbance * x.std() / other.std())
+    return np.asarray(case.gain * x)

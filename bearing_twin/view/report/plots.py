@@ -1,0 +1,257 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The pictures of a report, as SVG to be put into a page."""
+
+from __future__ import annotations
+
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.view.report.spectra import envelope_spectrum, spectrum
+from bearing_twin.view.report.svg import (
+    BINS,
+    DEFECTS,
+    FAMILY_COLOURS,
+    pretty,
+    STYLE,
+    svg_element,
+    VERDICT_COLOURS,
+    WIDTH,
+)
+import matplotlib as mpl
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import MaxNLocator
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from bearing_twin.view.report.data import Machine
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+__all__ = ['figures']
+
+
+def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
+    """
+    Return caption and SVG of every picture that the machine has data for.
+
+    Parameters
+    ----------
+    machine
+        What was collected.
+    prefix
+        Put before every id in the SVG, so that pictures on one page do not share them.
+
+    """
+    plots: tuple[Callable[[Machine], tuple[str, Figure] | None], ...] = (
+        _history,
+        envelope_spectrum,
+        spectrum,
+        _trend,
+        _waterfall,
+        _model,
+    )
+    found = []
+    # The style is that of the figure being made, never that of the program around it.
+    with mpl.rc_context(STYLE):
+        for number, plot in enumerate(plots):
+            made = plot(machine)
+            if made is not None:
+                caption, figure = made
+                found.append((caption, svg_element(figure, f'{prefix}{number}-')))
+    return found
+
+
+def _columns(pairs: Sequence[tuple[float, ...]]) -> NDArray[np.float64]:
+    rows: NDArray[np.float64] = np.array(pairs, dtype=np.float64).T
+    return rows
+
+
+def _values(items: Sequence[tuple[float, Any]], name: str) -> NDArray[np.float64]:
+    return np.array([getattr(message, name) for _, message in items], dtype=np.float64)
+
+
+def _times(items: Sequence[tuple[float, Any]]) -> NDArray[np.float64]:
+    return np.array([time for time, _ in items], dtype=np.float64)
+
+
+def _history(machine: Machine) -> tuple[str, Figure] | None:
+    panels: list[Callable[[Axes], None]] = []
+    if machine.diagnoses:
+        panels.append(lambda axes: _lane(axes, machine))
+    if machine.measured or machine.states:
+        panels.append(lambda axes: _temperature(axes, machine))
+    if machine.vibration:
+        panels.append(lambda axes: _level(axes, machine))
+    if not panels:
+        return None
+    heights = [0.45 if machine.diagnoses and k == 0 else 1.0 for k in range(len(panels))]
+    figure = Figure(figsize=(WIDTH, 0.5 + 1.35 * sum(heights)), layout='constrained')
+    rows = figure.subplots(
+        len(panels), sharex=True, squeeze=False, gridspec_kw={'height_ratios': heights}
+    )[:, 0]
+    for axes, panel in zip(rows, panels, strict=True):
+        panel(axes)
+    rows[-1].set_xlabel('time since the start of the recording [s]')
+    return 'Verdict, temperature and vibration over time', figure
+
+
+def _lane(axes: Axes, machine: Machine) -> None:
+    times = _times(machine.diagnoses)
+    # A verdict holds until the next; the last one as long as they usually do.
+    usual = float(np.median(np.diff(times))) if times.size > 1 else 1.0
+    ends = np.append(times[1:], times[-1] + usual)
+    names = [str(message.result_name) for _, message in machine.diagnoses]
+    changes = [k for k in range(len(names)) if k == 0 or names[k] != names[k - 1]]
+    seen: dict[str, Rectangle] = {}
+    for first, after in zip(changes, [*changes[1:], len(names)], strict=True):
+        colour = VERDICT_COLOURS.get(names[first], VERDICT_COLOURS['insufficient'])
+        begin = times[first]
+        patch = Rectangle(
+            (begin, 0.0), ends[after - 1] - begin, 1.0, facecolor=colour, linewidth=0.0
+        )
+        axes.add_patch(patch)
+        seen.setdefault(names[first], patch)
+    axes.set(ylim=(0.0, 1.0), yticks=[], title='verdict')
+    axes.grid(visible=False)
+    axes.autoscale_view(scaley=False)
+    axes.legend(seen.values(), seen, ncols=len(seen), loc='lower right', bbox_to_anchor=(1.0, 1.0))
+
+
+def _temperature(axes: Axes, machine: Machine) -> None:
+    if machine.measured:
+        time, measured = _columns(machine.measured)
+        axes.plot(time, measured, color='#c62828', linewidth=1.2, label='measured')
+    if machine.states:
+        used = _values(machine.states, 'temperature_used')
+        axes.plot(
+            _times(machine.states), used, color='#1565c0', linewidth=1.0, dashes=(4, 2),
+            label='used by the twin',
+        )  # fmt: skip
+    axes.set_ylabel('°C')
+    axes.set_title('bearing temperature')
+    axes.legend(ncols=2, loc='lower right', bbox_to_anchor=(1.0, 1.0))
+
+
+def _level(axes: Axes, machine: Machine) -> None:
+    time, rms, peak = _thinned(_columns(machine.vibration))
+    axes.plot(time, peak, color='#90a4ae', linewidth=0.7, label='peak')
+    axes.plot(time, rms, color='#1565c0', linewidth=1.2, label='rms')
+    axes.set_ylabel(pretty(machine.unit))
+    axes.set_ylim(bottom=0.0)
+    axes.set_title('vibration, block by block')
+    axes.legend(ncols=2, loc='lower right', bbox_to_anchor=(1.0, 1.0))
+
+
+def _thinned(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return at most BINS columns of (time, rms, peak): mean of time and rms, largest peak."""
+    group = -(-rows.shape[1] // BINS)
+    if group == 1:
+        return rows
+    edges = np.arange(0, rows.shape[1], group)
+    counts = np.diff(np.append(edges, rows.shape[1]))
+    thinned: NDArray[np.float64] = np.stack(
+        [
+            np.add.reduceat(rows[0], edges) / counts,
+            np.sqrt(np.add.reduceat(rows[1] ** 2, edges) / counts),
+            np.maximum.reduceat(rows[2], edges),
+        ]
+    )
+    return thinned
+
+
+def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
+    strips = [strip for _, strip in sorted(machine.strips.items())]
+    if not strips:
+        return None
+    peak = max(float(np.nanmax(np.abs(strip.samples))) for strip in strips) or 1.0
+    figure = Figure(figsize=(WIDTH, 1.2 + 0.2 * len(strips)), layout='constrained')
+    axes = figure.subplots()
+    # The largest swing reaches over one and a half of its neighbours.
+    scale = 1.5 / peak
+    coldest = strips[0].temperature
+    lines, colours = [], []
+    for row, strip in reversed(list(enumerate(strips))):
+        time = np.arange(strip.samples.size) / strip.sample_rate * 1e3
+        low_high = _extremes(time, strip.samples.astype(np.float64))
+        lines.append(np.stack([low_high[0], row + scale * low_high[1]], axis=1))
+        span = max(strips[-1].temperature - coldest, 1e-9)
+        part = (strip.temperature - coldest) / span if np.isfinite(coldest) else 0.0
+        colours.append((0.08 + 0.7 * part, 0.35 - 0.2 * part, 0.75 - 0.6 * part))
+    axes.add_collection(LineCollection(lines, colors=colours, linewidths=0.6))
+    axes.set_yticks(range(len(strips)))
+    axes.set_yticklabels(
+        [f'{s.temperature:.0f} °C' if np.isfinite(s.temperature) else 'unknown' for s in strips]
+    )
+    duration = max(line[-1, 0] for line in lines)
+    axes.set(xlim=(0.0, duration), ylim=(-1.6, len(strips) + 0.6), xlabel='time [ms]')
+    axes.grid(axis='y', visible=False)
+    caption = (
+        'Waveform over temperature, one strip every 5 K, all to one scale: the largest swing is '
+        f'{peak:.3g} {pretty(machine.unit)}'
+    )
+    return caption, figure
+
+
+def _extremes(
+    time: NDArray[np.float64], samples: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return lowest and highest of neighbouring samples in turn: the shape, in fewer points."""
+    group = max(1, samples.size // 800)
+    if group < 2:
+        return time, samples
+    edges = np.arange(0, samples.size, group)
+    low, high = np.minimum.reduceat(samples, edges), np.maximum.reduceat(samples, edges)
+    return np.repeat(time[edges], 2), np.stack([low, high], axis=1).ravel()
+
+
+def _trend(machine: Machine) -> tuple[str, Figure] | None:
+    items = machine.diagnoses
+    if not items:
+        return None
+    time = _times(items)
+    figure = Figure(figsize=(WIDTH, 3.2), layout='constrained')
+    (rms, kurtosis), (score, confidence) = figure.subplots(2, 2, sharex=True)
+    unit = pretty(items[-1][1].unit)
+    rms.plot(time, _values(items, 'rms'), color='#1565c0', label='rms')
+    rms.set(title=f'rms [{unit}]' if unit else 'rms')
+    rms.set_ylim(bottom=0.0)
+    kurtosis.plot(time, _values(items, 'kurtosis'), color='#6a1b9a', label='kurtosis')
+    kurtosis.plot(time, _values(items, 'crest_factor'), color='#00838f', label='crest factor')
+    kurtosis.set_title('shape')
+    kurtosis.legend(ncols=2, loc='lower right', bbox_to_anchor=(1.0, 0.97))
+    for index, family in enumerate(DEFECTS):
+        scores = [m.score[index] if len(m.score) > index else np.nan for _, m in items]
+        score.plot(time, scores, color=FAMILY_COLOURS[family], label=family, linewidth=1.1)
+    score.set(title='comb score [σ]', xlabel='time [s]')
+    score.legend(
+        ncols=4, loc='lower right', bbox_to_anchor=(1.0, 0.97), columnspacing=0.8, handlelength=1.2
+    )
+    confidence.plot(time, _values(items, 'confidence'), color='#212121')
+    confidence.set(title='confidence', xlabel='time [s]', ylim=(0.0, 1.02))
+    for axes in (rms, kurtosis, score, confidence):
+        axes.yaxis.set_major_locator(MaxNLocator(5))
+    return 'Severity and evidence, window by window', figure
+
+
+def _model(machine: Machine) -> tuple[str, Figure] | None:
+    items = machine.states
+    if not items:
+        return None
+    time = _times(items)
+    figure = Figure(figsize=(WIDTH, 1.7), layout='constrained')
+    panels = figure.subplots(1, 3)
+    rows = (
+        ('beta0', 1.0, 'β₀ [1]', '#00838f'),
+        ('k_b', 1e-9, 'K_b [10⁹ N/m^1.5]', '#1565c0'),
+        ('c_d', 1e6, 'C_d [µm]', '#c62828'),
+    )
+    for axes, (name, factor, title, colour) in zip(panels, rows, strict=True):
+        axes.plot(time, factor * _values(items, name), color=colour)
+        axes.set(title=title, xlabel='time [s]')
+        axes.yaxis.set_major_locator(MaxNLocator(4))
+        axes.ticklabel_format(useOffset=False)
+    return 'Temperature-dependent parameters of the twin', figure

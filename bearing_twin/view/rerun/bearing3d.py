@@ -1,0 +1,307 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The bearing in three dimensions, from its geometry and the poses of the twin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import Any, NamedTuple, TYPE_CHECKING
+
+from bearing_twin.view.rerun import shapes
+from bearing_twin.view.style import LINE
+import numpy as np
+import rerun as rr
+
+if TYPE_CHECKING:
+    from bearing_twin.bearing.geometry import Bearing
+    from bearing_twin.view.rerun.canvas import Canvas
+    from numpy.typing import NDArray
+
+__all__ = ['MAGNIFIED', 'SLOWED', 'Bearing3D', 'contact_forces']
+
+SLOWED = 40.0
+"""The bearing is drawn turning this many times slower than it does."""
+MAGNIFIED = 100.0
+"""The displacement of the inner ring is drawn this many times larger than it is."""
+FRAME = 0.04
+"""Longest time between two poses, s."""
+LONGEST = 1.0
+"""Poses further apart than this are not joined, s."""
+STEEL, BRIGHT, BRASS = (150, 156, 164), (176, 182, 190), (176, 141, 66)
+DEFECT = (255, 23, 68)
+AROUND = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
+"""Angles of the load zone's spikes, rad."""
+OUTER_DEFECT_ANGLE = -0.5 * math.pi
+"""Where the twin puts a defect of the outer ring: in the direction of the load."""
+
+
+def contact_forces(
+    angles: NDArray[np.floating[Any]],
+    x: float | NDArray[np.float64],
+    y: float | NDArray[np.float64],
+    clearance: float | NDArray[np.float64],
+    stiffness: float | NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """
+    Return the Hertz contact force in N of balls at some angles; all arrays broadcast.
+
+    Parameters
+    ----------
+    angles
+        Positions from +x, rad.
+    x, y
+        Displacement of the inner ring against the outer ring, m.
+    clearance
+        Half the radial internal clearance, m.
+    stiffness
+        Hertz coefficient, N/m^1.5.
+
+    Notes
+    -----
+    Zhang et al., Symmetry 2023, 15, 2166, equations of the contact deformation and force, without
+    the defect's depth.
+
+    """
+    deformation = x * np.cos(angles) + y * np.sin(angles) - clearance
+    return np.asarray(stiffness * np.maximum(deformation, 0.0) ** 1.5)
+
+
+@dataclass
+class _Turning:
+    """Angle that grows without wrapping, followed from wrapped readings and a speed."""
+
+    total: float = 0.0
+    last: float = math.nan
+
+    def follow(self, angle: float, hertz: float, seconds: float) -> float:
+        """Return the total after a reading in rad, ``seconds`` after the one before."""
+        if math.isfinite(self.last) and 0.0 < seconds < LONGEST:
+            expected = 2.0 * math.pi * hertz * seconds
+            off = angle - self.last - expected
+            self.total += expected + math.remainder(off, 2.0 * math.pi)
+        elif not math.isfinite(self.last):
+            self.total = 0.0
+        self.last = angle
+        return self.total
+
+
+class _Pose(NamedTuple):
+    time: int
+    shaft: float
+    cage: float
+    spin: float
+    x: float
+    y: float
+    clearance: float
+    stiffness: float
+
+
+class Bearing3D:
+    """
+    Draw the bearing pose after pose.
+
+    Poses are held and sent together, which costs a fifth of one by one.
+    It turns slowed down, while the clock of the timeline runs on: angles are the true ones,
+    divided by `SLOWED`. Forces are those of balls at the places where they are drawn, at the
+    displacement, clearance and stiffness of the moment, so that colours and load zone agree.
+    """
+
+    def __init__(self, canvas: Canvas, name: str, bearing: Bearing) -> None:
+        self.bearing = bearing
+        self._canvas = canvas
+        self._name = name
+        self._shaft, self._cage, self._spin = _Turning(), _Turning(), _Turning()
+        self._pose: _Pose | None = None
+        self._held: list[_Pose] = []
+        self._greatest = 0.0
+        self._defects: tuple[str, ...] = ()
+        self._bodies()
+
+    def draw(self, state: Any, time: int) -> None:
+        """Hold the pose of a TwinState at ``time`` in ns for the next flush."""
+        before = self._pose
+        seconds = (time - before.time) * 1e-9 if before else 0.0
+        pose = _Pose(
+            time,
+            self._shaft.follow(state.shaft_angle, state.shaft_hz, seconds) / SLOWED,
+            self._cage.follow(state.cage_angle, state.ftf, seconds) / SLOWED,
+            self._spin.follow(state.ball_angle, state.bsf, seconds) / SLOWED,
+            float(state.inner_x),
+            float(state.inner_y),
+            float(state.radial_clearance),
+            float(state.k_b),
+        )
+        self._pose = pose
+        defects = tuple(part for part in str(state.defect).split('+') if part not in ('', 'none'))
+        if defects != self._defects:
+            self.flush()
+            self._defects = defects
+            self._mark(defects, time)
+        if before and 0.0 < seconds < LONGEST:
+            steps = max(1, math.ceil(seconds / FRAME - 0.5))
+            for k in range(1, steps):
+                self._held.append(_between(before, pose, k / steps))
+        self._held.append(pose)
+
+    def flush(self) -> None:
+        """Log the poses that are held."""
+        held, self._held = self._held, []
+        if not held:
+            return
+        canvas, bearing, name = self._canvas, self.bearing, self._name
+        times = np.array([pose.time for pose in held], dtype=np.int64)
+        shaft, cage, spin, x, y, clearance, stiffness = np.array([pose[1:] for pose in held]).T
+        law = (x[:, None], y[:, None], clearance[:, None], stiffness[:, None])
+        zone = contact_forces(AROUND, *law)
+        scale = np.maximum.accumulate(np.append(self._greatest, zone.max(axis=1)))[1:]
+        self._greatest = float(scale[-1])
+        scale = np.where(scale > 0.0, scale, 1.0)[:, None]
+        shift = 1e3 * MAGNIFIED * np.stack([x, y, np.zeros_like(x)], axis=1)
+        canvas.columns(
+            f'{name}/inner',
+            times,
+            rr.Transform3D.columns(translation=shift, quaternion=_about_z(shaft)),
+        )
+        canvas.columns(f'{name}/cage', times, rr.Transform3D.columns(quaternion=_about_z(cage)))
+        angles = cage[:, None] + np.arange(bearing.n_balls) * (2.0 * np.pi / bearing.n_balls)
+        colours = force_colours(contact_forces(angles, *law) / scale)
+        canvas.columns(
+            f'{name}/balls',
+            times,
+            rr.Points3D.columns(
+                positions=_on_circle(500.0 * bearing.d_pitch, angles).reshape(-1, 3),
+                colors=colours.reshape(-1, 3),
+            ).partition(np.full(len(held), bearing.n_balls)),
+        )
+        self._load_zone(times, zone, scale)
+        if 'ball' in self._defects:
+            first = _on_circle(500.0 * bearing.d_pitch, angles[:, 0])
+            spot = _on_circle(400.0 * bearing.d_ball, angles[:, 0] + spin)
+            spot[:, 2] = 300.0 * bearing.d_ball
+            canvas.columns(
+                f'{name}/defects/ball', times, rr.Points3D.columns(positions=first + spot)
+            )
+
+    def _load_zone(
+        self,
+        times: NDArray[np.int64],
+        zone: NDArray[np.float64],
+        scale: NDArray[np.float64],
+    ) -> None:
+        """Draw the forces as spikes around the outer ring, the greatest with its value."""
+        foot = shapes.outer_radius(self.bearing) * 1.02
+        tip = foot + zone / scale * 600.0 * self.bearing.d_ball
+        front = [0.0, 0.0, shapes.face(self.bearing)]
+        outer = _on_circle(tip, np.broadcast_to(AROUND, zone.shape)) + front
+        inner = np.broadcast_to(_on_circle(foot, AROUND) + front, outer.shape)
+        loaded = zone > 0.0
+        self._canvas.columns(
+            f'{self._name}/load_zone',
+            times,
+            rr.LineStrips3D.columns(
+                strips=np.stack([inner[loaded], outer[loaded]], axis=1)
+            ).partition(loaded.sum(axis=1)),
+        )
+        rows, peak = np.arange(len(zone)), zone.argmax(axis=1)
+        self._canvas.columns(
+            f'{self._name}/load_zone/greatest',
+            times,
+            rr.Points3D.columns(
+                positions=1.06 * outer[rows, peak],
+                labels=[f'{force:.0f} N' for force in zone[rows, peak]],
+            ),
+        )
+
+    def _bodies(self) -> None:
+        bearing, canvas, name = self.bearing, self._canvas, self._name
+        canvas.once(name, rr.ViewCoordinates.RIGHT_HAND_Y_UP)
+        canvas.once(f'{name}/outer/body', shapes.outer_ring(bearing, STEEL))
+        canvas.once(f'{name}/inner/body', shapes.inner_ring(bearing, BRIGHT))
+        for side, rim in zip('ab', shapes.cage(bearing, BRASS), strict=True):
+            canvas.once(f'{name}/cage/{side}', rim)
+        ball = 500.0 * bearing.d_ball
+        canvas.once(f'{name}/balls', rr.Points3D.from_fields(radii=ball))
+        canvas.once(
+            f'{name}/defects/ball', rr.Points3D.from_fields(radii=0.18 * ball, colors=DEFECT)
+        )
+        hair = rr.Radius.ui_points(1.0)
+        canvas.once(
+            f'{name}/load_zone', rr.LineStrips3D.from_fields(radii=hair, colors=LINE['used'])
+        )
+        canvas.once(
+            f'{name}/load_zone/greatest',
+            rr.Points3D.from_fields(
+                radii=rr.Radius.ui_points(0.5), colors=LINE['used'], show_labels=True
+            ),
+        )
+        front, bore = 1.02 * shapes.face(bearing), shapes.inner_radius(bearing)
+        edge = bore + 90.0 * bearing.d_ball
+        canvas.once(
+            f'{name}/inner/mark',
+            rr.LineStrips3D(
+                [[[0.0, -bore, front], [0.0, -edge, front]]],
+                colors=LINE['ground'],
+                radii=60.0 * bearing.d_ball * 0.5,
+            ),
+        )
+
+    def _mark(self, defects: tuple[str, ...], time: int) -> None:
+        """Mark where the defects are."""
+        bearing = self.bearing
+        back, front = -0.5 * shapes.width(bearing), 1.02 * shapes.face(bearing)
+        pitch, ball = 500.0 * bearing.d_pitch, 1e3 * bearing.d_ball
+        places = {
+            'inner': ('inner/defect', 0.0, pitch - 0.52 * ball, pitch - 0.25 * ball),
+            'outer': (
+                'outer/defect',
+                OUTER_DEFECT_ANGLE,
+                pitch + 0.25 * ball,
+                pitch + 0.52 * ball,
+            ),
+            'cage': ('cage/defect', 0.0, pitch - 0.12 * ball, pitch + 0.12 * ball),
+        }
+        for key, (name, angle, low, high) in places.items():
+            entity = f'{self._name}/{name}'
+            if key not in defects:
+                self._canvas.put(entity, time, rr.Clear(recursive=False))
+                continue
+            cos, sin = math.cos(angle), math.sin(angle)
+            depth = 0.57 * ball if key == 'cage' else front
+            bottom = low if key == 'inner' else high
+            across = [[bottom * cos, bottom * sin, back], [bottom * cos, bottom * sin, depth]]
+            face = [[low * cos, low * sin, depth], [high * cos, high * sin, depth]]
+            self._canvas.put(
+                entity,
+                time,
+                rr.LineStrips3D([across, face], colors=DEFECT, radii=0.07 * ball),
+            )
+        if 'ball' not in defects:
+            self._canvas.put(f'{self._name}/defects/ball', time, rr.Clear(recursive=False))
+
+
+def force_colours(parts: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """Return steel, yellow or red, shape (..., 3), for forces as parts 0..1 of the greatest."""
+    stops = np.array([[96, 125, 139], [255, 193, 7], [229, 57, 53]], dtype=np.float64)
+    at = np.clip(parts, 0.0, 1.0)
+    channels = [np.interp(at, [0.0, 0.5, 1.0], stops[:, k]) for k in range(3)]
+    return np.stack(channels, axis=-1).astype(np.uint8)
+
+
+def _on_circle(
+    radius: float | NDArray[np.float64], angles: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return points at angles in the plane z = 0, shape (..., 3)."""
+    x, y = radius * np.cos(angles), radius * np.sin(angles)
+    return np.stack([x, y, np.zeros_like(x)], axis=-1)
+
+
+def _about_z(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return rotations about z as quaternions xyzw, shape (n, 4)."""
+    half, none = 0.5 * angles, np.zeros_like(angles)
+    return np.stack([none, none, np.sin(half), np.cos(half)], axis=1)
+
+
+def _between(a: _Pose, b: _Pose, part: float) -> _Pose:
+    time = a.time + round(part * (b.time - a.time))
+    return _Pose(time, *(p + part * (q - p) for p, q in zip(a[1:], b[1:], strict=True)))

@@ -1,0 +1,205 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Draw ROS messages in Rerun as they come."""
+
+from __future__ import annotations
+
+import logging
+import socket
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.view.rerun.drawing import Drawing, Look
+from bearing_twin.view.rerun.outlet import Outlet, ServedOutlet
+import rerun as rr
+from rerun.chunk import McapReader
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+    from pathlib import Path
+
+    from bearing_twin.bearing.geometry import Bearing
+    from bearing_twin.view.rerun.outlet import Mark
+
+__all__ = ['RerunLogger']
+
+COMPLAINTS = 20
+"""Most reasons that are kept of messages that could not be drawn."""
+
+
+class RerunLogger:
+    """
+    Draw messages to a Rerun file, to a Rerun server, or to both.
+
+    Everything is drawn once. Viewers connect to the server when they like and get the recent past.
+    One that is absent, killed or frozen delays nobody: they are served by a thread of their own,
+    and what they do not take in time is counted in `dropped`. The file is written in line and has
+    everything. Nothing that a message holds raises: what cannot be drawn is counted in `failed`
+    and explained in `problems`.
+
+    Parameters
+    ----------
+    recording_id
+        Name of the recording; files and servers of the same one belong together.
+    rrd
+        File to write; it must not exist.
+    serve
+        Address and port of a server for live viewers.
+    memory_limit
+        Most memory of the server; the oldest is dropped.
+    bearing
+        Geometry to draw, where the messages name none of the catalogue.
+    full_samples
+        Draw every sample of the vibration instead of a part of each second and its envelope.
+    sides
+        Names of recordings that are drawn side by side, with the time in ns at which each begins;
+        time counts from there.
+    timeline
+        Timeline of messages by their stamps; any other name: by their arrival, for the viewer to
+        lay out.
+
+    Raises
+    ------
+    BearingTwinError
+        If the file exists or cannot be made, or the port is taken.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        recording_id: str,
+        rrd: Path | None = None,
+        serve: tuple[str, int] | None = None,
+        memory_limit: str = '256MB',
+        bearing: Bearing | None = None,
+        full_samples: bool = False,
+        sides: Mapping[str, int] | None = None,
+        timeline: str = 'ros_time',
+    ) -> None:
+        self.failed = 0
+        """Messages that could not be drawn."""
+        self.problems: dict[str, str] = {}
+        """Reason by topic."""
+        # The first text loads pandas, where it is installed: a second that no message shall wait.
+        rr.TextLog('')
+        if rrd is not None:
+            if rrd.exists():
+                msg = f'{rrd} exists and is not overwritten; name another file'
+                raise BearingTwinError(msg)
+            if not rrd.parent.is_dir():
+                msg = f'{rrd}: there is no folder {rrd.parent}'
+                raise BearingTwinError(msg)
+        if serve is not None:
+            _check_free(*serve)
+        self._file: Outlet | None = None
+        self._served: ServedOutlet | None = None
+        self._closed = False
+        if rrd is not None:
+            self._file = Outlet(recording_id, rr.FileSink(str(rrd)), place=str(rrd))
+        if serve is not None:
+            sink = rr.GrpcServerSink(*serve, server_memory_limit=memory_limit)
+            self._served = ServedOutlet(Outlet(recording_id, sink, place=f'port {serve[1]}'))
+        look = Look(bearing, full_samples, sides, timeline)
+        self._drawing = Drawing(look, self._emit, self._complain)
+
+    @property
+    def dropped(self) -> int:
+        """Pictures that live viewers miss because one of them did not keep up."""
+        return self._served.dropped if self._served is not None else 0
+
+    def log(
+        self, topic: str, type_name: str, message: Any, time_ns: int, *, side: str = ''
+    ) -> None:
+        """
+        Draw a message that was received at ``time_ns``; never raises.
+
+        Parameters
+        ----------
+        topic, type_name
+            ``/line3/bearing_7/vibration`` and ``pkg/msg/Type``.
+        message
+            Anything with the fields of the ROS message.
+        time_ns
+            When it was received, ns.
+        side
+            One of the `sides`, where there are any.
+
+        """
+        self._drawing.draw(topic, type_name, message, time_ns, side)
+
+    def drain(self, timeout: float) -> bool:
+        """
+        Wait until the server has drawn all, at most ``timeout`` seconds; return whether so.
+
+        For who logs faster than a bearing speaks and wants nothing dropped.
+        """
+        return self._served is None or self._served.drain(timeout)
+
+    def import_mcap(self, path: Path, *, lines: Iterable[str] = ()) -> str:
+        """
+        Draw what Rerun itself can draw of an MCAP file to the file; return why not, or ''.
+
+        ``lines`` are its topics that come out as time series.
+        """
+        if self._file is None:
+            return ''
+        self._drawing.add_native(lines)
+        try:
+            reader = McapReader(path, recover=True)
+            self._file.recording.send_chunks(reader.stream())
+        except Exception as error:
+            # A stranger's file; Rerun raises many kinds on damaged ones.
+            return f'{type(error).__name__}: {error}'
+        return ''
+
+    def close(self) -> None:
+        """
+        Draw what is held back and finish; a second time does nothing.
+
+        Viewers that do not take the rest within seconds miss it; the file has all.
+        """
+        if self._closed:
+            return
+        self._closed = True
+        self._drawing.finish()
+        try:
+            if self._file is not None:
+                self._file.close()
+        finally:
+            if self._served is not None and not self._served.close():
+                logging.getLogger(__name__).warning(
+                    'a viewer does not read; what it has not seen is dropped'
+                )
+
+    def __enter__(self) -> RerunLogger:
+        """Return itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close."""
+        self.close()
+
+    def _emit(self, mark: Mark, *, lasting: bool = False) -> None:
+        if self._served is not None:
+            self._served.put(mark, lasting=lasting)
+        if self._file is not None:
+            self._file.put(mark)
+
+    def _complain(self, topic: str, error: Exception) -> None:
+        self.failed += 1
+        if topic not in self.problems and len(self.problems) < COMPLAINTS:
+            reason = f'{type(error).__name__}: {error}'
+            self.problems[topic] = reason
+            logging.getLogger(__name__).warning('%s cannot be drawn: %s', topic, reason)
+
+
+def _check_free(address: str, port: int) -> None:
+    """Rerun itself only logs that it cannot serve."""
+    try:
+        with socket.socket(socket.AF_INET6 if ':' in address else socket.AF_INET) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind((address, port))
+    except OSError as error:
+        msg = f'Rerun cannot be served at {address}:{port} ({error.strerror}); choose another port'
+        raise BearingTwinError(msg) from None

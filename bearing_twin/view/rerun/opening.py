@@ -1,0 +1,185 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Recordings as Rerun files: one, or two side by side."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.view.rerun.logger import RerunLogger
+from bearing_twin.view.rerun.scene import KINDS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Sequence
+    from pathlib import Path
+
+    from bearing_twin.recording.reader import RecordingInfo
+
+__all__ = ['draw_recordings', 'find_recording']
+
+ARRIVAL = 'message_log_time'
+"""Timeline that Rerun gives every message of an MCAP file."""
+OWN = frozenset(name for name in KINDS if name.startswith('bearing_twin_msgs/'))
+SERIES = frozenset(
+    {
+        *('Imu', 'JointState', 'Joy', 'FluidPressure', 'RelativeHumidity', 'Illuminance'),
+        *('Range', 'BatteryState', 'Float64MultiArray', 'Temperature'),
+    }
+)
+"""Message types that Rerun draws by itself as time series."""
+NATIVE = SERIES | {
+    *('Image', 'CompressedImage', 'CompressedVideo', 'CameraInfo', 'PointCloud2', 'NavSatFix'),
+    *('MagneticField', 'TFMessage', 'PoseStamped', 'OccupancyGrid', 'String', 'Log'),
+}
+"""Message types that Rerun draws by itself."""
+LONG = 180.0
+"""Recordings up to this length are drawn sample by sample, s."""
+
+
+def find_recording(path: Path) -> Path:
+    """
+    Return the MCAP file, bag folder or .rrd that a path stands for.
+
+    A folder stands for the bag in it: that of ``bearing-twin demo`` holds ``bag`` and
+    ``view.rrd``.
+
+    Raises
+    ------
+    BearingTwinError
+        If there is none, or more than one.
+
+    """
+    if not path.exists():
+        msg = f'{path} does not exist'
+        raise BearingTwinError(msg)
+    if path.is_file() or any(path.glob('*.mcap')):
+        return path
+    bags = sorted({found.parent for found in path.glob('*/*.mcap')})
+    if len(bags) == 1:
+        return bags[0]
+    if bags:
+        msg = f'{path} holds {len(bags)} recordings; name one of them, e.g. {bags[0]}'
+        raise BearingTwinError(msg)
+    pictures = sorted(path.glob('*.rrd'))
+    if len(pictures) == 1:
+        return pictures[0]
+    msg = f'{path} holds no recording: no .mcap file and no single .rrd file is in it'
+    raise BearingTwinError(msg)
+
+
+def draw_recordings(
+    paths: Sequence[Path], rrd: Path, *, progress: Callable[[float], None] | None = None
+) -> dict[str, str]:
+    """
+    Draw a recording, or several side by side, to a Rerun file.
+
+    Parameters
+    ----------
+    paths
+        MCAP files or bag folders; torn ones are read as far as they go.
+    rrd
+        File to write.
+    progress
+        Called with the part done, 0 to 1.
+
+    Returns
+    -------
+    dict
+        Why something is not drawn, by topic.
+
+    Raises
+    ------
+    BearingTwinError
+        If a recording cannot be read or holds no message.
+
+    """
+    infos = [recording_info(path) for path in paths]
+    for info in infos:
+        if not info.count:
+            msg = f'{info.path} holds no message'
+            raise BearingTwinError(msg)
+    if len(paths) == 1 and not OWN & {topic.type_name for topic in infos[0].topics.values()}:
+        return _draw_foreign(infos[0], rrd, progress)
+    names = [''] if len(paths) == 1 else _names(paths)
+    problems: dict[str, str] = {}
+    with RerunLogger(
+        recording_id=' '.join(names).strip() or paths[0].resolve().stem,
+        rrd=rrd,
+        full_samples=max(info.duration for info in infos) <= LONG,
+        sides={n: i.start for n, i in zip(names, infos, strict=True)} if names[0] else None,
+    ) as logger:
+        for k, (name, info) in enumerate(zip(names, infos, strict=True)):
+            problems |= _draw(logger, name, info, _part(progress, k, len(infos)))
+    if progress is not None:
+        progress(1.0)
+    return problems | logger.problems
+
+
+def _draw_foreign(
+    info: RecordingInfo, rrd: Path, progress: Callable[[float], None] | None
+) -> dict[str, str]:
+    """Draw what others recorded: Rerun what it knows, we the numbers of all other types."""
+    natively = {
+        name for name, topic in info.topics.items() if topic.type_name.split('/')[-1] in NATIVE
+    }
+    lines = [name for name in natively if info.topics[name].type_name.split('/')[-1] in SERIES]
+    problems: dict[str, str] = {}
+    with RerunLogger(
+        recording_id=info.path.resolve().stem, rrd=rrd, timeline=ARRIVAL, full_samples=True
+    ) as logger:
+        for path in info.files:
+            reason = logger.import_mcap(path, lines=lines)
+            if reason:
+                problems[str(path)] = reason
+        problems |= _draw(logger, '', info, _part(progress, 0, 1), leave_out=natively)
+    if progress is not None:
+        progress(1.0)
+    return problems | logger.problems
+
+
+def _draw(
+    logger: RerunLogger,
+    side: str,
+    info: RecordingInfo,
+    progress: Callable[[float], None],
+    *,
+    leave_out: Collection[str] = (),
+) -> dict[str, str]:
+    unread: dict[str, str] = {}
+    span = max(1, info.end - info.start)
+    for count, message in enumerate(read_messages(info.path, recover=True)):
+        if message.topic in unread or message.topic in leave_out:
+            continue
+        try:
+            decoded = message.decode()
+        except BearingTwinError as error:
+            unread[message.topic] = str(error)
+            continue
+        logger.log(message.topic, message.type_name, decoded, message.log_time, side=side)
+        if count % 500 == 0:
+            progress((message.log_time - info.start) / span)
+    return unread
+
+
+def _part(progress: Callable[[float], None] | None, k: int, n: int) -> Callable[[float], None]:
+    def report(part: float) -> None:
+        if progress is not None:
+            progress((k + min(part, 0.99)) / n)
+
+    return report
+
+
+def _names(paths: Sequence[Path]) -> list[str]:
+    """Return a short name for each path, all different, fit for an entity path."""
+    parts = [path.resolve().with_suffix('').parts for path in paths]
+    # The bag folder of a run says nothing that the run's own does not.
+    parts = [part[:-1] if part[-1] == 'bag' else part for part in parts]
+    for depth in range(1, max(map(len, parts)) + 1):
+        names = ['_'.join(part[-depth:]) for part in parts]
+        if len(set(names)) == len(names):
+            break
+    else:
+        names = [f'{part[-1]}_{k + 1}' for k, part in enumerate(parts)]
+    return [''.join(c if c.isalnum() or c in '-_.' else '_' for c in name) for name in names]

@@ -1,0 +1,155 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Where drawings go: a file, or a server for live viewers, none of which holds the caller up."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+import contextlib
+import threading
+from typing import Any
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.view.rerun.ending import SERVING
+from bearing_twin.view.style import APPLICATION
+import rerun as rr
+
+__all__ = ['WAITING', 'Mark', 'Outlet', 'ServedOutlet']
+
+Mark = Callable[[rr.RecordingStream], None]
+"""Something drawn: puts itself into a recording. It is made once for all outlets."""
+
+WAITING = 2000
+"""Most marks that wait for the viewers: half a minute of a bearing, some 20 MB."""
+LASTING = 10_000
+"""Most lasting marks that wait: the looks, bodies and layouts of a fleet."""
+FLUSH_TIMEOUT = 5.0
+CLOSE_TIMEOUT = 4.0
+"""Longest that closing waits for the viewers, s; ROS 2 kills a node that takes more than 5."""
+
+
+class Outlet:
+    """
+    One sink of Rerun.
+
+    Parameters
+    ----------
+    recording_id
+        Name of the recording; outlets of the same one belong together.
+    sink
+        File or server of Rerun.
+    place
+        The sink by name, for errors.
+
+    Raises
+    ------
+    BearingTwinError
+        If Rerun refuses the sink.
+
+    """
+
+    def __init__(self, recording_id: str, sink: Any, *, place: str) -> None:
+        self.recording = rr.RecordingStream(APPLICATION, recording_id=recording_id)
+        try:
+            self.recording.set_sinks(sink)
+        except Exception as error:
+            msg = f'Rerun cannot write {place} ({error}); choose another place'
+            raise BearingTwinError(msg) from None
+
+    def put(self, mark: Mark) -> None:
+        """Draw a mark."""
+        mark(self.recording)
+
+    def close(self) -> None:
+        """
+        Close the sink.
+
+        Raises
+        ------
+        RuntimeError
+            If the sink does not take what is left in time.
+
+        """
+        self.recording.flush(timeout_sec=FLUSH_TIMEOUT)
+        self.recording.disconnect()
+
+
+class ServedOutlet:
+    """
+    Feed the outlet of live viewers from a bounded queue, in a thread of its own.
+
+    A viewer that is connected and frozen fills the buffers of Rerun, whose calls then wait for as
+    long as it is; they let other threads run. What comes meanwhile replaces the oldest that waits:
+    live viewers are about the present. What lasts (looks, bodies, the layout) goes first and is
+    kept.
+    """
+
+    def __init__(self, outlet: Outlet) -> None:
+        self.dropped = 0
+        """Marks that were not drawn because the viewers did not keep up."""
+        self._outlet = outlet
+        self._lasting: deque[Mark] = deque()
+        self._passing: deque[Mark] = deque()
+        self._changed = threading.Condition()
+        self._busy = False
+        self._closing = False
+        self._finished = False
+        # A viewer that never reads again must not keep the process alive.
+        self._thread = threading.Thread(target=self._work, name=SERVING, daemon=True)
+        self._thread.start()
+
+    def put(self, mark: Mark, *, lasting: bool = False) -> None:
+        """Have a mark drawn; never waits for a viewer."""
+        waiting, most = (self._lasting, LASTING) if lasting else (self._passing, WAITING)
+        with self._changed:
+            if len(waiting) >= most:
+                waiting.popleft()
+                self.dropped += 1
+            waiting.append(mark)
+            self._changed.notify_all()
+
+    def drain(self, timeout: float) -> bool:
+        """Wait until nothing waits any more, at most ``timeout`` seconds; return whether so."""
+        with self._changed:
+            return self._changed.wait_for(lambda: not self._waits and not self._busy, timeout)
+
+    def close(self) -> bool:
+        """Draw what waits and stop serving; return whether the viewers took it in time."""
+        with self._changed:
+            self._closing = True
+            self._changed.notify_all()
+        self._thread.join(CLOSE_TIMEOUT)
+        if self._finished:
+            return True
+        with self._changed:
+            self.dropped += len(self._lasting) + len(self._passing)
+            self._lasting.clear()
+            self._passing.clear()
+        # Rerun would wait for the same viewer once more when Python ends.
+        rr.unregister_shutdown()
+        return False
+
+    @property
+    def _waits(self) -> bool:
+        return bool(self._lasting or self._passing)
+
+    def _work(self) -> None:
+        while True:
+            with self._changed:
+                self._busy = False
+                self._changed.notify_all()
+                self._changed.wait_for(lambda: self._waits or self._closing)
+                if not self._waits:
+                    break
+                mark = (self._lasting or self._passing).popleft()
+                self._busy = True
+            try:
+                self._outlet.put(mark)
+            except Exception:
+                # Whatever Rerun raises: those who look on are not worth a thread that ends.
+                self.dropped += 1
+        # Rerun raises when a viewer does not take the rest in time; closing says so.
+        with contextlib.suppress(RuntimeError):
+            self._outlet.close()
+            self._finished = True

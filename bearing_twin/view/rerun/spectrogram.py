@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Spectrogram of the last minute as a picture with axes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bearing_twin.view.style import LINE
+import numpy as np
+import rerun as rr
+
+if TYPE_CHECKING:
+    from bearing_twin.view.rerun.canvas import Canvas
+    from numpy.typing import NDArray
+
+__all__ = ['Spectrogram']
+
+COLUMNS = 300
+ROWS = 96
+COLUMN_SECONDS = 0.2
+DRAW_EVERY = 5
+"""Columns between two pictures: one a second."""
+RANGE_DB = 60.0
+"""Depth of the colour scale below its top, dB."""
+
+
+class Spectrogram:
+    """
+    Keep one minute of spectra in steps of 0.2 s and draw it once a second.
+
+    The scale runs 60 dB down from the highest value seen, in whole steps of 10 dB, so that
+    colours keep their meaning.
+    """
+
+    def __init__(self, canvas: Canvas, name: str) -> None:
+        self._canvas = canvas
+        self._name = name
+        self._levels = np.full((ROWS, COLUMNS), -np.inf)
+        self._pending: list[NDArray[np.float64]] = []
+        self._held = 0
+        self._columns = 0
+        self._top = -np.inf
+        self._labelled = (0.0, 0.0)
+
+    def add(self, samples: NDArray[np.float64], time: int, rate: float, unit: str) -> None:
+        """Take samples that begin at ``time`` in ns."""
+        self._pending.append(samples)
+        self._held += samples.size
+        if self._held < COLUMN_SECONDS * rate:
+            return
+        block = np.concatenate(self._pending)
+        self._pending, self._held = [], 0
+        self._levels = np.roll(self._levels, -1, axis=1)
+        self._levels[:, -1] = _column(block)
+        self._columns += 1
+        if self._columns % DRAW_EVERY == 1:
+            self._draw(time, rate, unit)
+
+    def _draw(self, time: int, rate: float, unit: str) -> None:
+        finite = self._levels[np.isfinite(self._levels)]
+        if not finite.size:
+            return
+        self._top = max(self._top, 10.0 * float(np.ceil(finite.max() / 10.0)))
+        scaled = np.clip((self._levels - self._top) / RANGE_DB + 1.0, 0.0, 1.0)
+        picture = np.rint(np.nan_to_num(scaled) * 255.0).astype(np.uint8)
+        self._canvas.put(
+            self._name,
+            time,
+            rr.DepthImage(picture[::-1], colormap='inferno', depth_range=(0, 255)),
+        )
+        if (rate, self._top) != self._labelled:
+            self._labelled = rate, self._top
+            self._axes(time, rate, unit)
+
+    def _axes(self, time: int, rate: float, unit: str) -> None:
+        nyquist = rate / 2.0
+        step = 10.0 ** np.floor(np.log10(nyquist)) * 0.5
+        ticks = np.arange(0.0, nyquist + 1e-9, step if nyquist / step < 8 else 2.0 * step)
+        rows = ROWS * (1.0 - ticks / nyquist)
+        labels = [f'{tick / 1e3:g} kHz' for tick in ticks]
+        positions = [[-14.0, row + 3.0] for row in rows]
+        seconds = COLUMNS * COLUMN_SECONDS
+        for back in np.linspace(0.0, seconds, 5):
+            positions.append([COLUMNS * (1.0 - back / seconds), ROWS + 14.0])
+            labels.append(f'-{back:g} s' if back else 'now')
+        positions.append([COLUMNS / 2.0, -6.0])
+        labels.append(f'level {self._top - RANGE_DB:g}..{self._top:g} dB re 1 {unit}')
+        self._canvas.put(
+            f'{self._name}/axes',
+            time,
+            rr.Points2D(
+                positions, labels=labels, radii=0.01, colors=LINE['ground'], show_labels=True
+            ),
+        )
+
+
+def _column(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """
+    Return the level in dB over ROWS equal bands up to half the sample rate.
+
+    Averaged periodograms with a Hann window of 2 * ROWS samples.
+    """
+    length = 2 * ROWS
+    frames = np.lib.stride_tricks.sliding_window_view(samples, length)[:: length // 2]
+    window = np.hanning(length)
+    power = np.abs(np.fft.rfft((frames - samples.mean()) * window, axis=1)) ** 2
+    mean = power.mean(axis=0)[1:] * 2.0 / window.sum() ** 2
+    return np.asarray(10.0 * np.log10(np.maximum(mean, 1e-30)))

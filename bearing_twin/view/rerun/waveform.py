@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Vibration: samples, their envelope, spectrogram, and the waterfall over temperature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.view.rerun.spectrogram import Spectrogram
+from bearing_twin.view.rerun.waterfall import Waterfall
+from bearing_twin.view.style import LINE
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from bearing_twin.view.rerun.canvas import Canvas
+    from numpy.typing import NDArray
+
+__all__ = ['Waveform', 'extremes']
+
+NANO = 1_000_000_000
+FINE, COARSE = 16, 64
+"""Samples behind one pair of the close look and of the envelope."""
+BURST = 0.25
+"""Part of each second that is drawn sample by sample, unless everything is, s."""
+AXES = {'y': 'vertical', 'x': 'horizontal'}
+
+
+@dataclass
+class _Piece:
+    """Blocks that follow on without a gap."""
+
+    time: int
+    rate: float
+    unit: str
+    axes: dict[str, list[NDArray[np.float64]]] = field(default_factory=dict)
+
+    def goes_on(
+        self, axes: Mapping[str, NDArray[np.float64]], time: int, rate: float, unit: str
+    ) -> bool:
+        """Whether a block is the one that follows, to half a sample."""
+        if (list(axes), rate, unit) != (list(self.axes), self.rate, self.unit):
+            return False
+        size = sum(part.size for part in next(iter(self.axes.values())))
+        return abs(time - self.time - size * NANO / rate) < 0.5 * NANO / rate
+
+    def add(self, axes: Mapping[str, NDArray[np.float64]]) -> None:
+        """Take the samples of a block."""
+        for axis, samples in axes.items():
+            self.axes.setdefault(axis, []).append(samples)
+
+
+class Waveform:
+    """
+    Draw the blocks of one vibration topic.
+
+    Parameters
+    ----------
+    canvas
+        Where.
+    name
+        Entity below which it lies.
+    full
+        Draw every sample. Else the close look has every sample of the first quarter of each
+        second, and of the rest the lowest and highest of 16: a quarter of the size, and the same
+        picture except at the closest look.
+
+    """
+
+    def __init__(self, canvas: Canvas, name: str, *, full: bool) -> None:
+        self._canvas = canvas
+        self._name = name
+        self._full = full
+        self._spectrogram = Spectrogram(canvas, f'{name}/spectrogram')
+        self._waterfall = Waterfall(canvas, f'{name}/waterfall')
+        self._pieces: list[_Piece] = []
+        self.temperature = float('nan')
+        """Latest temperature, degC, for the waterfall."""
+
+    def draw(self, block: Any, time: int) -> None:
+        """Hold a block for the next flush; ``time`` of its first sample in ns."""
+        rate = float(block.sample_rate)
+        if not (np.isfinite(rate) and rate > 0.0):
+            return
+        unit = str(block.unit)
+        axes = {axis: np.asarray(getattr(block, axis), dtype=np.float64) for axis in AXES}
+        axes = {axis: samples for axis, samples in axes.items() if samples.size}
+        if not axes:
+            return
+        if not (self._pieces and self._pieces[-1].goes_on(axes, time, rate, unit)):
+            self._pieces.append(_Piece(time, rate, unit))
+        self._pieces[-1].add(axes)
+
+    def flush(self, *, slow: bool) -> None:
+        """Draw what is held; what follows on without a gap as one."""
+        pieces, self._pieces = self._pieces, []
+        for piece in pieces:
+            axes = {axis: np.concatenate(parts) for axis, parts in piece.axes.items()}
+            for axis, samples in axes.items():
+                self._envelope(axis, samples, piece)
+            axis, samples = next(iter(axes.items()))
+            self._close_look(axis, samples, piece)
+            self._spectrogram.add(samples, piece.time, piece.rate, piece.unit)
+            self._waterfall.add(samples, piece.time, piece.rate, self.temperature, piece.unit)
+
+    def _close_look(self, axis: str, samples: NDArray[np.float64], piece: _Piece) -> None:
+        kept = np.arange(samples.size)
+        times = _times(kept, piece)
+        if not self._full:
+            within = times % NANO < BURST * NANO
+            within[extremes(samples, FINE)] = True
+            kept = np.flatnonzero(within)
+        self._canvas.line(
+            f'{self._name}/samples/{axis}',
+            times[kept],
+            samples[kept],
+            label=f'{AXES[axis]} [{piece.unit}]',
+            colour=LINE[AXES[axis]],
+            width=1.0,
+        )
+
+    def _envelope(self, axis: str, samples: NDArray[np.float64], piece: _Piece) -> None:
+        place, colour = AXES[axis], LINE[AXES[axis]]
+        edges = np.arange(0, samples.size, COARSE)
+        pairs = np.stack(
+            [np.minimum.reduceat(samples, edges), np.maximum.reduceat(samples, edges)], axis=1
+        )
+        self._canvas.line(
+            f'{self._name}/envelope/{axis}',
+            _times(edges, piece),
+            pairs,
+            label=(f'{place} min [{piece.unit}]', f'{place} max [{piece.unit}]'),
+            colour=colour,
+            width=1.0,
+            slow=True,
+        )
+
+
+def extremes(samples: NDArray[np.float64], group: int) -> NDArray[np.int64]:
+    """Return the indices of the lowest and highest sample of each group, in their order."""
+    whole = samples.size // group
+    rows = samples[: whole * group].reshape(whole, group)
+    first = np.arange(whole) * group
+    rest = np.arange(whole * group, samples.size)
+    found = np.concatenate([first + rows.argmin(axis=1), first + rows.argmax(axis=1), rest])
+    return np.unique(found)
+
+
+def _times(indices: NDArray[np.int64], piece: _Piece) -> NDArray[np.int64]:
+    return np.asarray(piece.time + np.rint(indices * (NANO / piece.rate)).astype(np.int64))

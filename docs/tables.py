@@ -1,0 +1,289 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Write the tables of ``docs/nodes.md`` from the nodes themselves.
+
+Each node is started in this process, with no network, and asked what it has::
+
+    python docs/tables.py docs/nodes.md
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import os
+from pathlib import Path
+import sys
+import tempfile
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.recording.schedule import write_temperature_recording
+from bearing_twin.ros.launching import ensure_log_folder
+from bearing_twin.ros.lifecycle import ManagedNode
+import numpy as np
+import rclpy
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+import yaml
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from bearing_twin.assets.spec import Spec
+    from rclpy.qos import QoSProfile
+
+__all__ = ['document', 'main']
+
+NODES = ('twin', 'diagnosis', 'recorder', 'replay', 'adapter', 'fleet')
+
+INTRODUCTION = """\
+# Nodes
+
+Written by `python docs/tables.py docs/nodes.md` from the nodes themselves.
+
+All nodes are lifecycle nodes. With `autostart` (the default) a node configures and activates
+itself, as `ros2 run` expects; with `autostart:=false` it waits for `ros2 lifecycle set` or a
+lifecycle manager. Topic names are relative, so namespaces and remaps work; `/diagnostics` is
+absolute. Where the quality of service is marked with \\*, it can be overridden at start with the
+parameters `qos_overrides./TOPIC.publisher.reliability`, `.history` and `.depth` (for inputs
+`.subscription.`), TOPIC being the full name.
+
+A change of parameters is checked as a whole and taken as a whole or not at all. Where the column
+"running" says no, the parameter can be changed only while the node is not configured.
+
+Names with a point are nested tables in a parameter file (`lubricant: {viscosity_40: 4.6e-05}`); a
+file of assets takes them either way. A checkpoint, and what a recording keeps of the parameters,
+leaves out those of machine, sensor, oil and thermal laws that have their default.
+
+`joint_states` is subscribed to where the parameter `joint` names a joint.
+
+The stamp of `vibration` is the time of its first sample, whatever filters came before. The twin's
+decimator shows what happened 16 samples earlier (0.625 ms at 25.6 kHz), as the converter of a real
+accelerometer does with its own delay; stamp, `first_sample` and deadline keep one exact relation.
+
+The fleet has the topics of a twin and a diagnosis for each asset, under its name (ASSET below),
+and their parameters as `ASSET.twin.NAME` and `ASSET.diagnosis.NAME`, besides those listed. A
+diagnosis whose twin is not hosted listens to `ASSET/vibration` and `ASSET/temperature`.
+
+The twins of a fleet share one running sample index. An asset's `reset` and `load_state` set its
+motion and keep the index: its noise, which is drawn by index, differs from the first time, and its
+filter against aliasing starts anew for a few milliseconds. A fleet's run is repeated to the bit
+from `~/checkpoint`.
+
+At the first start, and after an update, twin and fleet compile their kernel: about 20 s of one
+core. They are seen and answer meanwhile, *unconfigured*; log and `/diagnostics` say so.
+"""
+
+TOPICS = {
+    'temperature': 'outer ring, °C',
+    'joint_states': 'shaft speed: velocity of the joint named, rad/s',
+    'vibration': 'blocks of acceleration with a running sample index',
+    'twin_state': 'temperature, β₀, contact, kinematics and deadlines of each block',
+    'twin_checkpoint': 'complete state, from which a recording is re-run to the bit',
+    'diagnosis_checkpoint': 'complete state, from which a recording is re-run to the bit',
+    'diagnosis': 'verdict with evidence',
+    'spectrum': 'amplitude spectrum of the window: the largest in each step of about 1 Hz',
+    'envelope_spectrum': 'squared envelope spectrum of the window with fault cursors',
+    'features': 'figures to trend, in a standard type',
+    'diagnostics': 'state of the node and its inputs, 1 Hz',
+    'samples': 'blocks of an accelerometer (`source` is `float32_multi_array`)',
+    'imu': 'one sample a message (`source` is `imu`)',
+    '~/checkpoint': 'complete state of all twins',
+    'clock': 'recorded time, if `clock_rate` is not 0',
+}
+
+SERVICES = {
+    'reset': 'start again: the twin at its seed, the diagnosis with a new window and baseline',
+    'save_state': 'write the complete state to a new file in the state folder',
+    'load_state': 'go on from a saved state',
+    'inject_defect': 'put a defect into the running twin, or remove it',
+    'split': 'begin a new file',
+    'snapshot': 'write the seconds before now (`snapshot` is true)',
+    'pause': 'stop the recorded time',
+    'resume': 'let it run on',
+    'step': 'publish the next message while paused',
+}
+
+EVERY_NODE = ('/rosout', '/parameter_events')
+CLOCK_IN = ('in', '/clock')
+ABSOLUTE = ('diagnostics', 'clock')
+
+Row = tuple[str, ...]
+
+
+def document() -> str:
+    """Return the text of ``docs/nodes.md``."""
+    with tempfile.TemporaryDirectory() as folder:
+        return '\n'.join([INTRODUCTION, *(_node_section(name, Path(folder)) for name in NODES)])
+
+
+def _node_section(name: str, folder: Path) -> str:
+    node_class = _node_class(name)
+    topics: set[Row] = set()
+    for parameters in _needed(name, folder):
+        arguments = ['--ros-args', '--log-level', 'error', '--disable-rosout-logs']
+        for key, value in parameters.items():
+            arguments += ['-p', f'{key}:={value}']
+        ensure_log_folder()
+        rclpy.init(args=arguments)
+        try:
+            node = node_class()  # type: ignore[call-arg]
+            try:
+                node.bring_up()
+                topics |= _topics(node)
+                services = _services(node)
+            finally:
+                node.shut_down()
+                node.destroy_node()
+        finally:
+            rclpy.try_shutdown()
+    head = ('topic', '', 'type', 'quality of service', 'meaning')
+    return '\n'.join(
+        [
+            f'## {name}',
+            '',
+            f'`ros2 run bearing_twin {name}`: {_first_line(node_class)}',
+            '',
+            *_table(head, sorted(topics, key=lambda row: (row[1], row[0]))),
+            *(_table(('service', 'type', 'meaning'), services) if services else []),
+            *_parameters(node.parameters.specs),
+        ]
+    )
+
+
+def _node_class(name: str) -> type[ManagedNode]:
+    module = importlib.import_module(f'bearing_twin.nodes.{name}')
+    [found] = [
+        value
+        for value in vars(module).values()
+        if inspect.isclass(value)
+        and issubclass(value, ManagedNode)
+        and value.__module__ == module.__name__
+    ]
+    return found
+
+
+def _first_line(node_class: type[ManagedNode]) -> str:
+    text = (inspect.getdoc(node_class) or '').split('\n\n')[0].replace('\n', ' ')
+    return text[0].lower() + text[1:]
+
+
+def _needed(name: str, folder: Path) -> list[dict[str, str]]:
+    """Parameters with which a node shows everything it has, in one or several starts."""
+    if name == 'replay':
+        recording = folder / 'temperature.mcap'
+        write_temperature_recording(
+            recording, np.arange(3.0), np.full(3, 20.0), source='tables', topic='/temperature'
+        )
+        return [{'recording': str(recording), 'clock_rate': '10.0', 'start_paused': 'true'}]
+    if name == 'recorder':
+        # Only what it knows beforehand: what else it finds depends on who is there.
+        return [
+            {'output': str(folder / 'bag'), 'exclude': '/diagnostics|/rosout|/parameter_events'}
+        ]
+    if name == 'adapter':
+        return [{'sample_rate': '25600.0'}, {'source': 'imu'}]
+    if name == 'fleet':
+        return [{'names': '[ASSET]'}]
+    return [{'joint': 'shaft'}]
+
+
+def _table(head: Row, rows: Iterable[Row]) -> list[str]:
+    lines = [head, ('---',) * len(head), *rows]
+    return [*('| ' + ' | '.join(line) + ' |' for line in lines), '']
+
+
+def _topics(node: ManagedNode) -> set[Row]:
+    own = f'/{node.get_name()}/'
+    overrides = node.get_parameters_by_prefix('qos_overrides')
+    rows: set[Row] = set()
+    for direction, ends in (('in', node.subscriptions), ('out', node.publishers)):
+        for end in ends:
+            topic = end.topic_name
+            if topic in (*EVERY_NODE, f'{own}transition_event') or (direction, topic) == CLOCK_IN:
+                continue
+            name = topic.replace(own, '~/').lstrip('/')
+            meaning = TOPICS[name.removeprefix('ASSET/')]
+            mark = ' \\*' if any(key.startswith(f'{topic}.') for key in overrides) else ''
+            rows.add(
+                (
+                    f'`{topic if name in ABSOLUTE else name}`',
+                    direction,
+                    f'`{_type_name(end.msg_type)}`',
+                    _qos(end.qos_profile) + mark,
+                    meaning,
+                )
+            )
+    return rows
+
+
+def _services(node: ManagedNode) -> list[Row]:
+    own = f'/{node.get_name()}/'
+    rows: list[Row] = []
+    for service in node.services:
+        name = service.service_name.replace(own, '~/').lstrip('/')
+        verb = name.rpartition('/')[2]
+        if verb in SERVICES:
+            rows.append((f'`{name}`', f'`{_type_name(service.srv_type)}`', SERVICES[verb]))
+    return sorted(rows)
+
+
+def _type_name(kind: Any) -> str:
+    package, part, *_ = kind.__module__.split('.')
+    return f'{package}/{part}/{kind.__name__}'
+
+
+def _qos(profile: QoSProfile) -> str:
+    words = ['reliable' if profile.reliability == ReliabilityPolicy.RELIABLE else 'best effort']
+    words.append(f'depth {profile.depth}')
+    if profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
+        words.append('transient local')
+    return ', '.join(words)
+
+
+def _parameters(specs: Iterable[Spec]) -> list[str]:
+    rows = []
+    for spec in specs:
+        if spec.choices:
+            limits = ', '.join(f'`{choice}`' if choice else "`''`" for choice in spec.choices)
+        elif spec.low is not None and spec.high is not None:
+            limits = f'{_number(spec.low)} .. {_number(spec.high)}'
+        else:
+            limits = ''
+        kind = 'string[]' if isinstance(spec.default, list) else type(spec.default).__name__
+        rows.append(
+            (
+                f'`{spec.name}`',
+                {'str': 'string', 'float': 'double'}.get(kind, kind),
+                f'`{_default(spec.default)}`',
+                spec.unit,
+                limits,
+                'yes' if spec.running else 'at start only' if spec.read_only else 'no',
+                spec.description.replace('|', '\\|'),
+            )
+        )
+    return _table(('parameter', 'type', 'default', 'unit', 'values', 'running', 'meaning'), rows)
+
+
+def _number(value: float) -> str:
+    return str(int(value)) if value == int(value) else repr(value)
+
+
+def _default(value: object) -> str:
+    return str(yaml.safe_dump(value, default_flow_style=True)).split('\n')[0]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Write the document to the file named."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    if len(words) != 1:
+        print('usage: python docs/tables.py FILE', file=sys.stderr)
+        return 2
+    # Nodes of others on this network must not get into what ours are found to have.
+    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'OFF'
+    Path(words[0]).write_text(document(), encoding='utf-8')
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
