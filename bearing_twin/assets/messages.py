@@ -9,6 +9,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin import __version__
+from bearing_twin.bearing import PLACES
 from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
 from builtin_interfaces.msg import Time
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = [
-    'RESULTS',
     'checkpoint_message',
     'diagnosis_message',
     'features_message',
@@ -38,24 +38,6 @@ __all__ = [
 ]
 
 NANO = 1_000_000_000
-
-RESULTS = {
-    'healthy': Diagnosis.HEALTHY,
-    'inner': Diagnosis.INNER,
-    'outer': Diagnosis.OUTER,
-    'ball': Diagnosis.BALL,
-    'cage': Diagnosis.CAGE,
-    'suspect': Diagnosis.SUSPECT,
-    'ambiguous': Diagnosis.AMBIGUOUS,
-    'insufficient': Diagnosis.INSUFFICIENT,
-}
-LEVELS = {
-    'ok': Diagnosis.LEVEL_OK,
-    'suspect': Diagnosis.LEVEL_SUSPECT,
-    'fault': Diagnosis.LEVEL_FAULT,
-    'none': Diagnosis.LEVEL_NONE,
-}
-FAMILIES = ('inner', 'outer', 'ball', 'cage')
 
 
 def time_message(ns: int) -> Time:
@@ -146,8 +128,8 @@ def diagnosis_message(
         sample_count=result.sample_count,
         sample_rate=result.sample_rate,
         bearing=bearing,
-        result=RESULTS[result.result],
-        level=LEVELS[result.level],
+        result=getattr(Diagnosis, result.result.upper()),
+        level=getattr(Diagnosis, f'LEVEL_{result.level.upper()}'),
         result_name=result.result,
         faults=list(result.faults),
         fault_code=result.fault_code,
@@ -162,8 +144,8 @@ def diagnosis_message(
         ftf=result.expected.ftf,
         fault_hz=result.fault_hz,
         fault_hz_expected=result.fault_hz_expected,
-        score=[float(result.score.get(f, math.nan)) for f in FAMILIES],
-        modulation_index=[float(result.modulation_index.get(f, math.nan)) for f in FAMILIES],
+        score=[float(result.score.get(f, math.nan)) for f in PLACES],
+        modulation_index=[float(result.modulation_index.get(f, math.nan)) for f in PLACES],
         band_low=result.band[0],
         band_high=result.band[1],
         line_hz=floats(result.line_hz),
@@ -218,7 +200,7 @@ def features_message(message: Diagnosis) -> Float64MultiArray:
         'rms': message.rms,
         'crest_factor': message.crest_factor,
         'kurtosis': message.kurtosis,
-        **{f'score_{f}': s for f, s in zip(FAMILIES, message.score, strict=True)},
+        **{f'score_{f}': s for f, s in zip(PLACES, message.score, strict=True)},
     }
     dimensions = [MultiArrayDimension(label=label, size=1, stride=1) for label in features]
     return Float64MultiArray(

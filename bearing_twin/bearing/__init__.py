@@ -14,10 +14,24 @@ from bearing_twin.bearing.hertz import (
     load_deflection_factor,
     radial_factor,
 )
+from bearing_twin.bearing.vocabulary import (
+    FAULT_CODES,
+    LEVELS,
+    Place,
+    PLACES,
+    RESULTS,
+    TITLES,
+)
 
 __all__ = [
+    'FAULT_CODES',
+    'LEVELS',
+    'PLACES',
+    'RESULTS',
+    'TITLES',
     'Bearing',
     'FaultFrequencies',
+    'Place',
     'catalogue',
     'contact_stiffness',
     'fault_frequencies',

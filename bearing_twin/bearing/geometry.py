@@ -30,6 +30,20 @@ class FaultFrequencies(NamedTuple):
     ftf: float
     """Fundamental train (cage) frequency."""
 
+    def impacts(self, place: str) -> float:
+        """
+        How often a defect strikes: a ball strikes both races, so twice in each spin.
+
+        >>> FaultFrequencies(bpfo=3.1, bpfi=4.9, bsf=2.0, ftf=0.38).impacts('ball')
+        4.0
+        """
+        return {
+            'inner': self.bpfi,
+            'outer': self.bpfo,
+            'ball': 2.0 * self.bsf,
+            'cage': self.ftf,
+        }[place]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Bearing:

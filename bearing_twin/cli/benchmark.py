@@ -22,8 +22,8 @@ import os
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import Bearing
-from bearing_twin.diagnosis import diagnose_record, FAMILIES
+from bearing_twin.bearing import Bearing, PLACES
+from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.foreign import read_signal
 
@@ -106,7 +106,7 @@ def read_cases(folder: Path) -> list[Case]:
         unknown = {
             name for name, entry in index['bearings'].items() if not entry.get('n_elements')
         }
-        records = [r for r in index['records'] if r.get('label') in (*FAMILIES, 'healthy')]
+        records = [r for r in index['records'] if r.get('label') in (*PLACES, 'healthy')]
         return [_case(folder, record, bearings, unknown) for record in records]
     except (OSError, ValueError, KeyError, TypeError) as error:
         msg = f'{folder / "index.json"} cannot be used ({error}); see the module for its form'

@@ -14,6 +14,7 @@ import shutil
 import sys
 from typing import Any
 
+from bearing_twin.bearing import FaultFrequencies, PLACES
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.streams.vibration_input import GapCounter
@@ -22,8 +23,6 @@ __all__ = ['Summary', 'summarise']
 
 LEVEL_FAULT = 2
 """``LEVEL_FAULT`` of ``Diagnosis.msg``."""
-FAMILIES = {'inner': (1, 'bpfi'), 'outer': (1, 'bpfo'), 'ball': (2, 'bsf'), 'cage': (1, 'ftf')}
-"""Strikes of each family, in multiples of a frequency of ``TwinState.msg``."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +132,7 @@ def summarise(folder: Path, defect: str) -> Summary:
         elif message.topic == '/diagnosis':
             verdict = message.decode()
             verdicts[verdict.result_name] += 1
-            alarm = verdict.level == LEVEL_FAULT and verdict.result_name in FAMILIES
+            alarm = verdict.level == LEVEL_FAULT and verdict.result_name in PLACES
             false_alarms += alarm and verdict.result_name not in defect.split('+')
         elif message.topic == '/diagnostics':
             for status in message.decode().status:
@@ -174,8 +173,9 @@ def summarise(folder: Path, defect: str) -> Summary:
 
 def _frequency(state: Any, family: str) -> float:
     """Return the frequency at which the twin's slip lets a family strike, Hz."""
-    factor, name = FAMILIES.get(family, (math.nan, 'bpfi'))
-    return factor * float(getattr(state, name))
+    if family not in PLACES:
+        return math.nan
+    return FaultFrequencies(state.bpfo, state.bpfi, state.bsf, state.ftf).impacts(family)
 
 
 def _command() -> str:

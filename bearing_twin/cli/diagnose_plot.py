@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from bearing_twin.bearing import PLACES
 from matplotlib.figure import Figure
 import numpy as np
 
@@ -50,14 +51,8 @@ def _curve(axes: Axes, spectrum: Spectrum) -> None:
 
 
 def _cursors(axes: Axes, diagnosis: Diagnosis) -> None:
-    expected = diagnosis.expected
-    lines = {
-        'inner': expected.bpfi,
-        'outer': expected.bpfo,
-        'ball': 2.0 * expected.bsf,
-        'cage': expected.ftf,
-    }
-    for name, hertz in lines.items():
+    for name in PLACES:
+        hertz = diagnosis.expected.impacts(name)
         named = name in diagnosis.faults
         if named:
             hertz *= (

@@ -3,23 +3,11 @@
 """Diagnosis of rolling element bearings from vibration, without training."""
 
 from bearing_twin.diagnosis.chain import diagnose_record
-from bearing_twin.diagnosis.result import (
-    Diagnosis,
-    FAMILIES,
-    FAULT_CODES,
-    LEVELS,
-    RESULTS,
-    Severity,
-    Spectrum,
-)
+from bearing_twin.diagnosis.result import Diagnosis, Severity, Spectrum
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.streaming import StreamingDiagnoser
 
 __all__ = [
-    'FAMILIES',
-    'FAULT_CODES',
-    'LEVELS',
-    'RESULTS',
     'Diagnosis',
     'DiagnosisSettings',
     'Severity',

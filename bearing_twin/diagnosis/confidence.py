@@ -35,7 +35,7 @@ def confidence(result: str, score: float) -> float:
     Parameters
     ----------
     result
-        Answer, one of :data:`bearing_twin.diagnosis.result.RESULTS`.
+        Answer, one of :data:`bearing_twin.bearing.RESULTS`.
     score
         Largest comb score of the families named; of all families where none is.
 

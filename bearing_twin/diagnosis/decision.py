@@ -7,11 +7,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from bearing_twin.bearing import PLACES
 from bearing_twin.diagnosis.confidence import confidence
 from bearing_twin.diagnosis.families import Candidate, Judge
 from bearing_twin.diagnosis.gate import CAGE_TURNS
 from bearing_twin.diagnosis.lines import on_comb, sideband_ratio
-from bearing_twin.diagnosis.result import FAMILIES
 from bearing_twin.diagnosis.thresholds import (
     BLURRED,
     GATED,
@@ -76,7 +76,9 @@ def decide(
 
     """
     judge = Judge(spectra, bearing, speed)
-    candidates = {family: judge.best(family, judge.spectra) for family in FAMILIES}
+    candidates: dict[str, Candidate] = {
+        family: judge.best(family, judge.spectra) for family in PLACES
+    }
     strong = [
         c
         for c in candidates.values()
@@ -181,7 +183,7 @@ def _without_gated(
 
 def _nothing_strong(judge: Judge, candidates: dict[str, Candidate]) -> Verdict:
     """Healthy, or a fault that hides behind the shaft's harmonics."""
-    hidden = [c for c in map(judge.hidden, FAMILIES[:3]) if c is not None]
+    hidden = [c for c in map(judge.hidden, PLACES[:3]) if c is not None]
     if hidden:
         text = (
             f'{hidden[0].family} order {hidden[0].order:.3f} and shaft order '

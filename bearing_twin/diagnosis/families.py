@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import fault_orders
+from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.diagnosis.comb import comb_scores, HARMONICS, OrderSpectra
 from bearing_twin.diagnosis.lines import (
     comb_power,
@@ -17,7 +17,6 @@ from bearing_twin.diagnosis.lines import (
     sideband_ratio,
     sideband_ratios,
 )
-from bearing_twin.diagnosis.result import FAMILIES
 from bearing_twin.diagnosis.shaft import SHAFT_FOUND
 from bearing_twin.diagnosis.spectra import WHITENINGS
 from bearing_twin.diagnosis.teeth import beside_shaft, denser_comb, missing_teeth
@@ -36,25 +35,15 @@ from bearing_twin.diagnosis.thresholds import (
 import numpy as np
 
 if TYPE_CHECKING:
-    from bearing_twin.bearing import Bearing, FaultFrequencies
+    from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.shaft import ShaftSpeed
     from numpy.typing import NDArray
 
-__all__ = ['Candidate', 'Judge', 'family_order']
+__all__ = ['Candidate', 'Judge']
 
 _SIDEBANDS = 4
 _RACES = ('inner', 'outer')
 _UNTESTED = 1.0
-
-
-def family_order(family: str, orders: FaultFrequencies) -> float:
-    """Order of the impacts of a family: a ball strikes twice a spin."""
-    return {
-        'inner': orders.bpfi,
-        'outer': orders.bpfo,
-        'ball': 2.0 * orders.bsf,
-        'cage': orders.ftf,
-    }[family]
 
 
 @dataclass(frozen=True)
@@ -113,15 +102,15 @@ class Judge:
         self.spectra = spectra.silenced(shaft, 1.25 * spectra.step)
         self._all = spectra
         self._foreign: dict[Candidate, float] = {}
-        highest = 1.08 * max(family_order(name, self.orders) for name in FAMILIES)
+        highest = 1.08 * max(self.orders.impacts(name) for name in PLACES)
         self._scores = comb_scores(self.spectra, highest, len(WHITENINGS))
 
     def best(
         self, family: str, spectra: OrderSpectra, slips: tuple[float, float] = SLIP
     ) -> Candidate:
         """Best comb of a family within a range of slip."""
-        order = family_order(family, self.orders)
-        slope = (family_order(family, self._slipped) - order) / SLIP[1]
+        order = self.orders.impacts(family)
+        slope = (self._slipped.impacts(family) - order) / SLIP[1]
         ends = sorted(order + slope * slip for slip in slips)
         slack = self._uncertainty * order
         first = int(np.searchsorted(self._scores.grid, ends[0] - slack))
@@ -182,7 +171,7 @@ class Judge:
 
     def hidden(self, family: str) -> Candidate | None:
         """Comb of a family that shows, but whose teeth hide behind the shaft's harmonics."""
-        order = family_order(family, self.orders)
+        order = self.orders.impacts(family)
         slack = self._uncertainty * order + 1.25 * self._all.step
         if abs(order - round(order)) > slack:
             return None

@@ -8,12 +8,11 @@ from dataclasses import replace
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import fault_frequencies
+from bearing_twin.bearing import FAULT_CODES, fault_frequencies, PLACES
 from bearing_twin.diagnosis.comb import HARMONICS
-from bearing_twin.diagnosis.families import family_order
 from bearing_twin.diagnosis.gate import HEALTHY_TURNS, SHAFT_TURNS
 from bearing_twin.diagnosis.power import shown_by, smallest_detectable
-from bearing_twin.diagnosis.result import Diagnosis, FAMILIES, FAULT_CODES, Severity, Spectrum
+from bearing_twin.diagnosis.result import Diagnosis, Severity, Spectrum
 import numpy as np
 
 if TYPE_CHECKING:
@@ -51,7 +50,7 @@ def report(
     fault_hz = fault_hz_expected = math.nan
     if strongest is not None:
         fault_hz = strongest.order * shaft_hz
-        fault_hz_expected = family_order(strongest.family, expected)
+        fault_hz_expected = expected.impacts(strongest.family)
         teeth = fault_hz * np.arange(1, HARMONICS + 1)
         rows = np.clip(
             np.rint(teeth / window.envelopes.bin_hz).astype(int) - 1, 0, len(values) - 1
@@ -82,8 +81,8 @@ def report(
         expected=expected,
         fault_hz=fault_hz,
         fault_hz_expected=fault_hz_expected,
-        score={name: verdict.candidates[name].z for name in FAMILIES},
-        modulation_index={name: verdict.candidates[name].index for name in FAMILIES},
+        score={name: verdict.candidates[name].z for name in PLACES},
+        modulation_index={name: verdict.candidates[name].index for name in PLACES},
         band=window.bands[band],
         line_hz=line_hz,
         line_level=line_level,
@@ -177,7 +176,7 @@ def insufficient(
     unit: str = '',
 ) -> Diagnosis:
     """Diagnosis that makes no statement, and says why."""
-    unknown = dict.fromkeys(FAMILIES, math.nan)
+    unknown: dict[str, float] = dict.fromkeys(PLACES, math.nan)
     nothing = Spectrum(
         kind='spectrum',
         unit=unit,

@@ -12,36 +12,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = [
-    'FAMILIES',
-    'FAULT_CODES',
-    'LEVELS',
-    'RESULTS',
-    'Diagnosis',
-    'Severity',
-    'Spectrum',
-]
-
-FAMILIES = ('inner', 'outer', 'ball', 'cage')
-"""Fault families, in the order of every per-family array."""
-
-RESULTS = ('healthy', *FAMILIES, 'suspect', 'ambiguous', 'insufficient')
-"""Every answer a diagnosis can give."""
-
-LEVELS = ('ok', 'suspect', 'fault', 'none')
-"""Every level; ``none`` means that no statement is made."""
-
-FAULT_CODES = {
-    'healthy': 'BEARING_OK',
-    'inner': 'BEARING_INNER_RACE',
-    'outer': 'BEARING_OUTER_RACE',
-    'ball': 'BEARING_BALL',
-    'cage': 'BEARING_CAGE',
-    'suspect': 'BEARING_SUSPECT',
-    'ambiguous': 'BEARING_AMBIGUOUS',
-    'insufficient': 'BEARING_NO_STATEMENT',
-}
-"""Stable code of every result, for programs that react to it."""
+__all__ = ['Diagnosis', 'Severity', 'Spectrum']
 
 
 @dataclass(frozen=True, kw_only=True)

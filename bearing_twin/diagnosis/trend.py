@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import math
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.power import expected_level
-from bearing_twin.diagnosis.result import LEVELS
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:

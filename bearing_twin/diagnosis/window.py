@@ -7,18 +7,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import fault_orders
+from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.diagnosis.comb import (
     HARMONICS,
     order_spectra,
     OrderSpectra,
 )
-from bearing_twin.diagnosis.families import family_order
 from bearing_twin.diagnosis.knocks import limit_knocks
-from bearing_twin.diagnosis.result import (
-    FAMILIES,
-    Severity,
-)
 from bearing_twin.diagnosis.severity import measure_severity
 from bearing_twin.diagnosis.shaft import (
     refine_shaft_hz,
@@ -30,6 +25,7 @@ from scipy import fft
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis.result import Severity
     from bearing_twin.diagnosis.settings import DiagnosisSettings
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
@@ -57,7 +53,7 @@ class Window:
 def highest_fault_order(bearing: Bearing) -> float:
     """Order of the highest fault family."""
     orders = fault_orders(bearing)
-    return max(family_order(name, orders) for name in FAMILIES)
+    return max(orders.impacts(name) for name in PLACES)
 
 
 def highest_order(bearing: Bearing) -> float:

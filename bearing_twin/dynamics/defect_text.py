@@ -16,7 +16,8 @@ import math
 import re
 from typing import Any, cast, TYPE_CHECKING
 
-from bearing_twin.dynamics.parameters import Defect, PLACES
+from bearing_twin.bearing import PLACES
+from bearing_twin.dynamics.parameters import Defect
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:

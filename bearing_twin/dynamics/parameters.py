@@ -9,7 +9,7 @@ import math
 from types import MappingProxyType
 from typing import Literal, TYPE_CHECKING
 
-from bearing_twin.bearing import Bearing, radial_factor
+from bearing_twin.bearing import Bearing, Place, PLACES, radial_factor
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.friction import SERIES
 from bearing_twin.thermal.gcr15 import Beta0, FRICTION_TABLE, TEMPERATURES
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 __all__ = [
     'MAX_DEFECTS',
     'MAX_SHAFT_HZ',
-    'PLACES',
     'PROFILES',
     'RANGES',
     'Defect',
@@ -35,9 +34,7 @@ __all__ = [
     'check_speed',
 ]
 
-Place = Literal['inner', 'outer', 'ball', 'cage']
 Profile = Literal['ball', 'rect', 'halfsine', 'smooth']
-PLACES: tuple[Place, ...] = ('inner', 'outer', 'ball', 'cage')
 PROFILES: tuple[Profile, ...] = ('ball', 'rect', 'halfsine', 'smooth')
 MAX_DEFECTS = 8
 """Most defects of one bearing."""

@@ -13,10 +13,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.bearing import fault_orders
+from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.dynamics import filters, laws, layout
 from bearing_twin.dynamics.compiled import compiled
-from bearing_twin.dynamics.parameters import PLACES, PROFILES
+from bearing_twin.dynamics.parameters import PROFILES
 from bearing_twin.dynamics.simulator import Simulator
 import numpy as np
 import numpy.typing as npt

@@ -7,9 +7,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import fault_orders
+from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.dynamics import layout
-from bearing_twin.dynamics.parameters import PLACES, PROFILES
+from bearing_twin.dynamics.parameters import PROFILES
 import numpy as np
 import numpy.typing as npt
 

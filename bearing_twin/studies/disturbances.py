@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from bearing_twin.bearing import PLACES
 import numpy as np
 
 if TYPE_CHECKING:
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ['CONDITIONS', 'MACHINES', 'disturbance']
 
-CONDITIONS = ('none', 'inner', 'outer', 'ball', 'cage')
+CONDITIONS = ('none', *PLACES)
 """True conditions of the bearings of a study."""
 
 MACHINES = ('quiet', 'shaft', 'gear', 'mains', 'modulated', 'impulses')

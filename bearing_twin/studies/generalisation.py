@@ -19,6 +19,7 @@ from collections import Counter
 import sys
 from typing import Protocol, TYPE_CHECKING
 
+from bearing_twin.bearing import PLACES
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies import impact_machines, twin_machines
@@ -64,7 +65,7 @@ class Machine(Protocol):
 def outcome(case: Machine, said: Diagnosis) -> str:
     """``right``, ``wrong`` (a fault that is not there), or the answer that was not one."""
     truth = () if case.condition == 'none' else (case.condition,)
-    if said.result in ('healthy', 'suspect', 'ambiguous', 'insufficient'):
+    if said.result not in PLACES:
         return 'right' if said.result == 'healthy' and not truth else said.result
     return 'right' if said.faults == truth else 'wrong'
 

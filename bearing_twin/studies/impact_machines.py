@@ -15,7 +15,6 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, fault_orders
-from bearing_twin.diagnosis.families import family_order
 from bearing_twin.studies.disturbances import CONDITIONS, disturbance, MACHINES
 import numpy as np
 from scipy import signal
@@ -161,7 +160,7 @@ def _impacts(
 ) -> NDArray[np.float64]:
     """Impacts or swelling noise of the fault before any resonance, shape of ``turns``."""
     orders = fault_orders(case.geometry, case.slip)
-    order = family_order(case.condition, orders)
+    order = orders.impacts(case.condition)
     gaps = (1.0 + case.jitter * rng.standard_normal(int(1.2 * order * turns[-1]) + 10)) / order
     places = np.cumsum(gaps) + rng.uniform()
     places = places[places < turns[-1] - 1.0 / order]

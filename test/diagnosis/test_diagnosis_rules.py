@@ -2,12 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules that keep one cause from being called by another's name."""
 
-from bearing_twin.bearing import fault_orders, find_bearing, own_bearing
+from bearing_twin.bearing import fault_orders, find_bearing, own_bearing, RESULTS
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.confidence import confidence
 from bearing_twin.diagnosis.knocks import limit_knocks
 from bearing_twin.diagnosis.power import smallest_detectable
-from bearing_twin.diagnosis.result import RESULTS
 import numpy as np
 import pytest
 

@@ -4,9 +4,9 @@
 
 import math
 
-from bearing_twin.bearing import Bearing, catalogue
+from bearing_twin.bearing import Bearing, catalogue, PLACES
 from bearing_twin.dynamics import Defect, Simulator, TwinParameters
-from bearing_twin.dynamics.parameters import MAX_DEFECTS, PLACES, PROFILES, RANGES
+from bearing_twin.dynamics.parameters import MAX_DEFECTS, PROFILES, RANGES
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.friction import SERIES
 from bearing_twin.thermal.gcr15 import Beta0
