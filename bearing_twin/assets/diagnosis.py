@@ -14,6 +14,7 @@ from bearing_twin.assets.diagnosis_parameters import (
     nominal_speed,
 )
 from bearing_twin.assets.messages import diagnosis_message, features_message, spectrum_message
+from bearing_twin.stamps import samples_ns
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
     from std_msgs.msg import Float64MultiArray
 
 __all__ = ['DiagnosisCore', 'DueVerdict', 'Verdict']
-
-NANO = 1_000_000_000
 
 
 class DueVerdict(NamedTuple):
@@ -128,8 +127,7 @@ class DiagnosisCore:
         return [
             DueVerdict(
                 update,
-                stamp
-                + round((update.first_sample - block.first_sample) * NANO / block.sample_rate),
+                stamp + samples_ns(update.first_sample - block.first_sample, block.sample_rate),
                 frame_id,
             )
             for update in updates

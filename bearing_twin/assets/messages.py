@@ -11,6 +11,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin import __version__
 from bearing_twin.bearing import PLACES
 from bearing_twin.dynamics.defect_text import defect_places
+from bearing_twin.stamps import split_ns
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
 from builtin_interfaces.msg import Time
 import numpy as np
@@ -31,24 +32,16 @@ __all__ = [
     'diagnosis_message',
     'features_message',
     'spectrum_message',
-    'stamp_ns',
     'time_message',
     'twin_state_message',
     'vibration_message',
 ]
 
-NANO = 1_000_000_000
-
 
 def time_message(ns: int) -> Time:
     """Nanoseconds to a stamp; clamped to what the message can carry."""
-    ns = min(max(ns, 0), (2**31 - 1) * NANO + NANO - 1)
-    return Time(sec=ns // NANO, nanosec=ns % NANO)
-
-
-def stamp_ns(time: Time) -> int:
-    """Return a stamp in nanoseconds."""
-    return int(time.sec) * NANO + int(time.nanosec)
+    sec, nanosec = split_ns(ns)
+    return Time(sec=sec, nanosec=nanosec)
 
 
 def floats(values: NDArray[np.floating]) -> array.array[float]:

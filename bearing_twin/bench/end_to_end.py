@@ -10,11 +10,11 @@ import tempfile
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.assets.messages import stamp_ns
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.ros.domain import own_domain
 from bearing_twin.ros.launching import local_environment, NodeProcesses
+from bearing_twin.stamps import stamp_ns
 import numpy as np
 
 if TYPE_CHECKING:

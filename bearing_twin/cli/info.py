@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import recording_info
+from bearing_twin.stamps import NANO
 
 if TYPE_CHECKING:
     import argparse
@@ -50,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _print(info: RecordingInfo, health: RecordingHealth | None, problems: list[str]) -> None:
-    begin = datetime.fromtimestamp(info.start / 1e9, tz=timezone.utc)
+    begin = datetime.fromtimestamp(info.start / NANO, tz=timezone.utc)
     rows = [
         ('recording', f'{info.path} ({info.profile or "no profile"}, {info.library})'),
         *(('file', f'{path.name} ({path.stat().st_size / 1e6:.1f} MB)') for path in info.files),

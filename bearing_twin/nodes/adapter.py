@@ -9,16 +9,16 @@ import sys
 import time
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.messages import floats, stamp_ns, time_message
+from bearing_twin.assets.messages import floats, time_message
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.adapter_config import check_adapter, IMU, SPECS
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode, run
 from bearing_twin.ros.qos import OVERRIDES, own, SENSOR, STREAM
 from bearing_twin.ros.subscribing import subscribe
+from bearing_twin.stamps import samples_ns, stamp_ns
 from bearing_twin.streams.sampling import (
     BlockBuilder,
-    NANO,
     SequenceTracker,
     split_channels,
     StampTracker,
@@ -118,7 +118,7 @@ class AdapterNode(ManagedNode):
         )
         if missing:
             self._gap(missing * count)
-        stamp = published - round(count * NANO / rate)
+        stamp = published - samples_ns(count, rate)
         self._publish(self._builder.push(samples, stamp=stamp, rate=rate), rate)
 
     def _on_imu(self, message: Imu, info: MessageInfo) -> None:

@@ -9,11 +9,12 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.diagnosis import DiagnosisCore
-from bearing_twin.assets.messages import checkpoint_message, stamp_ns
+from bearing_twin.assets.messages import checkpoint_message
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.diagnosis_health import input_status, verdict_status
 from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
 from bearing_twin.ros.subscribing import subscribe
+from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.statefile import StateFolder
 from bearing_twin.streams.vibration_input import GapCounter, read_vibration, SourceLock

@@ -26,6 +26,7 @@ from bearing_twin.ros.rawtopics import (
     SUBSCRIPTION_DEPTH,
     subscription_qos,
 )
+from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.ending import leave
 from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -279,7 +280,7 @@ class RecorderNode(ManagedNode):
             'messages written': writer.written,
             'messages lost by the disk': writer.dropped,
             'messages lost on the way': self._lost,
-            'longest wait of a message [s]': self._longest_wait / 1e9,
+            'longest wait of a message [s]': self._longest_wait / NANO,
             'pictures not shown to live viewers': self._watch.pictures_dropped,
             'size [MB]': writer.size / 1e6,
             'topics': len(self._subscriptions_of),

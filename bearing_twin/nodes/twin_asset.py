@@ -10,7 +10,6 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.messages import (
     checkpoint_message,
-    stamp_ns,
     twin_state_message,
     vibration_message,
 )
@@ -18,6 +17,7 @@ from bearing_twin.assets.twin_parameters import FASTEST_SHAFT
 from bearing_twin.nodes.twin_health import clearance_problem, temperature_status
 from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, STREAM
 from bearing_twin.ros.subscribing import subscribe
+from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.thermal.gate import TemperatureGate
 from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration

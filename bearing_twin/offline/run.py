@@ -19,6 +19,7 @@ from bearing_twin.offline.sides import DiagnosisRun, Output, TwinRun
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from bearing_twin.stamps import NANO, samples_ns, stamp_ns
 from bearing_twin.streams.ahead import ahead
 from bearing_twin.streams.pacer import Due
 from bearing_twin.streams.shaft import ShaftSpeed
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
 
 __all__ = ['OfflineReport', 'run_offline']
 
-NANO = 1_000_000_000
 TEMPERATURE = 'sensor_msgs/msg/Temperature'
 JOINTS = 'sensor_msgs/msg/JointState'
 AHEAD, BATCH = 200, 25
@@ -221,7 +221,7 @@ class _TwinSide:
         decoded = message.decode()
         now = message.log_time / NANO
         if message.type_name == TEMPERATURE:
-            stamp = decoded.header.stamp.sec * NANO + decoded.header.stamp.nanosec
+            stamp = stamp_ns(decoded.header.stamp)
             self._gate.offer(decoded.temperature, stamp=stamp, now=now)
             self._temperature = decoded.temperature
         else:
@@ -233,10 +233,10 @@ class _TwinSide:
         length = self._run.values['block_size']
         rate = self._run.values['sample_rate']
         while True:
-            now = self._start + round((self._next_sample + length) * NANO / rate)
+            now = self._start + samples_ns(self._next_sample + length, rate)
             if now > time:
                 return
-            stamp = self._start + round(self._next_sample * NANO / rate)
+            stamp = self._start + samples_ns(self._next_sample, rate)
             yield self._block(Due(self._next_sample, stamp, 0.0), length, now)
             self._next_sample += length
 

@@ -18,7 +18,6 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from bearing_twin.assets.diagnosis import DiagnosisCore
 from bearing_twin.assets.messages import (
     checkpoint_message,
-    stamp_ns,
     twin_state_message,
     vibration_message,
 )
@@ -27,6 +26,7 @@ from bearing_twin.assets.twin_parameters import build_simulator, SPECS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.recording.schema import message_schema, store_from_text
+from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.vibration_input import read_vibration
 import numpy as np
 import yaml

@@ -17,11 +17,11 @@ import heapq
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.messages import stamp_ns
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.sides import configuration_values, DiagnosisRun, TwinRun
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 from bearing_twin.recording.schema import canonical_cdr
+from bearing_twin.stamps import NANO, stamp_ns
 from bearing_twin.streams.pacer import Due
 from bearing_twin.thermal.gate import GatedTemperature, TemperatureStatus
 
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ['Agreement', 'Reproduction', 'reproduce']
 
-NANO = 1_000_000_000
 HORIZON = 3 * NANO
 """Log time within which messages of several publishers are put into the order of sending, ns."""
 LONGEST_WINDOW = 60.0

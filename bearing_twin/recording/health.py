@@ -11,6 +11,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcapfile import open_mcap
 from bearing_twin.recording.messages import in_file_order, Selection
 from bearing_twin.recording.reader import known_fields, recording_files
+from bearing_twin.stamps import NANO, stamp_ns
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ['RecordingHealth', 'TopicHealth', 'recording_health']
 
-NANO = 1_000_000_000
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'
 
 
@@ -123,7 +123,7 @@ class _TopicCheck:
             with known_fields(message.topic, message.type_name):
                 block = message.decode()
                 first, length = int(block.first_sample), max(block.x.size, block.y.size)
-                stamp = block.header.stamp.sec * NANO + block.header.stamp.nanosec
+                stamp = stamp_ns(block.header.stamp)
                 self._count_block(first, length, stamp, float(block.sample_rate))
         except BearingTwinError:
             self.health.undecodable += 1

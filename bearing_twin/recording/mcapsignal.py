@@ -9,6 +9,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
+from bearing_twin.stamps import NANO, stamp_ns
 import numpy as np
 
 if TYPE_CHECKING:
@@ -161,9 +162,9 @@ def _from_single(
     for message in messages:
         decoded = message.decode()
         stamp = decoded.header.stamp
-        times.append(stamp.sec * 1_000_000_000 + stamp.nanosec)
+        times.append(stamp_ns(stamp))
         samples.append(float(getattr(vector(decoded), axis or 'z')))
-    steps = np.diff(np.array(times, dtype=np.int64)) / 1e9
+    steps = np.diff(np.array(times, dtype=np.int64)) / NANO
     if steps.size < 2:
         msg = 'fewer than three samples: no sample rate can be told'
         raise BearingTwinError(msg)

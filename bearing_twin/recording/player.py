@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.stamps import NANO
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
     from bearing_twin.recording.reader import RecordedMessage, TopicInfo
 
 __all__ = ['Player', 'Section']
-
-NANO = 1_000_000_000
 
 
 @dataclass(frozen=True, kw_only=True)

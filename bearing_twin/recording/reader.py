@@ -28,6 +28,7 @@ from bearing_twin.recording.messages import (
     RecordedMessage,
     Selection,
 )
+from bearing_twin.stamps import NANO
 from mcap.records import Attachment, AttachmentIndex, Header, Metadata, MetadataIndex, Statistics
 
 if TYPE_CHECKING:
@@ -44,8 +45,6 @@ __all__ = [
     'recording_files',
     'recording_info',
 ]
-
-NANO = 1_000_000_000
 
 
 @dataclass

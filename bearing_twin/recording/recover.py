@@ -22,6 +22,7 @@ from bearing_twin.recording.mcapfile import (
 from bearing_twin.recording.messages import in_file_order, Selection
 from bearing_twin.recording.reader import recording_files
 from bearing_twin.recording.writer import RecordingWriter
+from bearing_twin.stamps import NANO
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Header, Metadata
 
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
 __all__ = ['RecoveryReport', 'find_unfinished', 'recover']
 
-NANO = 1_000_000_000
 MOST_LOOKED_AT = 1000
 
 

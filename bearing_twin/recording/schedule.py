@@ -10,6 +10,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.npz import read_npz
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from bearing_twin.stamps import NANO, split_ns
 import numpy as np
 from rosbags.typesys import get_typestore, Stores
 
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ['load_trend', 'paper_schedule', 'write_temperature_recording']
 
-NANO = 1_000_000_000
 TEMPERATURE = 'sensor_msgs/msg/Temperature'
 START = 1_577_836_800 * NANO
 """Stamp of the first reading, 2020-01-01 00:00 UTC: the same command writes the same file."""
@@ -136,8 +136,9 @@ def write_temperature_recording(
         writer.metadata('bearing_twin.source', {'source': source, 'unit': 'degC'})
         for second, value in zip(times, temperatures, strict=True):
             ns = START + round(float(second) * NANO)
+            sec, nanosec = split_ns(ns)
             message = temperature(
-                header=header(stamp=time(sec=ns // NANO, nanosec=ns % NANO), frame_id=frame_id),
+                header=header(stamp=time(sec=sec, nanosec=nanosec), frame_id=frame_id),
                 temperature=float(value),
                 variance=0.0,
             )

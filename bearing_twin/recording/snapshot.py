@@ -11,13 +11,12 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.outfile import Attached
 from bearing_twin.recording.sink import MessageSink, Written
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from bearing_twin.stamps import NANO
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 __all__ = ['SnapshotWriter']
-
-NANO = 1_000_000_000
 
 
 class SnapshotWriter(MessageSink):

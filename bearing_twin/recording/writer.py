@@ -13,6 +13,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.bagmetadata import BagFile, metadata_record, write_metadata_file
 from bearing_twin.recording.outfile import Attached, OutputFile
 from bearing_twin.recording.sink import MessageSink, Written
+from bearing_twin.stamps import NANO
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -225,7 +226,7 @@ class RecordingWriter(MessageSink):
         if not file.count or self.problem:
             return False
         too_large = 0 < o.split_size <= file.size
-        too_long = 0 < o.split_duration * 1e9 <= log_time - file.start
+        too_long = 0 < o.split_duration * NANO <= log_time - file.start
         return too_large or too_long
 
     def _keep_within_limit(self) -> None:

@@ -8,6 +8,7 @@ import time
 from typing import TYPE_CHECKING
 
 from bearing_twin.ros import realtime
+from bearing_twin.stamps import NANO
 from bearing_twin.streams.timing import CycleStatistics
 from rclpy.clock import Clock, JumpThreshold
 from rclpy.clock_type import ClockType
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 
 __all__ = ['BlockCycle']
 
-NANO = 1_000_000_000
 STILL_AFTER = 1.0
 JUMP = 10.0
 """Advance of /clock between two of its readings above which it has jumped, s."""

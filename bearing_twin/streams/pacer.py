@@ -9,11 +9,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.stamps import NANO, samples_ns
 import numpy as np
 
 __all__ = ['Due', 'LatenessReport', 'Pacer']
-
-NANO = 1_000_000_000
 
 RECENT = 1500
 """Blocks that statistics speak of: a minute at 25 blocks/s."""
@@ -104,7 +103,7 @@ class Pacer:
 
     def _offset(self, sample: int) -> int:
         """Nanoseconds from the anchor to ``sample``, without accumulating a rounding error."""
-        return round((sample - self._anchor_sample) * NANO / self.rate)
+        return samples_ns(sample - self._anchor_sample, self.rate)
 
     def anchor(self, *, ticks: int, time: int) -> None:
         """

@@ -8,14 +8,13 @@ import math
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.stamps import NANO, samples_ns
 import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = ['BlockBuilder', 'SampledBlock', 'SequenceTracker', 'StampTracker', 'split_channels']
-
-NANO = 1_000_000_000
 
 ESTIMATE_FROM = 256
 """Stamps from which an unknown sample rate is estimated."""
@@ -230,7 +229,7 @@ class BlockBuilder:
         done = 0
         while done < samples.shape[1]:
             if not self._count:
-                self._stamp = stamp + round(done * NANO / rate)
+                self._stamp = stamp + samples_ns(done, rate)
             part = samples[:, done : done + self.size - self._count]
             self._parts.append(part)
             self._count += part.shape[1]

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.stamps import NANO, stamp_ns
 import numpy as np
 import rerun as rr
 
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ['Timebase', 'stamp_of']
 
-FAR = 10_000_000_000
+FAR = 10 * NANO
 """A stamp further than this from its arrival is of another clock, ns."""
 
 
@@ -22,11 +23,9 @@ def stamp_of(message: Any) -> int | None:
     """Return the stamp of a message in ns, or None where it has none."""
     header = getattr(message, 'header', None)
     stamp = getattr(header if header is not None else message, 'stamp', None)
-    seconds = getattr(stamp, 'sec', None)
-    if seconds is None:
+    if not (hasattr(stamp, 'sec') and hasattr(stamp, 'nanosec')):
         return None
-    nanoseconds = int(seconds) * 1_000_000_000 + int(getattr(stamp, 'nanosec', 0))
-    return nanoseconds or None
+    return stamp_ns(stamp) or None
 
 
 class Timebase:

@@ -11,10 +11,10 @@ from typing import Any, TYPE_CHECKING
 import zlib
 
 from bearing_twin.assets.diagnosis_parameters import build_diagnoser, SPECS
-from bearing_twin.assets.messages import stamp_ns
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.subscribing import read_message
+from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.vibration_input import GapCounter, read_vibration
 from bearing_twin.thermal.gate import TABLE_HIGH, TABLE_LOW, TemperatureGate

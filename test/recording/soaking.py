@@ -27,12 +27,13 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.assets.messages import stamp_ns, time_message
+from bearing_twin.assets.messages import time_message
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.domain import own_domain
 from bearing_twin.ros.launching import local_environment, NodeProcesses
 from bearing_twin.ros.qos import RESULT, STREAM
+from bearing_twin.stamps import NANO, stamp_ns
 from bearing_twin_msgs.msg import Diagnosis, TwinState
 from diagnostic_msgs.msg import DiagnosticArray
 import psutil
@@ -48,7 +49,6 @@ if TYPE_CHECKING:
 RATE = 25600.0
 BLOCK = 8192
 UPDATE_INTERVAL = 10.0
-NANO = 1_000_000_000
 START = 1_600_000_000 * NANO
 TICK = 0.004
 """Time between two readings of the clock, s of the machine."""

@@ -10,6 +10,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.stamps import NANO
 import numpy as np
 
 if TYPE_CHECKING:
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ['Machine', 'Strip', 'collect']
 
-NANO = 1_000_000_000
 STRIP_STEP = 5.0
 """Distance between two strips of the waterfall, K."""
 STRIP_SECONDS = 0.16

@@ -14,6 +14,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin import __version__
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import recording_info
+from bearing_twin.stamps import NANO
 from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.plots import figures
 from bearing_twin.view.report.svg import pretty, VERDICT_COLOURS
@@ -89,7 +90,7 @@ def report_page(path: Path) -> str:
     info = recording_info(path)
     machines = collect(path)
     health = recording_health(path)
-    begin = datetime.fromtimestamp(info.start / 1e9, tz=timezone.utc)
+    begin = datetime.fromtimestamp(info.start / NANO, tz=timezone.utc)
     # A bag folder is often just called 'bag': its parent says which.
     title = f'Bearing report: {"/".join(path.resolve().parts[-2:])}'
     body = [

@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.blueprint import automatic, layout
 from bearing_twin.view.rerun.scene import namespace_of, Scene
 from bearing_twin.view.timebase import Timebase
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ['Drawing', 'Look']
 
-SETTLED = 1_000_000_000
+SETTLED = NANO
 """A new topic is laid out when none has followed for this long, ns."""
 TICK = 200_000_000
 """What is held is sent this often, ns: eyes take it for at once."""

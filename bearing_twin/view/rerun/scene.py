@@ -10,6 +10,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.bearing.geometry import fault_orders
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.generic import draw_anything
 from bearing_twin.view.rerun.lanes import Lane
@@ -140,7 +141,7 @@ class Scene:
             picture = self._pictures[name] = VerdictPicture(self._canvas, name)
         # The stamp is that of the window's first sample; what it says is known at its end.
         if message.sample_rate > 0.0:
-            time += round(1e9 * message.sample_count / message.sample_rate)
+            time += samples_ns(message.sample_count, message.sample_rate)
         picture.draw(message, time)
 
     def _draw_spectrum(self, name: str, message: Any, time: int) -> str:
@@ -148,7 +149,7 @@ class Scene:
         if picture is None:
             picture = self._pictures[name] = SpectrumBars(self._canvas, name)
         if message.bin_hz > 0.0:
-            time += round(1e9 / message.bin_hz)
+            time += round(NANO / message.bin_hz)
         picture.draw(message, time)
         return 'envelope_spectrum' if message.kind == ENVELOPE else 'spectrum'
 

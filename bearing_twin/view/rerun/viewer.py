@@ -18,6 +18,7 @@ from typing import Any, TYPE_CHECKING
 from urllib.parse import quote
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.stamps import NANO
 import numpy as np
 import rerun_cli
 
@@ -210,7 +211,7 @@ class HeadlessViewer:
                 if not 0.0 <= seconds <= length:
                     msg = f'{seconds:g} s is outside of the {length:.1f} s that are shown'
                     raise BearingTwinError(msg)
-                at = found.start + round(1e9 * seconds)
+                at = found.start + round(NANO * seconds)
                 if found.time_type.lower().startswith('duration'):
                     self._client.set_time(duration=np.timedelta64(at, 'ns'), play_state='paused')
                 else:

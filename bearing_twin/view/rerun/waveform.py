@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.spectrogram import Spectrogram
 from bearing_twin.view.rerun.waterfall import Waterfall
 from bearing_twin.view.style import LINE
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ['Waveform', 'extremes']
 
-NANO = 1_000_000_000
 FINE, COARSE = 16, 64
 """Samples behind one pair of the close look and of the envelope."""
 BURST = 0.25

@@ -1,0 +1,62 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Times in nanoseconds: ROS stamps, seconds, and numbers of samples. Imports nothing of ROS."""
+
+from __future__ import annotations
+
+from typing import Any
+
+__all__ = ['LATEST', 'NANO', 'samples_ns', 'split_ns', 'stamp_ns']
+
+NANO = 1_000_000_000
+"""Nanoseconds in a second."""
+
+LATEST = 2**31 * NANO - 1
+"""Latest time that ``builtin_interfaces/Time`` carries, ns: in the year 2038."""
+
+
+def stamp_ns(stamp: Any) -> int:
+    """
+    Return the time of a stamp, ns.
+
+    Parameters
+    ----------
+    stamp
+        Any object with the fields of ``builtin_interfaces/Time``.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> stamp_ns(SimpleNamespace(sec=1, nanosec=500_000_000))
+    1500000000
+
+    """
+    return int(stamp.sec) * NANO + int(stamp.nanosec)
+
+
+def split_ns(ns: int) -> tuple[int, int]:
+    """
+    Return the fields ``sec`` and ``nanosec`` of a time, clamped to what a stamp carries.
+
+    Examples
+    --------
+    >>> split_ns(1_500_000_000)
+    (1, 500000000)
+    >>> split_ns(-1)
+    (0, 0)
+
+    """
+    return divmod(min(max(ns, 0), LATEST), NANO)
+
+
+def samples_ns(count: int, rate: float) -> int:
+    """
+    Return the duration of ``count`` samples at ``rate`` Hz, ns; no error accumulates in it.
+
+    Examples
+    --------
+    >>> samples_ns(1024, 25600.0)
+    40000000
+
+    """
+    return round(count * NANO / rate)
