@@ -14,7 +14,7 @@ from bearing_twin.offline.verify import reproduce
 if TYPE_CHECKING:
     import argparse
 
-    from bearing_twin.offline.verify import Reproduction
+    from bearing_twin.offline.agreement import Reproduction
 
 __all__ = ['configure', 'run']
 
@@ -35,7 +35,7 @@ def run(args: argparse.Namespace) -> int:
     for topic, agreement in sorted(result.topics.items()):
         print(
             f'{topic:<16} {agreement.identical} identical, {agreement.different} different, '
-            f'{agreement.skipped} not re-run'
+            f'{agreement.missing} missing, {agreement.skipped} not re-run'
         )
         if agreement.first_difference:
             print(f'{"":<16} first difference: {agreement.first_difference}')
@@ -58,5 +58,7 @@ def _summary(result: Reproduction) -> str:
             'recorded, or not what it was made of'
         )
     skipped = sum(agreement.skipped for agreement in agreements)
-    rest = f'; {skipped} messages were not re-run' if skipped else ''
+    missing = sum(agreement.missing for agreement in agreements)
+    rest = f'; {missing} missing in the recording' if missing else ''
+    rest += f'; {skipped} messages were not re-run' if skipped else ''
     return f'identical to the byte: {", ".join(sorted(result.topics))}{rest}'

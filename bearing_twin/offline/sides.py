@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
 
-__all__ = ['DiagnosisRun', 'Output', 'TwinRun', 'configuration_values']
+__all__ = ['DiagnosisRun', 'Output', 'TwinRun', 'configuration_values', 'decode']
 
 TWIN = '/twin'
 DIAGNOSIS = '/diagnosis'
@@ -65,6 +65,12 @@ def _output(topic: str, message: Any) -> Output:
         *[np.asarray(value) if isinstance(value, array.array) else value for value in values]
     )
     return Output(topic, type_name, bytes(store.serialize_cdr(plain, type_name)))
+
+
+def decode(output: Output) -> Any:
+    """Return an object with the fields of a message that was made here."""
+    store = store_from_text(output.type_name, message_schema(output.type_name).text)
+    return store.deserialize_cdr(output.cdr, output.type_name)
 
 
 def configuration_values(text: str) -> dict[str, Any]:

@@ -26,6 +26,7 @@ import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 from recorder_process import Source, TIMEOUT
+from recording_samples import store
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -139,6 +140,80 @@ def test_after_a_loss_it_goes_on_at_the_next_checkpoint(run: Path, tmp_path: Pat
     # The next checkpoint is that of sample 256000, block 250.
     assert (vibration.identical, vibration.different) == (100 + 50, 0)
     assert any('blocks are missing' in note for note in result.notes)
+
+
+def test_a_missing_verdict_is_counted_and_shifts_no_other(
+    run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    verdicts = contents(run, '/diagnosis')
+    for place, identical in ((0, 11), (5, 11), (11, 11)):
+        lost = verdicts[place]
+        lossy = rewritten(
+            run, tmp_path / f'lossy{place}', lambda _, cdr, lost=lost: None if cdr == lost else cdr
+        )
+        diagnosis = reproduce(lossy).topics['/diagnosis']
+        # After the last verdict the recording ends: it may have been published later.
+        missing = int(place < 11)
+        assert (diagnosis.identical, diagnosis.different) == (identical, 0), diagnosis
+        assert (diagnosis.missing, diagnosis.skipped) == (missing, 0)
+        assert main(['verify', str(lossy)]) == 0
+        assert ('1 missing in the recording' in capsys.readouterr().out) == bool(missing)
+
+
+def test_a_verdict_that_nobody_makes_again_is_different(run: Path, tmp_path: Path) -> None:
+    def forge(message: Any, cdr: bytes) -> bytes:
+        if message.topic == '/diagnosis' and cdr == contents(run, '/diagnosis')[4]:
+            return changed(message, first_sample=message.decode().first_sample + 1)
+        return cdr
+
+    diagnosis = reproduce(rewritten(run, tmp_path / 'forged', forge)).topics['/diagnosis']
+    assert (diagnosis.identical, diagnosis.different, diagnosis.missing) == (11, 1, 1)
+    assert diagnosis.first_difference == '/diagnosis at sample 1: not made again'
+
+
+def test_a_missing_block_costs_the_verdicts_on_it(run: Path, tmp_path: Path) -> None:
+    lost = contents(run, '/vibration')[100]
+    lossy = rewritten(run, tmp_path / 'lossy', lambda _, cdr: None if cdr == lost else cdr)
+    result = reproduce(lossy)
+    diagnosis = result.topics['/diagnosis']
+    assert (diagnosis.different, diagnosis.missing) == (0, 0)
+    assert (diagnosis.identical, diagnosis.skipped) == (4, 8)
+    assert any(note.startswith('/diagnosis: blocks are missing') for note in result.notes)
+
+
+@pytest.mark.parametrize('rate', [-1.0, 0.0, float('nan'), float('inf'), 1e308])
+@pytest.mark.parametrize('first', [0, 3])
+def test_absurd_sample_rates_are_a_sentence(
+    run: Path, tmp_path: Path, rate: float, first: int
+) -> None:
+    def absurd(message: Any, cdr: bytes) -> bytes:
+        if message.topic != '/vibration' or message.decode().first_sample < first * 1024:
+            return cdr
+        return changed(message, sample_rate=rate)
+
+    result = reproduce(rewritten(run, tmp_path / 'absurd', absurd))
+    assert not result.identical
+    assert any('a block is refused: sample_rate=' in note for note in result.notes)
+
+
+def test_a_claimed_number_of_samples_is_not_believed(run: Path, tmp_path: Path) -> None:
+    def claim(message: Any, cdr: bytes) -> bytes:
+        if message.topic != '/twin_state':
+            return cdr
+        return changed(message, sample_count=16_777_216)
+
+    result = reproduce(rewritten(run, tmp_path / 'claims', claim))
+    vibration = result.topics['/vibration']
+    assert (vibration.identical, vibration.different, vibration.skipped) == (0, 0, 300)
+
+
+def changed(message: Any, **fields: Any) -> bytes:
+    """Return the bytes of a message in which some fields have other values."""
+    types = store(message.type_name)
+    decoded = message.decode()
+    for name, value in fields.items():
+        object.__setattr__(decoded, name, value)
+    return bytes(types.serialize_cdr(decoded, message.type_name))
 
 
 def without(*topics: str) -> Callable[[Any, bytes], bytes | None]:

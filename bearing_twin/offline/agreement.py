@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Result of a re-run: which messages were identical, different, missing or not re-run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from bearing_twin.recording.schema import canonical_cdr
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from bearing_twin.recording.reader import RecordedMessage
+
+__all__ = ['Agreement', 'Reproduction', 'without_padding']
+
+
+@dataclass
+class Agreement:
+    """Messages of one topic, re-run against recorded."""
+
+    identical: int = 0
+    different: int = 0
+    skipped: int = 0
+    """Recorded before a checkpoint from which to re-run, or after a loss in the recording."""
+    missing: int = 0
+    """Made by the re-run, but not in the recording although later ones are."""
+    first_difference: str = ''
+
+    def compare(self, message: RecordedMessage, again: bytes, what: str) -> None:
+        """Count one message; padding between fields, which carries nothing, is left out."""
+        recorded = without_padding(message)
+        if recorded == again:
+            self.identical += 1
+            return
+        at = next(
+            (i for i, (a, b) in enumerate(zip(recorded, again, strict=False)) if a != b),
+            min(len(recorded), len(again)),
+        )
+        self.differ(f'{what}: byte {at} of {len(recorded)}')
+
+    def differ(self, what: str) -> None:
+        """Count a message that differs."""
+        self.different += 1
+        self.first_difference = self.first_difference or what
+
+
+@dataclass
+class Reproduction:
+    """Result of a re-run."""
+
+    path: Path
+    topics: dict[str, Agreement] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    """What happened in the run besides: restarts, changed parameters."""
+
+    @property
+    def uncompared(self) -> list[str]:
+        """Topics of which not one message could be compared."""
+        return sorted(n for n, a in self.topics.items() if not a.identical + a.different)
+
+    @property
+    def identical(self) -> bool:
+        """Whether something of each topic was compared and all of that was equal to the byte."""
+        return (
+            bool(self.topics)
+            and not self.uncompared
+            and not any(a.different for a in self.topics.values())
+        )
+
+
+def without_padding(message: RecordedMessage) -> bytes:
+    """Return the bytes of a message with the padding between its fields set to zero."""
+    channel = message.channel
+    return canonical_cdr(channel.type_name, channel.schema, message.cdr)

@@ -1,0 +1,242 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Re-run of one recorded diagnosis from its checkpoints and the vibration blocks."""
+
+from __future__ import annotations
+
+from collections import deque
+import contextlib
+import math
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.offline.agreement import Agreement, without_padding
+from bearing_twin.offline.sides import configuration_values, decode, DiagnosisRun
+from bearing_twin.stamps import NANO, stamp_ns
+from bearing_twin.streams.vibration_input import read_vibration
+
+if TYPE_CHECKING:
+    from bearing_twin.offline.agreement import Reproduction
+    from bearing_twin.offline.sides import Output
+    from bearing_twin.recording.reader import RecordedMessage
+
+__all__ = ['HORIZON', 'DiagnosisCheck']
+
+HORIZON = 3 * NANO
+"""Log time within which messages of several publishers are put into the order of sending, ns."""
+LONGEST_WINDOW = 60.0
+"""Longest window of a diagnosis, s."""
+
+
+class DiagnosisCheck:
+    """
+    Re-run of one diagnosis.
+
+    Blocks wait until what the node sent in answer to them is known. Verdicts are paired by their
+    window, so that one that is missing in the recording does not shift those behind it.
+    """
+
+    def __init__(self, namespace: str, result: Reproduction) -> None:
+        self._topic = f'{namespace}/diagnosis'
+        self._result = result
+        self._run: DiagnosisRun | None = None
+        self._blocks: deque[RecordedMessage] = deque()
+        self._checkpoints: deque[Any] = deque()
+        self._verdicts: deque[tuple[RecordedMessage, Any]] = deque()
+        self._past: deque[Any] = deque()
+        self._next_sample = 0
+        # Windows that the re-run judged without a recorded verdict to compare with.
+        self._unanswered: list[tuple[int, int]] = []
+        # Whether the temperature of a missing verdict, which nobody knows, may act on the state.
+        self._uncertain = False
+
+    @property
+    def _agreement(self) -> Agreement:
+        return self._result.topics.setdefault(self._topic, Agreement())
+
+    def vibration(self, message: RecordedMessage) -> None:
+        """Take a block; work on those that have waited long enough."""
+        self._blocks.append(message)
+        while self._blocks[0].publish_time < message.publish_time - HORIZON:
+            self._push(self._blocks.popleft())
+
+    def checkpoint(self, checkpoint: Any) -> None:
+        """Take a checkpoint."""
+        self._checkpoints.append(checkpoint)
+
+    def verdict(self, message: RecordedMessage) -> None:
+        """Take a recorded verdict."""
+        self._verdicts.append((message, message.decode()))
+
+    def finish(self) -> None:
+        """Work on what still waits; the last verdicts may come after the end of the recording."""
+        if self._unanswered:
+            self._agreement.missing += len(self._unanswered)
+            self._unanswered.clear()
+        while self._blocks:
+            self._push(self._blocks.popleft())
+        if self._verdicts:
+            self._agreement.skipped += len(self._verdicts)
+
+    def _push(self, message: RecordedMessage) -> None:
+        block = message.decode()
+        try:
+            read_vibration(block, 'y')
+        except BearingTwinError as error:
+            # The node refuses such a block as well.
+            self._note(f'a block is refused: {error}')
+            return
+        while self._checkpoints and _before(self._checkpoints[0], block):
+            # A late joiner gets the last checkpoint of a time before the recording.
+            self._checkpoints.popleft()
+        first = int(block.first_sample)
+        if self._checkpoints and int(self._checkpoints[0].first_sample) == first:
+            self._resume(self._checkpoints.popleft())
+        elif self._run is not None and first != self._next_sample:
+            self._note('blocks are missing; the re-run goes on at a checkpoint with its window')
+            self._run = None
+        self._next_sample = _block_end(block)
+        if self._run is None:
+            self._keep(block)
+            return
+        self._drop_unmade(first)
+        temperature, speed = math.nan, math.nan
+        if self._verdicts:
+            temperature = float(self._verdicts[0][1].temperature)
+            speed = self._speed(self._run)
+        for output in self._run.push(
+            block, temperature=temperature, joint_hz=speed, measured=not math.isnan(speed)
+        ):
+            if output.topic == '/diagnosis':
+                self._pair(output)
+
+    def _drop_unmade(self, sample: int) -> None:
+        """Count recorded verdicts on windows that ended before ``sample``: none was made."""
+        while self._verdicts and _end(self._verdicts[0][1]) <= sample:
+            window = _window(self._verdicts.popleft()[1])
+            if window in self._unanswered:
+                # It was published later than it is waited for: its inputs are not known in time.
+                self._unanswered.remove(window)
+                self._agreement.skipped += 1
+            else:
+                self._agreement.differ(f'{self._topic} at sample {window[0]}: not made again')
+
+    def _pair(self, output: Output) -> None:
+        """Compare with the recorded verdict on the same window."""
+        window = _window(decode(output))
+        if not self._verdicts or _window(self._verdicts[0][1]) != window:
+            self._unanswered.append(window)
+            self._uncertain = True
+            return
+        self._agreement.missing += len(self._unanswered)
+        self._unanswered.clear()
+        message, _ = self._verdicts.popleft()
+        if self._uncertain and without_padding(message) != output.cdr:
+            self._agreement.skipped += 1
+            return
+        self._agreement.compare(message, output.cdr, f'{self._topic} at sample {window[0]}')
+
+    def _note(self, text: str) -> None:
+        note = f'{self._topic}: {text}'
+        if note not in self._result.notes:
+            self._result.notes.append(note)
+
+    def _resume(self, checkpoint: Any) -> None:
+        values = configuration_values(str(checkpoint.configuration))
+        state = bytes(checkpoint.state)
+        at = f'at sample {checkpoint.first_sample}'
+        if self._run is not None and self._run.values != values:
+            self._run.reconfigure(values)
+            self._note(f'parameters were changed {at}')
+        if self._run is not None and self._run.state == state:
+            self._uncertain = False
+            return
+        if (
+            self._run is not None
+            and self._uncertain
+            and self._next_sample == int(checkpoint.first_sample)
+        ):
+            self._run.load(state)
+            self._uncertain = False
+            return
+        sample = int(checkpoint.first_sample)
+        window: list[Any] = []
+        if self._run is not None:
+            self._note(f'the diagnosis was restarted {at}')
+        else:
+            found = self._window_before(sample)
+            if found is None:
+                return
+            window = found
+        self._run = self._opened(values, state, window)
+        self._past.clear()
+        self._uncertain = False
+        # Verdicts on what came before cannot be re-run.
+        while self._verdicts:
+            verdict = self._verdicts[0][1]
+            if (_end(verdict) if window else int(verdict.first_sample) + 1) > sample:
+                break
+            self._agreement.skipped += 1
+            self._verdicts.popleft()
+
+    def _opened(self, values: dict[str, Any], state: bytes, window: list[Any]) -> DiagnosisRun:
+        """Diagnosis in a recorded state, with the blocks before it in its window."""
+        if not window:
+            return DiagnosisRun(values, state)
+        run = DiagnosisRun(values)
+        speed = self._speed(run)
+        for block in window:
+            with contextlib.suppress(BearingTwinError):
+                # The node refuses such a block as well.
+                run.take(
+                    block, temperature=math.nan, joint_hz=speed, measured=not math.isnan(speed)
+                )
+        run.load(state)
+        return run
+
+    def _speed(self, run: DiagnosisRun) -> float:
+        """Speed that the next verdict was given, Hz, where it may come from a joint; else NaN."""
+        if not (self._verdicts and run.values['joint']):
+            return math.nan
+        return float(self._verdicts[0][1].shaft_hz_given)
+
+    def _keep(self, block: Any) -> None:
+        """Keep a block from before the first checkpoint that serves: windows reach back."""
+        if self._past and int(block.first_sample) != _block_end(self._past[-1]):
+            self._past.clear()
+        self._past.append(block)
+        while _block_end(block) - _block_end(self._past[0]) > LONGEST_WINDOW * block.sample_rate:
+            self._past.popleft()
+
+    def _window_before(self, sample: int) -> list[Any] | None:
+        """Blocks before a checkpoint that the next verdict rests on; None if some are missing."""
+        for _, verdict in self._verdicts:
+            if _end(verdict) > sample:
+                first = int(verdict.first_sample)
+                window = [block for block in self._past if _block_end(block) > first]
+                reaches_back = bool(window) and int(window[0].first_sample) <= first
+                whole = reaches_back and _block_end(window[-1]) == sample
+                return window if whole else [] if first >= sample else None
+        return []
+
+
+def _window(verdict: Any) -> tuple[int, int]:
+    """First sample and number of samples of the window of a verdict."""
+    return int(verdict.first_sample), int(verdict.sample_count)
+
+
+def _end(verdict: Any) -> int:
+    """Index of the sample after the window of a verdict."""
+    return int(verdict.first_sample) + int(verdict.sample_count)
+
+
+def _block_end(block: Any) -> int:
+    """Index of the sample after a block of vibration."""
+    return int(block.first_sample) + max(len(block.x), len(block.y))
+
+
+def _before(checkpoint: Any, block: Any) -> bool:
+    """Whether a checkpoint lies before a block in index and in time: a new twin begins at 0."""
+    return int(checkpoint.first_sample) < int(block.first_sample) and stamp_ns(
+        checkpoint.header.stamp
+    ) < stamp_ns(block.header.stamp)
