@@ -11,7 +11,6 @@ from bearing_twin.assets.diagnosis_parameters import build_bearing, build_settin
 from bearing_twin.nodes.diagnosis_asset import DiagnosisAsset
 from bearing_twin.ros.health import Health
 from bearing_twin.ros.lifecycle import ManagedNode, run
-from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,7 +33,7 @@ class DiagnosisNode(ManagedNode):
         """Build the chain; create publishers and the service."""
         p = self.parameters
         self._asset = DiagnosisAsset(self, p)
-        self._reset = self.create_service(Trigger, '~/reset', self._on_reset)
+        self._reset = self.offer('~/reset', self._asset.reset)
         self._health = Health(self, p['hardware_id'] or self.get_namespace())
         self._health.add('vibration input', self._asset.input_status)
         self._health.add('bearing', self._asset.verdict_status)
@@ -57,12 +56,6 @@ class DiagnosisNode(ManagedNode):
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; the window restarts where the bearing has changed."""
         self._asset.apply(values)
-
-    def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._asset.reset()
-        response.success = True
-        response.message = 'window, baseline and trend start anew'
-        return response
 
 
 def main(args: list[str] | None = None) -> int:

@@ -125,11 +125,12 @@ class DiagnosisAsset:
         ):
             self._node.destroy_lifecycle_publisher(publisher)
 
-    def reset(self) -> None:
-        """Start anew: window, baseline and trend."""
+    def reset(self) -> str:
+        """Start anew: window, baseline and trend; return what a service answers."""
         self._core = DiagnosisCore(self.parameters.values)
         self._checkpoint_due = -math.inf
         self._latest = None
+        return 'window, baseline and trend start anew'
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; the window restarts where the bearing has changed."""

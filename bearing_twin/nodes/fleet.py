@@ -28,7 +28,6 @@ from bearing_twin.ros.health import Health
 from bearing_twin.ros.lifecycle import ManagedNode, run
 from bearing_twin.ros.qos import CHECKPOINT
 from bearing_twin_msgs.msg import Checkpoint
-from std_srvs.srv import Trigger
 import yaml
 
 if TYPE_CHECKING:
@@ -107,7 +106,7 @@ class FleetNode(ManagedNode):
             self, p, self._compute, slots=p['slots'], between=self._publish_share
         )
         self._health.add('real time', self._cycle.status)
-        self._reset = self.create_service(Trigger, '~/reset', self._on_reset)
+        self._reset = self.offer('~/reset', self._reset_all)
 
     def _build_fleet(self) -> Fleet | None:
         """Return all twins at their start; None where only diagnoses are hosted."""
@@ -147,9 +146,7 @@ class FleetNode(ManagedNode):
         if p is None:
             return
         member.diagnosis = DiagnosisAsset(self, p, prefix=f'{member.name}/')
-        member.reset = self.create_service(
-            Trigger, f'{member.name}/diagnosis/reset', partial(self._on_diagnosis_reset, member)
-        )
+        member.reset = self.offer(f'{member.name}/diagnosis/reset', member.diagnosis.reset)
         blocks = p['update_interval'] * self.parameters['sample_rate']
         member.wait = int(stagger * blocks / self.parameters['block_size'])
         hardware_id = p['hardware_id'] or member.name
@@ -276,25 +273,14 @@ class FleetNode(ManagedNode):
         self._fleet.place(self._twins.index(member), simulator)
         self._checkpoint_due = 0
 
-    def _on_diagnosis_reset(
-        self, member: Member, _: Trigger.Request, response: Trigger.Response
-    ) -> Trigger.Response:
-        assert member.diagnosis is not None
-        member.diagnosis.reset()
-        response.success = True
-        response.message = 'window, baseline and trend start anew'
-        return response
-
-    def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def _reset_all(self) -> str:
         self._pending.clear()
         self._fleet = self._build_fleet()
         self._checkpoint_due = 0
         for member in self._members:
             if member.diagnosis is not None:
                 member.diagnosis.reset()
-        response.success = True
-        response.message = f'{len(self._members)} assets start anew'
-        return response
+        return f'{len(self._members)} assets start anew'
 
 
 def _warm(fleet: Fleet, block_size: int) -> None:

@@ -5,45 +5,210 @@
 from __future__ import annotations
 
 from collections import deque
+from datetime import datetime
+from pathlib import Path
 import sys
 import time
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.spec import Spec
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.recorder_config import build_writer, EXPECTED, SPECS, TopicChoice
 from bearing_twin.nodes.recorder_watch import RecordingWatch
 from bearing_twin.recording.recover import find_unfinished
-from bearing_twin.recording.schema import message_schema
 from bearing_twin.recording.snapshot import SnapshotWriter
+from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode, run
-from bearing_twin.ros.rawtopics import (
-    deepened,
-    matches,
-    message_class,
-    offered_qos_yaml,
-    published_type,
-    SUBSCRIPTION_DEPTH,
-    subscription_qos,
-)
+from bearing_twin.ros.qos import CHECKPOINT, RESULT, STREAM
+from bearing_twin.ros.rawsubscriptions import RawSubscriptions, TopicChoice
+from bearing_twin.ros.rawtopics import offered_qos_yaml, SUBSCRIPTION_DEPTH
 from bearing_twin.stamps import NANO
+from bearing_twin.streams.arrival import ArrivalTimes
 from bearing_twin.view.rerun.ending import leave
 from rclpy.clock import Clock, ClockType
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.logging import get_logger
-from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rclpy.event_handler import QoSMessageLostInfo
     from rclpy.qos import QoSProfile
-    from rclpy.subscription import MessageInfo, Subscription
+    from rclpy.subscription import MessageInfo
 
-__all__ = ['RecorderNode', 'main']
+__all__ = ['SPECS', 'RecorderNode', 'main']
 
 DISCOVERY_PERIOD = 0.25
 LOGGER = 'bearing_twin.recorder'
+MIB = 1024 * 1024
+
+EXPECTED: dict[str, tuple[str, QoSProfile]] = {
+    'temperature': ('sensor_msgs/msg/Temperature', RESULT),
+    'joint_states': ('sensor_msgs/msg/JointState', RESULT),
+    'vibration': ('bearing_twin_msgs/msg/Vibration', STREAM),
+    'twin_state': ('bearing_twin_msgs/msg/TwinState', STREAM),
+    'twin_checkpoint': ('bearing_twin_msgs/msg/Checkpoint', CHECKPOINT),
+    'diagnosis': ('bearing_twin_msgs/msg/Diagnosis', RESULT),
+    'diagnosis_checkpoint': ('bearing_twin_msgs/msg/Checkpoint', CHECKPOINT),
+    'envelope_spectrum': ('bearing_twin_msgs/msg/Spectrum', RESULT),
+    'spectrum': ('bearing_twin_msgs/msg/Spectrum', RESULT),
+    'features': ('std_msgs/msg/Float64MultiArray', RESULT),
+}
+"""Our own topics, subscribed to before anybody publishes them, so that no first block is lost.
+
+A publisher that offers less than this is found at once and subscribed to as it offers.
+"""
+
+SPECS = (
+    Spec(
+        name='output',
+        default='',
+        description='Bag folder to make, or one file if it ends in .mcap; never overwritten. '
+        "'': bearing_twin_DATE-TIME in the working directory.",
+        running=False,
+    ),
+    Spec(
+        name='topics',
+        default=[''],
+        description='Topics to record, relative names resolved; none given, and no regex: all.',
+        running=False,
+    ),
+    Spec(
+        name='regex',
+        default='',
+        description='Record the topics whose whole name matches, besides those of topics.',
+        running=False,
+    ),
+    Spec(
+        name='exclude',
+        default='',
+        description='Do not record topics whose whole name matches this regular expression.',
+        running=False,
+    ),
+    Spec(
+        name='include_hidden',
+        default=False,
+        description='Record hidden topics (a part of the name begins with _) too.',
+        running=False,
+    ),
+    Spec(
+        name='max_bag_size',
+        default=0,
+        description='Size after which a new file is begun; 0: never.',
+        unit='MiB',
+        low=0,
+        high=1_000_000,
+        running=False,
+    ),
+    Spec(
+        name='max_bag_duration',
+        default=0.0,
+        description='Time after which a new file is begun; 0: never.',
+        unit='s',
+        low=0.0,
+        high=1e7,
+        running=False,
+    ),
+    Spec(
+        name='compression',
+        default='zstd',
+        description='Compression of the chunks.',
+        choices=('zstd', 'lz4', 'none'),
+        running=False,
+    ),
+    Spec(
+        name='max_cache_size',
+        default=64,
+        description='Memory for messages that wait while the disk takes none.',
+        unit='MiB',
+        low=1,
+        high=100_000,
+        running=False,
+    ),
+    Spec(
+        name='flush_period',
+        default=0.5,
+        description='Most recorded time that a crash can lose.',
+        unit='s',
+        low=0.05,
+        high=60.0,
+        running=False,
+    ),
+    Spec(
+        name='fsync',
+        default=False,
+        description='Wait for the disk at each flush, so that it holds for power loss too.',
+        running=False,
+    ),
+    Spec(
+        name='storage_limit',
+        default=0,
+        description='Most space the recording may take; 0: no limit. At the limit it stops.',
+        unit='MiB',
+        low=0,
+        high=100_000_000,
+        running=False,
+    ),
+    Spec(
+        name='delete_oldest',
+        default=False,
+        description='At the limit delete the oldest file of this recording instead of stopping; '
+        'needs max_bag_size or max_bag_duration.',
+        running=False,
+    ),
+    Spec(
+        name='snapshot',
+        default=False,
+        description='Keep the last seconds in memory and write them only when the diagnosis turns '
+        'to fault or ~/snapshot is called.',
+        running=False,
+    ),
+    Spec(
+        name='snapshot_before',
+        default=30.0,
+        description='Time that a snapshot reaches back.',
+        unit='s',
+        low=0.0,
+        high=3600.0,
+        running=False,
+    ),
+    Spec(
+        name='snapshot_after',
+        default=10.0,
+        description='Time that a snapshot goes on.',
+        unit='s',
+        low=0.0,
+        high=3600.0,
+        running=False,
+    ),
+    Spec(
+        name='snapshot_memory',
+        default=256,
+        description='Most memory for the seconds before.',
+        unit='MiB',
+        low=1,
+        high=100_000,
+        running=False,
+    ),
+    Spec(
+        name='rerun_file',
+        default='',
+        description="Rerun recording (.rrd) to write too; '': none.",
+        running=False,
+    ),
+    Spec(
+        name='rerun_port',
+        default=0,
+        description='Port of a Rerun server for live viewers; 0: none (usual: 9876).',
+        low=0,
+        high=65535,
+        running=False,
+    ),
+    Spec(
+        name='rerun_address',
+        default='127.0.0.1',
+        description='Address the Rerun server binds to; 0.0.0.0 lets other machines in.',
+        running=False,
+    ),
+)
 
 
 class RecorderNode(ManagedNode):
@@ -60,7 +225,8 @@ class RecorderNode(ManagedNode):
         """Make the recording; say what a crash has left."""
         p = self.parameters
         named = {self.resolve_topic_name(topic) for topic in p['topics'] if topic}
-        self._choice = TopicChoice(p.values, named)
+        choice = TopicChoice(p.values, named)
+        self._topics = RawSubscriptions(self, choice, self._on_message)
         self._writer = build_writer(p.values)
         try:
             self._begin()
@@ -76,17 +242,14 @@ class RecorderNode(ManagedNode):
             self.get_logger().warning(
                 f"{path} was not finished: 'bearing-twin recover {path}' saves what is in it"
             )
-        self._subscriptions_of: dict[str, Subscription[Any]] = {}
-        self._types: dict[str, str] = {}
-        self._received: dict[str, int] = {}
+        self._arrivals = ArrivalTimes()
         self._qos: dict[str, str] = {}
-        self._left_out: dict[str, str] = {}
-        self._early: deque[tuple[str, bytes, MessageInfo]] = deque(maxlen=SUBSCRIPTION_DEPTH)
+        self._early: deque[tuple[str, str, bytes, MessageInfo]] = deque(maxlen=SUBSCRIPTION_DEPTH)
         self._lost = 0
         self._longest_wait = 0
         self._answers = [
-            self.create_service(Trigger, '~/split', self._on_split),
-            self.create_service(Trigger, '~/snapshot', self._on_snapshot),
+            self.offer('~/split', self._split),
+            self.offer('~/snapshot', self._snapshot),
         ]
         self._health = Health(self, self.get_namespace())
         self._watch = RecordingWatch(self._writer, self.parameters.values, self.get_logger())
@@ -94,25 +257,19 @@ class RecorderNode(ManagedNode):
 
     def start(self) -> None:
         """Subscribe, and look for new topics from now on."""
-        for name, (type_name, qos) in EXPECTED.items():
-            topic = self.resolve_topic_name(name)
-            if topic in self._choice:
-                self._subscribe(topic, type_name, deepened(qos))
+        self._topics.expect(EXPECTED)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._timers_of_recording = [
-            self.create_timer(DISCOVERY_PERIOD, self._discover, clock=steady),
+            self.create_timer(DISCOVERY_PERIOD, self._topics.discover, clock=steady),
             self.create_timer(self.parameters['flush_period'], self._flush, clock=steady),
         ]
-        self._discover()
+        self._topics.discover()
 
     def stop(self) -> None:
         """Write what has arrived; unsubscribe from everything."""
         for timer in self._timers_of_recording:
             self.destroy_timer(timer)
-        self._take_what_waits()
-        for subscription in self._subscriptions_of.values():
-            self.destroy_subscription(subscription)
-        self._subscriptions_of.clear()
+        self._topics.close()
         if self._early:
             self._lost += len(self._early)
             get_logger(LOGGER).error(
@@ -120,21 +277,6 @@ class RecorderNode(ManagedNode):
             )
             self._early.clear()
         self._flush()
-
-    def _take_what_waits(self) -> None:
-        """Write what the middleware holds: their publishers believe that it has been received."""
-        waiting: list[tuple[str, bytes, MessageInfo]] = []
-        for topic, subscription in self._subscriptions_of.items():
-            with subscription.handle:
-                # No more than can have waited: some publisher may go on without a pause.
-                for _ in range(SUBSCRIPTION_DEPTH):
-                    taken = subscription.handle.take_message(subscription.msg_type, True)
-                    if taken is None:
-                        break
-                    waiting.append((topic, *taken))
-        # In the order in which it came, since simulated time may be the same for all of it.
-        for message in sorted(waiting, key=lambda m: m[2]['received_timestamp'] or 0):
-            self._on_message(*message)
 
     def teardown(self) -> None:
         """Finish the recording."""
@@ -149,75 +291,31 @@ class RecorderNode(ManagedNode):
             f'{self._writer.size / 1e6:.1f} MB, {self._writer.dropped} lost'
         )
 
-    def _discover(self) -> None:
-        for topic, _ in self.get_topic_names_and_types():
-            if topic not in self._choice or topic in self._left_out:
-                continue
-            publishers = self.get_publishers_info_by_topic(topic)
-            if not publishers:
-                continue
-            try:
-                type_name = published_type(publishers)
-                qos = subscription_qos(publishers)
-                known = self._subscriptions_of.get(topic)
-                if known is None or (
-                    self._types[topic] != type_name or not matches(known.qos_profile, qos)
-                ):
-                    self._subscribe(topic, type_name, qos)
-            except BearingTwinError as error:
-                self._unsubscribe(topic)
-                self._left_out[topic] = str(error)
-                self.get_logger().error(f'{topic} is not recorded: {error}')
-
-    def _subscribe(self, topic: str, type_name: str, qos: QoSProfile) -> None:
-        message_schema(type_name)
-        self._unsubscribe(topic)
-
-        def on_message(cdr: bytes, info: MessageInfo) -> None:
-            self._on_message(topic, cdr, info)
-
-        self._types[topic] = type_name
-        self._subscriptions_of[topic] = self.create_subscription(
-            message_class(type_name),
-            topic,
-            on_message,
-            qos,
-            raw=True,
-            event_callbacks=SubscriptionEventCallbacks(message_lost=self._on_lost),
-        )
-
-    def _unsubscribe(self, topic: str) -> None:
-        former = self._subscriptions_of.pop(topic, None)
-        if former is not None:
-            self.destroy_subscription(former)
-
-    def _on_message(self, topic: str, cdr: bytes, info: MessageInfo) -> None:
+    def _on_message(self, topic: str, type_name: str, cdr: bytes, info: MessageInfo) -> None:
         if info['received_timestamp']:
             waited = time.time_ns() - info['received_timestamp']
             self._longest_wait = max(self._longest_wait, waited)
         received = self._log_time(topic, info)
         if not received:
             self._lost += len(self._early) == self._early.maxlen
-            self._early.append((topic, cdr, info))
+            self._early.append((topic, type_name, cdr, info))
             return
         while self._early:
             early = self._early.popleft()
             self._write(*early, received)
-        self._write(topic, cdr, info, received)
+        self._write(topic, type_name, cdr, info, received)
 
     def _log_time(self, topic: str, info: MessageInfo) -> int:
         """Return when a message was received, ns; 0 while /clock has not been heard of."""
         if self.get_parameter('use_sim_time').value:
             # It may jump back, as a recording that is played in a loop does; the log follows it.
             return int(self.get_clock().now().nanoseconds)
-        received = info['received_timestamp'] or time.time_ns()
-        # What is sent again after a loss arrives late and is handed out in order: by the time of
-        # its arrival it would stand behind messages that follow it.
-        self._received[topic] = max(received, self._received.get(topic, 0))
-        return self._received[topic]
+        now = time.time_ns()
+        return self._arrivals.of(topic, info['received_timestamp'] or now, now=now)
 
-    def _write(self, topic: str, cdr: bytes, info: MessageInfo, received: int) -> None:
-        type_name = self._types[topic]
+    def _write(
+        self, topic: str, type_name: str, cdr: bytes, info: MessageInfo, received: int
+    ) -> None:
         qos = self._qos.get(topic)
         if qos is None:
             qos = self._qos[topic] = self._offered(topic)
@@ -240,9 +338,6 @@ class RecorderNode(ManagedNode):
             # Told to end: rclpy answers no more, and what has come is written nevertheless.
             return ''
 
-    def _on_lost(self, info: QoSMessageLostInfo) -> None:
-        self._lost += info.total_count_change
-
     def _flush(self) -> None:
         before = self._writer.problem
         self._writer.flush()
@@ -251,40 +346,30 @@ class RecorderNode(ManagedNode):
         elif before and not self._writer.problem:
             self.get_logger().info('the disk takes data again: recording goes on')
 
-    def _on_split(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def _split(self) -> str:
         if isinstance(self._writer, SnapshotWriter):
-            response.message = 'each snapshot has a file of its own'
-            return response
-        try:
-            self._writer.split()
-        except BearingTwinError as error:
-            response.message = str(error)
-            return response
-        response.success = True
-        return response
+            msg = 'each snapshot has a file of its own'
+            raise BearingTwinError(msg)
+        self._writer.split()
+        return ''
 
-    def _on_snapshot(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        try:
-            self._watch.snapshot(self.get_clock().now().nanoseconds)
-        except BearingTwinError as error:
-            response.message = str(error)
-            return response
-        response.success = True
-        response.message = str(self._writer.path)
-        return response
+    def _snapshot(self) -> str:
+        self._watch.snapshot(self.get_clock().now().nanoseconds)
+        return str(self._writer.path)
 
     def _status(self) -> Status:
-        writer = self._writer
+        writer, left_out = self._writer, self._topics.left_out
+        lost = self._lost + self._topics.lost
         values = {
             'output': writer.path,
             'messages written': writer.written,
             'messages lost by the disk': writer.dropped,
-            'messages lost on the way': self._lost,
+            'messages lost on the way': lost,
             'longest wait of a message [s]': self._longest_wait / NANO,
             'pictures not shown to live viewers': self._watch.pictures_dropped,
             'size [MB]': writer.size / 1e6,
-            'topics': len(self._subscriptions_of),
-            **{f'not recorded: {topic}': reason for topic, reason in self._left_out.items()},
+            'topics': len(self._topics),
+            **{f'not recorded: {topic}': reason for topic, reason in left_out.items()},
             **{f'unfinished {i}': path for i, path in enumerate(self._unfinished)},
         }
         self._longest_wait = 0
@@ -292,15 +377,47 @@ class RecorderNode(ManagedNode):
             return Status(
                 Level.ERROR, f'not recording: {writer.stopped or writer.problem}', values
             )
-        if self._left_out or self._lost or self._watch.problem or self._early:
+        if left_out or lost or self._watch.problem or self._early:
             texts = [
                 'waiting for the first time on /clock' if self._early else '',
-                f'{len(self._left_out)} topics are not recorded' if self._left_out else '',
-                f'{self._lost} messages were lost on the way' if self._lost else '',
+                f'{len(left_out)} topics are not recorded' if left_out else '',
+                f'{lost} messages were lost on the way' if lost else '',
                 self._watch.problem,
             ]
             return Status(Level.WARN, '; '.join(filter(None, texts)), values)
         return Status(Level.OK, 'recording', values)
+
+
+def build_writer(values: Mapping[str, Any]) -> RecordingWriter | SnapshotWriter:
+    """
+    Return the writer that the parameters describe, its file made.
+
+    Raises
+    ------
+    BearingTwinError
+        If it exists or cannot be made, or the parameters do not fit together.
+
+    """
+    path = Path(values['output'] or f'bearing_twin_{datetime.now():%Y%m%d-%H%M%S}')
+    options = WriterOptions(
+        compression=values['compression'],
+        flush_period=values['flush_period'],
+        split_size=values['max_bag_size'] * MIB,
+        split_duration=values['max_bag_duration'],
+        storage_limit=values['storage_limit'] * MIB,
+        delete_oldest=values['delete_oldest'],
+        cache_size=values['max_cache_size'] * MIB,
+        fsync=values['fsync'],
+    )
+    if not values['snapshot']:
+        return RecordingWriter(path, options)
+    return SnapshotWriter(
+        path,
+        options,
+        before=values['snapshot_before'],
+        after=values['snapshot_after'],
+        memory=values['snapshot_memory'] * MIB,
+    )
 
 
 def main(args: list[str] | None = None) -> int:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 import math
 from pathlib import Path
 import sys
@@ -22,7 +23,6 @@ from bearing_twin.ros.qos import RESULT
 from bearing_twin.ros.rawtopics import message_class, replay_qos
 from rclpy.duration import Duration
 from rosgraph_msgs.msg import Clock
-from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -91,12 +91,9 @@ class ReplayNode(ManagedNode):
             self.create_publisher(Clock, '/clock', RESULT) if p['clock_rate'] else None
         )
         self._answers = [
-            self.create_service(Trigger, f'~/{name}', answer)
-            for name, answer in (
-                ('pause', self._on_pause),
-                ('resume', self._on_resume),
-                ('step', self._on_step),
-            )
+            self.offer('~/pause', partial(self._set_paused, paused=True)),
+            self.offer('~/resume', partial(self._set_paused, paused=False)),
+            self.offer('~/step', self._step),
         ]
         self._wake = threading.Condition()
         self._problem = ''
@@ -214,34 +211,26 @@ class ReplayNode(ManagedNode):
         if self.parameters['exit_at_end']:
             self.context.try_shutdown()
 
-    def _on_pause(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        return self._set_paused(True, response)
-
-    def _on_resume(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        return self._set_paused(False, response)
-
-    def _set_paused(self, paused: bool, response: Trigger.Response) -> Trigger.Response:
+    def _set_paused(self, *, paused: bool) -> str:
         with self._wake:
             self._player.wait(time.monotonic())
             self._player.paused = paused
             self._wake.notify()
-        response.success = True
-        response.message = f'{"paused" if paused else "playing"} at {self._player.position} ns'
-        return response
+        return f'{"paused" if paused else "playing"} at {self._player.position} ns'
 
-    def _on_step(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def _step(self) -> str:
         with self._wake:
             if not self._player.paused:
-                response.message = "not paused; call '~/pause' first"
-                return response
+                msg = "not paused; call '~/pause' first"
+                raise BearingTwinError(msg)
             message = self._player.step()
-            if message is not None:
-                self._publish(message)
-                self._publish_clock()
+            if message is None:
+                msg = 'at the end'
+                raise BearingTwinError(msg)
+            self._publish(message)
+            self._publish_clock()
             self._wake.notify()
-        response.success = message is not None
-        response.message = f'{message.topic} at {message.log_time} ns' if message else 'at the end'
-        return response
+        return f'{message.topic} at {message.log_time} ns'
 
     def _status(self) -> Status:
         player = self._player

@@ -10,7 +10,6 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.streams.statefile import StateFolder
 from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
 from rclpy.parameter import Parameter
-from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -56,10 +55,10 @@ class TwinServices:
         self._reset, self._save, self._load = reset, save, load
         self._prefix = prefix
         self._states = StateFolder(parameters['state_directory'])
-        self._services = [
+        self._services = [node.offer(f'{path}/reset', self._restart)]
+        self._services += [
             node.create_service(kind, f'{path}/{name}', answer)
             for kind, name, answer in (
-                (Trigger, 'reset', self._on_reset),
                 (SaveState, 'save_state', self._on_save),
                 (LoadState, 'load_state', self._on_load),
                 (InjectDefect, 'inject_defect', self._on_inject),
@@ -71,11 +70,9 @@ class TwinServices:
         for service in self._services:
             self._node.destroy_service(service)
 
-    def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def _restart(self) -> str:
         self._reset()
-        response.success = True
-        response.message = f'back at the start with seed {self._parameters["seed"]}'
-        return response
+        return f'back at the start with seed {self._parameters["seed"]}'
 
     def _on_save(
         self, request: SaveState.Request, response: SaveState.Response

@@ -39,6 +39,8 @@ __all__ = ['OfflineReport', 'run_offline']
 
 TEMPERATURE = 'sensor_msgs/msg/Temperature'
 JOINTS = 'sensor_msgs/msg/JointState'
+LONGEST_PAUSE = 86_400 * NANO
+"""Time without an input that a run goes over, ns: a day; a stepped clock leaves years."""
 AHEAD, BATCH = 200, 25
 """Blocks that the twin may be ahead of the diagnosis, and that it hands over at a time."""
 
@@ -108,7 +110,8 @@ def run_offline(
     Raises
     ------
     BearingTwinError
-        If there is no temperature in the source, or parameters or target do not fit.
+        If there is no temperature in the source, its inputs pause for more than a day, or
+        parameters or target do not fit.
 
     """
     info = recording_info(source)
@@ -199,7 +202,7 @@ class _TwinSide:
         self._shaft = ShaftSpeed(nominal=twin['shaft_hz'], joint=twin['joint'], highest=100.0)
         self._speed = ShaftSpeed(nominal=math.nan, joint=joint)
         self._temperature = math.nan
-        self._start = start
+        self._start = self._latest = start
         self._next_sample = 0
         self._checkpoint_due = 0
 
@@ -208,10 +211,22 @@ class _TwinSide:
     ) -> Iterator[RecordedMessage | _Block]:
         """Yield inputs and blocks in their order; the last block ends before ``end`` (ns)."""
         for message in messages:
+            self._refuse_pause(message.log_time, f'the next message of {message.topic}')
             yield from self._blocks_until(message.log_time)
             yield message
             self._take(message)
+        self._refuse_pause(end, 'the end of the recording')
         yield from self._blocks_until(end)
+
+    def _refuse_pause(self, time: int, what: str) -> None:
+        if time - self._latest > LONGEST_PAUSE:
+            msg = (
+                f'{what} is {(time - self._latest) / NANO:.0f} s after the input before it; '
+                f'an offline run goes over {LONGEST_PAUSE // NANO} s at most: was the clock set '
+                'while it was recorded? Run the parts one by one'
+            )
+            raise BearingTwinError(msg)
+        self._latest = time
 
     def _take(self, message: RecordedMessage) -> None:
         with known_fields(message.topic, message.type_name):

@@ -74,7 +74,7 @@ class BlockCycle:
         self._statistics = CycleStatistics()
         self._began = 0.0
         self._busy = 0.0
-        self._cycle_began = 0
+        self._cycle_began: int | None = None
         self._woken = time.monotonic()
         if parameters['lock_memory']:
             realtime.lock_memory()
@@ -153,6 +153,7 @@ class BlockCycle:
             self._busy += time.perf_counter() - began
 
     def _finish_cycle(self, ticks: int) -> None:
-        if self._busy:
+        # What is done between the blocks before the first one belongs to no cycle.
+        if self._cycle_began is not None:
             self._statistics.add(self._cycle_began / NANO, self._busy)
         self._cycle_began, self._busy = ticks, 0.0

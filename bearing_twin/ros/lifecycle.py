@@ -18,14 +18,19 @@ from bearing_twin.ros.compiling import is_compiling, prepare
 from bearing_twin.ros.executor import LeanExecutor
 from bearing_twin.ros.launching import ensure_log_folder
 from bearing_twin.ros.parameters import ParameterSet
+from bearing_twin.ros.subscribing import validated
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
+from rosgraph_msgs.msg import Clock
+from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from rclpy.lifecycle import LifecycleState
+    from rclpy.service import Service
+    from rclpy.subscription import MessageInfo, Subscription
 
 __all__ = ['AUTOSTART', 'ManagedNode', 'run']
 
@@ -64,6 +69,37 @@ class ManagedNode(LifecycleNode):
         self.parameters = ParameterSet(
             self, (*specs, AUTOSTART), check=self.check, apply=self._apply, locked=self._is_locked
         )
+
+    def create_subscription(
+        self, msg_type: Any, topic: str, callback: Any, *args: Any, **kwargs: Any
+    ) -> Subscription[Any]:
+        """Subscribe; rclpy's own subscription to /clock gets valid times only."""
+        if msg_type is Clock and not kwargs.get('raw', False):
+            callback, kwargs['raw'] = validated(self, Clock, topic, _without_info(callback)), True
+        return super().create_subscription(msg_type, topic, callback, *args, **kwargs)
+
+    def offer(self, name: str, action: Callable[[], str]) -> Service[Any, Any]:
+        """
+        Create a ``std_srvs/Trigger`` service.
+
+        Parameters
+        ----------
+        name
+            Its name.
+        action
+            Returns the message of the answer; a BearingTwinError refuses the request.
+
+        """
+
+        def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+            try:
+                response.message = action()
+                response.success = True
+            except BearingTwinError as error:
+                response.message = str(error)
+            return response
+
+        return self.create_service(Trigger, name, answer)
 
     def prepare(self) -> None:
         """Compile what is compiled at the first start; in a thread, while services answer."""
@@ -175,6 +211,10 @@ class ManagedNode(LifecycleNode):
             self.get_logger().fatal(traceback.format_exc())
             return TransitionCallbackReturn.ERROR
         return TransitionCallbackReturn.SUCCESS
+
+
+def _without_info(callback: Callable[[Any], None]) -> Callable[[Any, MessageInfo], None]:
+    return lambda message, _: callback(message)
 
 
 def _never_wait_for_the_network() -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Subscriptions that take bytes from anybody: what is no message is refused, and said."""
+"""Validates incoming messages: malformed ones are rejected and logged."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.qos import OVERRIDES, own
+from bearing_twin.stamps import LATEST, NANO, stamp_ns
 from rclpy.serialization import deserialize_message
+from rosgraph_msgs.msg import Clock
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
     from rclpy.subscription import MessageInfo, Subscription
 
-__all__ = ['read_message', 'subscribe']
+__all__ = ['read_message', 'subscribe', 'validated']
 
 HEADER = 4
 """Bytes before the message: its encoding, and how many bytes of padding end it."""
@@ -72,15 +74,39 @@ def subscribe(
         Profile, where no parameter says otherwise.
 
     """
+    return node.create_subscription(
+        kind,
+        topic,
+        validated(node, kind, topic, callback),
+        own(qos),
+        raw=True,
+        qos_overriding_options=OVERRIDES,
+    )
+
+
+def validated(
+    node: Node, kind: Any, topic: str, callback: Callable[[Any, MessageInfo], None]
+) -> Callable[[bytes, MessageInfo], None]:
+    """Return a callback for the bytes of messages; ``callback`` gets the valid ones."""
 
     def on_bytes(cdr: bytes, info: MessageInfo) -> None:
         try:
             message = read_message(cdr, kind)
+            if kind is Clock:
+                _check_time(message)
         except BearingTwinError as error:
             node.get_logger().warning(f'{topic}: {error}', throttle_duration_sec=10.0)
             return
         callback(message, info)
 
-    return node.create_subscription(
-        kind, topic, on_bytes, own(qos), raw=True, qos_overriding_options=OVERRIDES
-    )
+    return on_bytes
+
+
+def _check_time(message: Clock) -> None:
+    """Raise BearingTwinError for a time that no stamp carries: rclpy would end the node."""
+    if not 0 <= stamp_ns(message.clock) <= LATEST:
+        msg = (
+            f'time {message.clock.sec} s + {message.clock.nanosec} ns is outside '
+            f'0..{LATEST // NANO} s: refused'
+        )
+        raise BearingTwinError(msg)

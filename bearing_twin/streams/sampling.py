@@ -19,6 +19,16 @@ __all__ = ['BlockBuilder', 'SampledBlock', 'SequenceTracker', 'StampTracker', 's
 ESTIMATE_FROM = 256
 """Stamps from which an unknown sample rate is estimated."""
 
+LONGEST_ESTIMATE = 4 * ESTIMATE_FROM
+"""Time from the first to the last of these stamps, in median steps, above which a pause or a
+stepped clock lies among them: the memory that the estimate takes grows with it."""
+
+LONGEST_GAP = 3600 * NANO
+"""Step of the stamps above which the clock was set and no samples are missing, ns."""
+
+MOST_MESSAGES = 1_000_000
+"""Step of a message number above which the publisher was restarted."""
+
 FOLLOW = 0.02
 """Part of a stamp's deviation by which the expected time of the next one is corrected."""
 
@@ -103,8 +113,9 @@ class StampTracker:
         Returns
         -------
         int
-            0 where it follows the last one; negative where its stamp lies so far back that the
-            clock was set back or the source restarted. While :attr:`rate` is 0 the answer is 0.
+            0 where it follows the last one; negative where its stamp lies so far back, or more
+            than an hour ahead, that the clock was set or the source restarted. While
+            :attr:`rate` is 0 the answer is 0.
 
         """
         if not self.rate:
@@ -118,7 +129,7 @@ class StampTracker:
         error = stamp - self._expected
         tolerated = min(LEAST_TOLERATED + 4.0 * self._jitter, MOST_TOLERATED) * period
         if abs(error) > tolerated:
-            gap = round(error / period) or -1
+            gap = (round(error / period) or -1) if error <= LONGEST_GAP else -1
             self._since = (stamp, -1)
             self._expected = float(stamp)
             error = 0.0
@@ -135,8 +146,13 @@ class StampTracker:
         if len(self._first) < ESTIMATE_FROM:
             return
         seconds = (np.array(self._first, dtype=np.int64) - self._first[0]) / NANO
+        steps = np.diff(seconds)
+        usual = float(np.median(steps))
+        if seconds[-1] > LONGEST_ESTIMATE * usual:
+            del self._first[: int(steps.argmax()) + 1]
+            return
         # The rate at which the stamps beat together: neither missing samples nor jitter shift it.
-        about = 1.0 / float(np.median(np.diff(seconds)))
+        about = 1.0 / usual
         rates = np.arange(0.9 * about, 1.1 * about, 0.05 / seconds[-1])
         beat = np.abs(np.exp(2j * math.pi * np.outer(rates, seconds)).sum(axis=1))
         self.rate = float(rates[beat.argmax()])
@@ -152,7 +168,7 @@ class SequenceTracker:
 
     def missing(self, source: object, number: int | None) -> int:
         """
-        Return the messages missing before this one; negative after a change of source.
+        Return the messages missing before this one; negative after a new or restarted source.
 
         Parameters
         ----------
@@ -166,6 +182,7 @@ class SequenceTracker:
         gap = -1 if changed else 0
         if not changed and number is not None and self._last is not None:
             gap = max(0, number - self._last - 1)
+            gap = gap if gap <= MOST_MESSAGES else -1
         self._source, self._last = source, number
         return gap
 

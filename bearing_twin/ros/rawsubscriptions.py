@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Subscriptions to topics of any type, made as the topics come up; messages as bytes."""
+
+from __future__ import annotations
+
+import re
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.schema import message_schema
+from bearing_twin.ros.rawtopics import (
+    deepened,
+    matches,
+    message_class,
+    published_type,
+    SUBSCRIPTION_DEPTH,
+    subscription_qos,
+)
+from rclpy.event_handler import SubscriptionEventCallbacks
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from rclpy.event_handler import QoSMessageLostInfo
+    from rclpy.node import Node
+    from rclpy.qos import QoSProfile
+    from rclpy.subscription import MessageInfo, Subscription
+
+    OnMessage = Callable[[str, str, bytes, MessageInfo], None]
+
+__all__ = ['RawSubscriptions', 'TopicChoice']
+
+
+class TopicChoice:
+    """
+    Which topics are subscribed to.
+
+    Parameters
+    ----------
+    values
+        Parameters ``regex``, ``exclude`` and ``include_hidden`` of the node.
+    resolved
+        Names of the parameter ``topics``, resolved.
+
+    Raises
+    ------
+    BearingTwinError
+        If a regular expression cannot be read.
+
+    """
+
+    def __init__(self, values: Mapping[str, Any], resolved: set[str]) -> None:
+        self._named = resolved
+        self._regex = _compiled('regex', values['regex'])
+        self._exclude = _compiled('exclude', values['exclude'])
+        self._hidden = bool(values['include_hidden'])
+
+    def __contains__(self, topic: str) -> bool:
+        """Whether ``topic`` is chosen."""
+        if topic in self._named:
+            return True
+        if self._exclude is not None and self._exclude.fullmatch(topic):
+            return False
+        if not self._hidden and any(part.startswith('_') for part in topic.split('/')):
+            return False
+        if self._regex is not None:
+            return bool(self._regex.fullmatch(topic))
+        return not self._named
+
+
+class RawSubscriptions:
+    """
+    Subscribe to chosen topics in the type and QoS in which they are published.
+
+    Parameters
+    ----------
+    node
+        The node.
+    choice
+        Topics to subscribe to.
+    on_message
+        Called with topic, type, bytes and what is known of the way of each message.
+
+    """
+
+    def __init__(self, node: Node, choice: TopicChoice, on_message: OnMessage) -> None:
+        self.lost = 0
+        """Messages lost on the way."""
+        self.left_out: dict[str, str] = {}
+        """Why a topic is not subscribed to."""
+        self._node = node
+        self._choice = choice
+        self._on_message = on_message
+        self._types: dict[str, str] = {}
+        self._subscriptions: dict[str, Subscription[Any]] = {}
+
+    def __len__(self) -> int:
+        """Return the number of topics subscribed to."""
+        return len(self._subscriptions)
+
+    def expect(self, topics: Mapping[str, tuple[str, QoSProfile]]) -> None:
+        """Subscribe, before anybody publishes them, to chosen ones of these types and QoS."""
+        for name, (type_name, qos) in topics.items():
+            topic = self._node.resolve_topic_name(name)
+            if topic in self._choice:
+                self._subscribe(topic, type_name, deepened(qos))
+
+    def discover(self) -> None:
+        """Subscribe to new topics; anew where type or QoS of a topic has changed."""
+        for topic, _ in self._node.get_topic_names_and_types():
+            if topic not in self._choice or topic in self.left_out:
+                continue
+            publishers = self._node.get_publishers_info_by_topic(topic)
+            if not publishers:
+                continue
+            try:
+                type_name = published_type(publishers)
+                qos = subscription_qos(publishers)
+                known = self._subscriptions.get(topic)
+                if known is None or (
+                    self._types[topic] != type_name or not matches(known.qos_profile, qos)
+                ):
+                    self._subscribe(topic, type_name, qos)
+            except BearingTwinError as error:
+                self._unsubscribe(topic)
+                self.left_out[topic] = str(error)
+                self._node.get_logger().error(f'{topic} is not recorded: {error}')
+
+    def close(self) -> None:
+        """Unsubscribe from everything."""
+        self._unsubscribe(*self._subscriptions)
+
+    def _subscribe(self, topic: str, type_name: str, qos: QoSProfile) -> None:
+        message_schema(type_name)
+        self._unsubscribe(topic)
+
+        def on_bytes(cdr: bytes, info: MessageInfo) -> None:
+            self._on_message(topic, type_name, cdr, info)
+
+        self._types[topic] = type_name
+        self._subscriptions[topic] = self._node.create_subscription(
+            message_class(type_name),
+            topic,
+            on_bytes,
+            qos,
+            raw=True,
+            event_callbacks=SubscriptionEventCallbacks(message_lost=self._on_lost),
+        )
+
+    def _unsubscribe(self, *topics: str) -> None:
+        """Take what the middleware holds, which its publishers count as received; unsubscribe."""
+        former = {t: self._subscriptions.pop(t) for t in topics if t in self._subscriptions}
+        waiting: list[tuple[str, bytes, MessageInfo]] = []
+        for topic, subscription in former.items():
+            with subscription.handle:
+                # No more than can have waited: some publisher may go on without a pause.
+                for _ in range(SUBSCRIPTION_DEPTH):
+                    taken = subscription.handle.take_message(subscription.msg_type, True)
+                    if taken is None:
+                        break
+                    waiting.append((topic, *taken))
+        # In the order in which it came, since simulated time may be the same for all of it.
+        for topic, cdr, info in sorted(waiting, key=lambda m: m[2]['received_timestamp'] or 0):
+            self._on_message(topic, self._types[topic], cdr, info)
+        for subscription in former.values():
+            self._node.destroy_subscription(subscription)
+
+    def _on_lost(self, info: QoSMessageLostInfo) -> None:
+        self.lost += info.total_count_change
+
+
+def _compiled(name: str, text: str) -> re.Pattern[str] | None:
+    try:
+        return re.compile(text) if text else None
+    except re.error as error:
+        msg = f"{name}='{text}' is no regular expression: {error}"
+        raise BearingTwinError(msg) from None

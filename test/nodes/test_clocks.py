@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Clocks that are set, and stamps that make no sense, end no node and fill no memory."""
+
+import time
+import tracemalloc
+
+from bearing_twin.assets.messages import time_message
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.offline.run import run_offline
+from bearing_twin.recording.reader import recording_info
+from bearing_twin.recording.schedule import write_temperature_recording
+from bearing_twin.stamps import NANO
+from bearing_twin.streams.arrival import ArrivalTimes
+from bearing_twin.streams.sampling import SequenceTracker, StampTracker
+import numpy as np
+import pytest
+
+pytest.importorskip('rclpy')
+
+from bearing_twin.assets.spec import Spec
+from bearing_twin.ros import realtime
+from bearing_twin.ros.cycle import BlockCycle
+from bearing_twin.ros.lifecycle import ManagedNode
+from builtin_interfaces.msg import Time
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rosgraph_msgs.msg import Clock
+
+UPTIME, EPOCH = 1000 * NANO, 1_700_000_000 * NANO
+PERIOD = NANO // 1000
+
+
+def heard(tracker, stamps):
+    """Return what is missing before each sample, and the most memory that it took, bytes."""
+    tracemalloc.start()
+    missing = [tracker.missing(stamp) for stamp in stamps]
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return missing, peak
+
+
+@pytest.mark.parametrize('later', [UPTIME + 60 * NANO, EPOCH])
+def test_a_step_of_the_stamps_while_the_rate_is_estimated_takes_no_memory(later):
+    stamps = [start + k * PERIOD for start in (UPTIME, later) for k in range(200)]
+    tracker = StampTracker(0.0)
+    missing, peak = heard(tracker, [*stamps, *(later + k * PERIOD for k in range(200, 300))])
+    assert peak < 100e6
+    assert tracker.rate == pytest.approx(1000.0, rel=1e-3)
+    assert not any(missing)
+
+
+def test_a_step_from_uptime_to_the_epoch_is_a_restart_and_an_hour_is_a_gap():
+    tracker = StampTracker(1000.0)
+    stamps = [UPTIME + k * PERIOD for k in range(10)]
+    assert not any(heard(tracker, stamps)[0])
+    assert tracker.missing(stamps[-1] + PERIOD + 3000 * NANO) == 3_000_000
+    assert tracker.missing(EPOCH) == -1
+    assert tracker.missing(EPOCH + PERIOD) == 0
+
+
+def test_a_message_number_out_of_all_reason_is_a_restart():
+    tracker = SequenceTracker()
+    tracker.missing('a', 1)
+    assert tracker.missing('a', 2**63) == -1
+
+
+def test_two_temperatures_a_billion_seconds_apart_make_no_endless_run(tmp_path):
+    source = tmp_path / 'source.mcap'
+    write_temperature_recording(
+        source, np.array([0.0, 1.0, 1e9]), np.array([20.0, 30.0, 40.0]), source='test'
+    )
+    with pytest.raises(BearingTwinError, match='999999999 s after the input before it'):
+        run_offline(source, tmp_path / 'run')
+    assert recording_info(tmp_path / 'run').finished
+
+
+def test_the_time_of_arrival_follows_a_clock_that_is_set_back():
+    arrivals = ArrivalTimes()
+    assert arrivals.of('a', EPOCH, now=EPOCH + 5) == EPOCH
+    # Handed out in order, received late.
+    assert arrivals.of('a', EPOCH - NANO, now=EPOCH + 6) == EPOCH
+    back = EPOCH - 3600 * NANO
+    times = [arrivals.of('a', back + k, now=back + k + 1) for k in range(0, 50, 10)]
+    assert times == sorted(times)
+    assert times[-1] <= back + 41
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    'absurd', [Time(sec=-1), Time(sec=2**31 - 1, nanosec=2**32 - 1), Time(sec=-(2**31))]
+)
+def test_an_absurd_time_ends_no_node(nodes, probe, tmp_path, absurd):
+    nodes.start('diagnosis', {'use_sim_time': True})
+    probe.watch_diagnostics()
+    probe.until_active('diagnosis')
+    for _ in range(3):
+        probe.publish('/clock', Clock(clock=absurd))
+        probe.spin(0.1)
+    probe.until(
+        lambda: probe.clocks.get('diagnosis') == 50.0,
+        'a valid time',
+        every=lambda: probe.publish('/clock', Clock(clock=time_message(50 * NANO))),
+    )
+    assert nodes.end('diagnosis') == 0
+    assert 'is outside 0..' in (tmp_path / 'logs' / 'diagnosis.log').read_text()
+
+
+@pytest.mark.ros
+def test_work_before_the_first_block_is_no_cycle(ros_domain):
+    specs = (
+        *realtime.SPECS,
+        Spec(name='block_size', default=1024, description='Samples.'),
+        Spec(name='sample_rate', default=25600.0, description='Rate.'),
+    )
+    rclpy.init()
+    try:
+        node = ManagedNode('paced', specs)
+        cycle = BlockCycle(
+            node, node.parameters, lambda due: None, slots=4, between=lambda phase: None
+        )
+        node.active = True
+        cycle.start()
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+        end = time.monotonic() + 1.0
+        while time.monotonic() < end:
+            executor.spin_once(timeout_sec=0.05)
+        periodicity = cycle.status().values['periodicity [Hz]']
+        cycle.stop()
+    finally:
+        rclpy.shutdown()
+    average, slowest = float(periodicity.split()[0]), float(periodicity.split('[')[1].split()[0])
+    assert 20.0 < average < 30.0
+    assert slowest > 1.0
