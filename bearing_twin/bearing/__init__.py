@@ -1,8 +1,13 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Bearing geometry, fault frequencies, Hertz contact and the catalogue."""
+"""Bearing geometry, fault frequencies, ratings, Hertz contact and the catalogue."""
 
-from bearing_twin.bearing.catalogue import catalogue, find_bearing, own_bearing
+from bearing_twin.bearing.catalogue import (
+    catalogue,
+    close_bearings,
+    find_bearing,
+    own_bearing,
+)
 from bearing_twin.bearing.geometry import (
     Bearing,
     fault_frequencies,
@@ -13,6 +18,13 @@ from bearing_twin.bearing.hertz import (
     contact_stiffness,
     load_deflection_factor,
     radial_factor,
+)
+from bearing_twin.bearing.ratings import (
+    Balls,
+    basic_dynamic_rating,
+    basic_static_rating,
+    infer_balls,
+    static_factor,
 )
 from bearing_twin.bearing.vocabulary import (
     FAULT_CODES,
@@ -29,15 +41,21 @@ __all__ = [
     'PLACES',
     'RESULTS',
     'TITLES',
+    'Balls',
     'Bearing',
     'FaultFrequencies',
     'Place',
+    'basic_dynamic_rating',
+    'basic_static_rating',
     'catalogue',
+    'close_bearings',
     'contact_stiffness',
     'fault_frequencies',
     'fault_orders',
     'find_bearing',
+    'infer_balls',
     'load_deflection_factor',
     'own_bearing',
     'radial_factor',
+    'static_factor',
 ]

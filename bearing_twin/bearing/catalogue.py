@@ -9,6 +9,7 @@ import difflib
 import functools
 from importlib import resources
 import math
+import re
 from types import MappingProxyType
 from typing import Any, TYPE_CHECKING
 
@@ -18,55 +19,118 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ['catalogue', 'find_bearing', 'own_bearing']
+__all__ = ['catalogue', 'close_bearings', 'find_bearing', 'own_bearing']
+
+_MAKERS = 'skf|fag|ina|nsk|ntn|snr|koyo|nachi|timken|zkl|urb|fbj|c&u|schaeffler|jtekt'
+_SUFFIX = (
+    r'(?:-?2?(?:rs[a-z0-9]?|rz|z|ru|rd)|zz|vv|ddu?|ll[ubh]|c[2345]|cn|cm|e?tn9?|jem|m|j|n|nr)'
+)
+_WITH_SUFFIXES = rf'(?:(?:{_MAKERS})[ -]*)?(\d{{3,5}}(?:/\d\d)?)(?:[ /-]*{_SUFFIX})*'
+"""A designation with what changes neither balls nor pitch diameter."""
 
 
 @functools.cache
 def catalogue() -> Mapping[str, Bearing]:
-    """Return every bearing of the catalogue by name, each with the source of its geometry."""
+    """
+    Return every bearing of the catalogue by name, each with the source of its geometry.
+
+    Examples
+    --------
+    >>> catalogue()['6308'].n_balls
+    8
+
+    """
     text = resources.files('bearing_twin.bearing').joinpath('catalogue.csv').read_text('utf-8')
     bearings = (_bearing(row) for row in csv.DictReader(text.splitlines()))
     return MappingProxyType({bearing.name: bearing for bearing in bearings})
 
 
 def _bearing(row: dict[str, Any]) -> Bearing:
+    def known(column: str) -> float | None:
+        return float(row[column]) / 1e3 if row[column] else None
+
     return Bearing(
         name=row['name'],
+        kind=row['kind'],
         element=row['element'],
         rows=int(row['rows']),
         n_balls=int(row['n_balls']),
         d_ball=float(row['d_ball_mm']) / 1e3,
         d_pitch=float(row['d_pitch_mm']) / 1e3,
         contact_angle=math.radians(float(row['contact_angle_deg'])),
-        bore=float(row['bore_mm']) / 1e3 if row['bore_mm'] else None,
-        outside=float(row['outside_mm']) / 1e3 if row['outside_mm'] else None,
+        bore=known('bore_mm'),
+        outside=known('outside_mm'),
+        width=known('width_mm'),
+        dynamic_rating=_newton(row['dynamic_rating_kN']),
+        static_rating=_newton(row['static_rating_kN']),
         series=row['series'],
+        basis=row['basis'],
         source=row['source'],
     )
 
 
+def _newton(kilonewton: str) -> float | None:
+    return float(kilonewton) * 1e3 if kilonewton else None
+
+
 def find_bearing(name: str) -> Bearing:
     """
-    Return the bearing called ``name``; upper and lower case are the same.
+    Return the bearing called ``name``.
 
-    A geometry as :func:`own_bearing` takes it is a name too.
+    Upper and lower case are the same. The maker before a designation and the seals, shields,
+    cage and clearance behind it change no fault order: ``'SKF 6205-2RS JEM'`` is 6205, and 61805
+    and 61905 are 6805 and 6905. A geometry as :func:`own_bearing` takes it is a name too.
 
     Raises
     ------
     BearingTwinError
         If there is none of that name; the text lists the closest ones.
 
+    Examples
+    --------
+    >>> find_bearing('skf 6205-2rs').n_balls
+    9
+
     """
     if ',' in name:
         return own_bearing(name)
     by_folded = {known.casefold(): bearing for known, bearing in catalogue().items()}
-    found = by_folded.get(name.strip().casefold())
-    if found is None:
-        close = difflib.get_close_matches(name.casefold(), by_folded, n=4, cutoff=0.3)
-        names = ', '.join(by_folded[key].name for key in close or by_folded)
-        msg = f'no bearing {name!r} in the catalogue; known and close: {names}'
-        raise BearingTwinError(msg)
-    return found
+    folded = name.strip().casefold()
+    for candidate in (folded, _designation(folded)):
+        if candidate in by_folded:
+            return by_folded[candidate]
+    close = ', '.join(bearing.name for bearing in close_bearings(name, 5))
+    msg = (
+        f'no bearing {name!r} in the catalogue; the closest names: {close}; '
+        "'bearing-twin bearings' lists all, and a geometry Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG does "
+        'for any other'
+    )
+    raise BearingTwinError(msg)
+
+
+def close_bearings(name: str, count: int) -> list[Bearing]:
+    """
+    Return the bearings of the catalogue with the names most like ``name``, closest first.
+
+    Examples
+    --------
+    >>> [bearing.name for bearing in close_bearings('6306', 1)]
+    ['6306']
+
+    """
+    by_folded = {known.casefold(): bearing for known, bearing in catalogue().items()}
+    folded = name.strip().casefold()
+    close = difflib.get_close_matches(_designation(folded) or folded, by_folded, count, 0.0)
+    return [by_folded[key] for key in close]
+
+
+def _designation(folded: str) -> str:
+    """Return the designation in a name with maker and suffixes; '' if there is none."""
+    found = re.fullmatch(_WITH_SUFFIXES, folded)
+    if not found:
+        return ''
+    # SKF and Schaeffler write 618 and 619 for the series that others call 68 and 69.
+    return re.sub(r'^61([89])(?=\d\d$)', r'6\1', found[1])
 
 
 def own_bearing(geometry: str) -> Bearing:
@@ -82,6 +146,11 @@ def own_bearing(geometry: str) -> Bearing:
     ------
     BearingTwinError
         If the text is something else or such a bearing cannot be built.
+
+    Examples
+    --------
+    >>> own_bearing('9,7.94,39.04,0').n_balls
+    9
 
     """
     try:

@@ -67,10 +67,17 @@ class Bearing:
         twin simulates only balls.
     rows
         Rows of elements, 1 or 2, `n_balls` in each.
-    bore, outside
+    bore, outside, width
         Boundary dimensions, m; None: not published.
+    dynamic_rating, static_rating
+        C_r and C_0r of the maker, N; None: not published.
     series
         Dimension series whose friction constants hold, e.g. ``'63'``; '': not known.
+    kind
+        Type of bearing, e.g. ``'deep groove ball'``.
+    basis
+        How well the balls are known: ``'published'``; ``'inferred'`` from a maker's ratings, which
+        no other balls give; ``'estimated'``: the likeliest of several; ``'given'`` by the user.
     source
         Where the geometry was published.
 
@@ -78,6 +85,12 @@ class Bearing:
     ------
     BearingTwinError
         If the elements do not fit on the pitch circle or a value is out of its range.
+
+    Examples
+    --------
+    >>> bearing = Bearing(name='mine', n_balls=9, d_ball=7.94e-3, d_pitch=39.04e-3)
+    >>> round(bearing.gamma, 4)
+    0.2034
 
     """
 
@@ -90,7 +103,12 @@ class Bearing:
     rows: int = 1
     bore: float | None = None
     outside: float | None = None
+    width: float | None = None
+    dynamic_rating: float | None = None
+    static_rating: float | None = None
     series: str = ''
+    kind: str = ''
+    basis: Literal['published', 'inferred', 'estimated', 'given'] = 'given'
     source: str = ''
 
     def __post_init__(self) -> None:
@@ -125,6 +143,11 @@ class Bearing:
                 f'{outer:.6g} m; check them against d_ball and d_pitch'
             )
             raise BearingTwinError(msg)
+        for name in ('width', 'dynamic_rating', 'static_rating'):
+            value = getattr(self, name)
+            if value is not None and not 0.0 < value < 1e9:
+                msg = f'{name}={value} is not positive; give it in m or N, or leave it out'
+                raise BearingTwinError(msg)
 
     @property
     def gamma(self) -> float:
@@ -157,6 +180,12 @@ def fault_orders(bearing: Bearing, slip: float = 0.0) -> FaultFrequencies:
     (the paper's text calls them ring diameters; its numbers are ball and pitch diameter).
     The ball spin is taken in the frame of the slipping cage.
 
+    Examples
+    --------
+    >>> bearing = Bearing(name='6205', n_balls=9, d_ball=7.94e-3, d_pitch=39.04e-3)
+    >>> [round(order, 3) for order in fault_orders(bearing)]
+    [3.585, 5.415, 2.357, 0.398]
+
     """
     g = bearing.gamma
     ftf = 0.5 * (1.0 - g) * (1.0 - slip)
@@ -171,5 +200,12 @@ def fault_frequencies(bearing: Bearing, shaft_hz: float, slip: float = 0.0) -> F
     Characteristic frequencies in Hz at a shaft speed ``shaft_hz`` in Hz.
 
     See :func:`fault_orders` for ``slip`` and the source.
+
+    Examples
+    --------
+    >>> bearing = Bearing(name='6205', n_balls=9, d_ball=7.94e-3, d_pitch=39.04e-3)
+    >>> round(fault_frequencies(bearing, 30.0).bpfi, 1)
+    162.5
+
     """
     return FaultFrequencies(*(shaft_hz * order for order in fault_orders(bearing, slip)))

@@ -31,6 +31,12 @@ def elliptic_integrals(m: float) -> tuple[float, float]:
     Complete elliptic integrals K(m) and E(m), 0 <= m < 1, by the arithmetic-geometric mean.
 
     Abramowitz and Stegun, Handbook of Mathematical Functions, 17.6.
+
+    Examples
+    --------
+    >>> elliptic_integrals(0.0)
+    (1.5707963267948966, 1.5707963267948966)
+
     """
     a, b, total, weight = 1.0, math.sqrt(1.0 - m), 0.5 * m, 0.5
     while abs(a - b) > 1e-15:
@@ -68,6 +74,12 @@ def contact_stiffness(
     Harris and Kotzalas, Essential Concepts of Bearing Technology, 5th ed., chapter 6: the
     ellipticity is the root of F(rho) = ((k^2 + 1) E - 2 K) / ((k^2 - 1) E), the approach is
     delta = delta* (3 Q / (2 sum(rho) E'))^(2/3) sum(rho) / 2, here with exact integrals.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> print(f'{contact_stiffness(find_bearing("6205"), "inner", conformity=0.52):.3g}')
+    2.56e+10
 
     """
     if not 0.5 < conformity < 1.0:
@@ -110,6 +122,13 @@ def load_deflection_factor(
 
     Two contacts in series: ``K = (K_i^(-2/3) + K_o^(-2/3))^(-3/2)`` (Harris and Kotzalas,
     chapter 7).
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> print(f'{load_deflection_factor(find_bearing("6307-catalogue")):.4g}')
+    1.228e+10
+
     """
     inner, outer = (
         contact_stiffness(bearing, race, conformity=f, young=young, poisson=poisson)
@@ -124,5 +143,13 @@ def radial_factor(bearing: Bearing) -> float:
 
     The ball is pressed in by ``delta cos(alpha)`` and ``cos(alpha)`` of its force is radial, so
     that ``K_r = K cos(alpha)^2.5`` (Harris and Kotzalas, chapter 7, with a constant angle).
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> bearing = find_bearing('6307')
+    >>> radial_factor(bearing) == load_deflection_factor(bearing)
+    True
+
     """
     return float(load_deflection_factor(bearing) * math.cos(bearing.contact_angle) ** 2.5)

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = ['COMMANDS', 'main']
 
 COMMANDS = {
+    'bearings': 'look up a bearing: fault orders, geometry, source',
     'bench': 'measure on this machine what the project promises',
     'benchmark': 'score the diagnosis on a folder of labelled records',
     'demo': 'run twin, diagnosis and recorder on a temperature recording and show the result',

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
+import csv
 import dataclasses
+from importlib import resources
 import math
 
 from bearing_twin.bearing import (
@@ -10,6 +12,7 @@ from bearing_twin.bearing import (
     fault_frequencies,
     fault_orders,
     find_bearing,
+    infer_balls,
     load_deflection_factor,
     radial_factor,
 )
@@ -47,14 +50,88 @@ def test_published_multiples(name, bpfo, bpfi):
     assert (orders.bpfo, orders.bpfi) == pytest.approx((bpfo, bpfi), abs=2e-4)
 
 
+def rows():
+    text = resources.files('bearing_twin.bearing').joinpath('catalogue.csv').read_text('utf-8')
+    return list(csv.DictReader(text.splitlines()))
+
+
 def test_every_row_has_a_source_and_is_found_in_any_case():
-    assert {'6307', '6307-catalogue', '6203', '6205', 'NICE', 'ZA-2115', 'UER204'} <= set(
-        catalogue()
-    )
+    assert len(catalogue()) == len(rows()) >= 200
     for name, bearing in catalogue().items():
         assert bearing.source
+        assert bearing.basis in ('published', 'inferred', 'estimated')
         assert find_bearing(name.lower()) is bearing
-        assert bearing.element == ('roller' if name == 'ZA-2115' else 'ball')
+        assert bearing.element == ('roller' if 'roller' in bearing.kind else 'ball')
+        assert bearing.rows == (2 if name in ('ZA-2115', '22317') else 1)
+
+
+def test_the_common_series_are_complete_from_10_to_100_mm_bore():
+    for series in ('60', '62', '63'):
+        for code in range(21):
+            assert series + f'{code:02d}' in catalogue()
+    assert all(f'160{code:02d}' in catalogue() for code in range(1, 21))
+
+
+@pytest.mark.parametrize('row', [row for row in rows() if 'infer_balls' in row['source']],
+                         ids=lambda row: row['name'])  # fmt: skip
+def test_inferred_balls_are_what_the_ratings_give(row):
+    bearing = find_bearing(row['name'])
+    # ISO 15: bore code of the designation.
+    code = row['name'].rpartition('/')[2][-2:]
+    assert bearing.bore == pytest.approx(
+        float(code) / 1e3
+        if '/' in row['name']
+        else {'00': 0.01, '01': 0.012, '02': 0.015, '03': 0.017}.get(code, 0.005 * int(code))
+    )
+    balls = infer_balls(
+        bearing.bore, bearing.outside, bearing.dynamic_rating, bearing.static_rating,
+        float(row['f_0']),
+    )  # fmt: skip
+    assert balls[:3] == pytest.approx((bearing.n_balls, bearing.d_ball, bearing.d_pitch))
+    assert bearing.basis == ('inferred' if balls.unique else 'estimated')
+
+
+@pytest.mark.parametrize(
+    ('known', 'like'),
+    [
+        ((8, 6.7462, 28.4988), '6203'),  # CWRU
+        ((9, 7.94004, 39.0398), '6205'),  # CWRU
+        ((8, 7.92, 34.55), '6204'),  # XJTU-SY UER204
+        ((9, 12.7, 65.0), '6209'),  # Harris, Rolling Bearing Analysis, the 209 ball bearing
+    ],
+)
+def test_inferred_balls_of_bearings_whose_balls_are_known(known, like):
+    (row,) = [row for row in rows() if row['name'] == like]
+    balls = infer_balls(
+        float(row['bore_mm']) / 1e3, float(row['outside_mm']) / 1e3,
+        float(row['dynamic_rating_kN']) * 1e3, float(row['static_rating_kN']) * 1e3,
+        float(row['f_0']),
+    )  # fmt: skip
+    assert balls.n_balls == known[0]
+    assert balls.d_ball * 1e3 == pytest.approx(known[1], rel=0.003)
+    inferred, true = (
+        fault_orders(Bearing(name=like, n_balls=z, d_ball=d, d_pitch=p))
+        for z, d, p in ((balls[:3]), (known[0], known[1] / 1e3, known[2] / 1e3))
+    )
+    # The bounds that the docstring of infer_balls states.
+    assert balls.d_pitch * 1e3 == pytest.approx(known[2], rel=0.019)
+    assert inferred.bpfo == pytest.approx(true.bpfo, rel=0.006)
+    assert inferred.bpfi == pytest.approx(true.bpfi, rel=0.006)
+    assert inferred.bsf == pytest.approx(true.bsf, rel=0.022)
+
+
+def test_ratings_that_no_balls_give_are_refused():
+    with pytest.raises(BearingTwinError, match='no balls give 14000 N'):
+        infer_balls(0.025, 0.052, 14.0e3, 17.0e3, 13.9)
+
+
+@pytest.mark.parametrize(
+    ('said', 'name'),
+    [('SKF 6205-2RS JEM', '6205'), ('6306-2Z/C3', '6306'), ('nsk 6308ZZ', '6308'),
+     ('6204 DDU', '6204'), ('61806', '6806'), ('6009-2RS1', '6009')],
+)  # fmt: skip
+def test_makers_and_seals_do_not_matter(said, name):
+    assert find_bearing(said).name == name
 
 
 def test_mean_diameter():
@@ -62,9 +139,13 @@ def test_mean_diameter():
     assert find_bearing('NICE').mean_diameter == find_bearing('NICE').d_pitch
 
 
-def test_unknown_name_lists_close_ones():
-    with pytest.raises(BearingTwinError, match=r"'6308'.*6307"):
-        find_bearing('6308')
+@pytest.mark.parametrize('name', ['63o8', '6399', '6205R', 'X6205', '6205 special', ''])
+def test_unknown_name_is_refused_with_close_ones(name):
+    with pytest.raises(
+        BearingTwinError, match=r'no bearing .* the closest names: [^,]+,'
+    ) as error:
+        find_bearing(name)
+    assert name != '63o8' or '6308' in str(error.value)
 
 
 @pytest.mark.parametrize('m', [0.0, 0.3, 0.9, 0.999999])

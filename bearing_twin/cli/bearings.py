@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""``bearing-twin bearings``: look up a bearing of the catalogue."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+import json
+import math
+from typing import TYPE_CHECKING
+
+from bearing_twin.bearing import catalogue, fault_orders, find_bearing
+
+if TYPE_CHECKING:
+    import argparse
+
+    from bearing_twin.bearing import Bearing
+
+__all__ = ['configure', 'run']
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument(
+        'query',
+        nargs='?',
+        metavar='QUERY',
+        help="designation, e.g. 6205 or 'SKF 6205-2RS'; its beginning or a part of its kind lists "
+        'all that match (default: all)',
+    )
+    parser.add_argument('--json', action='store_true', help='one JSON object a line')
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print one bearing in full, or several a line each; refuse what matches none."""
+    found = _matching(args.query or '')
+    if args.json:
+        for bearing in found:
+            print(json.dumps(asdict(bearing) | {'orders': fault_orders(bearing)._asdict()}))
+    elif len(found) == 1:
+        print(_whole(found[0]))
+    else:
+        print(
+            f'{"name":<15}{"balls":>9} mm{"pitch mm":>10}  BPFO    BPFI    2xBSF   FTF     basis'
+        )
+        print('\n'.join(map(_line, found)))
+    return 0
+
+
+def _matching(query: str) -> list[Bearing]:
+    """Return the bearing of that name, else all whose name begins so or whose kind has it."""
+    folded = query.strip().casefold()
+    known = catalogue().values()
+    if not folded:
+        return list(known)
+    exact = [bearing for bearing in known if bearing.name.casefold() == folded]
+    part = [
+        bearing
+        for bearing in known
+        if bearing.name.casefold().startswith(folded) or folded in bearing.kind.casefold()
+    ]
+    return exact or part or [find_bearing(query)]
+
+
+def _line(bearing: Bearing) -> str:
+    orders = fault_orders(bearing)
+    numbers = (orders.bpfo, orders.bpfi, 2.0 * orders.bsf, orders.ftf)
+    balls = f'{bearing.n_balls} x {bearing.d_ball * 1e3:.5g}'
+    text = '  '.join(f'{number:6.3f}' for number in numbers)
+    return f'{bearing.name:<15}{balls:>12}{bearing.d_pitch * 1e3:10.5g} {text}  {bearing.basis}'
+
+
+def _whole(bearing: Bearing) -> str:
+    def mm(value: float | None) -> str:
+        return 'not published' if value is None else f'{value * 1e3:g} mm'
+
+    def kn(value: float | None) -> str:
+        return 'not published' if value is None else f'{value / 1e3:g} kN'
+
+    orders = fault_orders(bearing)
+    rows = {
+        'bearing': f'{bearing.name}, {bearing.kind}',
+        'elements': f'{bearing.n_balls} {bearing.element}s of {bearing.d_ball * 1e3:g} mm'
+        + (f' in each of {bearing.rows} rows' if bearing.rows > 1 else ''),
+        'pitch diameter': mm(bearing.d_pitch),
+        'contact angle': f'{math.degrees(bearing.contact_angle):g} deg',
+        'bore, outside, width': ', '.join(map(mm, (bearing.bore, bearing.outside, bearing.width))),
+        'C_r, C_0r': f'{kn(bearing.dynamic_rating)}, {kn(bearing.static_rating)}',
+        'outer race, BPFO': f'{orders.bpfo:.4f} times the shaft speed',
+        'inner race, BPFI': f'{orders.bpfi:.4f}',
+        'ball, 2 x BSF': f'{2.0 * orders.bsf:.4f} (strikes; BSF {orders.bsf:.4f})',
+        'cage, FTF': f'{orders.ftf:.4f}',
+        'geometry': bearing.basis,
+        'source': bearing.source,
+    }
+    return '\n'.join(f'{name:<21} {text}' for name, text in rows.items())
