@@ -8,20 +8,19 @@ from dataclasses import replace
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.comb import (
-    accumulate,
-    OrderSpectra,
-)
-from bearing_twin.diagnosis.decision import decide, Verdict
-from bearing_twin.diagnosis.gate import check_record, check_speeds, HEALTHY_TURNS
-from bearing_twin.diagnosis.lines import sideband_ratio
+from bearing_twin.diagnosis.comb import accumulate, OrderSpectra
+from bearing_twin.diagnosis.evidence import Evidence
+from bearing_twin.diagnosis.gate import check_record, check_speeds
 from bearing_twin.diagnosis.report import insufficient, not_shown, report
+from bearing_twin.diagnosis.rules import decide
+from bearing_twin.diagnosis.search import CombSearch
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.shaft import (
     resample_to_angle,
     ShaftSpeed,
     varies,
 )
+from bearing_twin.diagnosis.sidebands import sideband_ratio
 from bearing_twin.diagnosis.window import analyse_window, highest_fault_order, Window
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -31,9 +30,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.result import (
-        Diagnosis,
-    )
+    from bearing_twin.diagnosis.result import Diagnosis
+    from bearing_twin.diagnosis.verdict import Verdict
     from numpy.typing import ArrayLike
 
 __all__ = ['conclude', 'diagnose_record']
@@ -59,29 +57,17 @@ def conclude(
     speed = newest.speed
     windows = [*earlier, newest.orders]
     turns = newest.revolutions * len(windows)
-    verdict = decide(accumulate(windows), bearing, speed, turns)
+    verdict = _verdict(accumulate(windows), bearing, speed, turns)
     if speed.shaft_hz != shaft_hz_given:
         # A fault beside an integer order can pass for a shaft that runs a little off: the speed
         # under which the fault shows more clearly is then the right one.
         apart = abs(speed.shaft_hz / shaft_hz_given - 1.0)
         given = ShaftSpeed(shaft_hz_given, max(speed.uncertainty, apart), 0.0, speed.tolerance)
         at_given = accumulate([window.at_given_speed() for window in windows])
-        other = decide(at_given, bearing, given, turns)
-        clearer = other.level == 'fault' and other.evidence > _CLEARER * verdict.evidence
+        other = _verdict(at_given, bearing, given, turns)
+        clearer = other.level == 'fault' and other.weight > _CLEARER * verdict.weight
         if clearer and _mistaken(at_given, other, speed.shaft_hz / shaft_hz_given):
             verdict, newest = other, replace(newest, speed=given)
-    if verdict.result == 'healthy' and turns < HEALTHY_TURNS:
-        needed = HEALTHY_TURNS / newest.speed.shaft_hz
-        text = (
-            f'{turns:.0f} shaft turns show strong faults only, and none is there: '
-            f'{HEALTHY_TURNS:g} are needed to call it healthy, {needed:.1f} s'
-        )
-        verdict = replace(
-            verdict,
-            result='insufficient',
-            level='none',
-            reasons=(text,),
-        )
     verdict = replace(verdict, reasons=(*notes, *verdict.reasons))
     return report(
         verdict,
@@ -93,6 +79,10 @@ def conclude(
         shaft_hz_given=shaft_hz_given,
         temperature=temperature,
     )
+
+
+def _verdict(spectra: OrderSpectra, bearing: Bearing, speed: ShaftSpeed, turns: float) -> Verdict:
+    return decide(Evidence(CombSearch(spectra, bearing, speed), turns))
 
 
 def _mistaken(at_given: OrderSpectra, verdict: Verdict, gap: float) -> bool:

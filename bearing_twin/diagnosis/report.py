@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.decision import Verdict
+    from bearing_twin.diagnosis.verdict import Verdict
     from bearing_twin.diagnosis.window import Window
     from numpy.typing import NDArray
 
@@ -50,7 +50,7 @@ def report(
     fault_hz = fault_hz_expected = math.nan
     if strongest is not None:
         fault_hz = strongest.order * shaft_hz
-        fault_hz_expected = expected.impacts(strongest.family)
+        fault_hz_expected = expected.impacts(strongest.place)
         teeth = fault_hz * np.arange(1, HARMONICS + 1)
         rows = np.clip(
             np.rint(teeth / window.envelopes.bin_hz).astype(int) - 1, 0, len(values) - 1
@@ -67,6 +67,7 @@ def report(
     amplitude, first_hz, group_hz = coarse_spectrum(window.amplitude, window.bin_hz)
     return Diagnosis(
         result=verdict.result,
+        rule=verdict.rule,
         level=verdict.level,
         faults=verdict.faults,
         fault_code=FAULT_CODES[verdict.result],
@@ -188,6 +189,7 @@ def insufficient(
     )
     return Diagnosis(
         result='insufficient',
+        rule='record_gate',
         level='none',
         faults=(),
         fault_code=FAULT_CODES['insufficient'],

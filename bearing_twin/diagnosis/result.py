@@ -63,6 +63,9 @@ class Diagnosis:
     """Verdict on one window of vibration; see ``Diagnosis.msg`` for the fields on the wire."""
 
     result: str
+    rule: str
+    """Name of the rule of :data:`bearing_twin.diagnosis.rules.RULES` that decided; 'record_gate'
+    where the window was refused."""
     level: str
     faults: tuple[str, ...]
     fault_code: str

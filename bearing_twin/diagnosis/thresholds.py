@@ -7,11 +7,11 @@ from __future__ import annotations
 __all__ = [
     'BLURRED',
     'CARRIER',
-    'GATED',
     'INDEX_FAULT',
     'INDEX_STRIKE',
     'INDEX_SUSPECT',
     'JOINT_SLIP',
+    'LOAD_ZONE',
     'MAINS_HZ',
     'RIVAL',
     'SLIP',
@@ -39,7 +39,7 @@ SLIP = (-0.015, 0.06)
 
 INDEX_STRIKE = 2.0
 """Modulation index of the cage's comb, with lines kept and with lines capped, above which the
-envelope is more strike than ripple: half of the 4 that sharp impacts reach with four teeth."""
+envelope is more strike than ripple: half of the 4 that sharp impacts reach with four harmonics."""
 
 JOINT_SLIP = 0.008
 """Two faults of one bearing share one cage: their slips agree to this much."""
@@ -54,18 +54,18 @@ RIVAL = 1.4
 """Two faults that explain each other away are told apart from this ratio of evidence on."""
 
 BLURRED = 0.9
-"""Sidebands over teeth above which a comb may itself be a sideband of another fault."""
+"""Sidebands over harmonics above which a comb may itself be a sideband of another fault."""
 
-GATED = 0.5
-"""Sidebands over teeth above which impacts are gated, not swayed. A force that varies as 1 + cos,
-the most that a rotating load does to a fixed place, makes shaft sidebands of 0.49 in the squared
-envelope. A damaged outer race stands still; an inner race passes through the load zone."""
+LOAD_ZONE = 0.5
+"""Sidebands over harmonics above which impacts pass through a load zone. A force that varies as
+1 + cos, the most that a rotating load does to a fixed place, makes shaft sidebands of 0.49 in the
+squared envelope. A damaged outer race stands still; an inner race passes through the load zone."""
 
 SLIP_COST = 0.02
 """Slip that costs one standard deviation of score; twice as much costs four."""
 
 SLOW_CAGE = 0.12
-"""Slip up to which the comb of a cage is sought where its teeth pass for other faults."""
+"""Slip up to which a cage is searched for where its harmonics pass for other faults."""
 
 STEADY = 0.004
 """Relative uncertainty of the shaft speed up to which slips are compared."""

@@ -8,17 +8,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
-from bearing_twin.diagnosis.comb import (
-    HARMONICS,
-    order_spectra,
-    OrderSpectra,
-)
-from bearing_twin.diagnosis.knocks import limit_knocks
+from bearing_twin.diagnosis.comb import HARMONICS, order_spectra, OrderSpectra
+from bearing_twin.diagnosis.impulsive_outliers import limit_impulsive_outliers
 from bearing_twin.diagnosis.severity import measure_severity
-from bearing_twin.diagnosis.shaft import (
-    refine_shaft_hz,
-    ShaftSpeed,
-)
+from bearing_twin.diagnosis.shaft import refine_shaft_hz, ShaftSpeed
 from bearing_twin.diagnosis.spectra import band_tree, envelope_spectra, line_cap, whiten
 import numpy as np
 from scipy import fft
@@ -87,7 +80,7 @@ def analyse_window(
         mounting=settings.mounting,
     )
     scale = np.float32(1.0) / np.float32(severity.rms)
-    limited = limit_knocks(x, sample_rate, fault_orders(bearing).ftf * shaft_hz)
+    limited = limit_impulsive_outliers(x, sample_rate, fault_orders(bearing).ftf * shaft_hz)
     if limited is x:
         scaled = spectrum * scale
     else:

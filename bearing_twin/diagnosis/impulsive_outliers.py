@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Knocks that are no bearing's: what does not come back with each turn of the cage."""
+"""Impulsive outliers: single shocks that do not come back with each turn of the cage."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['limit_knocks']
+__all__ = ['limit_impulsive_outliers']
 
 _ABOVE = 2.0
 _TURNS = 8
 
 
-def limit_knocks(
+def limit_impulsive_outliers(
     x: NDArray[np.float64], sample_rate: float, cage_hz: float
 ) -> NDArray[np.float64]:
     """
-    Limit single knocks to twice the height that the turns of the cage usually reach.
+    Limit single shocks to twice the peak that half of the cage turns reach.
 
-    Every fault of a bearing strikes at least once a cage turn, so half of the turns at least show
-    its height. A knock from elsewhere stands in few of them; a handful of knocks fills the
-    squared envelope spectrum with broad ripples that look like combs, and hides true ones.
+    Every fault of a bearing strikes at least once a cage turn, so at least half of the turns show
+    its height. A shock from elsewhere occurs in few of them. A handful of shocks fills the
+    squared envelope spectrum with broad ripples that look like combs and hide true ones.
 
     Parameters
     ----------
@@ -39,6 +39,14 @@ def limit_knocks(
     Returns
     -------
     The samples limited, or ``x`` itself where nothing stands out.
+
+    >>> import numpy as np
+    >>> x = np.sin(np.arange(1000.0))
+    >>> limit_impulsive_outliers(x, 1000.0, 10.0) is x
+    True
+    >>> x[500] = 50.0
+    >>> bool(limit_impulsive_outliers(x, 1000.0, 10.0).max() < 2.1)
+    True
 
     """
     length = max(round(sample_rate / cage_hz), 1)

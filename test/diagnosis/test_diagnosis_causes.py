@@ -5,7 +5,7 @@
 from bearing_twin.bearing import fault_orders, find_bearing, own_bearing, RESULTS
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.confidence import confidence
-from bearing_twin.diagnosis.knocks import limit_knocks
+from bearing_twin.diagnosis.impulsive_outliers import limit_impulsive_outliers
 from bearing_twin.diagnosis.power import smallest_detectable
 import numpy as np
 import pytest
@@ -31,13 +31,13 @@ def _strikes(times, heights):
 
 def test_regular_strikes_pass_and_single_knocks_are_limited(rng):
     x = _strikes(np.arange(0.0, SECONDS, 0.01), 8.0) + rng.standard_normal(N)
-    assert limit_knocks(x, RATE, 10.0) is x
+    assert limit_impulsive_outliers(x, RATE, 10.0) is x
     knocked = x + _strikes(np.array([0.7, 2.9]), 100.0)
-    limited = limit_knocks(knocked, RATE, 10.0)
+    limited = limit_impulsive_outliers(knocked, RATE, 10.0)
     assert np.abs(limited).max() < 2.5 * np.abs(x).max()
     same = np.abs(knocked) < np.abs(x).max()
     assert np.array_equal(limited[same], knocked[same])
-    assert limit_knocks(knocked[:2000], RATE, 10.0).max() == knocked[:2000].max()
+    assert limit_impulsive_outliers(knocked[:2000], RATE, 10.0).max() == knocked[:2000].max()
 
 
 def test_fault_shows_among_single_knocks(rng):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Heights of the lines of a comb and of their sidebands, as modulation."""
+"""Modulation: heights of the harmonics of a comb, and of their sidebands."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ __all__ = [
     'HANN_BINS',
     'comb_power',
     'modulation_index',
-    'on_comb',
     'sideband_ratio',
     'sideband_ratios',
 ]
@@ -42,8 +41,8 @@ def modulation_index(
     """
     bands = len(spectra.carrier)
     lines = slice(0, bands) if family == 'cage' else slice(bands, None)
-    teeth = order * np.arange(1, HARMONICS + 1)
-    rows = spectra.rows(teeth[:, None] + spectra.step * np.arange(-1, 2))
+    harmonics = order * np.arange(1, HARMONICS + 1)
+    rows = spectra.rows(harmonics[:, None] + spectra.step * np.arange(-1, 2))
     # A line spreads over three bins of the Hann window, whose noise bandwidth is 1.5 bins.
     power = spectra.excess[rows.ravel(), lines].sum(axis=0) / HANN_BINS
     if family == 'outer':
@@ -58,32 +57,25 @@ def modulation_index(
 
 def comb_power(spectra: OrderSpectra, order: float, band: int) -> float:
     """Relative power of the lines of a comb in one band, lines capped."""
-    teeth = order * np.arange(1, HARMONICS + 1)
-    rows = spectra.rows(teeth[:, None] + spectra.step * np.arange(-1, 2))
+    harmonics = order * np.arange(1, HARMONICS + 1)
+    rows = spectra.rows(harmonics[:, None] + spectra.step * np.arange(-1, 2))
     return float(spectra.excess[rows, len(spectra.carrier) + band].sum())
 
 
 def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 1.0) -> float:
-    """Amplitude of the lines one and two gaps beside the teeth of a comb over the teeth's."""
+    """Amplitude of the lines one and two gaps beside the harmonics of a comb, over theirs."""
     return float(sideband_ratios(spectra, order, band, np.array([gap]))[0])
 
 
 def sideband_ratios(
     spectra: OrderSpectra, order: float, band: int, gaps: NDArray[np.float64]
 ) -> NDArray[np.float32]:
-    """Return the same for each of several gaps."""
-    teeth = order * np.arange(1, HARMONICS + 1)
+    """Sideband ratio at each of several gaps."""
+    harmonics = order * np.arange(1, HARMONICS + 1)
     sides = gaps[:, None] * np.array([0.0, -2.0, -1.0, 1.0, 2.0])
-    lines = sides[..., None, None] + teeth[:, None] + spectra.step * np.arange(-1, 2)
+    lines = sides[..., None, None] + harmonics[:, None] + spectra.step * np.arange(-1, 2)
     power = spectra.excess[spectra.rows(lines), len(spectra.carrier) + band].sum(axis=(2, 3))
     ratios: NDArray[np.float32] = np.sqrt(
         power[:, 1:].mean(axis=1) / np.maximum(power[:, 0], 1e-30)
     )
     return ratios
-
-
-def on_comb(order: float, cage_order: float, step: float) -> bool:
-    """Whether every second tooth of a comb, at least, lies on a multiple of the cage's order."""
-    multiple = round(2.0 * order / cage_order)
-    away = abs(2.0 * order - multiple * cage_order)
-    return away <= (4.0 + 0.25 * multiple) * step

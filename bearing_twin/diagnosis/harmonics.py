@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Whether a comb stands for itself, or only shares teeth with one that comes from elsewhere.
+Whether a comb is a harmonic series of its own, or part of one that comes from elsewhere.
 
-A fault window holds the orders of a family at every slip that is looked for; the fourth, fifth or
-tenth harmonic of a gear, a belt or the shaft itself may lie there. What tells is what the
-candidate leaves out: teeth of its own that are missing, or lines between its teeth.
+The range of slip that is searched for a fault may hold the fourth, fifth or tenth harmonic of a
+gear, a belt or the shaft. Two things tell: harmonics of the comb that are missing, and lines
+between its harmonics.
 """
 
 from __future__ import annotations
@@ -20,31 +20,31 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.comb import OrderSpectra
     from numpy.typing import NDArray
 
-__all__ = ['beside_shaft', 'denser_comb', 'missing_teeth']
+__all__ = ['denser_series', 'masked_by_shaft', 'missing_harmonics']
 
 _SPREAD = 0.42
 """Standard deviation of log(1 + E) for E ~ Exp(1), one window."""
 
 _CHANCE = 4.0
-"""Standard deviations that noise between the teeth does not reach in some fifty combs."""
+"""Standard deviations that noise between the harmonics does not reach in some fifty combs."""
 
 _SHARE = 0.5
-"""Height of the lines between the teeth that the candidate does not explain over that of its
-teeth: 0 for a comb of its own, 1 for one that is part of a denser comb."""
+"""Height of the unexplained lines between the harmonics over that of the harmonics: 0 for a series
+of its own, 1 for a part of a denser series."""
 
 _ALIKE = 0.69
-"""Mean log score by which the lines between the teeth may fall short of the teeth and still be
-as high: 3 dB of power. The sidebands of a swayed load are 6 dB below its teeth, and fade."""
+"""Mean log score by which the lines between the harmonics may fall short of them and still count
+as equally high: 3 dB of power. The sidebands of a load that varies as 1 + cos are 6 dB lower."""
 
 _MISSING = 0.25
-"""Height of teeth over that of their multiples below which they are missing: half of ``_SHARE``,
-for one or two teeth are uncertain by half the height of a faint comb."""
+"""Height of harmonics over that of their multiples below which they are missing: half of
+``_SHARE``, because one or two harmonics of a faint comb are uncertain by half their height."""
 
 _SLOWEST = 0.12
-"""Lowest fundamental order of a denser comb."""
+"""Lowest fundamental order of a denser series."""
 
 _FEWEST = 4
-"""Lines between the teeth that are needed to tell."""
+"""Lines between the harmonics that are needed to tell."""
 
 
 def _heights(
@@ -55,14 +55,14 @@ def _heights(
     return np.asarray(spectra.logs[rows[:, None], columns].mean(axis=1) - NEUTRAL, np.float64)
 
 
-def missing_teeth(
+def missing_harmonics(
     spectra: OrderSpectra, order: float, columns: NDArray[np.intp], hidden: NDArray[np.bool_]
 ) -> int:
     """
     Multiple of ``order`` at which the true fundamental lies, 1 if that is ``order`` itself.
 
-    A comb whose second and fourth teeth, or third, or fourth alone, stand while the others are
-    missing is one of that multiple, or of a fraction of it.
+    Only the second and fourth harmonic show, or only the third, or only the fourth: the comb
+    belongs to a series of that multiple, or of a fraction of it.
 
     Parameters
     ----------
@@ -71,23 +71,23 @@ def missing_teeth(
     order
         Fundamental of the comb.
     columns
-        Bands in which it stands highest, one of each whitening.
+        Bands in which the comb is highest, one of each whitening.
     hidden
-        (K,) mask of the bins that cannot tell.
+        (K,) mask of the bins that are not to be used.
 
     """
-    teeth = np.arange(1, HARMONICS + 1)
-    heights = _heights(spectra, teeth * order, columns)
-    alive = ~hidden[spectra.rows(teeth * order)]
+    harmonics = np.arange(1, HARMONICS + 1)
+    heights = _heights(spectra, harmonics * order, columns)
+    alive = ~hidden[spectra.rows(harmonics * order)]
     for multiple in range(HARMONICS, 1, -1):
-        shared = teeth % multiple == 0
+        shared = harmonics % multiple == 0
         on, off = heights[shared & alive], heights[~shared & alive]
         if len(on) and len(off) and off.mean() < _MISSING * on.mean():
             return multiple
     return 1
 
 
-def denser_comb(
+def denser_series(
     spectra: OrderSpectra,
     order: float,
     columns: NDArray[np.intp],
@@ -97,27 +97,27 @@ def denser_comb(
     uncertainty: float,
 ) -> float:
     """
-    Fundamental order of a denser comb of which the comb at ``order`` is a part, 0 if of none.
+    Fundamental order of the denser series that the comb at ``order`` is part of; 0 if of none.
 
     Parameters
     ----------
     spectra, order, columns, hidden
-        As in :func:`missing_teeth`.
+        As in :func:`missing_harmonics`.
     mine
-        (K,) mask of the bins in which the candidate has teeth, or lines that may be as high.
+        (K,) mask of the bins in which the candidate has harmonics, or lines that may be as high.
     sidebands
         (K,) mask of the bins of its sidebands and of the cage, which are lower.
     uncertainty
-        Largest relative error of the shaft speed. The sidebands of a race that is gated by the
-        load are as high as its teeth: a comb as near to the shaft's is left to
-        :func:`beside_shaft`.
+        Largest relative error of the shaft speed. The sidebands of load-zone modulated impacts
+        are as high as their harmonics: a series as near to the shaft's is left to
+        :func:`masked_by_shaft`.
 
     """
-    teeth = order * np.arange(1, HARMONICS + 1)
-    alive = ~hidden[spectra.rows(teeth)]
+    harmonics = order * np.arange(1, HARMONICS + 1)
+    alive = ~hidden[spectra.rows(harmonics)]
     if not alive.any():
         return 0.0
-    own = _heights(spectra, teeth[alive], columns).mean()
+    own = _heights(spectra, harmonics[alive], columns).mean()
     most = int(order / max(_SLOWEST, 4.0 * spectra.step))
     if most < 2:
         return 0.0
@@ -143,7 +143,7 @@ def denser_comb(
 
 @functools.lru_cache(maxsize=64)
 def _between(most: int) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Lines of combs 2 to ``most`` times as dense as one of order 1: which comb's, and where."""
+    """Lines of series 2 to ``most`` times as dense as order 1: of which series, and where."""
     parts = np.concatenate([np.full(HARMONICS * m, m, np.intp) for m in range(2, most + 1)])
     lines = np.concatenate([np.arange(1.0, HARMONICS * m + 1) for m in range(2, most + 1)])
     between = lines % parts != 0
@@ -151,7 +151,7 @@ def _between(most: int) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     return parts, lines / parts
 
 
-def beside_shaft(
+def masked_by_shaft(
     spectra: OrderSpectra,
     order: float,
     columns: NDArray[np.intp],
@@ -160,19 +160,19 @@ def beside_shaft(
     uncertainty: float,
 ) -> bool:
     """
-    Whether a comb is one of the many lines of a knock once a turn, or stands on their skirts.
+    Whether a comb lies on the lines of an impact once a turn, or on their skirts.
 
-    The other multiples of the shaft are then as high as those at or beside its teeth. Unbalance
-    and misalignment make the first two in any machine: these do not tell.
+    The other multiples of the shaft are then as high as those at its harmonics. Unbalance and
+    misalignment make the first two multiples in any machine, so these do not count.
 
     Parameters
     ----------
     spectra, order, columns
-        As in :func:`missing_teeth`.
+        As in :func:`missing_harmonics`.
     precision
         Relative error of the shaft speed that is expected.
     uncertainty
-        The same, at most: as far as lines may smear.
+        The largest relative error: as far as lines may smear.
 
     """
     turns = round(order)
@@ -180,11 +180,11 @@ def beside_shaft(
     if order < 1.5 or away > uncertainty + spectra.step / order:
         return False
     lines = np.arange(1.0, HARMONICS * turns + 1.0)
-    teeth = lines % turns == 0
-    others = ~teeth & (lines > 2.0)
+    harmonics = lines % turns == 0
+    others = ~harmonics & (lines > 2.0)
     comb = _heights(spectra, lines * order / turns, columns)
     shaft = _heights(spectra, lines, columns)
     if away <= precision:
         comb = shaft = np.maximum(comb, shaft)
-    higher = shaft[teeth].mean() >= comb[teeth].mean()
-    return bool(higher and shaft[others].mean() > shaft[teeth].mean() - _ALIKE)
+    higher = shaft[harmonics].mean() >= comb[harmonics].mean()
+    return bool(higher and shaft[others].mean() > shaft[harmonics].mean() - _ALIKE)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The fault families of one bearing: the best comb of each, and what else tells them apart."""
+"""Search for the combs of one bearing: the best of each fault place, and what surrounds it."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.diagnosis.comb import comb_scores, HARMONICS, OrderSpectra
-from bearing_twin.diagnosis.lines import (
+from bearing_twin.diagnosis.harmonics import denser_series, masked_by_shaft, missing_harmonics
+from bearing_twin.diagnosis.shaft import SHAFT_FOUND
+from bearing_twin.diagnosis.sidebands import (
     comb_power,
     HANN_BINS,
     modulation_index,
     sideband_ratio,
     sideband_ratios,
 )
-from bearing_twin.diagnosis.shaft import SHAFT_FOUND
 from bearing_twin.diagnosis.spectra import WHITENINGS
-from bearing_twin.diagnosis.teeth import beside_shaft, denser_comb, missing_teeth
 from bearing_twin.diagnosis.thresholds import (
-    GATED,
     INDEX_FAULT,
     JOINT_SLIP,
+    LOAD_ZONE,
     MAINS_HZ,
     RIVAL,
     SLIP,
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.shaft import ShaftSpeed
     from numpy.typing import NDArray
 
-__all__ = ['Candidate', 'Judge']
+__all__ = ['Candidate', 'CombSearch']
 
 _SIDEBANDS = 4
 _RACES = ('inner', 'outer')
@@ -48,9 +48,15 @@ _UNTESTED = 1.0
 
 @dataclass(frozen=True)
 class Candidate:
-    """The best comb of one family."""
+    """
+    The best comb of one fault place.
 
-    family: str
+    >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
+    >>> inner.weight, str(inner)
+    (7.2, 'inner: comb at 4.930 orders, z 9.0, modulation index 0.80')
+    """
+
+    place: str
     order: float
     """Measured fundamental, multiples of the shaft speed."""
     slip: float
@@ -59,32 +65,44 @@ class Candidate:
     """Score less the cost of an unlikely slip."""
     index: float
     """Modulation index."""
-    band: int
+    band: int = 0
     """Number of the band in the tree."""
-    teeth: int
-    """Number of teeth that do not hide behind a shaft harmonic."""
-    sidebands: float
-    """Mean amplitude of the shaft sidebands over that of the teeth."""
+    harmonics: int = HARMONICS
+    """Number of harmonics that are not masked by one of the shaft."""
+    shaft_sideband_ratio: float = _UNTESTED
+    """Mean amplitude of the shaft sidebands over that of the harmonics."""
 
     @property
-    def evidence(self) -> float:
+    def weight(self) -> float:
         """
-        Return what faults that claim the same lines are compared by.
+        Weight by which faults that claim the same lines are compared.
 
-        The sidebands of a race fault are weaker than its teeth, so a comb that stands beside
-        stronger lines is more likely a sideband itself.
+        The sidebands of a race fault are lower than its harmonics, so a comb beside higher lines
+        is more likely a sideband itself.
         """
-        return self.z * self.index / max(self.sidebands, 0.25)
+        return self.z * self.index / max(self.shaft_sideband_ratio, 0.25)
 
     def __str__(self) -> str:
         return (
-            f'{self.family}: comb at {self.order:.3f} orders, z {self.z:.1f}, '
+            f'{self.place}: comb at {self.order:.3f} orders, z {self.z:.1f}, '
             f'modulation index {self.index:.2f}'
         )
 
 
-class Judge:
-    """Scores the families of one bearing in the envelope spectra of one window."""
+class CombSearch:
+    """
+    Combs of one bearing in the envelope spectra of a window, or in the mean of several.
+
+    Parameters
+    ----------
+    spectra
+        Envelope spectra over orders of ``speed``.
+    bearing
+        Geometry.
+    speed
+        Refined shaft speed.
+
+    """
 
     def __init__(self, spectra: OrderSpectra, bearing: Bearing, speed: ShaftSpeed) -> None:
         self.orders = fault_orders(bearing)
@@ -95,22 +113,22 @@ class Judge:
         found = spectra.step / 6.0 if speed.score >= SHAFT_FOUND else math.inf
         measured = speed.tolerance <= STEADY
         self._precision = 0.0 if measured else min(speed.uncertainty, found)
-        self._shaft_hz = speed.shaft_hz
+        self.shaft_hz = speed.shaft_hz
         self.top = len(spectra.logs) * spectra.step
         shaft = np.arange(1.0, self.top + 1.0)
         self._silent = spectra.near(shaft, 1.25 * spectra.step)
         self.spectra = spectra.silenced(shaft, 1.25 * spectra.step)
         self._all = spectra
-        self._foreign: dict[Candidate, float] = {}
         highest = 1.08 * max(self.orders.impacts(name) for name in PLACES)
         self._scores = comb_scores(self.spectra, highest, len(WHITENINGS))
 
     def best(
-        self, family: str, spectra: OrderSpectra, slips: tuple[float, float] = SLIP
+        self, place: str, spectra: OrderSpectra | None = None, slips: tuple[float, float] = SLIP
     ) -> Candidate:
-        """Best comb of a family within a range of slip."""
-        order = self.orders.impacts(family)
-        slope = (self._slipped.impacts(family) - order) / SLIP[1]
+        """Best comb of a place within a range of slip; in other spectra where they are given."""
+        spectra = spectra or self.spectra
+        order = self.orders.impacts(place)
+        slope = (self._slipped.impacts(place) - order) / SLIP[1]
         ends = sorted(order + slope * slip for slip in slips)
         slack = self._uncertainty * order
         first = int(np.searchsorted(self._scores.grid, ends[0] - slack))
@@ -124,25 +142,30 @@ class Judge:
         z = z - (slip / SLIP_COST) ** 2
         at = int(np.argmax(z))
         found = float(grid[at])
-        index, band = modulation_index(spectra, found, bands[at, 0], family)
-        teeth = found * np.arange(1, HARMONICS + 1)
-        alive = int((~self._silent[spectra.rows(teeth)]).sum())
-        tested = family in _RACES and z[at] >= Z_FAULT
+        index, band = modulation_index(spectra, found, bands[at, 0], place)
+        harmonics = found * np.arange(1, HARMONICS + 1)
+        alive = int((~self._silent[spectra.rows(harmonics)]).sum())
+        tested = place in _RACES and z[at] >= Z_FAULT
         sidebands = sideband_ratio(spectra, found, band) if tested else _UNTESTED
         return Candidate(
-            family, found, float(slip[at]), float(z[at]), index, band, alive, sidebands
+            place, found, float(slip[at]), float(z[at]), index, band, alive, sidebands
         )
 
-    def capped_index(self, cage: Candidate) -> float:
-        """Modulation index of the cage's comb with lines capped."""
-        return 2.0 * math.sqrt(comb_power(self.spectra, cage.order, cage.band) / HANN_BINS)
+    def capped_index(self, candidate: Candidate) -> float:
+        """Modulation index of a comb in its band with lines capped."""
+        power = comb_power(self.spectra, candidate.order, candidate.band)
+        return 2.0 * math.sqrt(power / HANN_BINS)
 
-    def mirrored(self, other: Candidate) -> float | None:
+    def shaft_sideband_ratio(self, candidate: Candidate) -> float:
+        """Mean amplitude of the shaft sidebands of a comb over that of its harmonics."""
+        return sideband_ratio(self.spectra, candidate.order, candidate.band)
+
+    def inner_race_ratio(self, other: Candidate) -> float:
         """
-        Amplitude of the inner race's comb over that of another's, where they coincide.
+        Amplitude of the inner race's comb over that of another comb; 0 where they are unrelated.
 
-        A comb may be a shaft sideband of the inner race's if that one, an integer beside it, lies
-        where a slip about as likely may put it. None if it does not.
+        The other comb may be a shaft sideband of the inner race's if that one, an integer of
+        orders beside it, lies where a slip about as likely may put it.
         """
         order = self.orders.bpfi
         slope = (self._slipped.bpfi - order) / SLIP[1]
@@ -153,8 +176,8 @@ class Judge:
         last = math.floor(order + slope * min(SLIP[1], likely) + slack - other.order)
         sides = [side for side in range(first, last + 1) if side]
         if not sides:
-            return None
-        # The inner race's own teeth may hide behind shaft harmonics: they are looked at here.
+            return 0.0
+        # Harmonics of the inner race that the shaft masks count here.
         near = np.arange(-2.0, 2.25, 0.25) * self._all.step
         own = comb_power(self._all, other.order, other.band)
         power = max(
@@ -169,13 +192,13 @@ class Judge:
         """Whether the shaft speed is known well enough to compare slips and place sidebands."""
         return self._uncertainty <= STEADY
 
-    def hidden(self, family: str) -> Candidate | None:
-        """Comb of a family that shows, but whose teeth hide behind the shaft's harmonics."""
-        order = self.orders.impacts(family)
+    def masked_candidate(self, place: str) -> Candidate | None:
+        """Comb of a place that shows, but coincides with harmonics of the shaft."""
+        order = self.orders.impacts(place)
         slack = self._uncertainty * order + 1.25 * self._all.step
         if abs(order - round(order)) > slack:
             return None
-        found = self.best(family, self._all, (0.0, 0.0))
+        found = self.best(place, self._all, (0.0, 0.0))
         return found if found.z >= Z_FAULT and found.index >= INDEX_FAULT else None
 
     def without(self, candidate: Candidate) -> OrderSpectra:
@@ -183,16 +206,16 @@ class Judge:
         Spectra without the lines that a fault explains: its harmonics and their sidebands.
 
         A race fault is modulated at the shaft's speed, a ball fault at the cage's. The two
-        strikes of a ball in each spin differ: its odd multiples of half the order show as well.
+        impacts of a ball in each spin differ, so odd multiples of half its order show as well.
         """
         return self.spectra.silenced(self._explained(candidate), 2.0 * self.spectra.step)
 
     def _explained(self, candidate: Candidate) -> NDArray[np.float64]:
         """Orders of the lines that a fault explains."""
         order, reach, gap = candidate.order, _SIDEBANDS, 1.0
-        if candidate.family == 'ball':
+        if candidate.place == 'ball':
             order, gap = 0.5 * order, self.cage_sideband(candidate)[0]
-        elif candidate.family == 'cage':
+        elif candidate.place == 'cage':
             reach = 0
         elif not self.steady:
             gap = self._highest_sideband(candidate, 1.0, 1.0)[0]
@@ -211,36 +234,38 @@ class Judge:
     ) -> tuple[float, float]:
         """Gap between two orders at which a comb has its highest sidebands, and their ratio."""
         slack = self._uncertainty * high
-        # Two gaps beside a tooth: half a bin more moves the farther sidebands by one.
+        # Two gaps beside a harmonic: half a bin more moves the farther sidebands by one.
         gaps = np.arange(low - slack, high + slack + self._all.step, 0.5 * self._all.step)
         ratios = sideband_ratios(self.spectra, candidate.order, candidate.band, gaps)
         best = int(np.argmax(ratios))
         return float(gaps[best]), float(ratios[best])
 
-    def carried(self, race: Candidate) -> float:
+    def cage_sideband_order(self, candidate: Candidate) -> float:
         """
-        Order of the cage whose sidebands the comb of a race has, 0 if it has none such.
+        Order of the cage by which the sidebands of a race's comb are spaced, 0 if they are not.
 
-        A race does not move with the cage: such a comb is one of a ball or of the cage itself,
-        whatever its slip, and has the name of the race from the place of its teeth alone.
+        A race does not move with the cage. Such a comb belongs to a ball or to the cage, at a
+        slip that was not expected.
         """
-        if race.family not in _RACES:
+        if candidate.place not in _RACES:
             return 0.0
-        gap, ratio = self._any_cage_sideband(race)
-        return gap if ratio > max(GATED, race.sidebands) else 0.0
+        gap, ratio = self._any_cage_sideband(candidate)
+        return gap if ratio > max(LOAD_ZONE, candidate.shaft_sideband_ratio) else 0.0
 
-    def struck(self, ball: Candidate) -> float:
+    def cage_series_order(self, candidate: Candidate) -> float:
         """
-        Order of the cage whose strikes make the comb of a ball, 0 if none do.
+        Order of the cage whose harmonic series makes the comb of a ball, 0 if none does.
 
-        A strike once a cage turn has all harmonics alike; the sidebands of a ball, which a load
-        that is spread over some balls sways, fade. Those three and six, and five and ten cage
-        orders beside its teeth tell.
+        An impact once a cage turn has all harmonics equally high. The sidebands of a ball under a
+        load that is spread over some balls fade. The lines three and six, five and ten cage
+        orders beside the comb tell.
         """
-        if ball.family != 'ball':
+        if candidate.place != 'ball':
             return 0.0
-        gap, near = self._any_cage_sideband(ball)
-        far = (sideband_ratio(self.spectra, ball.order, ball.band, k * gap) for k in (3, 5))
+        gap, near = self._any_cage_sideband(candidate)
+        far = (
+            sideband_ratio(self.spectra, candidate.order, candidate.band, k * gap) for k in (3, 5)
+        )
         return gap if min(near, *far) * RIVAL > 1.0 else 0.0
 
     def _any_cage_sideband(self, candidate: Candidate) -> tuple[float, float]:
@@ -249,49 +274,44 @@ class Judge:
         ends = self.orders.ftf + slope * np.array([SLOW_CAGE, SLIP[0]])
         return self._highest_sideband(candidate, ends[0], ends[1])
 
-    def turned(self, ball: Candidate) -> bool:
+    def shaft_sidebands_dominate(self, candidate: Candidate) -> bool:
         """
-        Whether a ball's comb has the sidebands of the shaft, higher than those of the cage.
+        Whether a ball's comb has sidebands of the shaft that are higher than those of the cage.
 
-        A ball moves with the cage: such a comb may be the inner race's, whatever its slip, and
-        have the name of the ball from the place of its teeth alone.
+        A ball moves with the cage. Such a comb may belong to the inner race, at a slip that was
+        not expected.
         """
-        if ball.family != 'ball':
+        if candidate.place != 'ball':
             return False
-        shaft = sideband_ratio(self.spectra, ball.order, ball.band)
-        return shaft > max(GATED, RIVAL * self.cage_sideband(ball)[1])
+        shaft = self.shaft_sideband_ratio(candidate)
+        return shaft > max(LOAD_ZONE, RIVAL * self.cage_sideband(candidate)[1])
 
-    def foreign(self, candidate: Candidate) -> float:
+    def extraneous_order(self, candidate: Candidate) -> float:
         """
-        Order of the comb that a candidate merely shares teeth with, 0 if it stands for itself.
+        Order of the harmonic series that a comb merely shares lines with, 0 if it is its own.
 
-        Its own teeth are missing, or lines that it does not explain stand between them.
+        Harmonics of the comb are missing, or lines that it does not explain lie between them.
         """
-        if candidate not in self._foreign:
-            self._foreign[candidate] = self._shares_with(candidate)
-        return self._foreign[candidate]
-
-    def _shares_with(self, candidate: Candidate) -> float:
         order, columns = candidate.order, self._columns(candidate)
-        multiple = missing_teeth(self._all, order, columns, self._silent)
+        multiple = missing_harmonics(self._all, order, columns, self._silent)
         if multiple > 1:
             return multiple * order
-        # A ball that strikes one race only has lines at its spin, as high as its teeth.
-        own = 0.5 * order if candidate.family == 'ball' else order
+        # A ball that strikes one race only has lines at its spin, as high as its harmonics.
+        own = 0.5 * order if candidate.place == 'ball' else order
         lower = self._explained(candidate)
-        if candidate.family == 'outer':
+        if candidate.place == 'outer':
             cage = order / self._n_balls
             lower = np.concatenate((lower, np.arange(cage, self.top, cage)))
         width = 2.0 * self._all.step
         mine = self._all.near(np.arange(own, self.top, own), width)
         sidebands = self._all.near(lower, width)
-        return denser_comb(
+        return denser_series(
             self._all, order, columns, self._silent, mine, sidebands, self._uncertainty
         )
 
-    def shafts_own(self, candidate: Candidate) -> bool:
-        """Whether a comb may be a multiple of the shaft, and stands no higher than the others."""
-        return beside_shaft(
+    def masked_by_shaft(self, candidate: Candidate) -> bool:
+        """Whether a comb may be a multiple of the shaft, no higher than the other multiples."""
+        return masked_by_shaft(
             self._all,
             candidate.order,
             self._columns(candidate),
@@ -300,20 +320,20 @@ class Judge:
         )
 
     def _columns(self, candidate: Candidate) -> NDArray[np.intp]:
-        """Bands in which a comb stands highest, one of each whitening."""
+        """Bands in which a comb is highest, one of each whitening."""
         _, bands = self._scores.judge(self._all, np.array([candidate.order]))
         best = bands[0].argmax(axis=1)
         return np.asarray(best + bands.shape[2] * np.arange(len(best)))
 
-    def mains(self, candidate: Candidate) -> float:
+    def mains_hz(self, candidate: Candidate) -> float:
         """
-        Frequency of the mains, Hz, of whose pulses a comb is a multiple; 0 if of none.
+        Frequency of the mains, Hz, whose pulses may make a comb; 0 if none do.
 
-        Rectifiers and converters knock twice a period. Their comb is then as high as its multiple;
-        where it is that itself, nothing tells a fault from it.
+        Rectifiers and converters pulse twice a period. Their series is then as high as its
+        multiple. Where the comb is the series itself, nothing tells it from a fault.
         """
         for hertz in MAINS_HZ:
-            pulses = 2.0 * hertz / self._shaft_hz
+            pulses = 2.0 * hertz / self.shaft_hz
             multiple = max(round(candidate.order / pulses), 1)
             if abs(candidate.order - multiple * pulses) > self._all.step:
                 continue
@@ -330,21 +350,21 @@ class Judge:
         at = int(np.argmax(z))
         return float(grid[at]), float(z[at])
 
-    def sidedness(self, one: Candidate, other: Candidate) -> Candidate | None:
+    def sideband_owner(self, one: Candidate, other: Candidate) -> Candidate | None:
         """
-        Return whose sidebands a comb has that two families claim; None where they do not tell.
+        Which of two candidates that claim one comb its sidebands fit; None where they fit neither.
 
         An inner race is modulated by the shaft, a ball by the cage, an outer race by neither.
         """
         shaft = sideband_ratio(self.spectra, one.order, one.band)
-        claims = {c.family: c for c in (one, other)}
+        claims = {c.place: c for c in (one, other)}
         cage = self.cage_sideband(claims.get('ball', one))[1]
-        heights = {'inner': shaft, 'ball': cage, 'outer': GATED / RIVAL}
-        low, high = sorted(claims, key=lambda family: heights.get(family, 0.0))
+        heights = {'inner': shaft, 'ball': cage, 'outer': LOAD_ZONE / RIVAL}
+        low, high = sorted(claims, key=lambda place: heights.get(place, 0.0))
         return claims[high] if heights.get(high, 0.0) > RIVAL * heights.get(low, 0.0) else None
 
     def joint_slips(self, primary: Candidate) -> tuple[float, float]:
         """Slip that another fault of the same bearing may have, given the primary one's."""
-        if not self.steady or primary.family == 'cage':
+        if not self.steady or primary.place == 'cage':
             return SLIP
         return primary.slip - JOINT_SLIP, primary.slip + JOINT_SLIP

@@ -5,7 +5,7 @@
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.comb import OrderSpectra
-from bearing_twin.diagnosis.teeth import beside_shaft, denser_comb, missing_teeth
+from bearing_twin.diagnosis.harmonics import denser_series, masked_by_shaft, missing_harmonics
 import numpy as np
 import pytest
 
@@ -105,29 +105,29 @@ def test_comb_of_its_own_is_seldom_denied(rng):
     for _ in range(400):
         order = rng.uniform(2.5, 6.5)
         spectra = _spectra(rng, order * np.arange(1, 5))
-        denied += missing_teeth(spectra, order, COLUMNS, nothing) > 1
-        denied += denser_comb(spectra, order, COLUMNS, nothing, nothing, nothing, 0.002) > 0.0
+        denied += missing_harmonics(spectra, order, COLUMNS, nothing) > 1
+        denied += denser_series(spectra, order, COLUMNS, nothing, nothing, nothing, 0.002) > 0.0
     assert denied <= 8
 
 
-def test_denser_comb_is_found_with_its_order(rng):
+def test_denser_series_is_found_with_its_order(rng):
     nothing = np.zeros(3000, bool)
     for parts in (2, 3, 5, 8, 13):
         order = 4.57
         spectra = _spectra(rng, order / parts * np.arange(1, 4 * parts + 1), 40.0)
-        found = denser_comb(spectra, order, COLUMNS, nothing, nothing, nothing, 0.002)
+        found = denser_series(spectra, order, COLUMNS, nothing, nothing, nothing, 0.002)
         assert found == pytest.approx(order / parts)
         # Sidebands that the candidate explains fade: these do not.
         everywhere = np.ones(3000, bool)
-        again = denser_comb(spectra, order, COLUMNS, nothing, nothing, everywhere, 0.002)
+        again = denser_series(spectra, order, COLUMNS, nothing, nothing, everywhere, 0.002)
         assert again == found
 
 
-def test_missing_teeth_tell_the_true_order(rng):
+def test_missing_harmonics_tell_the_true_order(rng):
     nothing = np.zeros(3000, bool)
     for multiple in (2, 3, 4):
         spectra = _spectra(rng, 4.57 * multiple * np.arange(1, 3), 100.0)
-        found = missing_teeth(spectra, 4.57, COLUMNS, nothing)
+        found = missing_harmonics(spectra, 4.57, COLUMNS, nothing)
         assert found > 1
         assert found % multiple == 0
 
@@ -135,10 +135,10 @@ def test_missing_teeth_tell_the_true_order(rng):
 def test_comb_beside_the_shaft_needs_to_stand_out(rng):
     knocks = _spectra(rng, np.arange(1.0, 21.0), 40.0)
     unknown = {'precision': 0.02, 'uncertainty': 0.02}
-    assert beside_shaft(knocks, 5.002, COLUMNS, **KNOWN)
+    assert masked_by_shaft(knocks, 5.002, COLUMNS, **KNOWN)
     fault = _spectra(rng, [1.0, 2.0, 5.03, 10.06, 15.09, 20.12], 40.0)
-    assert not beside_shaft(fault, 5.03, COLUMNS, **unknown)
+    assert not masked_by_shaft(fault, 5.03, COLUMNS, **unknown)
     # Lines at 1.006 and its multiples are no shaft's that is known to 0.05 %.
     other = _spectra(rng, 1.006 * np.arange(1.0, 21.0), 40.0)
-    assert beside_shaft(other, 5.03, COLUMNS, **unknown)
-    assert not beside_shaft(other, 5.03, COLUMNS, **KNOWN)
+    assert masked_by_shaft(other, 5.03, COLUMNS, **unknown)
+    assert not masked_by_shaft(other, 5.03, COLUMNS, **KNOWN)

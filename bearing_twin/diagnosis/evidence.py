@@ -1,0 +1,376 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Evidence: the named quantities that the rules of the diagnosis rest on."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any, NamedTuple, TYPE_CHECKING
+
+from bearing_twin.bearing import PLACES
+from bearing_twin.diagnosis.search import Candidate
+from bearing_twin.diagnosis.thresholds import (
+    BLURRED,
+    INDEX_FAULT,
+    INDEX_SUSPECT,
+    LOAD_ZONE,
+    RIVAL,
+    SLIP_COST,
+    Z_CAGE,
+    Z_FAULT,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from bearing_twin.diagnosis.comb import OrderSpectra
+    from bearing_twin.diagnosis.search import CombSearch
+
+__all__ = ['Claims', 'Evidence', 'LoadZone']
+
+
+class Claims(NamedTuple):
+    """Combs after each that two places claim has been given to one of them."""
+
+    kept: tuple[Candidate, ...]
+    contested: tuple[tuple[Candidate, Candidate], ...] = ()
+    """Pairs of (stronger, weaker) of which neither sidebands nor slip tell the owner."""
+
+
+class LoadZone(NamedTuple):
+    """Combs without the shaft sidebands of an inner race that passes through the load zone."""
+
+    kept: tuple[Candidate, ...]
+    uncertain: Candidate | None = None
+    """A removed comb that is the strongest, while the inner race's does not lead clearly."""
+
+
+class Evidence:
+    """
+    Named quantities of a window, or of the mean of several, each computed once.
+
+    A quantity is computed when a rule first asks for it.
+
+    Parameters
+    ----------
+    combs
+        Search in the envelope spectra.
+    turns
+        Shaft turns in all windows together.
+
+    """
+
+    def __init__(self, combs: CombSearch, turns: float) -> None:
+        self._combs = combs
+        self.turns = turns
+
+    @classmethod
+    def of(cls, *candidates: Candidate, turns: float = 200.0, **quantities: Any) -> Evidence:
+        """
+        Evidence by hand, to ask a rule without a signal.
+
+        Parameters
+        ----------
+        candidates
+            Best combs of some places; the others have none.
+        turns
+            Shaft turns.
+        quantities
+            Any other quantity, by its name. What is not given and does not follow from the others
+            is that of combs that nothing disturbs.
+
+        >>> from bearing_twin.diagnosis.search import Candidate
+        >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
+        >>> Evidence.of(inner).leading.place
+        'inner'
+
+        """
+        evidence = cls.__new__(cls)
+        undisturbed: dict[str, Any] = {
+            'turns': turns,
+            'shaft_hz': 25.0,
+            'cage_turns': 0.4 * turns,
+            'steady': True,
+            'step': 0.005,
+            'capped_cage_index': 0.0,
+            'extraneous_orders': {},
+            'masked_by_shaft': frozenset(),
+            'claims': Claims(candidates),
+            'shaft_sideband_ratios': {},
+            'inner_race_ratios': {},
+            'masked_candidates': (),
+            'explained': frozenset(),
+            'mains_hz': 0.0,
+            'cage_sideband_order': 0.0,
+            'cage_series_order': 0.0,
+            'shaft_sidebands_dominate': False,
+            'others': (),
+        }
+        unknown = quantities.keys() - undisturbed.keys()
+        if unknown:
+            raise TypeError(f'no such quantity: {", ".join(sorted(unknown))}')
+        given = {c.place: c for c in candidates}
+        nothing = {place: Candidate(place, 1.0, 0.0, 0.0, 0.0) for place in PLACES}
+        vars(evidence).update(undisturbed, **quantities, candidates=nothing | given)
+        return evidence
+
+    @cached_property
+    def candidates(self) -> dict[str, Candidate]:
+        """Best comb of each place."""
+        return {place: self._combs.best(place) for place in PLACES}
+
+    @cached_property
+    def shaft_hz(self) -> float:
+        """Shaft speed, Hz."""
+        return self._combs.shaft_hz
+
+    @cached_property
+    def cage_turns(self) -> float:
+        """Turns of the cage in all windows together."""
+        return self.turns * self._combs.orders.ftf
+
+    @cached_property
+    def steady(self) -> bool:
+        """Whether the shaft speed is known well enough to compare slips and place sidebands."""
+        return self._combs.steady
+
+    @cached_property
+    def step(self) -> float:
+        """Resolution, orders."""
+        return self._combs.spectra.step
+
+    @cached_property
+    def significant(self) -> tuple[Candidate, ...]:
+        """Combs that are neither chance nor too weak for a remark."""
+        return tuple(
+            c
+            for c in self.candidates.values()
+            if c.z >= (Z_CAGE if c.place == 'cage' else Z_FAULT)
+            and c.index >= INDEX_SUSPECT
+            and c.harmonics >= 2
+        )
+
+    @cached_property
+    def extraneous_orders(self) -> Mapping[str, float]:
+        """Order of the harmonic series that the comb of a place merely shares lines with."""
+        orders = {c.place: self._combs.extraneous_order(c) for c in self.significant}
+        return {place: order for place, order in orders.items() if order}
+
+    @cached_property
+    def masked_by_shaft(self) -> frozenset[str]:
+        """Places whose comb may be a multiple of the shaft, no higher than the others."""
+        return frozenset(c.place for c in self.significant if self._combs.masked_by_shaft(c))
+
+    @cached_property
+    def own(self) -> tuple[Candidate, ...]:
+        """Significant combs that nothing else of the machine explains."""
+        return tuple(
+            c
+            for c in self.significant
+            if c.place not in self.extraneous_orders and c.place not in self.masked_by_shaft
+        )
+
+    @cached_property
+    def claims(self) -> Claims:
+        """
+        Give a comb that lies in the ranges of two places to one of them.
+
+        That is the place whose sidebands it has; where they do not tell, the one of the likelier
+        slip.
+        """
+        left, contested = list(self.significant), []
+        for c in self.significant:
+            for other in self.significant:
+                apart = abs(other.order - c.order)
+                if other.z < c.z or other is c or apart >= 2.0 * self.step:
+                    continue
+                if c not in left or other not in left:
+                    continue
+                owner = self._combs.sideband_owner(other, c)
+                left.remove(other if owner is c else c)
+                # Sidebands alone do not make up for twice the slip that costs one standard
+                # deviation.
+                unlikely = abs(c.slip) - abs(other.slip) > 2.0 * SLIP_COST
+                if (unlikely and owner is c) or (owner is None and c.z * RIVAL > other.z):
+                    contested.append((other, c))
+        return Claims(tuple(left), tuple(contested))
+
+    @cached_property
+    def _races_and_balls(self) -> tuple[Candidate, ...]:
+        return tuple(c for c in self.claims.kept if c.place != 'cage')
+
+    @cached_property
+    def cage_leads(self) -> bool:
+        """
+        Whether the cage is behind all that shows.
+
+        Every other comb is then weak, or weaker than the cage's and on its harmonics: an impact
+        once a cage turn has harmonics everywhere, one at the outer race's order among them.
+        """
+        cage = self.candidates['cage']
+        return (
+            cage in self.own
+            and cage.index >= INDEX_FAULT
+            and all(
+                other.index < INDEX_FAULT
+                or (
+                    other.z < cage.z
+                    and other.index <= cage.index
+                    and _on_harmonics(other.order, cage.order, self.step)
+                )
+                for other in self._races_and_balls
+            )
+        )
+
+    @cached_property
+    def capped_cage_index(self) -> float:
+        """Modulation index of the cage's comb with lines capped."""
+        return self._combs.capped_index(self.candidates['cage'])
+
+    @cached_property
+    def shaft_sideband_ratios(self) -> Mapping[str, float]:
+        """Mean amplitude of the shaft sidebands of a comb over that of its harmonics."""
+        return {c.place: self._combs.shaft_sideband_ratio(c) for c in self._races_and_balls}
+
+    @cached_property
+    def inner_race_ratios(self) -> Mapping[str, float]:
+        """Amplitude of the inner race's comb over that of a comb that may be its sideband."""
+        return {
+            c.place: ratio
+            for c in self._races_and_balls
+            if c.place != 'inner'
+            and self.shaft_sideband_ratios[c.place] > LOAD_ZONE
+            and (ratio := self._combs.inner_race_ratio(c)) * RIVAL > 1.0
+        }
+
+    @cached_property
+    def load_zone(self) -> LoadZone:
+        """Remove the combs that are shaft sidebands of the inner race."""
+        left = list(self._races_and_balls)
+        for c in self._races_and_balls:
+            ratio = self.inner_race_ratios.get(c.place)
+            if ratio is None:
+                continue
+            leads = all(other.weight <= c.weight for other in left)
+            left.remove(c)
+            if leads and (ratio < BLURRED or all(other.place != 'inner' for other in left)):
+                return LoadZone(tuple(left), c)
+        return LoadZone(tuple(left))
+
+    @cached_property
+    def remaining(self) -> tuple[Candidate, ...]:
+        """Combs of races and balls that are left; all significant ones where none is its own."""
+        return self.load_zone.kept if self.own else self.significant
+
+    @cached_property
+    def nameable(self) -> tuple[Candidate, ...]:
+        """Those of them that nothing else of the machine explains."""
+        return tuple(c for c in self.remaining if c in self.own)
+
+    @cached_property
+    def masked_candidates(self) -> tuple[Candidate, ...]:
+        """Combs of races and balls that show, but coincide with harmonics of the shaft."""
+        found = map(self._combs.masked_candidate, PLACES[:3])
+        return tuple(c for c in found if c is not None)
+
+    @cached_property
+    def leading(self) -> Candidate:
+        """Return the comb that explains most; where none can be named, the strongest."""
+        return self._leading_and_rivals[0]
+
+    @cached_property
+    def same_lines(self) -> tuple[Candidate, ...]:
+        """Combs that explain the lines of the leading one as well as it explains theirs."""
+        return self._leading_and_rivals[1]
+
+    @cached_property
+    def _leading_and_rivals(self) -> tuple[Candidate, tuple[Candidate, ...]]:
+        leading = max(self.nameable or self.remaining, key=lambda c: c.weight)
+        if not self.nameable:
+            return leading, ()
+        causes = [
+            c
+            for c in self.nameable
+            if c is not leading and self.explains(c, leading) and not self.explains(leading, c)
+        ]
+        if causes:
+            cause = max(causes, key=lambda c: c.z)
+            if cause.z > leading.z:
+                leading = cause
+            elif min(cause.index, leading.index) >= INDEX_FAULT:
+                return leading, (cause,)
+        rivals = (
+            c
+            for c in self.nameable
+            if c is not leading
+            and min(c.index, leading.index) >= INDEX_FAULT
+            and (c.weight * RIVAL > leading.weight or leading.shaft_sideband_ratio > BLURRED)
+            and self.explains(leading, c)
+            and self.explains(c, leading)
+        )
+        return leading, tuple(rivals)
+
+    def explains(self, cause: Candidate, other: Candidate) -> bool:
+        """Whether nothing significant is left of a comb without the lines of another fault."""
+        return (cause.place, other.place) in self.explained
+
+    @cached_property
+    def explained(self) -> frozenset[tuple[str, str]]:
+        """Pairs of (cause, other) places: nothing is left of the other without the cause."""
+        return frozenset(
+            (place, other.place)
+            for place, rest in self._rests.items()
+            for other in self.nameable
+            if other.place != place and self._combs.best(other.place, rest).z < Z_FAULT
+        )
+
+    @cached_property
+    def _rests(self) -> dict[str, OrderSpectra]:
+        """Spectra without the lines that each place explains, where there are several."""
+        if len(self.nameable) < 2:
+            return {}
+        return {cause.place: self._combs.without(cause) for cause in self.nameable}
+
+    @cached_property
+    def mains_hz(self) -> float:
+        """Frequency of the mains whose pulses may make the leading comb, Hz; 0 if none do."""
+        return self._combs.mains_hz(self.leading)
+
+    @cached_property
+    def cage_sideband_order(self) -> float:
+        """Order of the cage by which the sidebands of a leading race are spaced, else 0."""
+        return self._combs.cage_sideband_order(self.leading)
+
+    @cached_property
+    def cage_series_order(self) -> float:
+        """Order of the cage whose harmonic series makes the comb of a leading ball, else 0."""
+        return self._combs.cage_series_order(self.leading)
+
+    @cached_property
+    def shaft_sidebands_dominate(self) -> bool:
+        """Whether a leading ball's comb has higher sidebands of the shaft than of the cage."""
+        return self._combs.shaft_sidebands_dominate(self.leading)
+
+    @cached_property
+    def others(self) -> tuple[Candidate, ...]:
+        """Combs of other faults beside the leading one, without the lines that it explains."""
+        combs, leading = self._combs, self.leading
+        rest, slips = self._rests.get(leading.place), combs.joint_slips(leading)
+        again = (combs.best(c.place, rest, slips) for c in self.nameable if c is not leading)
+        return tuple(
+            c
+            for c in again
+            if c.z >= Z_FAULT
+            and c.harmonics >= 2
+            and not combs.cage_sideband_order(c)
+            and not combs.cage_series_order(c)
+            and not combs.shaft_sidebands_dominate(c)
+            and not combs.extraneous_order(c)
+        )
+
+
+def _on_harmonics(order: float, cage_order: float, step: float) -> bool:
+    """Whether at least every second harmonic of a comb lies on a multiple of the cage's order."""
+    multiple = round(2.0 * order / cage_order)
+    away = abs(2.0 * order - multiple * cage_order)
+    return away <= (4.0 + 0.25 * multiple) * step

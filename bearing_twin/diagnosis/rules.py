@@ -1,0 +1,387 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+From evidence to a verdict: the first rule of an ordered table that applies.
+
+A rule is a function of the evidence that returns a verdict, or None where it does not apply. The
+rules are asked in the order in which they stand here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple, TYPE_CHECKING
+
+from bearing_twin.diagnosis.gate import CAGE_TURNS, HEALTHY_TURNS
+from bearing_twin.diagnosis.thresholds import (
+    INDEX_FAULT,
+    INDEX_STRIKE,
+    INDEX_SUSPECT,
+    RIVAL,
+    Z_FAULT,
+)
+from bearing_twin.diagnosis.verdict import Verdict
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from bearing_twin.diagnosis.evidence import Evidence
+    from bearing_twin.diagnosis.search import Candidate
+
+    _Apply = Callable[[Evidence], Verdict | None]
+
+__all__ = ['RULES', 'Rule', 'decide']
+
+
+class Rule(NamedTuple):
+    """One rule of the table."""
+
+    name: str
+    answer: str
+    why: str
+    apply: Callable[[Evidence], Verdict | None]
+
+
+RULES: list[Rule] = []
+"""All rules, in the order in which they are asked; the last always applies."""
+
+
+def _rule(answer: str, why: str) -> Callable[[_Apply], _Apply]:
+    """Append a rule to the table; it has the name of its function."""
+
+    def append(apply: _Apply) -> _Apply:
+        RULES.append(Rule(apply.__name__.lstrip('_'), answer, why, apply))
+        return apply
+
+    return append
+
+
+@_rule(
+    'ambiguous',
+    'A ball in the load zone ripples the envelope once a cage turn, as a cage does.',
+)
+def _cage_ripple(e: Evidence) -> Verdict | None:
+    if not e.cage_leads:
+        return None
+    # An impact has every harmonic, the outer race's order exactly among them. What shows the
+    # ball's order better than that is the ripple of a ball in and out of the load.
+    outer, ball, cage = (e.candidates[place] for place in ('outer', 'ball', 'cage'))
+    few_harmonics = outer.z < max(ball.z, Z_FAULT)
+    if not few_harmonics and min(cage.index, e.capped_cage_index) >= INDEX_STRIKE:
+        return None
+    text = (
+        'ball and cage coincide: the envelope ripples with the cage; a ball strikes while it '
+        'passes the load zone, once a cage turn, or the cage is damaged'
+    )
+    return _ambiguous(e, ('ball', 'cage'), cage, text)
+
+
+@_rule('suspect', 'Few cage turns do not resolve the comb of a cage.')
+def _few_cage_turns(e: Evidence) -> Verdict | None:
+    if not e.cage_leads or e.cage_turns >= CAGE_TURNS:
+        return None
+    text = f'{e.cage_turns:.0f} cage turns: {CAGE_TURNS:g} are needed to call it a cage fault'
+    return _suspect(e, e.candidates['cage'], text)
+
+
+@_rule('cage', 'Impacts once a cage turn, with harmonics everywhere, come from the cage.')
+def _cage_impacts(e: Evidence) -> Verdict | None:
+    if not e.cage_leads:
+        return None
+    return _alarm(e, ('cage',), e.candidates['cage'])
+
+
+@_rule(
+    'ambiguous',
+    'A comb with high shaft sidebands may be a sideband of the inner race.',
+)
+def _load_zone_modulated(e: Evidence) -> Verdict | None:
+    comb = e.load_zone.uncertain if e.own else None
+    if comb is None:
+        return None
+    inner = e.candidates['inner']
+    text = (
+        f'the comb at {comb.order:.3f} orders has shaft sidebands of '
+        f'{e.shaft_sideband_ratios[comb.place]:.1f} of its height and may be one of the inner '
+        'race, which passes through the load zone; a longer window or steadier conditions '
+        'part them'
+    )
+    level = 'fault' if comb.index >= INDEX_FAULT else 'suspect'
+    return _ambiguous(e, ('inner', comb.place), comb, str(inner), text, level=level)
+
+
+@_rule('ambiguous', 'Lines at a fault order on a multiple of the shaft belong to either.')
+def _masked_candidate(e: Evidence) -> Verdict | None:
+    if e.remaining or not e.masked_candidates:
+        return None
+    first = e.masked_candidates[0]
+    text = (
+        f'{first.place} order {first.order:.3f} and shaft order {round(first.order)} coincide '
+        'within the resolution of this window: the lines '
+        'there belong to either; a longer window or an exact speed may part them'
+    )
+    return Verdict(
+        result='ambiguous',
+        level='suspect',
+        faults=tuple(c.place for c in e.masked_candidates),
+        reasons=(str(first), text),
+        candidates=e.candidates,
+    )
+
+
+@_rule(
+    'insufficient', 'A short window shows strong faults only, so it cannot call a bearing healthy.'
+)
+def _few_shaft_turns(e: Evidence) -> Verdict | None:
+    if e.remaining or e.turns >= HEALTHY_TURNS:
+        return None
+    text = (
+        f'{e.turns:.0f} shaft turns show strong faults only, and none is there: '
+        f'{HEALTHY_TURNS:g} are needed to call it healthy, {HEALTHY_TURNS / e.shaft_hz:.1f} s'
+    )
+    return Verdict(result='insufficient', level='none', reasons=(text,), candidates=e.candidates)
+
+
+@_rule('healthy', 'No comb is both significant and strong.')
+def _no_comb(e: Evidence) -> Verdict | None:
+    if e.remaining:
+        return None
+    text = f'no fault comb above z {Z_FAULT:g} with modulation index {INDEX_SUSPECT:g}'
+    return Verdict(result='healthy', level='ok', reasons=(text,), candidates=e.candidates)
+
+
+@_rule('ambiguous', "Two faults that explain each other's lines cannot be told apart.")
+def _same_lines(e: Evidence) -> Verdict | None:
+    if not e.same_lines:
+        return None
+    one, other = e.leading, e.same_lines[0]
+    text = (
+        f'{one.place} at {one.order:.3f} and {other.place} at '
+        f'{other.order:.3f} orders explain the same lines, one as sidebands of the other; '
+        'a longer window or an exact speed may part them'
+    )
+    places = (one.place, *(c.place for c in e.same_lines))
+    return _ambiguous(e, places, one, *map(str, e.same_lines), text, level='fault')
+
+
+@_rule('ambiguous', 'Rectifiers and converters pulse twice a period of the mains.')
+def _mains_pulses(e: Evidence) -> Verdict | None:
+    if not e.mains_hz:
+        return None
+    text = (
+        f'it coincides with a multiple of {2.0 * e.mains_hz:g} Hz: the pulses of rectifiers and '
+        f'converters on mains of {e.mains_hz:g} Hz; another shaft speed parts them'
+    )
+    return _ambiguous(e, (e.leading.place,), e.leading, text)
+
+
+@_rule(
+    'ambiguous',
+    'A race does not move with the cage, so its comb has no cage sidebands.',
+)
+def _cage_sideband_dominated(e: Evidence) -> Verdict | None:
+    if not e.cage_sideband_order:
+        return None
+    text = (
+        f'its sidebands are {e.cage_sideband_order:.3f} orders apart, as the cage turns, and a '
+        'race does not move with the cage: a ball, or the cage'
+    )
+    return _ambiguous(e, ('ball', 'cage'), e.leading, text)
+
+
+@_rule(
+    'ambiguous',
+    "An impact once a cage turn may have a harmonic at the ball's order.",
+)
+def _cage_harmonic_series(e: Evidence) -> Verdict | None:
+    if not e.cage_series_order:
+        return None
+    text = (
+        f'it is one of many lines {e.cage_series_order:.3f} orders apart that do not fade, as a '
+        'strike once a cage turn makes them: the cage, or a ball'
+    )
+    return _ambiguous(e, ('ball', 'cage'), e.leading, text)
+
+
+@_rule(
+    'ambiguous',
+    'A ball moves with the cage, so its comb has no higher shaft sidebands.',
+)
+def _shaft_sideband_dominated(e: Evidence) -> Verdict | None:
+    if not e.shaft_sidebands_dominate:
+        return None
+    text = (
+        'its sidebands are one turn of the shaft apart, higher than those of the cage with '
+        'which a ball moves: the inner race at a slip or a speed that was not expected, or '
+        'the ball; check the shaft speed'
+    )
+    return _ambiguous(e, ('inner', 'ball'), e.leading, text)
+
+
+@_rule(
+    'ambiguous',
+    'An impact once a turn has lines at all multiples of the shaft.',
+)
+def _masked_by_shaft(e: Evidence) -> Verdict | None:
+    if e.leading in e.nameable or e.leading.place not in e.masked_by_shaft:
+        return None
+    text = (
+        f'it coincides with {round(e.leading.order)} turns of the shaft within the resolution, '
+        'and the other multiples of the shaft stand as high: a knock once a turn, or the '
+        'fault; a longer window or an exact speed may part them'
+    )
+    return _ambiguous(e, (e.leading.place,), e.leading, text)
+
+
+@_rule(
+    'suspect',
+    'A gear, a belt or another bearing may have a harmonic at this order.',
+)
+def _extraneous(e: Evidence) -> Verdict | None:
+    if e.leading in e.nameable:
+        return None
+    order = e.extraneous_orders[e.leading.place]
+    text = (
+        f'it shares its teeth with a comb at {order:.3f} orders, which no part '
+        'of this bearing has: check geometry and speed; a gear, a belt, another bearing or a '
+        'cage that slips far?'
+    )
+    return _suspect(e, e.leading, text)
+
+
+@_rule('ambiguous', 'A comb that two places claim at likely slips belongs to either.')
+def _contested_comb(e: Evidence) -> Verdict | None:
+    for pair in e.claims.contested:
+        one, other = pair
+        if e.leading not in pair:
+            continue
+        text = (
+            f'{one.place} with a slip of {one.slip:.1%} and {other.place} with {other.slip:.1%} '
+            f'coincide at {one.order:.3f} orders, and sidebands do not tell them apart: an exact '
+            'shaft speed may part them'
+        )
+        strong = any(c.index >= INDEX_FAULT for c in (e.leading, *_certain(e)))
+        level = 'fault' if strong else 'suspect'
+        places, candidates = (one.place, other.place), _updated(e)
+        return _ambiguous(e, places, one, str(other), text, level=level, candidates=candidates)
+    return None
+
+
+@_rule(
+    'ambiguous',
+    'Without an exact speed lines of a second fault may be sidebands of the first.',
+)
+def _uncertain_second(e: Evidence) -> Verdict | None:
+    doubtful = _doubtful(e)
+    named = e.leading.index >= INDEX_FAULT
+    if not (named and doubtful and max(c.z for c in doubtful) * RIVAL > e.leading.z):
+        return None
+    places = (e.leading.place, *(c.place for c in doubtful))
+    texts = (*map(str, _in_order(e)[1:]), _GIVE_SPEED)
+    return _ambiguous(e, places, e.leading, *texts, level='fault', candidates=_updated(e))
+
+
+@_rule('suspect', 'A significant comb that modulates the envelope little is no alarm.')
+def _weak_modulation(e: Evidence) -> Verdict | None:
+    combs = _in_order(e)
+    if any(c.index >= INDEX_FAULT for c in (e.leading, *_certain(e))):
+        return None
+    text = f'modulation index below {INDEX_FAULT:g}: not an alarm'
+    return Verdict(
+        result='suspect',
+        level='suspect',
+        faults=tuple(c.place for c in combs),
+        reasons=(*map(str, combs), text),
+        candidates=_updated(e),
+        strongest=e.leading,
+    )
+
+
+@_rule('its place', 'The comb is significant, strong, and nothing else explains it.')
+def _fault(e: Evidence) -> Verdict | None:
+    places = tuple(c.place for c in (e.leading, *_certain(e)) if c.index >= INDEX_FAULT)
+    texts = (*map(str, _in_order(e)[1:]), *((_GIVE_SPEED,) if _doubtful(e) else ()))
+    return _alarm(e, places, e.leading, *texts)
+
+
+def decide(evidence: Evidence) -> Verdict:
+    """
+    Verdict of the first rule that applies.
+
+    >>> from bearing_twin.diagnosis.evidence import Evidence
+    >>> from bearing_twin.diagnosis.search import Candidate
+    >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
+    >>> decide(Evidence.of(inner)).rule
+    'fault'
+    >>> decide(Evidence.of(inner, mains_hz=50.0)).rule
+    'mains_pulses'
+
+    """
+    for rule in RULES:
+        verdict = rule.apply(evidence)
+        if verdict is not None:
+            return replace(verdict, rule=rule.name)
+    raise AssertionError('the last rule applies to any evidence')
+
+
+_GIVE_SPEED = (
+    'the shaft speed is not known well enough to name a second fault beside the first: '
+    'its lines may be sidebands; give a measured speed'
+)
+
+
+def _certain(e: Evidence) -> tuple[Candidate, ...]:
+    """Other combs that are faults of their own."""
+    return tuple(c for c in e.others if c.index >= INDEX_FAULT and e.steady)
+
+
+def _doubtful(e: Evidence) -> tuple[Candidate, ...]:
+    """Other combs that would be faults if the speed were known exactly."""
+    return tuple(c for c in e.others if c.index >= INDEX_FAULT and not e.steady)
+
+
+def _in_order(e: Evidence) -> tuple[Candidate, ...]:
+    """Return the leading comb, those of other faults, then those that are none for certain."""
+    certain = _certain(e)
+    return (e.leading, *certain, *(c for c in e.others if c not in certain))
+
+
+def _updated(e: Evidence) -> dict[str, Candidate]:
+    """Candidates; those beside the leading one without the lines that it explains."""
+    return e.candidates | {c.place: c for c in _in_order(e)}
+
+
+def _alarm(e: Evidence, places: tuple[str, ...], strongest: Candidate, *texts: str) -> Verdict:
+    return Verdict(
+        result=places[0],
+        level='fault',
+        faults=places,
+        reasons=(str(strongest), *texts),
+        candidates=_updated(e) if places != ('cage',) else e.candidates,
+        strongest=strongest,
+    )
+
+
+def _ambiguous(
+    e: Evidence,
+    places: tuple[str, ...],
+    strongest: Candidate,
+    *texts: str,
+    level: str = 'suspect',
+    candidates: dict[str, Candidate] | None = None,
+) -> Verdict:
+    """Verdict on a comb that belongs to one of several places."""
+    return Verdict(
+        result='ambiguous',
+        level=level,
+        faults=places,
+        reasons=(str(strongest), *texts),
+        candidates=candidates or e.candidates,
+        strongest=strongest,
+    )
+
+
+def _suspect(e: Evidence, strongest: Candidate, text: str) -> Verdict:
+    """Verdict without an alarm on a comb whose place is not in doubt."""
+    verdict = _ambiguous(e, (strongest.place,), strongest, text)
+    return replace(verdict, result='suspect')

@@ -1,0 +1,193 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Every rule, reached by evidence that is written down by hand."""
+
+from pathlib import Path
+import runpy
+
+from bearing_twin.diagnosis.evidence import Claims, Evidence
+from bearing_twin.diagnosis.rules import decide, RULES
+from bearing_twin.diagnosis.search import Candidate
+import pytest
+
+DOCUMENT = Path(__file__).parents[2] / 'docs' / 'diagnosis.md'
+
+
+def comb(place, *, order=None, z=9.0, index=0.8, slip=0.01, **more):
+    orders = {'inner': 4.93, 'outer': 3.07, 'ball': 4.05, 'cage': 0.38}
+    return Candidate(place, order or orders[place], slip, z, index, **more)
+
+
+INNER, OUTER, BALL = comb('inner'), comb('outer'), comb('ball')
+CAGE = comb('cage', z=20.0, index=3.0)
+CAGE_IMPACTS = (comb('outer', order=8 * 0.38, z=12.0), CAGE)
+WEAK = comb('inner', index=0.4)
+INNER_SIDEBAND = comb('outer', order=3.93, z=12.0, shaft_sideband_ratio=0.8)
+SIDEBAND = {'shaft_sideband_ratios': {'outer': 0.8}, 'inner_race_ratios': {'outer': 0.8}}
+
+CASES = {
+    'cage_ripple': (Evidence.of(CAGE), 'ambiguous', 'suspect', ('ball', 'cage')),
+    'few_cage_turns': (
+        Evidence.of(*CAGE_IMPACTS, capped_cage_index=3.0, cage_turns=39.0),
+        'suspect',
+        'suspect',
+        ('cage',),
+    ),
+    'cage_impacts': (
+        Evidence.of(*CAGE_IMPACTS, capped_cage_index=3.0),
+        'cage',
+        'fault',
+        ('cage',),
+    ),
+    'load_zone_modulated': (
+        Evidence.of(INNER_SIDEBAND, **SIDEBAND),
+        'ambiguous',
+        'fault',
+        ('inner', 'outer'),
+    ),
+    'masked_candidate': (
+        Evidence.of(masked_candidates=(comb('ball', order=4.001),)),
+        'ambiguous',
+        'suspect',
+        ('ball',),
+    ),
+    'few_shaft_turns': (Evidence.of(turns=49.0), 'insufficient', 'none', ()),
+    'no_comb': (Evidence.of(turns=50.0), 'healthy', 'ok', ()),
+    'same_lines': (
+        Evidence.of(INNER, OUTER, explained={('inner', 'outer'), ('outer', 'inner')}),
+        'ambiguous',
+        'fault',
+        ('inner', 'outer'),
+    ),
+    'mains_pulses': (Evidence.of(INNER, mains_hz=50.0), 'ambiguous', 'suspect', ('inner',)),
+    'cage_sideband_dominated': (
+        Evidence.of(INNER, cage_sideband_order=0.35),
+        'ambiguous',
+        'suspect',
+        ('ball', 'cage'),
+    ),
+    'cage_harmonic_series': (
+        Evidence.of(BALL, cage_series_order=0.35),
+        'ambiguous',
+        'suspect',
+        ('ball', 'cage'),
+    ),
+    'shaft_sideband_dominated': (
+        Evidence.of(BALL, shaft_sidebands_dominate=True),
+        'ambiguous',
+        'suspect',
+        ('inner', 'ball'),
+    ),
+    'masked_by_shaft': (
+        Evidence.of(OUTER, masked_by_shaft={'outer'}),
+        'ambiguous',
+        'suspect',
+        ('outer',),
+    ),
+    'extraneous': (
+        Evidence.of(OUTER, extraneous_orders={'outer': 1.535}),
+        'suspect',
+        'suspect',
+        ('outer',),
+    ),
+    'contested_comb': (
+        Evidence.of(OUTER, claims=Claims((OUTER,), ((OUTER, BALL),))),
+        'ambiguous',
+        'fault',
+        ('outer', 'ball'),
+    ),
+    'uncertain_second': (
+        Evidence.of(INNER, OUTER, others=(OUTER,), steady=False),
+        'ambiguous',
+        'fault',
+        ('inner', 'outer'),
+    ),
+    'weak_modulation': (Evidence.of(WEAK), 'suspect', 'suspect', ('inner',)),
+    'fault': (Evidence.of(INNER), 'inner', 'fault', ('inner',)),
+}
+
+
+@pytest.mark.parametrize('rule', RULES, ids=[rule.name for rule in RULES])
+def test_rule_is_reached_without_a_signal(rule):
+    evidence, result, level, faults = CASES[rule.name]
+    said = decide(evidence)
+    assert (said.rule, said.result, said.level, said.faults) == (rule.name, result, level, faults)
+    assert said.reasons
+    assert rule.answer in (said.result, 'its place')
+
+
+def test_every_rule_has_a_case_and_a_sentence():
+    assert list(CASES) == [rule.name for rule in RULES]
+    assert all(rule.why.endswith('.') for rule in RULES)
+
+
+def test_the_documented_table_is_that_of_the_rules():
+    text = DOCUMENT.read_text('utf-8')
+    made = runpy.run_path(str(DOCUMENT.with_name('rules.py')))['with_rules'](text)
+    assert text == made, "run 'python docs/rules.py docs/diagnosis.md'"
+
+
+@pytest.mark.parametrize(
+    ('evidence', 'faults'),
+    [
+        # The greater weight leads: z times index, less for a comb beside high sidebands.
+        (Evidence.of(comb('inner', z=8.0), OUTER), 'outer'),
+        (Evidence.of(comb('inner', shaft_sideband_ratio=0.4), comb('outer', z=12.0)), 'inner'),
+        # A comb of its own is named whatever stronger comb is a gear's.
+        (Evidence.of(comb('inner', z=30.0), OUTER, extraneous_orders={'inner': 0.7}), 'outer'),
+        # The cause leads where it is the more significant one.
+        (
+            Evidence.of(comb('inner', z=9.5, index=0.7), OUTER, explained={('inner', 'outer')}),
+            'inner',
+        ),
+        # An outer race's comb that is the inner race's sideband is not named.
+        (
+            Evidence.of(comb('inner', z=20.0), INNER_SIDEBAND, **SIDEBAND),
+            'inner',
+        ),
+        # Faint and chance combs say nothing.
+        (Evidence.of(INNER, comb('outer', z=5.4, index=3.0)), 'inner'),
+        (Evidence.of(INNER, comb('outer', z=50.0, index=0.29)), 'inner'),
+        (Evidence.of(INNER, comb('outer', z=50.0, harmonics=1)), 'inner'),
+    ],
+)
+def test_the_leading_comb_is_named(evidence, faults):
+    said = decide(evidence)
+    assert (said.rule, said.faults) == ('fault', (faults,))
+
+
+def test_two_faults_are_named_and_their_order_is_that_of_their_weight():
+    said = decide(Evidence.of(INNER, comb('outer', z=20.0), others=(INNER,)))
+    assert (said.result, said.faults) == ('outer', ('outer', 'inner'))
+
+
+def test_a_doubtful_second_fault_that_is_much_weaker_leaves_the_first():
+    weaker = comb('outer', z=6.0)
+    said = decide(Evidence.of(INNER, weaker, others=(weaker,), steady=False))
+    assert said.faults == ('inner',)
+    assert 'give a measured speed' in said.reasons[-1]
+
+
+def test_cage_does_not_lead_where_a_stronger_fault_is_off_its_harmonics():
+    said = decide(Evidence.of(comb('outer', order=3.2), CAGE, capped_cage_index=3.0))
+    assert said.faults == ('outer',)
+
+
+def test_a_quantity_is_computed_once():
+    class Counted:
+        asked = 0
+
+        def best(self, place):
+            self.asked += 1
+            return comb(place, z=0.0)
+
+    combs = Counted()
+    evidence = Evidence(combs, 200.0)
+    assert decide(Evidence.of(turns=200.0)).rule == 'no_comb'
+    assert evidence.candidates is evidence.candidates
+    assert combs.asked == 4
+
+
+def test_an_unknown_quantity_is_refused():
+    with pytest.raises(TypeError, match='no such quantity: knocks'):
+        Evidence.of(INNER, knocks=3)
