@@ -248,6 +248,8 @@ def _parameters(specs: Iterable[Spec]) -> list[str]:
             limits = ', '.join(f'`{choice}`' if choice else "`''`" for choice in spec.choices)
         elif spec.low is not None and spec.high is not None:
             limits = f'{_number(spec.low)} .. {_number(spec.high)}'
+            if spec.special is not None and not spec.low <= spec.special[0] <= spec.high:
+                limits = f'{_number(spec.special[0])} or {limits}'
         else:
             limits = ''
         kind = 'string[]' if isinstance(spec.default, list) else type(spec.default).__name__

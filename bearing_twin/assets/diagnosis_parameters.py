@@ -14,9 +14,11 @@ from bearing_twin.assets.shared_specs import (
     JOINT,
     STATE_DIRECTORY,
 )
-from bearing_twin.assets.spec import Spec
+from bearing_twin.assets.spec import field_spec, field_values, Spec
 from bearing_twin.bearing.catalogue import find_bearing, own_bearing
 from bearing_twin.diagnosis import DiagnosisSettings, StreamingDiagnoser
+from bearing_twin.quantity import quantities
+from bearing_twin.streams.shaft import FASTEST_SHAFT
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
 
 __all__ = ['SPECS', 'build_bearing', 'build_diagnoser', 'build_settings', 'nominal_speed']
+
+_SETTINGS = tuple(field_spec(DiagnosisSettings, name) for name in quantities(DiagnosisSettings))
 
 SPECS = (
     Spec(
@@ -40,22 +44,9 @@ SPECS = (
         ),
         unit='Hz',
         low=0.0,
-        high=1000.0,
+        high=FASTEST_SHAFT,
     ),
-    Spec(
-        name='speed_tolerance',
-        default=0.02,
-        description='Uncertainty of the parameter shaft_hz, as a fraction of the speed.',
-        low=0.0,
-        high=0.1,
-    ),
-    Spec(
-        name='measured_speed_tolerance',
-        default=0.002,
-        description='Uncertainty of a speed that comes with the samples or from a joint.',
-        low=0.0,
-        high=0.1,
-    ),
+    *_SETTINGS[:2],
     JOINT,
     Spec(
         name='axis',
@@ -64,63 +55,7 @@ SPECS = (
         choices=('x', 'y'),
         running=False,
     ),
-    Spec(
-        name='window',
-        default=8.0,
-        description='Length of the sliding window.',
-        unit='s',
-        low=1.0,
-        high=60.0,
-    ),
-    Spec(
-        name='update_interval',
-        default=1.0,
-        description='Time between verdicts.',
-        unit='s',
-        low=0.2,
-        high=60.0,
-    ),
-    Spec(
-        name='unit',
-        default='',
-        description="Unit of the samples, 'm/s^2' or 'g'; '' to believe the message.",
-        choices=('', 'm/s^2', 'g'),
-    ),
-    Spec(
-        name='memory',
-        default=8.0,
-        description='Span over which windows are averaged; at least the window.',
-        unit='s',
-        low=1.0,
-        high=600.0,
-    ),
-    Spec(
-        name='hold_updates',
-        default=3,
-        description='Equal verdicts in a row before the level rises or falls.',
-        low=1,
-        high=1000,
-    ),
-    Spec(
-        name='baseline_windows',
-        default=60,
-        description='Healthy windows from which the baseline of the asset is learnt.',
-        low=1,
-        high=1000000,
-    ),
-    Spec(
-        name='power_group',
-        default=0,
-        description='Group of ISO 20816-3: 1 above 300 kW, 2 for 15 to 300 kW; 0: no zone.',
-        low=0,
-        high=2,
-    ),
-    Spec(
-        name='mounting',
-        default='',
-        description="Foundation of the machine for the zone of ISO 20816-3; '': no zone.",
-        choices=('', 'rigid', 'flexible'),
-    ),
+    *_SETTINGS[2:],
     Spec(
         name='state_name',
         default='',
@@ -160,18 +95,7 @@ def build_settings(values: Mapping[str, Any]) -> DiagnosisSettings:
         If they do not fit together.
 
     """
-    return DiagnosisSettings(
-        window=values['window'],
-        update_interval=values['update_interval'],
-        speed_tolerance=values['speed_tolerance'],
-        measured_speed_tolerance=values['measured_speed_tolerance'],
-        memory=values['memory'],
-        unit=values['unit'],
-        power_group=values['power_group'],
-        mounting=values['mounting'],
-        baseline_windows=values['baseline_windows'],
-        hold_updates=values['hold_updates'],
-    )
+    return DiagnosisSettings(**field_values(_SETTINGS, values))
 
 
 def build_diagnoser(values: Mapping[str, Any]) -> StreamingDiagnoser:

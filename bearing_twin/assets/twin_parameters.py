@@ -7,8 +7,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.model_parameters import fields
-from bearing_twin.assets.model_parameters import SPECS as MODEL_SPECS
 from bearing_twin.assets.shared_specs import (
     CHECKPOINT_PERIOD,
     GEOMETRY,
@@ -16,26 +14,66 @@ from bearing_twin.assets.shared_specs import (
     JOINT,
     STATE_DIRECTORY,
 )
-from bearing_twin.assets.spec import Spec
+from bearing_twin.assets.spec import field_spec, field_values, Spec, Value
 from bearing_twin.bearing import find_bearing, own_bearing
-from bearing_twin.dynamics.parameters import PROFILES
-from bearing_twin.dynamics.presets import preset, PRESETS
+from bearing_twin.dynamics.parameters import Defect, TwinParameters
+from bearing_twin.dynamics.presets import preset, PRESET_FIELDS, PRESETS
 from bearing_twin.dynamics.simulator import Simulator
+from bearing_twin.quantity import quantities
+from bearing_twin.thermal.gcr15 import Beta0
+from bearing_twin.thermal.lubricant import Lubricant
+from bearing_twin.thermal.rings import ThermalNetwork
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bearing_twin.dynamics.parameters import TwinParameters
+__all__ = ['FASTEST_LIVE_SHAFT', 'SPECS', 'build_parameters', 'build_simulator']
 
-__all__ = ['FASTEST_SHAFT', 'SPECS', 'build_parameters', 'build_simulator']
-
-FASTEST_SHAFT = 100.0
+FASTEST_LIVE_SHAFT = 100.0
 """
 Fastest shaft of a twin that runs live, Hz.
 
 The simulator goes on to 500 Hz, but knows no centrifugal force of the balls, and its errors grow
 from below 0.1 % to some percent, a fleet's from below 2 % to a third (docs/realtime.md).
 """
+
+
+def _machine(name: str, *, implied: bool = True) -> Spec:
+    """Return the parameter of a field of the twin, which a preset or the geometry may set."""
+    default, about = quantities(TwinParameters)[name]
+    sources = ['from the preset'] if name in PRESET_FIELDS else []
+    if default is None and about.special is not None:
+        sources.append(about.special[1])
+    absent: tuple[Value, str] | None = None
+    if sources:
+        # 0, where it is no value of its own.
+        nothing = '' if about.low is None else 0.0 if about.low > 0.0 else -1.0
+        absent = (nothing, ' or '.join(sources))
+    return field_spec(TwinParameters, name, absent=absent, implied=implied)
+
+
+def _group(group: str, owner: type, without: tuple[str, ...] = ()) -> tuple[Spec, ...]:
+    return tuple(
+        field_spec(owner, name, name=f'{group}.{name}', implied=True)
+        for name in quantities(owner)
+        if name not in without
+    )
+
+
+_NAMED = tuple(
+    _machine(name, implied=False)
+    for name in ('thermal_mode', 'load', 'slip_model', 'jitter', 'noise')
+)
+"""Fields of the twin that every checkpoint names."""
+_IMPLIED = tuple(
+    _machine(name)
+    for name in quantities(TwinParameters)
+    if name not in {spec.name for spec in _NAMED}
+)
+_BETA0 = _group('beta0', Beta0)
+_LUBRICANT = _group('lubricant', Lubricant)
+# Not the capacity and the losses of the outer ring: its temperature is measured.
+_NETWORK = _group('network', ThermalNetwork, without=('outer_capacity', 'ring_to_ambient'))
 
 SPECS = (
     Spec(
@@ -59,64 +97,10 @@ SPECS = (
             "their own: 'inner:width=0.001,angle=1.57+ball:ball=3,profile=rect'."
         ),
     ),
-    Spec(
-        name='defect_width',
-        default=0.0,
-        description='Width of the defect along the rolling direction; 0: from the preset.',
-        unit='m',
-        low=0.0,
-        high=0.01,
-    ),
-    Spec(
-        name='defect_depth',
-        default=0.0,
-        description="Depth of the defect (the paper's C_d0); 0: from the preset.",
-        unit='m',
-        low=0.0,
-        high=0.0005,
-    ),
-    Spec(
-        name='defect_profile',
-        default='ball',
-        description='Path of a ball over the defect: geometric, or one of the literature.',
-        choices=PROFILES,
-        implied=True,
-    ),
-    Spec(
-        name='thermal_mode',
-        default='paper',
-        description='Temperature law: beta0 of tables 1-3, or ring temperatures and clearance.',
-        choices=('paper', 'physical'),
-    ),
-    Spec(
-        name='load',
-        default=0.0,
-        description='Radial load that the bearing carries; 0: from the preset.',
-        unit='N',
-        low=0.0,
-        high=50000.0,
-    ),
-    Spec(
-        name='slip_model',
-        default='mu_proportional',
-        description='Cage slip: none, constant, or in proportion to the friction of table 3.',
-        choices=('none', 'constant', 'mu_proportional'),
-    ),
-    Spec(
-        name='jitter',
-        default=0.005,
-        description='Standard deviation of the angle between two impacts over the ball spacing.',
-        low=0.0,
-        high=0.05,
-    ),
-    Spec(
-        name='noise',
-        default=0.1,
-        description='White noise of the sensor, standard deviation.',
-        unit='m/s^2',
-        low=0.0,
-        high=100.0,
-    ),
+    field_spec(Defect, 'width', name='defect_width', absent=(0.0, 'from the preset')),
+    field_spec(Defect, 'depth', name='defect_depth', absent=(0.0, 'from the preset')),
+    field_spec(Defect, 'profile', name='defect_profile', implied=True),
+    *_NAMED,
     Spec(
         name='seed',
         default=0,
@@ -148,7 +132,7 @@ SPECS = (
         description='Shaft speed while no joint tells it. A joint is taken up to the same limit.',
         unit='Hz',
         low=0.0,
-        high=FASTEST_SHAFT,
+        high=FASTEST_LIVE_SHAFT,
     ),
     JOINT,
     Spec(
@@ -177,10 +161,13 @@ SPECS = (
     HARDWARE_ID,
     CHECKPOINT_PERIOD,
     STATE_DIRECTORY,
-    *MODEL_SPECS,
+    *_IMPLIED,
+    *_BETA0,
+    *_LUBRICANT,
+    *_NETWORK,
 )
 
-_IMPLIED = {spec.name: spec.default for spec in SPECS if spec.implied}
+_DEFAULTS = {spec.name: spec.default for spec in SPECS if spec.implied}
 
 
 def build_parameters(values: Mapping[str, Any]) -> TwinParameters:
@@ -193,7 +180,7 @@ def build_parameters(values: Mapping[str, Any]) -> TwinParameters:
         If they do not fit together or leave the model's validity.
 
     """
-    values = {**_IMPLIED, **values}
+    values = {**_DEFAULTS, **values}
     bearing = values['bearing']
     return preset(
         values['preset'],
@@ -202,12 +189,10 @@ def build_parameters(values: Mapping[str, Any]) -> TwinParameters:
         width=values['defect_width'] or None,
         depth=values['defect_depth'] or None,
         profile=values['defect_profile'],
-        thermal_mode=values['thermal_mode'],
-        slip_model=values['slip_model'],
-        jitter=values['jitter'],
-        noise=values['noise'],
-        **({'load': values['load']} if values['load'] else {}),
-        **fields(values),
+        beta0=Beta0(**field_values(_BETA0, values)),
+        lubricant=Lubricant(**field_values(_LUBRICANT, values)),
+        network=ThermalNetwork(**field_values(_NETWORK, values)),
+        **field_values((*_NAMED, *_IMPLIED), values),
     )
 
 

@@ -4,22 +4,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-import math
+from dataclasses import dataclass
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.quantity import check_fields, quantity
 
-__all__ = ['DiagnosisSettings']
+__all__ = ['LONGEST_WINDOW', 'DiagnosisSettings']
 
-_RANGES: dict[str, tuple[float, float, str]] = {
-    'window': (0.25, 120.0, 's'),
-    'update_interval': (0.05, 3600.0, 's'),
-    'memory': (0.25, 600.0, 's'),
-    'speed_tolerance': (0.0, 0.1, 'as a fraction of the speed'),
-    'measured_speed_tolerance': (0.0, 0.1, 'as a fraction of the speed'),
-    'baseline_windows': (1.0, 1e6, 'windows'),
-    'hold_updates': (1.0, 1000.0, 'updates'),
-}
+LONGEST_WINDOW = 60.0
+"""Longest window, s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,27 +27,39 @@ class DiagnosisSettings:
 
     """
 
-    window: float = 8.0
-    """Length of a window, s. Eight seconds hold 200 turns at 25 Hz: enough to part a line of one
-    race from a sideband of the other, and for the 40 cage turns that a cage fault needs."""
-    update_interval: float = 1.0
-    """Time between two diagnoses, s."""
-    memory: float = 8.0
-    """Span over which windows are averaged, s; at least the window."""
-    speed_tolerance: float = 0.02
-    """Relative tolerance of the given shaft speed: 2 % is a nameplate against the real slip."""
-    measured_speed_tolerance: float = 0.002
-    """The same where the speed is measured along with the samples, as by an encoder."""
-    unit: str = ''
-    """Unit of the signal where the data do not say: ``'m/s^2'``, ``'g'`` or empty (unknown)."""
-    power_group: int = 0
-    """Group of ISO 20816-3: 1 above 300 kW, 2 for 15 to 300 kW, 0 unknown."""
-    mounting: str = ''
-    """Mounting of ISO 20816-3: ``'rigid'``, ``'flexible'`` or empty (unknown)."""
-    baseline_windows: int = 60
-    """Healthy windows from which the asset's baseline is learnt."""
-    hold_updates: int = 3
-    """Equal answers in a row before the level rises or falls (hysteresis of the stream)."""
+    speed_tolerance: float = quantity(
+        0.02, 'Uncertainty of the parameter shaft_hz, as a fraction of the speed.', '', 0.0, 0.1
+    )
+    """2 % is a nameplate against the real slip."""
+    measured_speed_tolerance: float = quantity(
+        0.002, 'Uncertainty of a speed that comes with the samples or from a joint.', '', 0.0, 0.1
+    )
+    window: float = quantity(8.0, 'Length of the sliding window.', 's', 1.0, LONGEST_WINDOW)
+    """Eight seconds hold 200 turns at 25 Hz: enough to separate a line of one race from a sideband
+    of the other, and for the 40 cage turns that a cage fault needs."""
+    update_interval: float = quantity(1.0, 'Time between verdicts.', 's', 0.2, 60.0)
+    unit: str = quantity(
+        '',
+        "Unit of the samples, 'm/s^2' or 'g'; '' to believe the message.",
+        choices=('', 'm/s^2', 'g'),
+    )
+    memory: float = quantity(
+        8.0, 'Span over which windows are averaged; at least the window.', 's', 1.0, 600.0
+    )
+    hold_updates: int = quantity(
+        3, 'Equal verdicts in a row before the level rises or falls.', '', 1, 1000
+    )
+    baseline_windows: int = quantity(
+        60, 'Healthy windows from which the baseline of the asset is learnt.', '', 1, 1_000_000
+    )
+    power_group: int = quantity(
+        0, 'Group of ISO 20816-3: 1 above 300 kW, 2 for 15 to 300 kW; 0: no zone.', '', 0, 2
+    )
+    mounting: str = quantity(
+        '',
+        "Foundation of the machine for the zone of ISO 20816-3; '': no zone.",
+        choices=('', 'rigid', 'flexible'),
+    )
 
     @property
     def averages(self) -> bool:
@@ -62,22 +67,7 @@ class DiagnosisSettings:
         return self.memory >= 2.0 * self.window
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            if field.name not in _RANGES:
-                continue
-            value = getattr(self, field.name)
-            low, high, unit = _RANGES[field.name]
-            if not (math.isfinite(value) and low <= value <= high):
-                msg = (
-                    f'{field.name}={value} is outside {low:g}..{high:g} {unit}; choose one inside'
-                )
-                raise BearingTwinError(msg)
+        check_fields(self)
         if self.memory < self.window:
             msg = f'memory={self.memory} s is shorter than window={self.window} s; make it longer'
-            raise BearingTwinError(msg)
-        if self.power_group not in (0, 1, 2):
-            msg = f'power_group={self.power_group}: ISO 20816-3 has 1 and 2; 0 where unknown'
-            raise BearingTwinError(msg)
-        if self.mounting not in ('', 'rigid', 'flexible'):
-            msg = f"mounting={self.mounting!r}: choose 'rigid', 'flexible' or ''"
             raise BearingTwinError(msg)

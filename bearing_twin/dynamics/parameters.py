@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 import math
-from types import MappingProxyType
-from typing import Literal, TYPE_CHECKING
+from typing import get_args, Literal
 
 from bearing_twin.bearing import Bearing, Place, PLACES, radial_factor
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.quantity import check_fields, check_range, quantities, quantity
 from bearing_twin.thermal.friction import SERIES
 from bearing_twin.thermal.gcr15 import Beta0, FRICTION_TABLE, TEMPERATURES
 from bearing_twin.thermal.lubricant import Lubricant
@@ -21,21 +21,21 @@ from bearing_twin.thermal.rings import (
     ThermalNetwork,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
 __all__ = [
     'MAX_DEFECTS',
     'MAX_SHAFT_HZ',
     'PROFILES',
-    'RANGES',
     'Defect',
     'TwinParameters',
     'check_speed',
 ]
 
 Profile = Literal['ball', 'rect', 'halfsine', 'smooth']
-PROFILES: tuple[Profile, ...] = ('ball', 'rect', 'halfsine', 'smooth')
+ThermalMode = Literal['paper', 'physical']
+SlipModel = Literal['none', 'constant', 'mu_proportional']
+PROFILES: tuple[Profile, ...] = get_args(Profile)
+THERMAL_MODES: tuple[ThermalMode, ...] = get_args(ThermalMode)
+SLIP_MODELS: tuple[SlipModel, ...] = get_args(SlipModel)
 MAX_DEFECTS = 8
 """Most defects of one bearing."""
 
@@ -47,41 +47,9 @@ MAX_ECCENTRICITY = 1e-3
 _LOAD_DIRECTION = -math.pi / 2
 
 
-RANGES: Mapping[str, tuple[float, float, str]] = MappingProxyType(
-    {
-        'load': (10.0, 50e3, 'N'),
-        'clearance': (CLEARANCE_LOW, CLEARANCE_HIGH, 'm'),
-        'contact_damping': (0.0, 1500.0, 'N s/m'),
-        'inner_mass': (0.1, 500.0, 'kg'),
-        'inner_stiffness': (1e5, 1e10, 'N/m'),
-        'inner_damping': (0.0, 1e6, 'N s/m'),
-        'outer_mass': (0.1, 500.0, 'kg'),
-        'outer_stiffness': (1e5, 1e10, 'N/m'),
-        'outer_damping': (0.0, 1e6, 'N s/m'),
-        'unbalance': (0.0, 2.5e-2, 'kg m'),
-        'slip': (0.0, 0.05, ''),
-        'jitter': (0.0, 0.05, ''),
-        'noise': (0.0, 100.0, 'm/s^2'),
-        'resonance_damping': (0.005, 0.7, ''),
-        'start_angle': (-2.0 * math.pi, 2.0 * math.pi, 'rad'),
-    }
-)
-"""Least and greatest value and unit of the fields of `TwinParameters` that have a plain range."""
-
-
-def check_range(name: str, value: float, low: float, high: float, unit: str) -> None:
-    """Refuse a ``value`` that is not finite or outside ``low``..``high``."""
-    if not low <= value <= high:
-        limits = f'{low:g}..{high:g} {unit}'.rstrip()
-        msg = f'{name}={value} is outside {limits}; choose a value inside'
-        raise BearingTwinError(msg)
-
-
 def check_speed(shaft_hz: float) -> float:
     """Return the shaft speed in Hz if it is inside 0..`MAX_SHAFT_HZ`."""
-    if not 0.0 <= shaft_hz <= MAX_SHAFT_HZ:
-        msg = f'shaft_hz={shaft_hz} is outside 0..{MAX_SHAFT_HZ:g} Hz'
-        raise BearingTwinError(msg)
+    check_range('shaft_hz', shaft_hz, 0.0, MAX_SHAFT_HZ, 'Hz')
     return float(shaft_hz)
 
 
@@ -95,11 +63,11 @@ class Defect:
     place
         ``'inner'``, ``'outer'``, ``'ball'`` or ``'cage'``.
     width
-        Extent in the rolling direction, m, 0.05 to 10 mm. For the cage: the play of the worn
-        pocket, over which its ball slips when it comes under load.
+        Extent in the rolling direction. For the cage: the play of the worn pocket, over which its
+        ball slips when it comes under load.
     depth
-        Greatest depth along the contact normal, m, 0 to 0.5 mm; the paper's C_d0. For the cage:
-        by how much that ball drops out of contact while it slips.
+        Greatest depth along the contact normal. For the cage: by how much that ball drops out of
+        contact while it slips.
     angle
         Centre of the defect, rad. Outer and cage: from +x, best in the load direction (-pi/2).
         Inner: from the shaft's mark. Ball: spin angle at which it meets the inner race.
@@ -113,23 +81,21 @@ class Defect:
 
     """
 
-    place: Place
-    width: float
-    depth: float
-    angle: float = 0.0
+    place: Place = quantity(..., 'Part of the bearing.', choices=PLACES)
+    width: float = quantity(
+        ..., 'Width of the defect along the rolling direction.', 'm', 0.05e-3, 10e-3
+    )
+    depth: float = quantity(..., "Depth of the defect (the paper's C_d0).", 'm', 0.0, 0.5e-3)
+    angle: float = quantity(0.0, 'Centre of the defect.', 'rad', -2.0 * math.pi, 2.0 * math.pi)
     ball: int = 0
-    profile: Profile = 'ball'
+    profile: Profile = quantity(
+        'ball',
+        'Path of a ball over the defect: geometric, or one of the literature.',
+        choices=PROFILES,
+    )
 
     def __post_init__(self) -> None:
-        if self.place not in PLACES:
-            msg = f'defect place {self.place!r} is unknown; choose one of {", ".join(PLACES)}'
-            raise BearingTwinError(msg)
-        if self.profile not in PROFILES:
-            msg = f'profile {self.profile!r} is unknown; choose one of {", ".join(PROFILES)}'
-            raise BearingTwinError(msg)
-        check_range('defect width', self.width, 0.05e-3, 10e-3, 'm (0.05 to 10 mm)')
-        check_range('defect depth', self.depth, 0.0, 0.5e-3, 'm (0 to 0.5 mm)')
-        check_range('defect angle', self.angle, -2.0 * math.pi, 2.0 * math.pi, 'rad')
+        check_fields(self, 'defect ')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,33 +118,27 @@ class TwinParameters:
     defects
         Up to 8 defects at once. Two of them on one race, ball or pocket must not overlap.
     load
-        Radial load that the bearing carries, along -y, N, 10 to 50000. The position of the shaft
-        spring is solved for it, because that spring is grounded and would carry most of a force.
+        Acts along -y. The position of the shaft spring is solved for it, because that spring is
+        grounded and would carry most of a force.
     clearance
-        Radial clearance c_r, half the radial internal clearance, with both rings at one
-        temperature, m, -5 to 50 um (6307 CN: RIC 6 to 20 um). In the physical mode it must stay
-        in these limits at every temperature of the outer ring, 20 to 110 degC.
+        c_r (6307 CN: RIC 6 to 20 um). In the physical mode it must stay in its range at every
+        temperature of the outer ring, 20 to 110 degC.
     hertz_stiffness
-        K_b0 of radial force over radial deformation, N/m^1.5, 1e8 to 1e12; None: from the
-        geometry (6307 of the catalogue 1.228e10).
+        None: from the geometry (6307 of the catalogue 1.228e10).
     contact_damping
-        c_b of a loaded ball, N s/m, 0 to 1500 [C].
-    inner_mass, inner_stiffness, inner_damping
-        Rotor and shaft: kg 0.1 to 500, N/m 1e5 to 1e10, N s/m 0 to 1e6 [M].
-    outer_mass, outer_stiffness, outer_damping
-        Housing: kg 0.1 to 500, N/m 1e5 to 1e10, N s/m 0 to 1e6 [M]. Without damping of both
-        rings the passing balls can drive the motion up (parametric resonance).
+        c_b [C].
+    inner_mass, inner_stiffness, inner_damping, outer_mass, outer_stiffness, outer_damping
+        Rotor and shaft, and housing [M]. Without damping of both rings the passing balls can drive
+        the motion up (parametric resonance).
     unbalance
-        m_u e, kg m, 0 to 2.5e-2, and at most 1 mm times the rotor's mass.
+        m_u e.
     slip_model, slip
-        Cage slip: ``'none'``; ``'constant'`` s = `slip`; ``'mu_proportional'`` s = `slip`
-        mu(T)/mu0, whose default 0.0965 % gives the paper's 126.42 and 126.82 Hz. 0 to 0.05.
+        ``'constant'`` s = `slip`; ``'mu_proportional'`` s = `slip` mu(T)/mu0, whose default
+        0.0965 % gives the paper's 126.42 and 126.82 Hz.
     jitter
-        Standard deviation of the angle between two impacts over the ball spacing, 0 to 0.05 [D].
-    noise
-        White noise of the sensor, standard deviation per sample, m/s^2, 0 to 100.
+        [D].
     resonance_hz, resonance_damping
-        Sensor resonance, Hz, 0 (none) or 500 to 11000; damping ratio 0.005 to 0.7 [S].
+        Sensor resonance [S].
     beta0
         The paper's factor and its switches.
     lubricant
@@ -186,70 +146,110 @@ class TwinParameters:
     network
         Heat capacities and conductances of the rings, for the physical mode.
     friction_series
-        Series of the SKF friction model: '60', '62', '63', '64', '160' or '618'; None: that of
-        the bearing, or '62' where the catalogue does not know it.
+        None: that of the bearing, or '62' where the catalogue does not know it.
     dynamic_rating, fatigue_limit
-        C and C_u, N, 10 to 1e8 and 1 to 1e7; None: from the geometry by ISO 281 and ISO 76.
+        C and C_u; None: from the geometry by ISO 281 and ISO 76.
     start_angle
-        Angle of ball 0 and of the shaft's mark at sample 0, rad from +x. The default puts both
-        in the load direction, so that an inner defect at angle 0 is struck at t = 0.
+        The default puts both in the load direction, so that an inner defect at angle 0 is struck
+        at t = 0.
 
     """
 
     bearing: Bearing
-    thermal_mode: Literal['paper', 'physical'] = 'paper'
+    thermal_mode: ThermalMode = quantity(
+        'paper',
+        'Temperature law: beta0 of tables 1-3, or ring temperatures and clearance.',
+        choices=THERMAL_MODES,
+    )
     defects: tuple[Defect, ...] = ()
-    load: float = 500.0
-    clearance: float = 5e-6
-    hertz_stiffness: float | None = None
-    contact_damping: float = 300.0
-    inner_mass: float = 6.2638
-    inner_stiffness: float = 7.42e7
-    inner_damping: float = 1376.8
-    outer_mass: float = 12.638
-    outer_stiffness: float = 1.51e7
-    outer_damping: float = 2210.7
-    unbalance: float = 0.0
-    slip_model: Literal['none', 'constant', 'mu_proportional'] = 'mu_proportional'
-    slip: float = 0.000965
-    jitter: float = 0.005
-    noise: float = 0.1
-    resonance_hz: float = 6000.0
-    resonance_damping: float = 0.04
+    load: float = quantity(500.0, 'Radial load that the bearing carries.', 'N', 10.0, 50e3)
+    clearance: float = quantity(
+        5e-6,
+        'Radial clearance, half the internal one, at one ring temperature.',
+        unit='m',
+        low=CLEARANCE_LOW,
+        high=CLEARANCE_HIGH,
+    )
+    hertz_stiffness: float | None = quantity(
+        None,
+        'K_b0, radial force over deformation^1.5.',
+        unit='N/m^1.5',
+        low=1e8,
+        high=1e12,
+        special=(None, 'from the geometry'),
+    )
+    contact_damping: float = quantity(300.0, 'Damping of a loaded ball.', 'N s/m', 0.0, 1500.0)
+    inner_mass: float = quantity(6.2638, 'Mass of rotor and shaft.', 'kg', 0.1, 500.0)
+    inner_stiffness: float = quantity(7.42e7, 'Stiffness of the shaft.', 'N/m', 1e5, 1e10)
+    inner_damping: float = quantity(1376.8, 'Damping of the shaft.', 'N s/m', 0.0, 1e6)
+    outer_mass: float = quantity(12.638, 'Mass of the housing.', 'kg', 0.1, 500.0)
+    outer_stiffness: float = quantity(1.51e7, 'Stiffness of the housing.', 'N/m', 1e5, 1e10)
+    outer_damping: float = quantity(2210.7, 'Damping of the housing.', 'N s/m', 0.0, 1e6)
+    unbalance: float = quantity(
+        0.0,
+        "Unbalance, mass times eccentricity; at most 1 mm of the rotor's mass.",
+        unit='kg m',
+        low=0.0,
+        high=2.5e-2,
+    )
+    slip_model: SlipModel = quantity(
+        'mu_proportional',
+        'Cage slip: none, constant, or in proportion to the friction of table 3.',
+        choices=SLIP_MODELS,
+    )
+    slip: float = quantity(
+        0.000965,
+        "Cage slip, 'constant' or, where mu is that of 20 degC, 'mu_proportional'.",
+        low=0.0,
+        high=0.05,
+    )
+    start_angle: float = quantity(
+        _LOAD_DIRECTION,
+        "Angle of ball 0 and of the shaft's mark at sample 0, from +x.",
+        unit='rad',
+        low=-2.0 * math.pi,
+        high=2.0 * math.pi,
+        running=False,
+    )
+    jitter: float = quantity(
+        0.005,
+        'Standard deviation of the angle between two impacts over the ball spacing.',
+        low=0.0,
+        high=0.05,
+    )
+    noise: float = quantity(
+        0.1, 'White noise of the sensor, standard deviation.', 'm/s^2', 0.0, 100.0
+    )
+    resonance_hz: float = quantity(
+        6000.0, "Sensor's resonance.", 'Hz', 500.0, 11000.0, special=(0.0, 'none')
+    )
+    resonance_damping: float = quantity(
+        0.04, "Damping ratio of the sensor's resonance.", '', 0.005, 0.7
+    )
     beta0: Beta0 = field(default_factory=Beta0)
     lubricant: Lubricant = field(default_factory=Lubricant)
     network: ThermalNetwork = field(default_factory=ThermalNetwork)
-    friction_series: str | None = None
-    dynamic_rating: float | None = None
-    fatigue_limit: float | None = None
-    start_angle: float = _LOAD_DIRECTION
+    friction_series: str | None = quantity(
+        None,
+        'Series of the SKF friction model.',
+        choices=tuple(SERIES),
+        special=(None, "the bearing's own"),
+    )
+    dynamic_rating: float | None = quantity(
+        None, 'C of ISO 281.', 'N', 10.0, 1e8, special=(None, 'from the geometry')
+    )
+    fatigue_limit: float | None = quantity(
+        None, 'C_u of ISO 281.', 'N', 1.0, 1e7, special=(None, 'from the geometry')
+    )
 
     def __post_init__(self) -> None:
         self._check_bearing()
-        if self.thermal_mode not in ('paper', 'physical'):
-            msg = f'thermal_mode {self.thermal_mode!r} is unknown; choose paper or physical'
-            raise BearingTwinError(msg)
-        if self.slip_model not in ('none', 'constant', 'mu_proportional'):
-            msg = (
-                f'slip_model {self.slip_model!r} is unknown; choose none, constant or '
-                'mu_proportional'
-            )
-            raise BearingTwinError(msg)
-        for name, (low, high, unit) in RANGES.items():
-            check_range(name, getattr(self, name), low, high, unit)
-        check_range('hertz_stiffness', self.k_b0, 1e8, 1e12, 'N/m^1.5')
-        if self.dynamic_rating is not None:
-            check_range('dynamic_rating', self.dynamic_rating, 10.0, 1e8, 'N')
-        if self.fatigue_limit is not None:
-            check_range('fatigue_limit', self.fatigue_limit, 1.0, 1e7, 'N')
-        series = self.friction_series or self.bearing.series
-        if series and series not in SERIES:
-            msg = (
-                f'friction_series {series!r} is unknown; choose the nearest of {", ".join(SERIES)}'
-            )
-            raise BearingTwinError(msg)
-        if self.resonance_hz != 0.0:
-            check_range('resonance_hz', self.resonance_hz, 500.0, 11000.0, 'Hz, or 0 for none')
+        check_fields(self)
+        about = quantities(TwinParameters)
+        about['hertz_stiffness'][1].check('hertz_stiffness', self.k_b0)
+        about['friction_series'][1].check(
+            'friction_series', self.friction_series or self.bearing.series or None
+        )
         check_range(
             'unbalance over inner_mass',
             self.unbalance / self.inner_mass,

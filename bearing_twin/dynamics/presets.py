@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.dynamics.parameters import Profile
 
-__all__ = ['PRESETS', 'preset']
+__all__ = ['PRESETS', 'PRESET_FIELDS', 'preset']
 
 
 @dataclass(frozen=True)
@@ -64,6 +64,8 @@ _PRESETS = {
 
 PRESETS: Mapping[str, str] = MappingProxyType({name: p.text for name, p in _PRESETS.items()})
 """Name and one-line description of every preset."""
+PRESET_FIELDS = frozenset(name for p in _PRESETS.values() for name in p.settings)
+"""Fields of `TwinParameters` that a preset sets."""
 
 
 def preset(

@@ -13,7 +13,7 @@ from bearing_twin.assets.messages import (
     twin_state_message,
     vibration_message,
 )
-from bearing_twin.assets.twin_parameters import FASTEST_SHAFT
+from bearing_twin.assets.twin_parameters import FASTEST_LIVE_SHAFT
 from bearing_twin.nodes.twin_health import clearance_problem, temperature_status
 from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, STREAM
 from bearing_twin.ros.subscribing import subscribe
@@ -71,7 +71,9 @@ class TwinAsset:
         self._gate = TemperatureGate(
             start=p['start_temperature'], timeout=p['temperature_timeout']
         )
-        self._shaft = ShaftSpeed(nominal=p['shaft_hz'], joint=p['joint'], highest=FASTEST_SHAFT)
+        self._shaft = ShaftSpeed(
+            nominal=p['shaft_hz'], joint=p['joint'], highest=FASTEST_LIVE_SHAFT
+        )
         self._checkpoint_due = 0
         self._vibration = node.create_lifecycle_publisher(
             Vibration, f'{prefix}vibration', own(STREAM), qos_overriding_options=OVERRIDES

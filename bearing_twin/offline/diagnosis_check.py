@@ -9,6 +9,7 @@ import contextlib
 import math
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.diagnosis.settings import LONGEST_WINDOW
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.agreement import Agreement, without_padding
 from bearing_twin.offline.sides import configuration_values, decode, DiagnosisRun
@@ -24,8 +25,6 @@ __all__ = ['HORIZON', 'DiagnosisCheck']
 
 HORIZON = 3 * NANO
 """Log time within which messages of several publishers are put into the order of sending, ns."""
-LONGEST_WINDOW = 60.0
-"""Longest window of a diagnosis, s."""
 
 
 class DiagnosisCheck:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
-import contextlib
 from dataclasses import dataclass, field
 import math
 import os
@@ -14,6 +13,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.assets import diagnosis_parameters as diagnosis_config
 from bearing_twin.assets import twin_parameters as twin_config
+from bearing_twin.assets.spec import read_values
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.sides import DiagnosisRun, Output, TwinRun
 from bearing_twin.recording.qos import sensor_qos
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.assets.diagnosis import DueVerdict
-    from bearing_twin.assets.spec import Spec
     from bearing_twin.diagnosis.update import Analysis
     from bearing_twin.recording.reader import RecordedMessage
 
@@ -119,8 +118,8 @@ def run_offline(
     if not any(info.topics[t].type_name == TEMPERATURE and info.topics[t].count for t in topics):
         msg = f'{source} holds no {TEMPERATURE}; an offline run needs it'
         raise BearingTwinError(msg)
-    twin_values = _values(twin_config.SPECS, twin)
-    diagnosis_values = _values(diagnosis_config.SPECS, diagnosis)
+    twin_values = read_values(twin_config.SPECS, twin or {})
+    diagnosis_values = read_values(diagnosis_config.SPECS, diagnosis or {})
     report = OfflineReport(target, info.duration)
     threads = workers()
     twin_side = _TwinSide(twin_values, diagnosis_values['joint'], info.start)
@@ -147,39 +146,6 @@ def run_offline(
     return report
 
 
-def _values(specs: tuple[Spec, ...], given: Mapping[str, Any] | None) -> dict[str, Any]:
-    known = {spec.name: spec for spec in specs}
-    values: dict[str, Any] = {name: spec.default for name, spec in known.items()}
-    for name, value in (given or {}).items():
-        if name not in values:
-            msg = f'there is no parameter {name!r}; there are {", ".join(values)}'
-            raise BearingTwinError(msg)
-        kind = type(values[name])
-        if kind is float and isinstance(value, int) and not isinstance(value, bool):
-            value = float(value)
-        elif kind is str and isinstance(value, (int, float)) and not isinstance(value, bool):
-            # A bearing called 6307 is a name.
-            value = str(value)
-        elif kind is float and isinstance(value, str):
-            # Such as 68e-6, a number to ROS but, without a point, a text to YAML 1.1.
-            with contextlib.suppress(ValueError):
-                value = float(value)
-        if not isinstance(value, kind):
-            msg = f'parameter {name}={value!r} must be of type {kind.__name__}'
-            raise BearingTwinError(msg)
-        spec = known[name]
-        low, high = spec.low, spec.high
-        if low is not None and high is not None and not low <= value <= high:
-            limits = f'{low:g}..{high:g} {spec.unit}'.rstrip()
-            msg = f'parameter {name}={value!r} is outside {limits}; choose a value inside'
-            raise BearingTwinError(msg)
-        if spec.choices and value not in spec.choices:
-            msg = f'{name}={value!r} is not one of {", ".join(spec.choices)}'
-            raise BearingTwinError(msg)
-        values[name] = value
-    return values
-
-
 class _Block(NamedTuple):
     """One block of the twin, and what the diagnosis needs with it."""
 
@@ -199,7 +165,11 @@ class _TwinSide:
         self._gate = TemperatureGate(
             start=twin['start_temperature'], timeout=twin['temperature_timeout']
         )
-        self._shaft = ShaftSpeed(nominal=twin['shaft_hz'], joint=twin['joint'], highest=100.0)
+        self._shaft = ShaftSpeed(
+            nominal=twin['shaft_hz'],
+            joint=twin['joint'],
+            highest=twin_config.FASTEST_LIVE_SHAFT,
+        )
         self._speed = ShaftSpeed(nominal=math.nan, joint=joint)
         self._temperature = math.nan
         self._start = self._latest = start

@@ -17,7 +17,7 @@ from bearing_twin.memory import keep_freed_memory
 from bearing_twin.ros.compiling import is_compiling, prepare
 from bearing_twin.ros.executor import LeanExecutor
 from bearing_twin.ros.launching import ensure_log_folder
-from bearing_twin.ros.parameters import ParameterSet
+from bearing_twin.ros.parameters import ParameterSet, unknown_at_start
 from bearing_twin.ros.subscribing import validated
 import rclpy
 from rclpy.executors import ExternalShutdownException
@@ -149,6 +149,9 @@ class ManagedNode(LifecycleNode):
         result = self._attempt(self.setup)
         if result == TransitionCallbackReturn.SUCCESS:
             self.configured = True
+            # No error: a file of parameters may be shared with other nodes.
+            for sentence in unknown_at_start(self):
+                self.get_logger().warning(sentence)
             # A full collection takes tens of milliseconds with these libraries loaded: what
             # exists now stays, so the collector need not look at it again.
             gc.collect()

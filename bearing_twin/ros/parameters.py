@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.spec import configuration
+from bearing_twin.assets.spec import configuration, no_parameter, read_values
 from bearing_twin.errors import BearingTwinError
 from rcl_interfaces.msg import (
     FloatingPointRange,
@@ -18,7 +18,6 @@ from rcl_interfaces.msg import (
     ParameterDescriptor,
     SetParametersResult,
 )
-from rclpy.exceptions import InvalidParameterTypeException
 import yaml
 
 if TYPE_CHECKING:
@@ -28,7 +27,17 @@ if TYPE_CHECKING:
     from rclpy.node import Node
     from rclpy.parameter import Parameter
 
-__all__ = ['ParameterSet', 'descriptor']
+__all__ = ['ParameterSet', 'descriptor', 'unknown_at_start']
+
+
+def unknown_at_start(node: Node) -> list[str]:
+    """Return a sentence on each parameter that was given at start and that the node has not."""
+    names = node.list_parameters([], 0).names
+    return [
+        no_parameter(name, names)
+        for name in node._parameter_overrides
+        if name not in names and not name.startswith('qos_overrides.')
+    ]
 
 
 def descriptor(spec: Spec) -> ParameterDescriptor:
@@ -43,14 +52,18 @@ def descriptor(spec: Spec) -> ParameterDescriptor:
     descriptor = ParameterDescriptor(description=text, read_only=spec.read_only)
     if spec.low is None or spec.high is None:
         return descriptor
+    low, high = spec.low, spec.high
+    if spec.special is not None:
+        low = min(low, spec.special[0])
+        descriptor.additional_constraints = (
+            f'{spec.low:g}..{spec.high:g} {spec.unit} ({spec.special_text})'
+        )
     if isinstance(spec.default, float):
         descriptor.floating_point_range = [
-            FloatingPointRange(from_value=float(spec.low), to_value=float(spec.high))
+            FloatingPointRange(from_value=float(low), to_value=float(high))
         ]
     else:
-        descriptor.integer_range = [
-            IntegerRange(from_value=int(spec.low), to_value=int(spec.high), step=1)
-        ]
+        descriptor.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=1)]
     return descriptor
 
 
@@ -102,41 +115,21 @@ class ParameterSet:
         self._locked = locked
         self._prefix = prefix
         self._text = ''
-        self._values: dict[str, Any] = dict(inherited or {})
-        given = given or {}
-        unknown = [name for name in given if name not in self._specs]
-        if unknown:
-            msg = f'there is no parameter {", ".join(unknown)}; there are {", ".join(self._specs)}'
-            raise BearingTwinError(msg)
-        for spec in self._specs.values():
-            default = given.get(spec.name, spec.default)
-            if isinstance(spec.default, float) and type(default) is int:
-                default = float(default)
-            self._values[spec.name] = self._declare(node, spec, default)
-        self._validate(self._values)
+        # At start, as in a launch file or behind --ros-args.
+        at_start = {n: p.value for n, p in node._parameter_overrides.items()}
+        ours = {n.removeprefix(prefix): v for n, v in at_start.items() if n.startswith(prefix)}
+        if not prefix:
+            # The others may be for another node: see `unknown_at_start`.
+            ours = {n: v for n, v in ours.items() if n in self._specs}
+        values = read_values(self._specs.values(), {**(given or {}), **ours})
+        for name, value in values.items():
+            node.declare_parameter(
+                prefix + name, value, descriptor(self._specs[name]), ignore_override=True
+            )
+        self._values = {**(inherited or {}), **values}
+        self._check(self._values)
         node.add_on_set_parameters_callback(self._on_set)
         node.add_post_set_parameters_callback(self._after_set)
-
-    def _declare(self, node: Node, spec: Spec, default: Any) -> Any:
-        name = self._prefix + spec.name
-        kind = type(spec.default).__name__
-        hint = ''
-        if kind == 'float':
-            hint = ' (write a decimal point, e.g. 5.0)'
-        elif kind == 'str':
-            # The shell takes one pair of quotes away, YAML the other.
-            hint = f' (quote a text that looks like a number twice: {name}:="\'6307\'")'
-        if type(default) is not type(spec.default):
-            msg = f'parameter {name}={default!r} must be of type {kind}{hint}'
-            raise BearingTwinError(msg)
-        try:
-            return node.declare_parameter(name, default, descriptor(spec)).value
-        except InvalidParameterTypeException as error:
-            msg = f'parameter {name} must be of type {kind}{hint}: {error}'
-            raise BearingTwinError(msg) from None
-        except Exception as error:
-            msg = f'parameter {name}: {error}'
-            raise BearingTwinError(msg) from None
 
     def __getitem__(self, name: str) -> Any:
         """Return the value in force."""
@@ -164,13 +157,6 @@ class ParameterSet:
         """Return the table."""
         return tuple(self._specs.values())
 
-    def _validate(self, values: Mapping[str, Any]) -> None:
-        for name, spec in self._specs.items():
-            if spec.choices and values[name] not in spec.choices:
-                msg = f'{name}={values[name]!r} is not one of {", ".join(spec.choices)}'
-                raise BearingTwinError(msg)
-        self._check(values)
-
     def _ours(self, parameters: list[Parameter[Any]]) -> dict[str, Any]:
         named = {p.name: p.value for p in parameters}
         return {n: named[self._prefix + n] for n in self._specs if self._prefix + n in named}
@@ -197,7 +183,9 @@ class ParameterSet:
             )
             return SetParametersResult(successful=False, reason=reason)
         try:
-            self._validate({**self._values, **ours})
+            for name, value in ours.items():
+                self._specs[name].check(name, value)
+            self._check({**self._values, **ours})
         except BearingTwinError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)

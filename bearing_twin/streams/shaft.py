@@ -10,7 +10,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ['ShaftSpeed']
+__all__ = ['FASTEST_SHAFT', 'ShaftSpeed']
+
+FASTEST_SHAFT = 1000.0
+"""Fastest shaft that is believed, Hz."""
 
 
 class ShaftSpeed:
@@ -36,7 +39,12 @@ class ShaftSpeed:
     """
 
     def __init__(
-        self, *, nominal: float, joint: str = '', highest: float = 1000.0, timeout: float = 5.0
+        self,
+        *,
+        nominal: float,
+        joint: str = '',
+        highest: float = FASTEST_SHAFT,
+        timeout: float = 5.0,
     ) -> None:
         self.joint = joint
         self.highest = highest

@@ -9,6 +9,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.streams.shaft import FASTEST_SHAFT
 import numpy as np
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ __all__ = ['GapCounter', 'SourceLock', 'VibrationBlock', 'read_vibration']
 LOWEST_RATE = 100.0
 HIGHEST_RATE = 1_000_000.0
 LONGEST_BLOCK = 1_000_000
-FASTEST_SHAFT = 1000.0
 HIGHEST_INDEX = 2**62
 
 

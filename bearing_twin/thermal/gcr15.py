@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.quantity import check_fields, quantity
 import numpy as np
 import numpy.typing as npt
 
@@ -130,20 +131,10 @@ class Beta0:
 
     ``beta0 = 1 + alpha(T) (T - T0) + delta_h (H(T) - H0)/H0 + delta_mu (mu(T) - mu0)/mu0``
 
-    Parameters
-    ----------
-    expansion, hardness, friction
-        Whether the term is present.
-    alpha_unit
-        Unit of table 1, 1e-5 (the paper's numbers) or 1e-6 (real steel), 1/K.
-    delta_h
-        Weight of hardness, 0 to 2. The paper gives none.
-    delta_mu
-        Weight of friction, 0 to 0.08 with the other defaults. The paper gives none; above
-        max(0.0025, 0.0126 delta_h) friction is the strongest of the three, as it claims.
-    reference_temperature, reference_hardness, reference_friction
-        T0 degC, H0 HRC, mu0. H0 is the paper's 63.6 HRC, its value at 40 degC, so that
-        ``beta0(20) = 1 + 0.055 delta_h``.
+    The paper gives no weight of hardness or friction. With the other defaults ``delta_mu`` can be
+    up to 0.08; above max(0.0025, 0.0126 delta_h) friction is the strongest of the three terms, as
+    the paper claims. H0 is the paper's 63.6 HRC, its value at 40 degC, so that
+    ``beta0(20) = 1 + 0.055 delta_h``.
 
     Notes
     -----
@@ -153,31 +144,35 @@ class Beta0:
 
     """
 
-    expansion: bool = True
-    hardness: bool = True
-    friction: bool = True
-    alpha_unit: Literal[1e-5, 1e-6] = 1e-5  # type: ignore[valid-type]
-    delta_h: float = 0.10
-    delta_mu: float = 0.02
-    reference_temperature: float = 20.0
-    reference_hardness: float = 63.6
-    reference_friction: float = 0.0150
+    expansion: bool = quantity(
+        True, 'Thermal mode paper: beta0 with the term of thermal expansion.'
+    )
+    hardness: bool = quantity(True, 'Thermal mode paper: beta0 with the term of hardness.')
+    friction: bool = quantity(True, 'Thermal mode paper: beta0 with the term of friction.')
+    alpha_unit: Literal[1e-5, 1e-6] = quantity(  # type: ignore[valid-type]
+        1e-5,
+        "Unit of table 1: 1e-5 (the paper's numbers) or 1e-6 (magnitude of real steel).",
+        '1/K',
+        1e-6,
+        1e-5,
+    )
+    delta_h: float = quantity(
+        0.10, 'Weight of hardness in beta0, which must stay in 0.5..1.5.', '', 0.0, 2.0
+    )
+    delta_mu: float = quantity(
+        0.02, 'Weight of friction in beta0, which must stay in 0.5..1.5.', '', 0.0, 2.0
+    )
+    reference_temperature: float = quantity(20.0, 'T0 of beta0.', 'degC', 20.0, 110.0)
+    reference_hardness: float = quantity(63.6, 'H0 of beta0.', 'HRC', 1.0, 100.0)
+    reference_friction: float = quantity(
+        0.0150, 'mu0 of beta0 and of slip in proportion to mu.', '', 1e-4, 10.0
+    )
 
     def __post_init__(self) -> None:
         if self.alpha_unit not in (1e-5, 1e-6):
             msg = f'alpha_unit={self.alpha_unit} 1/K; choose 1e-5 (as printed) or 1e-6 (steel)'
             raise BearingTwinError(msg)
-        for name in ('delta_h', 'delta_mu'):
-            value = getattr(self, name)
-            if not 0.0 <= value <= 2.0:
-                msg = f'{name}={value} is outside 0..2; the defaults are 0.10 and 0.02'
-                raise BearingTwinError(msg)
-        for name in ('reference_hardness', 'reference_friction'):
-            value = getattr(self, name)
-            if not 0.0 < value < 1e3:
-                msg = f'{name}={value} must be positive and finite'
-                raise BearingTwinError(msg)
-        check_temperature(self.reference_temperature)
+        check_fields(self)
         # Between two nodes beta0 is a quadratic whose curvature alpha' is far too small to
         # leave the limits when both nodes are inside.
         for temperature in TEMPERATURES:

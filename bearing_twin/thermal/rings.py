@@ -10,19 +10,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from types import MappingProxyType
-from typing import TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
+from bearing_twin.quantity import check_fields, quantity
 
 __all__ = [
     'CLEARANCE_HIGH',
     'CLEARANCE_LOW',
     'EXPANSION_STEEL',
-    'NETWORK_RANGES',
     'RING_HIGH',
     'RING_LOW',
     'ThermalNetwork',
@@ -41,19 +35,6 @@ yielding of rings that the model takes as rigid decide. Above, no ball bearing i
 RING_LOW, RING_HIGH = -60.0, 250.0
 """Temperatures of an inner ring that the laws of this room hold for, degC. Above, hardened
 steel tempers; a bearing that is heated so has left the clearance's limits long before."""
-
-NETWORK_RANGES: Mapping[str, tuple[float, float, str]] = MappingProxyType(
-    {
-        'inner_capacity': (0.1, 1e6, 'J/K'),
-        'outer_capacity': (0.1, 1e6, 'J/K'),
-        'ring_to_ring': (1e-3, 1e4, 'W/K'),
-        'ring_to_shaft': (1e-3, 1e4, 'W/K'),
-        'ring_to_ambient': (1e-3, 1e4, 'W/K'),
-        'ambient': (-40.0, 110.0, 'degC'),
-        'shaft_ratio': (0.0, 2.0, ''),
-    }
-)
-"""Least and greatest value and unit of the fields of `ThermalNetwork`."""
 
 
 def clearance_change(inner: float, outer: float, d_pitch: float) -> float:
@@ -108,34 +89,36 @@ class ThermalNetwork:
         C_i dT_i/dt = P/2 - G_io (T_i - T_o) - G_is (T_i - T_sh)
         C_o dT_o/dt = P/2 + G_io (T_i - T_o) - G_oa (T_o - T_a)
 
-    Parameters
-    ----------
-    inner_capacity, outer_capacity
-        Heat capacities C_i, C_o, J/K, 0.1 to 1e6. Defaults: rings of a 6307, 0.17 and 0.24 kg.
-    ring_to_ring, ring_to_shaft, ring_to_ambient
-        Conductances G_io, G_is, G_oa, W/K, 1e-3 to 1e4.
-    ambient
-        Temperature of the surroundings T_a, degC, -40 to 110.
-    shaft_ratio
-        Rise of the shaft over ambient by the rise of the outer ring, 0 to 2: above 1 where heat
-        comes in along the shaft (motor, pump, turbine), below 1 where the housing is heated.
-
+    The default capacities are those of the rings of a 6307, 0.17 and 0.24 kg. ``shaft_ratio`` is
+    above 1 where heat comes in along the shaft (motor, pump, turbine), below 1 where the housing
+    is heated.
     """
 
-    inner_capacity: float = 80.0
-    outer_capacity: float = 110.0
-    ring_to_ring: float = 2.0
-    ring_to_shaft: float = 8.0
-    ring_to_ambient: float = 4.0
-    ambient: float = 20.0
-    shaft_ratio: float = 1.1
+    inner_capacity: float = quantity(
+        80.0, 'Thermal mode physical: heat capacity of the inner ring.', 'J/K', 0.1, 1e6
+    )
+    outer_capacity: float = quantity(110.0, 'Heat capacity of the outer ring.', 'J/K', 0.1, 1e6)
+    ring_to_ring: float = quantity(
+        2.0, 'Thermal mode physical: conductance between the rings.', 'W/K', 1e-3, 1e4
+    )
+    ring_to_shaft: float = quantity(
+        8.0, 'Thermal mode physical: conductance from inner ring to shaft.', 'W/K', 1e-3, 1e4
+    )
+    ring_to_ambient: float = quantity(
+        4.0, 'Conductance from outer ring to the surroundings.', 'W/K', 1e-3, 1e4
+    )
+    ambient: float = quantity(
+        20.0, 'Thermal mode physical: temperature of the surroundings.', 'degC', -40.0, 110.0
+    )
+    shaft_ratio: float = quantity(
+        1.1,
+        'Thermal mode physical: rise of the shaft over ambient by that of the outer ring.',
+        low=0.0,
+        high=2.0,
+    )
 
     def __post_init__(self) -> None:
-        for name, (low, high, unit) in NETWORK_RANGES.items():
-            value = getattr(self, name)
-            if not low <= value <= high:
-                msg = f'{name}={value} is outside {low:g}..{high:g} {unit}'.rstrip()
-                raise BearingTwinError(msg)
+        check_fields(self)
 
     def shaft(self, outer: float) -> float:
         """Shaft temperature, degC, at the outer ring temperature ``outer``."""

@@ -44,10 +44,10 @@ REFUSED = {
     'beta0 high': (lambda: Beta0(delta_mu=0.1), 'beta0=1.', '0.5..1.5', 'reduce delta_mu'),
     'beta0 low': (
         lambda: Beta0(reference_friction=0.2, delta_mu=1.0), 'beta0=0.', '0.5..1.5', 'reduce'),
-    'weight': (lambda: Beta0(delta_h=-1.0), 'delta_h=-1.0', '0..2', 'defaults are'),
+    'weight': (lambda: Beta0(delta_h=-1.0), 'delta_h=-1.0', '0..2', 'choose'),
     'unit': (lambda: Beta0(alpha_unit=1e-4), 'alpha_unit=0.0001', '1e-5', 'choose'),
-    'T0': (lambda: Beta0(reference_temperature=0.0), '0.0 degC', '20..110', 'clamp'),
-    'H0': (lambda: Beta0(reference_hardness=-1.0), 'hardness=-1.0', 'positive', 'must be'),
+    'T0': (lambda: Beta0(reference_temperature=0.0), '=0.0', '20..110 degC', 'choose'),
+    'H0': (lambda: Beta0(reference_hardness=-1.0), 'hardness=-1.0', '1..100 HRC', 'choose'),
     'few balls': (lambda: bearing(n_balls=2), 'n_balls=2', '3..100', 'give the number'),
     'crowded': (lambda: bearing(n_balls=13), '13 elements of 0.014', '0.0575 m', 'check n_balls'),
     'millimetres': (lambda: bearing(d_ball=14.0, d_pitch=57.5), '57.5 m', '20 m', 'in metres?'),
@@ -93,10 +93,10 @@ REFUSED = {
         '1 mm', 'move one'),
     'load': (lambda: build(load=1.0), 'load=1.0', '10..50000 N', 'choose'),
     'clearance': (lambda: build(clearance=math.nan), 'clearance=nan', '-5e-06..5e-05 m', 'choose'),
-    'resonance': (lambda: build(resonance_hz=20e3), '20000.0', '500..11000 Hz', 'or 0 for none'),
+    'resonance': (lambda: build(resonance_hz=20e3), '20000.0', '500..11000 Hz', '0: none'),
     'slip': (lambda: build(slip=0.05), '=0.34', '0..0.3', 'choose'),
     'eccentric': (lambda: build(unbalance=0.02), '=0.00319', '0..0.001 m', 'choose'),
-    'mode': (lambda: build(thermal_mode='magic'), "'magic'", 'paper or physical', 'choose'),
+    'mode': (lambda: build(thermal_mode='magic'), "'magic'", 'paper, physical', 'choose'),
     'slip model': (lambda: build(slip_model='some'), "'some'", 'none, constant', 'choose'),
     'series': (lambda: build(friction_series='99'), "'99'", '60, 62', 'choose'),
     'own series': (lambda: build(bearing=bearing(series='72')), "'72'", '60, 62', 'choose'),
@@ -107,14 +107,14 @@ REFUSED = {
         lambda: build(
             thermal_mode='physical', clearance=45e-6, network=ThermalNetwork(shaft_ratio=0.5)),
         '57.4 um', '-5..50 um', 'change clearance'),
-    'oil': (lambda: Lubricant(viscosity_40=68.0), '68.0', '5e-3', 'in m^2/s?'),
-    'network': (lambda: ThermalNetwork(ambient=200.0), 'ambient=200.0', '-40..110', 'degC'),
+    'oil': (lambda: Lubricant(viscosity_40=68.0), '68.0', '0.005 m^2/s', 'choose'),
+    'network': (lambda: ThermalNetwork(ambient=200.0), 'ambient=200.0', '-40..110 degC', 'choose'),
     'stiff': (lambda: simulate(sample_rate=1e3), '1000.0', '2000..204800 Hz', 'outside'),
     'light': (
         lambda: Simulator(build(inner_mass=0.1, outer_mass=0.1)), 'Hz, and steps', 'up to',
         'use larger masses'),
     'temperature': (lambda: simulate(temperature=19.0), '19.0 degC', '20..110', 'clamp'),
-    'speed': (lambda: simulate(shaft_hz=600.0), '600.0', '0..500 Hz', 'outside'),
+    'speed': (lambda: simulate(shaft_hz=600.0), '600.0', '0..500 Hz', 'choose'),
 }  # fmt: skip
 
 

@@ -6,8 +6,9 @@ import math
 
 from bearing_twin.bearing import Bearing, catalogue, PLACES
 from bearing_twin.dynamics import Defect, Simulator, TwinParameters
-from bearing_twin.dynamics.parameters import MAX_DEFECTS, PROFILES, RANGES
+from bearing_twin.dynamics.parameters import MAX_DEFECTS, PROFILES
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.quantity import quantities
 from bearing_twin.thermal.friction import SERIES
 from bearing_twin.thermal.gcr15 import Beta0
 from bearing_twin.thermal.lubricant import Lubricant
@@ -25,6 +26,15 @@ def spread(low, high):
         powers = st.floats(math.log(low), math.log(high))
         return powers.map(lambda power: min(max(math.exp(power), low), high))
     return st.floats(low, high)
+
+
+def ranged(owner):
+    """Values of the fields of a dataclass that have a plain range."""
+    return {
+        name: spread(about.low, about.high)
+        for name, (_, about) in quantities(owner).items()
+        if about.low is not None and about.special is None
+    }
 
 
 @st.composite
@@ -81,19 +91,9 @@ oils = st.fixed_dictionaries(
         'contamination': st.floats(0.0, 1.0),
     }
 )
-networks = st.fixed_dictionaries(
-    {
-        'inner_capacity': spread(0.1, 1e6),
-        'outer_capacity': spread(0.1, 1e6),
-        'ring_to_ring': spread(1e-3, 1e4),
-        'ring_to_shaft': spread(1e-3, 1e4),
-        'ring_to_ambient': spread(1e-3, 1e4),
-        'ambient': st.floats(-40.0, 110.0),
-        'shaft_ratio': st.floats(0.0, 2.0),
-    }
-)
+networks = st.fixed_dictionaries(ranged(ThermalNetwork))
 others = st.fixed_dictionaries(
-    {name: spread(low, high) for name, (low, high, _) in RANGES.items()}
+    ranged(TwinParameters)
     | {
         'thermal_mode': MODES,
         'hertz_stiffness': st.none() | spread(1e8, 1e12),

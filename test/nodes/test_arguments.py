@@ -16,7 +16,18 @@ import pytest
     ('words', 'status', 'text'),
     [
         (['--bogus'], 2, "'--bogus'"),
-        (['--ros-args', '-p', 'bearing:=6307'], 1, '''bearing:="'6307'"'''),
+        (['--ros-args', '-p', 'bearing:=6307.5'], 1, '''bearing:="'6307.5'"'''),
+        (
+            ['--ros-args', '-p', 'load:=5.0'],
+            1,
+            'twin: load=5.0 is outside 10..50000 N; choose a value inside (0: from the preset)\n',
+        ),
+        (
+            ['--ros-args', '-p', 'preset:=dungs'],
+            1,
+            "twin: preset='dungs' is not one of incipient, extended, mishra2017, sawalhi2008, "
+            'dong; choose one of these\n',
+        ),
     ],
 )
 def test_a_node_refuses_what_it_cannot_take(ros_domain, words, status, text):
@@ -30,6 +41,7 @@ def test_a_node_refuses_what_it_cannot_take(ros_domain, words, status, text):
     assert ran.returncode == status
     assert text in ran.stderr
     assert 'Traceback' not in ran.stderr
+    assert ran.stderr.count('\n') == 1
 
 
 def test_a_picture_is_kept_and_what_is_live_is_not(tmp_path, capsys):
@@ -57,9 +69,48 @@ def test_a_node_needs_no_home(ros_domain, probe, tmp_path, monkeypatch, home):
 
 
 @pytest.mark.ros
+def test_numbers_are_taken_as_meant_and_a_misspelt_parameter_is_named(nodes, probe, tmp_path):
+    nodes.start('twin', {'bearing': 6307, 'noise': 0, 'lod': 500.0})
+    probe.until_active('/twin')
+    assert probe.get_parameters('/twin', 'bearing', 'noise') == ['6307', 0.0]
+    assert (
+        "there is no parameter 'lod'; the nearest are load,"
+        in (tmp_path / 'logs/twin.log').read_text()
+    )
+
+
+@pytest.mark.ros
 def test_simulated_time_is_not_switched_on_under_a_running_node(nodes, probe):
     nodes.start('twin', {})
     probe.until_active('/twin')
     accepted, reason = probe.set_parameters('/twin', use_sim_time=True)
     assert not accepted
     assert 'use_sim_time' in reason
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    ('given', 'said'),
+    [
+        ('{widow: 4.0}', "there is no parameter 'widow'; the nearest are window,"),
+        ('{window: 0.5}', 'window=0.5 is outside 1..60 s; choose a value inside\n'),
+        ('{bearing: 6307.5}', 'bearing=6307.5 must be of type str'),
+    ],
+)
+def test_a_file_of_assets_is_checked_as_every_other_input(ros_domain, tmp_path, given, said):
+    path = tmp_path / 'fleet.yaml'
+    path.write_text(f'assets: {{fan: {{diagnosis: {given}}}}}')
+    ran = subprocess.run(
+        [
+            sys.executable,
+            *['-m', 'bearing_twin', 'run', 'fleet', '--ros-args', '-p'],
+            f'assets_file:={path}',
+        ],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert ran.returncode == 1
+    assert f'fleet: asset fan: {said}' in ran.stderr
+    assert ran.stderr.count('\n') == 1

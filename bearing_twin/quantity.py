@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+One declaration of a quantity: unit, range, choices and text stand beside the field.
+
+A dataclass declares its fields with :func:`quantity` and checks them with :func:`check_fields`.
+Node parameters, offline runs, fleet files and the tables of the documentation read the same
+declaration.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, MISSING
+import functools
+from types import MappingProxyType
+from typing import Any, cast, TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ['Quantity', 'check_fields', 'check_range', 'quantities', 'quantity']
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantity:
+    """What a value means and which values it may have."""
+
+    description: str
+    unit: str = ''
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[str, ...] = ()
+    special: tuple[Any, str] | None = None
+    """A value that need not lie in the range, and its meaning: ``(0.0, 'none')``."""
+    running: bool = True
+    """Whether it can be changed while a node is active; else in state 'unconfigured' only."""
+
+    @property
+    def special_text(self) -> str:
+        """Return the special value and its meaning as ``0: none``; '' if there is none."""
+        if self.special is None or self.special[0] is None:
+            return ''
+        value, meaning = self.special
+        return f'{value:g}: {meaning}' if value != '' else f"'': {meaning}"
+
+    def check(self, name: str, value: Any) -> None:
+        """
+        Refuse a value that is not finite, outside the range or none of the choices.
+
+        Raises
+        ------
+        BearingTwinError
+            The text names value, limit and remedy.
+
+        Examples
+        --------
+        >>> Quantity(description='Mass.', unit='kg', low=0.1, high=5.0).check('mass', 0.0)
+        Traceback (most recent call last):
+        bearing_twin.errors.BearingTwinError: mass=0.0 is outside 0.1..5 kg; choose a value inside
+
+        """
+        if self.special is not None and value == self.special[0]:
+            return
+        remedy = f' ({self.special_text})' if self.special_text else ''
+        if self.choices and value not in self.choices:
+            known = ', '.join(choice or "''" for choice in self.choices)
+            msg = f'{name}={value!r} is not one of {known}; choose one of these{remedy}'
+            raise BearingTwinError(msg)
+        if self.low is not None and self.high is not None:
+            check_range(name, value, self.low, self.high, self.unit, remedy)
+
+
+def check_range(
+    name: str, value: float, low: float, high: float, unit: str, remedy: str = ''
+) -> None:
+    """Refuse a ``value`` that is not finite or outside ``low``..``high``."""
+    if not low <= value <= high:
+        limits = f'{low:g}..{high:g} {unit}'.rstrip()
+        msg = f'{name}={value} is outside {limits}; choose a value inside{remedy}'
+        raise BearingTwinError(msg)
+
+
+def quantity(
+    default: Any,
+    description: str,
+    unit: str = '',
+    low: float | None = None,
+    high: float | None = None,
+    **more: Any,
+) -> Any:
+    """
+    Return a dataclass field with a default, or a required one where that is ``...``.
+
+    ``more`` are further fields of :class:`Quantity`.
+    """
+    about = Quantity(description=description, unit=unit, low=low, high=high, **more)
+    return field(default=MISSING if default is ... else default, metadata={'quantity': about})
+
+
+@functools.cache
+def quantities(owner: Any) -> Mapping[str, tuple[Any, Quantity]]:
+    """Return default and declaration of the fields of a dataclass that are quantities, by name."""
+    return MappingProxyType(
+        {
+            f.name: (f.default, f.metadata['quantity'])
+            for f in fields(owner)
+            if 'quantity' in f.metadata
+        }
+    )
+
+
+def check_fields(instance: Any, prefix: str = '') -> None:
+    """Refuse an instance of a dataclass of which a quantity is outside its limits."""
+    for name, (_, about) in quantities(cast('Any', type(instance))).items():
+        about.check(prefix + name, getattr(instance, name))
