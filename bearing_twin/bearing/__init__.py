@@ -3,6 +3,7 @@
 """Bearing geometry, fault frequencies, ratings, Hertz contact and the catalogue."""
 
 from bearing_twin.bearing.catalogue import (
+    bearing_of_orders,
     catalogue,
     close_bearings,
     find_bearing,
@@ -29,6 +30,7 @@ from bearing_twin.bearing.ratings import (
 from bearing_twin.bearing.vocabulary import (
     FAULT_CODES,
     LEVELS,
+    NEXT_STEPS,
     Place,
     PLACES,
     RESULTS,
@@ -38,6 +40,7 @@ from bearing_twin.bearing.vocabulary import (
 __all__ = [
     'FAULT_CODES',
     'LEVELS',
+    'NEXT_STEPS',
     'PLACES',
     'RESULTS',
     'TITLES',
@@ -47,6 +50,7 @@ __all__ = [
     'Place',
     'basic_dynamic_rating',
     'basic_static_rating',
+    'bearing_of_orders',
     'catalogue',
     'close_bearings',
     'contact_stiffness',

@@ -13,13 +13,13 @@ import re
 from types import MappingProxyType
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing.geometry import Bearing
+from bearing_twin.bearing.geometry import Bearing, FaultFrequencies
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ['catalogue', 'close_bearings', 'find_bearing', 'own_bearing']
+__all__ = ['bearing_of_orders', 'catalogue', 'close_bearings', 'find_bearing', 'own_bearing']
 
 _MAKERS = 'skf|fag|ina|nsk|ntn|snr|koyo|nachi|timken|zkl|urb|fbj|c&u|schaeffler|jtekt'
 _SUFFIX = (
@@ -118,10 +118,16 @@ def close_bearings(name: str, count: int) -> list[Bearing]:
     ['6306']
 
     """
-    by_folded = {known.casefold(): bearing for known, bearing in catalogue().items()}
     folded = name.strip().casefold()
-    close = difflib.get_close_matches(_designation(folded) or folded, by_folded, count, 0.0)
-    return [by_folded[key] for key in close]
+    folded = _designation(folded) or folded
+
+    def unlike(bearing: Bearing) -> tuple[int, float]:
+        # A designation is read digit by digit: what stands at its place counts first.
+        known = bearing.name.casefold()
+        same = sum(one == other for one, other in zip(known, folded, strict=False))
+        return -same, -difflib.SequenceMatcher(None, known, folded).ratio()
+
+    return sorted(catalogue().values(), key=unlike)[:count]
 
 
 def _designation(folded: str) -> str:
@@ -172,3 +178,44 @@ def own_bearing(geometry: str) -> Bearing:
         contact_angle=contact_angle,
         source='given by the user',
     )
+
+
+def bearing_of_orders(name: str, orders: FaultFrequencies) -> Bearing:
+    """
+    Return the ball bearing that has the fault orders ``orders`` without slip.
+
+    The orders tell number of balls, gamma and the ratio of ball to pitch diameter, not the size:
+    a pitch diameter of 50 mm is assumed.
+
+    Raises
+    ------
+    BearingTwinError
+        If no bearing has such orders.
+
+    Examples
+    --------
+    >>> bearing = bearing_of_orders('6205', FaultFrequencies(3.5848, 5.4152, 2.3567, 0.3983))
+    >>> bearing.n_balls, round(bearing.d_ball / bearing.d_pitch, 3)
+    (9, 0.203)
+
+    """
+    bpfo, bpfi, bsf, ftf = orders
+    count = bpfo + bpfi
+    said = f'{bpfo:g}, {bpfi:g}, {bsf:g}, {ftf:g}'
+    msg = f'no bearing has the fault orders {said} (BPFO, BPFI, BSF, FTF)'
+    if not (0.0 < ftf < bpfo < bpfi < 100.0 and bsf > 0.0 and abs(count - round(count)) < 0.05):
+        raise BearingTwinError(msg)
+    gamma = (bpfi - bpfo) / count
+    # A ratio below gamma is rounding: the contact angle is zero.
+    ratio = max(0.5 * (1.0 - gamma * gamma) / bsf, gamma)
+    try:
+        return Bearing(
+            name=name,
+            n_balls=round(count),
+            d_ball=0.05 * ratio,
+            d_pitch=0.05,
+            contact_angle=math.acos(gamma / ratio),
+            source='given by its fault orders',
+        )
+    except BearingTwinError as error:
+        raise BearingTwinError(f'{msg}: {error}') from None

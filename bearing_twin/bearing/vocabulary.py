@@ -9,6 +9,7 @@ from typing import Literal
 __all__ = [
     'FAULT_CODES',
     'LEVELS',
+    'NEXT_STEPS',
     'PLACES',
     'RESULTS',
     'TITLES',
@@ -49,3 +50,15 @@ TITLES: dict[str, str] = {
     'insufficient': 'Insufficient',
 }
 """Heading of every answer, for people."""
+
+NEXT_STEPS: dict[str, str] = {
+    'healthy': 'nothing now; record again at the usual interval, at the same speed and load',
+    'inner': 'record again soon; if the level rises, plan to replace the bearing',
+    'outer': 'record again soon; if the level rises, plan to replace the bearing',
+    'ball': 'record again soon; if the level rises, plan to replace the bearing',
+    'cage': 'plan to replace the bearing soon: a cage fails without much warning',
+    'suspect': 'record again at a shorter interval, as long as possible, and watch the level',
+    'ambiguous': 'record longer and measure the shaft speed: that parts what coincides',
+    'insufficient': 'mend what the reasons name, and record again',
+}
+"""What to do after every answer, for people."""

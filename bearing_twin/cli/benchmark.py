@@ -4,9 +4,11 @@
 ``bearing-twin benchmark``: score the diagnosis on a folder of labelled records.
 
 The folder holds an ``index.json``: ``bearings`` (name to n_elements, element_d_mm, pitch_d_mm,
-contact_deg) and ``records`` (id, dataset, file, label, rpm, bearing_name and, where known,
-rpm_nominal, fault_mm and a Smith & Randall grade). Each record is judged whole; no record is used
-to set anything.
+contact_deg; where n_elements is null, the geometry of the name most like it is assumed and
+reported apart) and ``records`` (id, dataset, file, label, rpm, bearing_name, which is one of
+``bearings`` or of the catalogue, and, where known, rpm_nominal, fault_mm and a Smith & Randall
+grade). Or it is a data set in the Parquet form of the PyPI package ``bearing-datasets``. Each
+record is judged whole; no record is used to set anything.
 """
 
 from __future__ import annotations
@@ -20,11 +22,20 @@ import json
 import math
 import os
 from pathlib import Path
+import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import Bearing, PLACES
+from bearing_twin.bearing import Bearing, find_bearing, PLACES
+from bearing_twin.cli.diagnose import named_bearing
+from bearing_twin.cli.terminal import progress
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.dataset import (
+    dataset_bearing,
+    dataset_signals,
+    fault_label,
+    is_dataset,
+)
 from bearing_twin.recording.foreign import read_signal
 
 if TYPE_CHECKING:
@@ -62,6 +73,7 @@ class Case:
     bearing: Bearing
     speeds: tuple[tuple[str, float], ...]
     """``('measured', Hz)`` and, where known, ``('nominal', Hz)``."""
+    channel: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,7 +92,9 @@ class Piece:
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument('folder', metavar='DATA_DIR', help='folder with an index.json')
+    parser.add_argument(
+        'folder', metavar='DATA_DIR', help='folder with an index.json, or made by bearing-datasets'
+    )
     parser.add_argument('--json', action='store_true', help='one JSON object a piece')
     parser.add_argument('--full', action='store_true', help='whole records at measured speed only')
     parser.add_argument('--jobs', type=int, help='processes (default: one a core)')
@@ -93,9 +107,11 @@ def read_cases(folder: Path) -> list[Case]:
     Raises
     ------
     BearingTwinError
-        If there is no usable index.json.
+        If there is no usable index.json, or a record names a bearing that is not known.
 
     """
+    if is_dataset(folder):
+        return _cases_of_dataset(folder)
     try:
         index = json.loads((folder / 'index.json').read_text('utf-8'))
         bearings = {
@@ -127,14 +143,13 @@ def _case(
     folder: Path, record: dict[str, Any], bearings: dict[str, Bearing], unknown: set[str]
 ) -> Case:
     name, dataset = record['bearing_name'], record['dataset']
-    if name in bearings:
-        bearing = bearings[name]
-    else:
+    if name in unknown and bearings:
         # A geometry that nobody published is replaced by its namesake's, and reported apart.
         close = difflib.get_close_matches(name, bearings, n=1, cutoff=0.0)
         bearing = bearings[close[0]]
-        if name in unknown:
-            dataset = f'{dataset} (geometry assumed)'
+        dataset = f'{dataset} (geometry assumed)'
+    else:
+        bearing = bearings.get(name) or _of_catalogue(name, record['id'], bearings)
     parts = (record['label'], record.get('fault_mm'), record.get('or_position'))
     unit = ' '.join(str(part) for part in (dataset, *parts) if part not in (None, ''))
     speeds = [('measured', record['rpm'] / 60.0)]
@@ -150,6 +165,52 @@ def _case(
         bearing=bearing,
         speeds=tuple(speeds),
     )
+
+
+def _of_catalogue(name: str, record: str, bearings: dict[str, Bearing]) -> Bearing:
+    try:
+        return find_bearing(name)
+    except BearingTwinError as error:
+        close = ', '.join(difflib.get_close_matches(name, bearings, n=3, cutoff=0.3)) or 'none'
+        msg = f'record {record}: {error}; the closest of index.json: {close}'
+        raise BearingTwinError(msg) from None
+
+
+def _cases_of_dataset(folder: Path) -> list[Case]:
+    """Signals of a data set that have one fault of ours or none, a speed and a known bearing."""
+    cases, without = [], Counter[str]()
+    for row in dataset_signals(folder):
+        label, name = fault_label(row), str(row['signal_id'])
+        speed = row.get('speed_rpm')
+        if not label or not isinstance(speed, (int, float)) or not speed > 0.0:
+            without['a fault of ours or a constant speed'] += 1
+            continue
+        try:
+            bearing = dataset_bearing(row) or named_bearing(str(row.get('bearing_model', '')))
+        except BearingTwinError:
+            without['a known bearing'] += 1
+            continue
+        dataset = str(row.get('dataset', folder.name))
+        unit = str(row.get('bearing_id', f'{label} {row.get("fault_size_mm", "")}'.strip()))
+        cases.append(
+            Case(
+                name=name,
+                path=str(folder),
+                channel=name,
+                dataset=dataset,
+                label=label,
+                grade='',
+                unit=f'{dataset} {unit}',
+                bearing=bearing,
+                speeds=(('measured', speed / 60.0),),
+            )
+        )
+    for what, count in without.items():
+        print(f'{count} signals are left out: they are without {what}', file=sys.stderr)
+    if not cases:
+        msg = f'{folder} has no signal with one fault of ours or none, a speed and a known bearing'
+        raise BearingTwinError(msg)
+    return cases
 
 
 def judge(label: str, diagnosis: Diagnosis) -> str:
@@ -171,7 +232,7 @@ def _quiet(result: str) -> str:
 
 def score_case(case: Case, full: bool = False) -> list[Piece]:
     """Outcomes of all pieces of a record."""
-    signal = read_signal(Path(case.path))
+    signal = read_signal(Path(case.path), channel=case.channel)
     groups = [('data set', case.dataset), ('class', f'{case.dataset} {case.label}')]
     groups += [('grade', f'{case.dataset} {case.grade}')] if case.grade else []
     groups += [('bearing', case.unit)]
@@ -209,7 +270,10 @@ def run(args: argparse.Namespace) -> int:
     jobs = min(args.jobs or len(os.sched_getaffinity(0)), max(len(cases), 1))
     with ProcessPoolExecutor(jobs) as pool:
         scored = pool.map(score_case, cases, repeat(args.full))
-        pieces = [piece for found in scored for piece in found]
+        pieces = []
+        for done, found in enumerate(scored, start=1):
+            pieces += found
+            progress(done, len(cases), 'records')
     if args.json:
         for piece in pieces:
             print(json.dumps({**vars(piece), 'groups': dict(piece.groups)}))

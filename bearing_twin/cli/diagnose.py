@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``bearing-twin diagnose``: verdicts on vibration files, one line a file."""
+"""``bearing-twin diagnose``: verdicts on vibration files; of one file all that it rests on."""
 
 from __future__ import annotations
 
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 import json
 import math
 import os
@@ -14,16 +14,19 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import Bearing, find_bearing, own_bearing
+from bearing_twin.bearing import Bearing, find_bearing, NEXT_STEPS, own_bearing
+from bearing_twin.cli.diagnose_text import line, page
+from bearing_twin.cli.terminal import progress
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.foreign import read_signal
+from bearing_twin.recording.dataset import dataset_signals, is_dataset
+from bearing_twin.recording.foreign import channels, read_signal
 
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Iterator, Sequence
 
-__all__ = ['Task', 'configure', 'diagnose_file', 'evidence', 'run']
+__all__ = ['Task', 'configure', 'diagnose_file', 'evidence', 'named_bearing', 'run']
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,21 +40,31 @@ class Task:
     sample_rate: float | None = None
     channel: str | None = None
     unit: str = ''
+    settings: DiagnosisSettings = field(default_factory=DiagnosisSettings)
     plot: str = ''
     """File for the picture; empty for none."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument('files', nargs='+', metavar='FILE', help='.npz .mat .wav .csv .mcap')
+    parser.add_argument(
+        'files',
+        nargs='+',
+        metavar='FILE',
+        help='.npz .mat .wav .csv .mcap, or a folder made by bearing-datasets',
+    )
     kind = parser.add_mutually_exclusive_group()
-    kind.add_argument('--bearing', metavar='NAME', help='bearing of the catalogue, e.g. 6205')
+    kind.add_argument(
+        '--bearing', metavar='NAME', help="bearing of the catalogue, e.g. 6205 (see 'bearings')"
+    )
     kind.add_argument(
         '--geometry',
         metavar='Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG',
         help='number of balls, ball and pitch diameter in mm, contact angle in degrees',
     )
-    parser.add_argument('--shaft-hz', type=float, help='shaft speed, Hz; else what the file says')
+    speed = parser.add_mutually_exclusive_group()
+    speed.add_argument('--shaft-hz', type=float, help='shaft speed, Hz; else what the file says')
+    speed.add_argument('--rpm', type=float, help='the same in turns a minute')
     parser.add_argument(
         '--speed-tolerance',
         type=float,
@@ -59,8 +72,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help='how far the speed may be off (default 0.02: a nameplate)',
     )
     parser.add_argument('--sample-rate', type=float, help='Hz, for files that do not say it')
-    parser.add_argument('--channel', help='which channel of a file: name, number, topic')
+    parser.add_argument(
+        '--channel', metavar='NAME', help='name, number or topic, or any part that only one has'
+    )
+    parser.add_argument(
+        '--channels', action='store_true', help='list the channels of the files, and end'
+    )
     parser.add_argument('--unit', default='', help="'m/s^2' or 'g', for files that do not say it")
+    parser.add_argument(
+        '--power-group', type=int, choices=(1, 2), default=0, help='of ISO 20816-3, for the zone'
+    )
+    parser.add_argument('--mounting', choices=('rigid', 'flexible'), default='', help='the same')
     parser.add_argument('--json', action='store_true', help='one JSON object a line')
     parser.add_argument('--jobs', type=int, help='processes (default: one a core)')
     parser.add_argument('--dask', metavar='ADDRESS', help='spread the work over a Dask cluster')
@@ -69,41 +91,79 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Diagnose the files; 0 only if every file could be read."""
+    if args.channels:
+        return _list_channels(args)
+    tasks = _tasks(args)
+    unread = 0
+    for done, answer in enumerate(_answers(tasks, args), start=1):
+        if 'error' in answer:
+            unread += 1
+            print(f'bearing-twin diagnose: {answer["error"]}', file=sys.stderr, flush=True)
+        if args.json:
+            print(json.dumps(answer), flush=True)
+        elif 'error' not in answer:
+            print(page(answer) if len(tasks) == 1 else line(answer), flush=True)
+        progress(done, len(tasks), 'files')
+    return 1 if unread else 0
+
+
+def _list_channels(args: argparse.Namespace) -> int:
+    listed = {name: channels(Path(name)) for name in args.files}
+    if args.json:
+        print(json.dumps(listed))
+        return 0
+    for name, names in listed.items():
+        print(f'{name}:', *names, sep='\n    ')
+    return 0
+
+
+def _tasks(args: argparse.Namespace) -> list[Task]:
+    """Return what is to be done; of a data set one task a signal."""
     bearing = None
     if args.geometry:
         bearing = own_bearing(args.geometry)
     elif args.bearing:
         bearing = find_bearing(args.bearing)
+    settings = DiagnosisSettings(power_group=args.power_group, mounting=args.mounting)
     if args.speed_tolerance is not None:
-        DiagnosisSettings(speed_tolerance=args.speed_tolerance)
+        replace(settings, speed_tolerance=args.speed_tolerance)
     if args.jobs is not None and args.jobs < 1:
         msg = f'--jobs {args.jobs}: at least one process is needed'
         raise BearingTwinError(msg)
-    if args.shaft_hz is not None and not 0.0 < args.shaft_hz < 1e5:
-        msg = f'--shaft-hz {args.shaft_hz}: give a positive speed in Hz (rpm / 60)'
+    shaft_hz = args.shaft_hz if args.rpm is None else args.rpm / 60.0
+    if shaft_hz is not None and not 0.0 < shaft_hz < 1e5:
+        msg = f'--shaft-hz {shaft_hz:g}: give a positive speed in Hz, or in 1/min as --rpm'
         raise BearingTwinError(msg)
     if args.plot:
         Path(args.plot).mkdir(parents=True, exist_ok=True)
-    tasks = [
+    return [
         Task(
             path=name,
             bearing=bearing,
-            shaft_hz=math.nan if args.shaft_hz is None else args.shaft_hz,
+            shaft_hz=math.nan if shaft_hz is None else shaft_hz,
             speed_tolerance=args.speed_tolerance,
             sample_rate=args.sample_rate,
-            channel=args.channel,
+            channel=channel,
             unit=args.unit,
-            plot=str(_picture(Path(args.plot), name)) if args.plot else '',
+            settings=settings,
+            plot=str(_picture(Path(args.plot), name, channel)) if args.plot else '',
         )
         for name in args.files
+        for channel in _channels_of(name, args.channel)
     ]
-    unread = 0
-    for done, answer in enumerate(_answers(tasks, args), start=1):
-        unread += not answer.pop('read')
-        print(json.dumps(answer) if args.json else _line(answer), flush=True)
-        if len(tasks) > 1 and sys.stderr.isatty():
-            print(f'\r{done} of {len(tasks)} ', end='', file=sys.stderr, flush=True)
-    return 1 if unread else 0
+
+
+def _channels_of(name: str, channel: str | None) -> list[str | None]:
+    """Channels to diagnose of a file: of a data set every signal whose id holds ``channel``."""
+    if not is_dataset(Path(name)):
+        return [channel]
+    ids = [str(row['signal_id']) for row in dataset_signals(Path(name))]
+    found = [known for known in ids if (channel or '').casefold() in known.casefold()]
+    if not found:
+        listed = ', '.join(ids[:10]) or 'no vibration'
+        msg = f'{name} has no signal with {channel!r} in its id; it has {listed}'
+        raise BearingTwinError(msg)
+    return list(found)
 
 
 def _answers(tasks: Sequence[Task], args: argparse.Namespace) -> Iterator[dict[str, Any]]:
@@ -146,10 +206,14 @@ def _on_dask(tasks: Sequence[Task], address: str) -> Iterator[dict[str, Any]]:
 
 
 def diagnose_file(task: Task) -> dict[str, Any]:
-    """Answer for one file; never raises for what is in the file."""
+    """
+    Answer for one file; never raises for what is in the file.
+
+    What cannot be read has no verdict: its answer is ``file`` and ``error``.
+    """
     try:
         signal = read_signal(Path(task.path), channel=task.channel, sample_rate=task.sample_rate)
-        bearing = task.bearing or _known_bearing(signal.bearing_name)
+        bearing = task.bearing or signal.bearing or named_bearing(signal.bearing_name)
         shaft_hz = signal.speeds if len(signal.speeds) else signal.shaft_hz
         if math.isfinite(task.shaft_hz):
             shaft_hz = task.shaft_hz
@@ -161,15 +225,20 @@ def diagnose_file(task: Task) -> dict[str, Any]:
             speed_tolerance=task.speed_tolerance,
             unit=task.unit or signal.unit,
             temperature=signal.temperature,
+            settings=task.settings,
         )
     except (BearingTwinError, MemoryError) as error:
-        return _unread(task.path, str(error) or 'not enough memory')
+        return _unread(task.path, str(error) or f'{task.path}: not enough memory')
     if task.plot and diagnosis.spectrum.values.size:
         from bearing_twin.cli.diagnose_plot import draw
 
         draw(diagnosis, Path(task.plot), title=f'{Path(task.path).name}, {bearing.name}')
+    length = len(signal.x) / signal.sample_rate
     return {
         'file': task.path,
+        'source': f'{signal.source}: {length:.4g} s at {signal.sample_rate:g} Hz',
+        'bearing': f'{bearing.name}: {bearing.n_balls} {bearing.element}s of '
+        f'{1e3 * bearing.d_ball:.5g} mm on {1e3 * bearing.d_pitch:.5g} mm, {bearing.basis}',
         'result': diagnosis.result,
         'faults': list(diagnosis.faults),
         'level': diagnosis.level,
@@ -178,7 +247,7 @@ def diagnose_file(task: Task) -> dict[str, Any]:
         'slip': _number(diagnosis.slip),
         'evidence': evidence(diagnosis),
         'reasons': list(diagnosis.reasons),
-        'read': True,
+        'next_step': NEXT_STEPS[diagnosis.result],
     }
 
 
@@ -194,6 +263,7 @@ def evidence(diagnosis: Diagnosis) -> dict[str, Any]:
         'expected_hz': {
             name: _number(value) for name, value in diagnosis.expected._asdict().items()
         },
+        'found_hz': {name: _number(value) for name, value in diagnosis.found_hz.items()},
         'score': {name: _number(value) for name, value in diagnosis.score.items()},
         'modulation_index': {
             name: _number(value) for name, value in diagnosis.modulation_index.items()
@@ -209,34 +279,30 @@ def evidence(diagnosis: Diagnosis) -> dict[str, Any]:
     }
 
 
-def _known_bearing(name: str) -> Bearing:
-    """Bearing of the catalogue that a file names, e.g. ``'SKF 6205-2RS JEM'``."""
-    for word in name.split()[:2]:
-        for candidate in (word, word.split('-')[0]):
+def named_bearing(name: str) -> Bearing:
+    """
+    Bearing of the catalogue that a file names, e.g. ``'SKF 6205-2RS JEM (drive end)'``.
+
+    Raises
+    ------
+    BearingTwinError
+        If it names none.
+
+    """
+    words = name.replace('/', ' ').split()
+    for candidate in (name, *(' '.join(words[:count]) for count in (3, 2, 1)), *words[1:2]):
+        if candidate and ',' not in candidate:
             try:
-                found = find_bearing(candidate)
+                return find_bearing(candidate)
             except BearingTwinError:
                 continue
-            if found.name.casefold() == candidate.casefold():
-                return found
     said = f'the file says {name!r}, which is not in the catalogue' if name else 'unknown bearing'
     msg = f'{said}; give --bearing NAME or --geometry Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG'
     raise BearingTwinError(msg)
 
 
 def _unread(path: str, reason: str) -> dict[str, Any]:
-    return {
-        'file': path,
-        'result': 'insufficient',
-        'faults': [],
-        'level': 'none',
-        'confidence': 0.0,
-        'shaft_hz': None,
-        'slip': None,
-        'evidence': {},
-        'reasons': [reason],
-        'read': False,
-    }
+    return {'file': path, 'error': reason if path in reason else f'{path}: {reason}'}
 
 
 def _number(value: float) -> float | None:
@@ -244,18 +310,7 @@ def _number(value: float) -> float | None:
     return float(f'{value:.7g}') + 0.0 if math.isfinite(value) else None
 
 
-def _picture(folder: Path, name: str) -> Path:
-    """Picture of a file, its whole path in the name so that no two collide."""
-    flat = str(Path(name)).strip('/').replace('/', '_')
-    return folder / f'{flat}.png'
-
-
-def _line(answer: dict[str, Any]) -> str:
-    names = '+'.join(answer['faults']) or answer['result']
-    text = f'{answer["file"]}: {answer["result"]} [{answer["level"]}]'
-    if names != answer['result']:
-        text += f' {names}'
-    text += f', confidence {answer["confidence"]:.3f}'
-    if answer['shaft_hz'] is not None:
-        text += f', shaft {answer["shaft_hz"]:.3f} Hz'
-    return '\n    '.join([text, *answer['reasons']])
+def _picture(folder: Path, name: str, channel: str | None) -> Path:
+    """Picture of a signal, its whole path in the name so that no two collide."""
+    parts = f'{Path(name)}_{channel}' if is_dataset(Path(name)) else str(Path(name))
+    return folder / f'{parts.strip("/").replace("/", "_")}.png'

@@ -108,6 +108,7 @@ def report(
             values=values,
             floor=floor,
         ),
+        found_hz={name: c.order * shaft_hz for name, c in verdict.candidates.items()},
     )
 
 

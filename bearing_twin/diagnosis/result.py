@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -90,3 +90,5 @@ class Diagnosis:
     smallest_detectable: float
     spectrum: Spectrum
     envelope_spectrum: Spectrum
+    found_hz: dict[str, float] = field(default_factory=dict)
+    """Frequency at which each family's comb is clearest, Hz, however weak; not on the wire."""

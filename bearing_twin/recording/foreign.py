@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Vibration signals from files of other people: npz, mat, wav, csv, and MCAP recordings.
+Vibration signals from files of other people: npz, mat, wav, csv, Parquet sets, MCAP recordings.
 
 Nothing in a file is executed (npz and mat are read without pickle), nothing it claims is believed
 before memory is spent on it: reading takes at most about three times ``LARGEST_FILE``.
@@ -17,19 +17,21 @@ import warnings
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.csvfile import read_csv
+from bearing_twin.recording.dataset import dataset_signals, is_dataset, read_dataset_signal
 from bearing_twin.recording.matfile import read_mat
 from bearing_twin.recording.mcapfile import refuse_special
-from bearing_twin.recording.mcapsignal import read_vibration_topic
+from bearing_twin.recording.mcapsignal import read_vibration_topic, vibration_topics
 from bearing_twin.recording.npz import read_npz
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Iterable, Mapping
     from pathlib import Path
 
+    from bearing_twin.bearing import Bearing
     from numpy.typing import NDArray
 
-__all__ = ['LARGEST_FILE', 'MOST_SAMPLES', 'Signal', 'read_signal']
+__all__ = ['LARGEST_FILE', 'MOST_SAMPLES', 'Signal', 'channels', 'read_signal']
 
 LARGEST_FILE = 1024 * 1024 * 1024
 """Largest npz, mat, wav or csv file, bytes. MCAP files are read in pieces and have no limit."""
@@ -61,6 +63,8 @@ class Signal:
     """What the file says is wrong with the bearing; ''."""
     source: str
     """File, channel and what was chosen in it."""
+    bearing: Bearing | None = None
+    """Bearing by the fault orders that the file states."""
 
 
 def read_signal(
@@ -79,6 +83,7 @@ def read_signal(
     ``.csv``   comma, semicolon, tab or blanks; a column ``time`` gives the sample rate
     ``.mcap``  a file or a bag folder; ``TOPIC``, ``TOPIC:y`` or ``y``; ours, Imu, Accel,
                Vector3 and Float arrays
+    Parquet    a folder made by the package ``bearing-datasets``; the channel is the signal's id
     =========  ====================================================================================
 
     Parameters
@@ -86,7 +91,8 @@ def read_signal(
     path
         The file.
     channel
-        Which channel, named as above; None: the only one, or the longest.
+        Which channel, named as above, or any part of the name that only one channel has
+        (``DE`` for ``DE_time``); None: the only one, or the longest.
     sample_rate
         Hz; for files that do not say it, and against what they say.
 
@@ -96,7 +102,12 @@ def read_signal(
         If the file cannot be read, holds no such channel, or its sample rate is not known.
 
     """
-    if path.is_dir() or path.suffix == '.mcap':
+    if is_dataset(path):
+        rows = {str(row['signal_id']): row for row in dataset_signals(path)}
+        found = read_dataset_signal(path, rows[_named(rows, channel or '', path)])
+    elif path.is_dir() or path.suffix == '.mcap':
+        if channel and ':' not in channel and channel not in ('x', 'y', 'z'):
+            channel = _named(vibration_topics(path), channel, path)
         found = read_vibration_topic(path, channel, most=MOST_SAMPLES)
     else:
         found = _read_file(path, channel)
@@ -108,7 +119,10 @@ def read_signal(
         raise BearingTwinError(msg)
     x = _vector(found['x'], path)
     speeds = _speeds(found, len(x))
-    numbers = (_number(found, (name,)) * factor for name, factor in SPEEDS.items())
+    numbers = [_number(found, (name,)) * factor for name, factor in SPEEDS.items()]
+    if {'sr', 'gs', 'rate'} <= found.keys() or {'sr', 'x', 'rate'} <= found.keys():
+        # As MFPT writes them: sr samples a second, and a shaft that turns rate times.
+        numbers.append(_number(found, ('rate',)))
     shaft_hz = next((speed for speed in numbers if speed >= 0.0), math.nan)
     return Signal(
         x=x,
@@ -120,11 +134,71 @@ def read_signal(
         temperature=_number(found, ('temperature', 'temp_C')),
         label=_text(found, 'label'),
         source=f'{path}{found.get("where", "")}',
+        bearing=found.get('bearing'),
     )
 
 
-def _read_file(path: Path, channel: str | None) -> dict[str, Any]:
-    readers = {'.npz': _from_npz, '.mat': _from_mat, '.wav': _from_wav, '.csv': _from_csv}
+def channels(path: Path) -> list[str]:
+    """
+    Return the names of the channels of a file that :func:`read_signal` can read.
+
+    Raises
+    ------
+    BearingTwinError
+        If the file cannot be read.
+
+    """
+    if is_dataset(path):
+        return [str(row['signal_id']) for row in dataset_signals(path)]
+    if path.is_dir() or path.suffix == '.mcap':
+        return list(vibration_topics(path))
+    arrays = _reader(path)(path)
+    if path.suffix.lower() == '.wav':
+        return [str(index) for index in range(arrays['table'].shape[1])]
+    numeric = _numeric(arrays)
+    names = []
+    for name in _candidates(numeric):
+        shape = numeric[name].shape
+        # A row of a table is a channel of its own.
+        table = len(shape) == 2 and max(shape) < numeric[name].size
+        names += [f'{name}:{row}' for row in range(shape[0])] if table else [name]
+    return names
+
+
+def _named(names: Iterable[str], said: str, path: Path) -> str:
+    """
+    Return the one name that is ``said``, has its letters in another case, or has it as a part.
+
+    Raises
+    ------
+    BearingTwinError
+        If none or several are meant; the text lists the names.
+
+    """
+    known = list(names)
+    folded = said.casefold()
+    for fits in (
+        [name for name in known if name == said],
+        [name for name in known if name.casefold() == folded],
+        [name for name in known if name.casefold().startswith(folded)],
+        [name for name in known if folded in name.casefold()],
+    ):
+        if len(fits) == 1:
+            return fits[0]
+        if fits:
+            break
+    listed = ', '.join((fits or known)[:20]) or 'no numeric array at all'
+    listed += ', ...' if len(fits or known) > 20 else ''
+    if fits:
+        msg = f'{path}: channel {said!r} may be any of {listed}; name one'
+    else:
+        msg = f'{path} has no channel {said!r}; it has {listed}'
+    raise BearingTwinError(msg)
+
+
+def _reader(path: Path) -> Callable[[Path], dict[str, Any]]:
+    """Return what reads the arrays of a file, which is there and not too large."""
+    readers = {'.npz': read_npz, '.mat': read_mat, '.csv': read_csv, '.wav': _read_wav}
     kind = path.suffix.lower()
     reader = readers.get('.csv' if kind in ('.txt', '.tsv') else kind)
     if reader is None:
@@ -145,22 +219,16 @@ def _read_file(path: Path, channel: str | None) -> dict[str, Any]:
     if size > LARGEST_FILE:
         msg = f'{path} has {size} bytes; at most {LARGEST_FILE}: cut it into pieces'
         raise BearingTwinError(msg)
-    return reader(path, channel)
+    return reader
 
 
-def _from_npz(path: Path, channel: str | None) -> dict[str, Any]:
-    return _choose(read_npz(path), path, channel)
+def _read_file(path: Path, channel: str | None) -> dict[str, Any]:
+    arrays = _reader(path)(path)
+    choose = _of_wav if path.suffix.lower() == '.wav' else _choose
+    return choose(arrays, path, channel)
 
 
-def _from_mat(path: Path, channel: str | None) -> dict[str, Any]:
-    return _choose(read_mat(path), path, channel)
-
-
-def _from_csv(path: Path, channel: str | None) -> dict[str, Any]:
-    return _choose(read_csv(path), path, channel)
-
-
-def _from_wav(path: Path, channel: str | None) -> dict[str, Any]:
+def _read_wav(path: Path) -> dict[str, Any]:
     # Loaded when needed: scipy takes a second.
     from scipy.io import wavfile
 
@@ -177,31 +245,46 @@ def _from_wav(path: Path, channel: str | None) -> dict[str, Any]:
         # The bytes come from outside: scipy raises many kinds on damaged ones.
         msg = f'{path} cannot be read as .wav ({type(error).__name__}: {error})'
         raise BearingTwinError(msg) from None
-    index = _index(channel or '0', table.shape[1], f'{path}: channel')
-    x = (table[:, index].astype(np.float64) - offset) / scale
-    return {'x': x, 'fs': rate, 'where': f', channel {index}'}
+    return {'table': table, 'fs': rate, 'scale': scale, 'offset': offset}
 
 
-def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[str, Any]:
-    """Pick the signal among the arrays of a file and keep the rest as what is said about it."""
-    numeric = {
+def _of_wav(wav: Mapping[str, Any], path: Path, channel: str | None) -> dict[str, Any]:
+    index = _index(channel or '0', wav['table'].shape[1], f'{path}: channel')
+    x = (wav['table'][:, index].astype(np.float64) - wav['offset']) / wav['scale']
+    return {'x': x, 'fs': wav['fs'], 'where': f', channel {index}'}
+
+
+def _numeric(arrays: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
+    """Arrays of numbers among those of a file."""
+    return {
         name: array
         for name, array in arrays.items()
         if isinstance(array, np.ndarray) and array.dtype.kind in 'fiu' and array.size > 1
     }
+
+
+def _candidates(numeric: Mapping[str, NDArray[Any]]) -> list[str]:
+    """Names of arrays that may be a vibration."""
+    others = ('t', 'time', 'time_s', 't_s', *SPEEDS)
+    return [name for name in numeric if name.lower() not in others]
+
+
+def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[str, Any]:
+    """Pick the signal among the arrays of a file and keep the rest as what is said about it."""
+    numeric = _numeric(arrays)
     name, row = channel, ''
     if channel is not None and channel not in numeric:
         name, _, row = channel.rpartition(':')
         if channel.isdecimal():
             name, row = '', channel
+        elif not row.isdecimal():
+            name, row = channel, ''
+        name = _named(numeric, name, path) if name else name
     if not name:
-        others = ('t', 'time', 'time_s', 't_s', *SPEEDS)
-        candidates = [key for key in numeric if key.lower() not in others]
-        longest = max(candidates, key=lambda key: numeric[key].size, default='')
+        longest = max(_candidates(numeric), key=lambda key: numeric[key].size, default='')
         name = next((key for key in ('x', 'vibration', 'acceleration') if key in numeric), longest)
     if name not in numeric:
-        names = ', '.join(sorted(numeric)[:20]) or 'no numeric array at all'
-        msg = f'{path} has no channel {channel!r}; it has {names}'
+        msg = f'{path} holds no array of numbers that could be a vibration'
         raise BearingTwinError(msg)
     x = numeric[name]
     where = f', {name}'

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bearing_twin.recording.reader import RecordedMessage, TopicInfo
     from numpy.typing import NDArray
 
-__all__ = ['read_vibration_topic']
+__all__ = ['read_vibration_topic', 'vibration_topics']
 
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'
 SINGLE: dict[str, Callable[[Any], Any]] = {
@@ -39,6 +39,11 @@ ARRAYS = (
 AXES = ('x', 'y', 'z')
 SETTLED = 0.05
 """Part by which the times between single samples may scatter (interquartile, of the median)."""
+
+
+def vibration_topics(path: Path) -> list[str]:
+    """Return the topics of a recording that can be a vibration."""
+    return _fitting(recording_info(path).topics)
 
 
 def read_vibration_topic(path: Path, channel: str | None, *, most: int) -> dict[str, Any]:
@@ -110,12 +115,16 @@ class _Blocks:
         return np.concatenate(self._runs[0])
 
 
-def _topic(path: Path, topics: dict[str, TopicInfo], channel: str | None) -> tuple[str, str]:
-    fitting = [
+def _fitting(topics: dict[str, TopicInfo]) -> list[str]:
+    return [
         name
         for name, topic in topics.items()
         if topic.count and topic.type_name in (VIBRATION, *SINGLE, *ARRAYS)
     ]
+
+
+def _topic(path: Path, topics: dict[str, TopicInfo], channel: str | None) -> tuple[str, str]:
+    fitting = _fitting(topics)
     topic, axis = channel or '', ''
     if topic not in fitting:
         topic, _, axis = topic.rpartition(':')

@@ -9,16 +9,18 @@ import subprocess
 import sys
 import time
 
-from bearing_twin.bearing import own_bearing
+from bearing_twin.bearing import fault_frequencies, fault_orders, find_bearing, own_bearing
 from bearing_twin.bench.diagnosis import fault_signal, measure, RATE, SHAFT_HZ
 from bearing_twin.cli import main
 from bearing_twin.cli.diagnose import diagnose_file, Task
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.foreign import read_signal
 import numpy as np
 import pytest
 
 KEYS = {
-    'file', 'result', 'faults', 'level', 'confidence', 'shaft_hz', 'slip', 'evidence', 'reasons',
+    'file', 'source', 'bearing', 'result', 'faults', 'level', 'confidence', 'shaft_hz', 'slip',
+    'evidence', 'reasons', 'next_step',
 }  # fmt: skip
 
 
@@ -67,11 +69,18 @@ def test_bad_files_get_an_answer_and_stop_no_other(good, tmp_path, capsys):
     names = [*bad, 'missing.wav', *(f'{name}.npz' for name in cases)]
     files = [str(tmp_path / name) for name in names] + [str(good)]
     status = main(['diagnose', *files, '--bearing', '6307', '--json', '--jobs', '1'])
-    answers = _lines(capsys)
+    out, err = capsys.readouterr()
+    answers = [json.loads(line) for line in out.splitlines()]
     assert status == 1
     assert [answer['file'] for answer in answers] == files
     assert answers[-1]['result'] == 'inner'
-    for answer in answers[:-1]:
+    unread = [*bad, 'missing.wav']
+    for name, answer in zip(unread, answers, strict=False):
+        # What cannot be read is an error, no verdict.
+        assert set(answer) == {'file', 'error'}
+        assert str(tmp_path / name) in answer['error']
+        assert f'bearing-twin diagnose: {answer["error"]}\n' in err
+    for answer in answers[len(unread) : -1]:
         assert (answer['result'], answer['level']) == ('insufficient', 'none')
         assert answer['reasons'][0]
     for answer, (_, word) in zip(answers[-5:-1], cases.values(), strict=True):
@@ -101,9 +110,145 @@ def test_record_with_a_speed_at_each_sample_is_taken_over_angle(tmp_path):
 
 
 def test_missing_and_empty_files_are_said_to_be_such(tmp_path):
-    assert 'does not exist' in diagnose_file(Task(path=str(tmp_path / 'no.csv')))['reasons'][0]
+    assert 'does not exist' in diagnose_file(Task(path=str(tmp_path / 'no.csv')))['error']
     (tmp_path / 'no.mat').touch()
-    assert 'is empty' in diagnose_file(Task(path=str(tmp_path / 'no.mat')))['reasons'][0]
+    assert 'is empty' in diagnose_file(Task(path=str(tmp_path / 'no.mat')))['error']
+
+
+def test_missing_file_is_an_error_and_no_verdict(tmp_path, capsys):
+    assert main(['diagnose', str(tmp_path / 'no.npz'), '--bearing', '6205']) == 1
+    out, err = capsys.readouterr()
+    assert out == ''
+    assert err == f'bearing-twin diagnose: {tmp_path / "no.npz"} does not exist\n'
+
+
+def test_page_for_a_person(good, capsys, monkeypatch):
+    monkeypatch.setenv('NO_COLOR', '1')
+    assert main(['diagnose', str(good), '--bearing', '6307', '--unit', 'g', '--power-group', '2',
+                 '--mounting', 'rigid']) == 0  # fmt: skip
+    text = capsys.readouterr().out
+    rows = {line.split(maxsplit=1)[0]: line for line in text.splitlines()}
+    assert 'inner [fault]' in rows['verdict']
+    assert '6307: 8 balls of 14 mm on 57.5 mm' in rows['bearing']
+    assert f'{SHAFT_HZ:.4g} Hz' in rows['shaft']
+    assert 'ISO 20816-3' in rows['level'] and 'zone' in rows['level']
+    expected = fault_frequencies(find_bearing('6307'), SHAFT_HZ)
+    for place, hertz in (('inner', expected.bpfi), ('outer', expected.bpfo),
+                         ('ball', 2.0 * expected.bsf), ('cage', expected.ftf)):  # fmt: skip
+        (row,) = [line for line in text.splitlines() if line.strip().startswith(f'{place} ')]
+        assert row.split(' Hz')[0].split()[-1] == pytest.approx(f'{hertz:.2f}')
+        assert row.rstrip().endswith('<-') == (place == 'inner')
+    assert f'{expected.bpfi:.0f}'[:2] in rows['lines']
+    assert 'replace the bearing' in rows['next']
+    assert '\x1b' not in text
+
+
+def test_speed_in_turns_a_minute(good, tmp_path, capsys):
+    bare = tmp_path / 'bare.npz'
+    np.savez(bare, x=fault_signal(4.0), fs=RATE)
+    args = ['diagnose', str(bare), '--bearing', '6307', '--json']
+    assert main([*args, '--rpm', str(60.0 * SHAFT_HZ)]) == 0
+    assert main([*args, '--shaft-hz', str(SHAFT_HZ)]) == 0
+    by_rpm, by_hz = _lines(capsys)
+    assert by_rpm == by_hz
+    assert by_rpm['result'] == 'inner'
+    assert main([*args, '--rpm', '-3']) == 1
+    with pytest.raises(SystemExit):
+        main([*args, '--rpm', '1500', '--shaft-hz', '25'])
+
+
+def test_channel_by_any_unambiguous_name(tmp_path, capsys):
+    path = tmp_path / 'rig.npz'
+    noise = np.random.default_rng(1).standard_normal(len(fault_signal(4.0)))
+    np.savez(path, DE_time=fault_signal(4.0), FE_time=noise, fs=RATE, rpm=60.0 * SHAFT_HZ)
+    args = ['diagnose', str(path), '--bearing', '6307']
+    for name in ('DE_time', 'de_time', 'DE', 'de'):
+        assert main([*args, '--channel', name, '--json']) == 0
+        (answer,) = _lines(capsys)
+        assert 'DE_time' in answer['source']
+        assert answer['result'] == 'inner'
+    assert main([*args, '--channel', 'time']) == 1
+    assert "channel 'time' may be any of DE_time, FE_time" in capsys.readouterr().err
+    assert main([*args, '--channel', 'BA']) == 1
+    assert "no channel 'BA'; it has DE_time, FE_time" in capsys.readouterr().err
+    assert main([*args, '--channels']) == 0
+    assert capsys.readouterr().out.split() == [f'{path}:', 'DE_time', 'FE_time']
+
+
+def test_shaft_and_sample_rate_of_an_mfpt_file(tmp_path):
+    """MFPT files: sr samples a second, a shaft that turns rate times, both in a struct."""
+    path = tmp_path / 'baseline.npz'
+    np.savez(path, gs=fault_signal(4.0), sr=RATE, rate=SHAFT_HZ, load=270.0)
+    said = diagnose_file(Task(path=str(path), bearing=find_bearing('6307')))
+    assert said['evidence']['shaft_hz_given'] == pytest.approx(SHAFT_HZ)
+    assert said['result'] == 'inner'
+
+
+@pytest.fixture(scope='module')
+def parquet_set(tmp_path_factory):
+    """Return a data set of three signals as bearing-datasets 0.3 writes it (layout 2)."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    folder = tmp_path_factory.mktemp('root') / 'rig'
+    (folder / 'signals').mkdir(parents=True)
+    noise = np.random.default_rng(2).standard_normal(len(fault_signal(4.0)))
+    signals = {'r0/DE': fault_signal(4.0), 'r0/FE': noise, 'r1/DE': noise[::-1]}
+    table = pa.table(
+        {
+            'signal_id': list(signals),
+            'signal': pa.array([x.astype(np.float32) for x in signals.values()],
+                               pa.list_(pa.float32())),
+        }
+    )  # fmt: skip
+    parquet.write_table(
+        table, folder / 'signals' / 'part-float32.parquet', compression='zstd', row_group_size=2
+    )
+    orders = fault_orders(find_bearing('6307'))._asdict()
+    labels = ['inner', 'inner', 'normal']
+    columns = {
+        'dataset': ['rig'] * 3, 'signal_id': list(signals), 'recording_id': ['r0', 'r0', 'r1'],
+        'native_label': labels, 'channel': ['DE', 'FE', 'DE'], 'sensor_location': ['base'] * 3,
+        'fs': [RATE] * 3, 'n_samples': [len(noise)] * 3, 'fault_type': labels,
+        'fault_location': ['test_bearing', 'test_bearing', 'none'],
+        'sensor_at_fault': [False] * 3,
+        'signal_file': ['part-float32.parquet'] * 3, 'signal_row_group': [0, 0, 1],
+        'signal_row': [0, 1, 0], 'quantity': ['acceleration'] * 3, 'unit': ['g'] * 3,
+        'speed_rpm': [60.0 * SHAFT_HZ] * 3, 'bearing_model': ['of our own'] * 3,
+        **{name: [round(order, 5)] * 3 for name, order in orders.items()},
+    }  # fmt: skip
+    parquet.write_table(pa.table(columns), folder / 'metadata.parquet')
+    manifest = {'dataset': 'rig', 'schema_version': 2, 'n_recordings': 2, 'n_signals': 3}
+    (folder / 'manifest.json').write_text(json.dumps(manifest))
+    return folder
+
+
+def test_parquet_form_of_bearing_datasets(parquet_set, capsys):
+    assert main(['diagnose', str(parquet_set), '--json', '--jobs', '1']) == 0
+    answers = _lines(capsys)
+    assert [answer['result'] for answer in answers] == ['inner', 'healthy', 'healthy']
+    assert answers[0]['evidence']['severity']['unit'] == 'g'
+    assert main(['diagnose', str(parquet_set), '--channel', 'r0/DE']) == 0
+    assert 'rig, r0/DE' in capsys.readouterr().out
+    assert main(['diagnose', str(parquet_set), '--channels']) == 0
+    assert capsys.readouterr().out.split()[1:] == ['r0/DE', 'r0/FE', 'r1/DE']
+    assert main(['benchmark', str(parquet_set), '--full', '--jobs', '1']) == 0
+    assert '| rig | 3 | 2 |  |  |  |  | 1 |' in capsys.readouterr().out
+    (parquet_set.parent / 'bad').mkdir()
+    (parquet_set.parent / 'bad' / 'metadata.parquet').write_bytes(b'PAR1 no')
+    assert main(['diagnose', str(parquet_set.parent / 'bad')]) == 1
+    assert 'cannot be read as Parquet' in capsys.readouterr().err
+
+
+def test_parquet_form_is_what_the_package_itself_reads(parquet_set):
+    bearing_datasets = pytest.importorskip('bearing_datasets', reason='pip install it')
+    from bearing_datasets.schema import validate
+
+    theirs = bearing_datasets.open('rig', root=parquet_set.parent)
+    validate(theirs.metadata())
+    for name in ('r0/DE', 'r1/DE'):
+        ours = read_signal(parquet_set, channel=name)
+        np.testing.assert_array_equal(ours.x, theirs.signal(name).astype(np.float64))
 
 
 def test_many_files_on_all_cores_in_order(good, capsys):
@@ -142,7 +287,7 @@ def test_bad_arguments(good, capsys, extra):
 def test_unknown_bearing_and_speed_are_said(tmp_path):
     path = tmp_path / 'bare.npz'
     np.savez(path, x=fault_signal(1.0), fs=RATE)
-    assert '--bearing' in diagnose_file(Task(path=str(path)))['reasons'][0]
+    assert '--bearing' in diagnose_file(Task(path=str(path)))['error']
     bearing = own_bearing('8,14,57.5,0')
     said = diagnose_file(Task(path=str(path), bearing=bearing))
     assert 'speed is unknown' in said['reasons'][0]
@@ -166,6 +311,34 @@ def test_benchmark_of_a_small_folder(good, tmp_path, capsys):
     assert '| Y1 and Y2 together | 2 | 1 | 1 |' in text
     assert '- b, outer: wrong (inner: inner)' in text
     assert main(['benchmark', str(tmp_path / 'nowhere')]) == 1
+    # A bearing of the catalogue needs no entry; a misspelt one is replaced by no other.
+    del index['bearings']['B']
+    for record in index['records']:
+        record['bearing_name'] = '6307'
+    (tmp_path / 'index.json').write_text(json.dumps(index))
+    assert main(['benchmark', str(tmp_path), '--full', '--jobs', '1']) == 0
+    capsys.readouterr()
+    index['records'][1]['bearing_name'] = '63O7'
+    (tmp_path / 'index.json').write_text(json.dumps(index))
+    assert main(['benchmark', str(tmp_path), '--full', '--jobs', '1']) == 1
+    assert "record b: no bearing '63O7' in the catalogue; the closest" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('command', ['diagnose', 'bearings', 'replay'])
+def test_every_command_refuses_an_unknown_bearing(good, tmp_path, capsys, command):
+    recording = tmp_path / 'schedule.mcap'
+    assert main(['schedule', '-o', str(recording)]) == 0
+    capsys.readouterr()
+    arguments = {
+        'diagnose': [str(good), '--bearing', '63O6'],
+        'bearings': ['63O6'],
+        'replay': [str(recording), '--offline', '-o', str(tmp_path / 'o'),
+                   '--twin', 'bearing=63O6'],
+    }[command]  # fmt: skip
+    assert main([command, *arguments]) == 1
+    assert (
+        "no bearing '63O6' in the catalogue; the closest names: 6306," in capsys.readouterr().err
+    )
 
 
 def test_bench_figures():
