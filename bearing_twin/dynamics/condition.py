@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_frequencies
-from bearing_twin.dynamics import kernel, laws, layout
+from bearing_twin.dynamics import kernel, laws
 import numpy as np
 import numpy.typing as npt
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ['Condition', 'condition']
 
 FloatArray = npt.NDArray[np.float64]
+Records = npt.NDArray[Any]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,15 +84,14 @@ class Condition:
 def condition(
     parameters: TwinParameters,
     values: FloatArray,
-    state: FloatArray,
-    const: FloatArray,
-    defects: FloatArray,
+    states: Records,
+    machines: Records,
+    defects: Records,
     balls: FloatArray,
 ) -> Condition:
     """Put together the condition from what `laws.evaluate` gave and the state of motion."""
-    n_balls = parameters.bearing.n_balls
+    state = states[0]
     hz, slip = float(values[laws.SHAFT_HZ]), float(values[laws.SLIP])
-    cage, shaft, spin = 2.0 * math.pi * (state[layout.CAGE : layout.SPIN + 1] % 1.0)
     deepest = max((defect.depth for defect in parameters.defects), default=0.0)
     return Condition(
         alpha=float(values[laws.ALPHA]),
@@ -111,10 +111,10 @@ def condition(
         life_hours=float(values[laws.LIFE]),
         shaft_hz=hz,
         **fault_frequencies(parameters.bearing, hz, slip)._asdict(),
-        shaft_angle=float(shaft),
-        cage_angle=float(cage),
-        ball_angle=float(spin),
-        inner_x=float(state[0] - state[2]),
-        inner_y=float(state[1] - state[3]),
-        ball_force=kernel.ball_forces(state, const, defects, balls, values, n_balls),
+        shaft_angle=2.0 * math.pi * float(state['shaft'] % 1.0),
+        cage_angle=2.0 * math.pi * float(state['cage'] % 1.0),
+        ball_angle=2.0 * math.pi * float(state['spin'] % 1.0),
+        inner_x=float(state['q'][0] - state['q'][2]),
+        inner_y=float(state['q'][1] - state['q'][3]),
+        ball_force=kernel.ball_forces(states, machines, defects, balls, values),
     )

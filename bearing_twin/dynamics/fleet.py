@@ -17,7 +17,7 @@ from bearing_twin.dynamics.fleet_lanes import check_defects, Lanes
 from bearing_twin.dynamics.parameters import check_speed
 from bearing_twin.dynamics.saved import Envelope, identity
 from bearing_twin.dynamics.simulator import Simulator
-from bearing_twin.dynamics.tables import ball_table, constants, defect_table
+from bearing_twin.dynamics.tables import ball_table, defect_table, machine
 from bearing_twin.dynamics.vector import L
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import check_temperature
@@ -185,7 +185,7 @@ class Fleet:
         )
         return condition(
             p, values, lanes.motion(index, self.next_sample),
-            constants(p, self.sample_rate, lanes.oversample), defect_table(p), ball_table(p),
+            machine(p, self.sample_rate, lanes.oversample), defect_table(p), ball_table(p),
         )  # fmt: skip
 
     def reconfigure(self, index: int, parameters: TwinParameters) -> None:

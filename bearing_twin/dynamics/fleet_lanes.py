@@ -89,19 +89,20 @@ class Lanes:
                 d.profile in ('halfsine', 'smooth') for member in members for d in member.defects
             )
 
-    def motion(self, index: int, next_sample: int) -> FloatArray:
-        """State of one bearing in the layout of `kernel`, before its `kernel.start`."""
+    def motion(self, index: int, next_sample: int) -> Array:
+        """State of one bearing as `layout.STATE`, before its `kernel.start`."""
         group, lane = divmod(index, L)
-        state = np.zeros(layout.STATE_SIZE)
-        state[_MOTION] = self.w[group, _MOTION, lane]
+        state = np.zeros(1, layout.STATE)
+        moving = self.w[group, _MOTION, lane].astype(float).reshape(4, 4)
+        for name, values in zip('qvaj', moving, strict=True):
+            state[name] = values
         phases = self.phases[group, :, lane]
         since = next_sample % layout.CHUNK / self._sample_rate
-        state[layout.CAGE : layout.SPIN + 1] = (
-            phases[:3] + since * phases[fl.PHASE_ROWS : fl.PHASE_ROWS + 3]
-        ) % 1.0
-        angles = 2.0 * math.pi * state[[layout.CAGE, layout.SHAFT]]
-        state[[layout.CAGE_COS, layout.SHAFT_COS]] = np.cos(angles)
-        state[[layout.CAGE_SIN, layout.SHAFT_SIN]] = np.sin(angles)
+        turns = (phases[:3] + since * phases[fl.PHASE_ROWS : fl.PHASE_ROWS + 3]) % 1.0
+        state['cage'], state['shaft'], state['spin'] = turns
+        for name, turned in (('cage', turns[0]), ('shaft', turns[1])):
+            state[name + '_cos'] = np.cos(2.0 * math.pi * turned)
+            state[name + '_sin'] = np.sin(2.0 * math.pi * turned)
         return state
 
     def seed(self, index: int) -> int:
@@ -120,12 +121,12 @@ class Lanes:
         snapshot = simulator.snapshot()
         group, lane = divmod(index, L)
         spalls = snapshot.defects
-        w, const, state = self.w[group, :, lane], snapshot.const, snapshot.state
-        w[_MOTION] = state[_MOTION]
+        w, m, state = self.w[group, :, lane], snapshot.machine[0], snapshot.state[0]
+        w[_MOTION] = np.concatenate([state[name] for name in 'qvaj'])
         n = p.bearing.n_balls
         w[fl.CONSTANTS : fl.CONSTANTS + fl.CONSTANT_ROWS] = (
-            1.0 / const[layout.MI], const[layout.KI], const[layout.CI], 1.0 / const[layout.MO],
-            const[layout.KO], const[layout.CO], const[layout.CB], const[layout.UNBALANCE],
+            m['inner_light'], m['inner_stiffness'], m['inner_damping'], m['outer_light'],
+            m['outer_stiffness'], m['outer_damping'], m['contact_damping'], m['unbalance'],
             *_sensor_table(p, self.step), n, 1.0 / n,
         )  # fmt: skip
         self.balls[group, :, :, lane] = _slots(n, self.balls.shape[1])
@@ -133,20 +134,19 @@ class Lanes:
         since = simulator.next_sample % layout.CHUNK / simulator.sample_rate
         hz, slip = simulator.shaft_hz, snapshot.values[laws.SLIP]
         carried = hz * (1.0 - slip)
-        speeds = const[layout.FTF_ORDER] * carried, hz, const[layout.SPIN_ORDER] * carried
-        phases[:3] = state[layout.CAGE : layout.SPIN + 1] - since * np.array(speeds)
+        speeds = m['ftf_order'] * carried, hz, m['spin_order'] * carried
+        turns = np.array([state[name] for name in ('cage', 'shaft', 'spin')])
+        phases[:3] = turns - since * np.array(speeds)
         phases[:3] -= np.floor(phases[:3])
-        ahead = 2.0 * math.pi * (state[layout.CAGE] + first_slot(phases[fl.CAGE], n) / n)
+        ahead = 2.0 * math.pi * (turns[0] + first_slot(phases[fl.CAGE], n) / n)
         w[fl.C], w[fl.S] = math.cos(ahead), math.sin(ahead)
-        w[fl.CS], w[fl.SS] = state[layout.SHAFT_COS], state[layout.SHAFT_SIN]
-        phases[fl.FTF_ORDER] = const[layout.FTF_ORDER]
-        phases[fl.SPIN_ORDER] = const[layout.SPIN_ORDER]
-        phases[fl.JITTER] = const[layout.JITTER]
-        self.level[group, lane] = const[layout.NOISE_STD]
+        w[fl.CS], w[fl.SS] = state['shaft_cos'], state['shaft_sin']
+        phases[fl.FTF_ORDER], phases[fl.SPIN_ORDER] = m['ftf_order'], m['spin_order']
+        phases[fl.JITTER], self.level[group, lane] = m['jitter'], m['noise']
         self.keys[group, lane] = snapshot.seed
         for slot in range(fl.MAX_SPALLS):
             row = spalls[slot] if slot < len(spalls) else None
-            _place_spall(w, phases, slot, row, const, n)
+            _place_spall(w, phases, slot, row, m, n)
         self.law[index], self.values[index] = snapshot.law, snapshot.values
         self.drift[index], self.rings[index] = snapshot.drift, snapshot.rings
 
@@ -194,8 +194,8 @@ def _place_spall(
     w: npt.NDArray[np.float32],
     phases: FloatArray,
     slot: int,
-    row: FloatArray | None,
-    const: FloatArray,
+    row: Any,
+    machine: Any,
     n_balls: int,
 ) -> None:
     """Fill one spall of a lane; None for a slot that is not used."""
@@ -206,23 +206,23 @@ def _place_spall(
     phases[angle : angle + 4] = 0.0
     if row is None:
         return
-    place = row[layout.PLACE]
+    place = row['place']
     on_ball = place == 2.0
-    radius = const[layout.R_INNER] if place == 0.0 else const[layout.R_OUTER]
+    radius = machine['inner_radius'] if place == 0 else machine['outer_radius']
     w[at + fl.U_SCALE] = 2.0 if on_ball else n_balls
     w[at + fl.METRES] = (
-        0.5 * math.pi * const[layout.D_BALL] if on_ball else 2.0 * math.pi * radius / n_balls
+        0.5 * math.pi * machine['d_ball'] if on_ball else 2.0 * math.pi * radius / n_balls
     )
     w[at + fl.RACE] = not on_ball
-    w[at + fl.BALL] = row[layout.BALL] if on_ball else -1.0
-    inner, outer = row[layout.PATH_INNER], row[layout.PATH_OUTER]
-    w[at + fl.ONLY] = row[layout.BALL] if place == 3.0 else -1.0
+    w[at + fl.BALL] = row['ball'] if on_ball else -1.0
+    inner, outer = row['inner_curvature'], row['outer_curvature']
+    w[at + fl.ONLY] = row['ball'] if place == 3.0 else -1.0
     w[at + fl.EVEN] = outer if place in (1.0, 3.0) else inner
     w[at + fl.ODD] = outer if on_ball else w[at + fl.EVEN]
-    w[at + fl.KIND] = row[layout.PROFILE]
-    if row[layout.PROFILE] == 1.0:  # a rectangle is a path of endless curvature
+    w[at + fl.KIND] = row['profile']
+    if row['profile'] == 1.0:  # a rectangle is a path of endless curvature
         w[at + fl.EVEN] = w[at + fl.ODD] = 1e30
-    w[at + fl.HALF], w[at + fl.FULL] = row[layout.HALF], row[layout.FULL_DEPTH]
+    w[at + fl.HALF], w[at + fl.FULL] = row['half'], row['depth']
     # Cage, shaft and spin; an outer spall and a worn pocket follow the cage alone.
     follows = {0.0: (1.0, -1.0, 0.0), 2.0: (0.0, 0.0, 1.0)}.get(place, (1.0, 0.0, 0.0))
-    phases[angle : angle + 4] = row[layout.ANGLE], *follows
+    phases[angle : angle + 4] = row['angle'], *follows

@@ -47,7 +47,7 @@ from bearing_twin.dynamics.fleet_layout import (
 )
 from bearing_twin.dynamics.fleet_signal import sense
 from bearing_twin.dynamics.fleet_turning import spoil, spoil_smooth
-from bearing_twin.dynamics.hermite import correct, NOUGHT, predict
+from bearing_twin.dynamics.hermite import correct, taylor, ZERO
 from bearing_twin.dynamics.vector import any_of, chosen, load, magnitude, root, splat, store
 import numpy as np
 
@@ -160,7 +160,7 @@ def advance(
             if smooth:
                 for k in range(spalls):
                     spoil_smooth(w, k, now, per_second)
-            further, faster, ahead = predict(h, q, v, a, j, NOUGHT)
+            further, faster, ahead = taylor(h, q, v, a, j, ZERO)
             gap = load(w, GAP0) + now * load(w, GAP1)
             enough = _few_are_enough(
                 balls, few, c, s, further[0] - further[2], further[1] - further[3], gap

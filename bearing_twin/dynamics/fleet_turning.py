@@ -58,7 +58,7 @@ from bearing_twin.dynamics.fleet_layout import (
     WALK,
 )
 from bearing_twin.dynamics.laws import CLEARANCE, DEPTH, K_B, SHAFT_HZ, SLIP, SPRING
-from bearing_twin.dynamics.random import normal_pairs, sines
+from bearing_twin.dynamics.random import normal_pairs
 from bearing_twin.dynamics.random import WALK as STRAY
 from bearing_twin.dynamics.vector import (
     chosen,
@@ -67,6 +67,7 @@ from bearing_twin.dynamics.vector import (
     load,
     load_words,
     magnitude,
+    sines,
     splat,
     store,
 )

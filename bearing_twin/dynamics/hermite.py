@@ -3,7 +3,7 @@
 # Compiled functions take tuples and arrays of many shapes; the docstrings give their types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
 """
-Hermite's scheme of order 4 for both rings: predictor, corrector and the snap they imply.
+Hermite's scheme of order 4 for both rings: Taylor predictor, corrector and the snap they imply.
 
 Positions, velocities, accelerations, jerks and snaps are tuples of four: x_i, y_i, x_o, y_o.
 """
@@ -12,9 +12,9 @@ from __future__ import annotations
 
 from bearing_twin.dynamics.compiled import compiled, FAST
 
-__all__ = ['NOUGHT', 'correct', 'predict', 'snap', 'sum2', 'sum3', 'sum4']
+__all__ = ['ZERO', 'correct', 'snap', 'sum2', 'sum3', 'sum4', 'taylor']
 
-NOUGHT = (0.0, 0.0, 0.0, 0.0)
+ZERO = (0.0, 0.0, 0.0, 0.0)
 
 
 @compiled(inline=True, fast=FAST)
@@ -46,7 +46,7 @@ def sum4(g, a, h, b, k, c, m, d):
 
 
 @compiled(inline=True, fast=FAST)
-def predict(h, q, v, a, j, s):
+def taylor(h, q, v, a, j, s):
     """Taylor series of positions, velocities and accelerations."""
     ahead = sum2(h, a, sum2(0.5 * h, j, s))
     faster = sum2(h, v, sum2(0.5 * h, a, sum2(h / 3.0, j, s)))

@@ -1,48 +1,84 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Where what stands in the arrays of the compiled kernel of one bearing."""
+"""
+Records of the kernel of one bearing: numpy types whose fields compiled code reads by name.
+
+Quadruples hold what belongs to x_i, y_i, x_o, y_o in this order.
+"""
 
 from __future__ import annotations
 
-# The state: x_i, y_i, x_o, y_o; then velocity, acceleration and jerk of each.
-Q, V, A, J = 0, 4, 8, 12
-CAGE, SHAFT, SPIN = 16, 17, 18  # phases, turns
-CAGE_COS, CAGE_SIN, SHAFT_COS, SHAFT_SIN = 19, 20, 21, 22
-RESONATOR = 23  # two states of x, two of y
-TOUCHING, NEAR = 27, 28  # loaded balls, one bit each; see `contact`
-QP, VP, AP = 29, 33, 37  # positions, velocities, accelerations predicted for the next step
-EXPECTED = 41  # the step that is predicted, s
-STATE_SIZE = 42
+import numpy as np
 
-# Constants of one bearing.
-(
-    MI, KI, CI, MO, KO, CO, CB, UNBALANCE, FTF_ORDER, SPIN_ORDER, JITTER, NOISE_STD, STEP,
-    D_BALL, R_INNER, R_OUTER, RESONANCE, RESONANCE_DAMPING, SNAPS,
-) = range(19)  # fmt: skip
-CONST_SIZE = 19
+__all__ = [
+    'CHUNK', 'COS', 'DEFECT', 'GAP', 'GAP_RATE', 'LANES', 'MACHINE', 'SIN', 'STATE', 'STEP',
+]  # fmt: skip
 
-# Columns of a defect: place, profile, half width (m), depth (m), angle (turns), ball, curvature of
-# the path on the inner and on the outer race (1/m), distance from the centre at which the path has
-# a kink there besides that at the edges (m, negative for none).
-(
-    PLACE, PROFILE, HALF, FULL_DEPTH, ANGLE, BALL, PATH_INNER, PATH_OUTER, KINK_INNER, KINK_OUTER,
-) = range(10)  # fmt: skip
-DEFECT_SIZE = 10
+_F = np.float64
 
-# Rows of the ball table: cos and sin in the cage, undersize (m).
-BALL_COS, BALL_SIN, UNDERSIZE = range(3)
+
+def _numbers(names: str) -> list[tuple[str, type]]:
+    return [(name, _F) for name in names.split()]
+
+
+STATE = np.dtype(
+    [
+        *((name, _F, 4) for name in ('q', 'v', 'a', 'j')),  # position and three derivatives
+        *_numbers('cage shaft spin'),  # phases, turns
+        *_numbers('cage_cos cage_sin shaft_cos shaft_sin'),
+        ('sensor', _F, 4),  # two states along x, two along y
+        *_numbers('loaded near'),  # see `integrator.contact`
+        *((name, _F, 4) for name in ('next_q', 'next_v', 'next_a')),
+        ('next_step', _F),  # the step to which the three above are predicted, s
+    ]
+)
+"""State of one bearing."""
+
+MACHINE = np.dtype(
+    [
+        *_numbers('inner_light inner_stiffness inner_damping'),  # reciprocal of the mass, 1/kg
+        *_numbers('outer_light outer_stiffness outer_damping'),
+        *_numbers('contact_damping unbalance ftf_order spin_order'),
+        *_numbers('jitter noise'),  # walk of the cage (see `tables.machine`), sensor noise
+        *_numbers('d_ball inner_radius outer_radius'),  # radii of the races at the contacts, m
+        *_numbers('resonance resonance_damping'),  # of the sensor, rad/s and damping ratio
+        *_numbers('step snaps'),  # s; 1 where the predictor takes the snap
+        ('steps', np.int64),  # steps per output sample
+        ('reads', np.int64),  # how often a step the sensor is read
+        ('stiff', np.int64),  # whether every step has to be short
+        ('n_balls', np.int64),
+    ]
+)
+"""Constants of one bearing."""
+
+DEFECT = np.dtype(
+    [
+        ('place', np.int64),  # index into `parameters.PLACES`
+        *_numbers('profile half depth angle'),  # `model` has the codes; m, m, turns
+        ('ball', np.int64),
+        *_numbers('inner_curvature outer_curvature'),  # of a ball's path on the race, 1/m
+        *_numbers('inner_kink outer_kink'),  # see `model.path_kink`
+    ]
+)
+"""One defect."""
+
+STEP = np.dtype(
+    [
+        *_numbers('turning k_b foot'),  # at the end of the step: rad/s, N/m^1.5, m
+        *_numbers('pull_x pull_y pull_rate_x pull_rate_y'),  # unbalance, N and N/s
+        *((name, _F, 3) for name in ('speeds', 'phases')),  # cage, shaft, balls: turns/s; turns
+        *_numbers('cage_cos cage_sin shaft_cos shaft_sin'),  # at the start, as the phases
+        ('kinked', np.int64),  # balls, one bit each, whose path has a kink within the step
+    ]
+)
+"""Prescribed kinematics of one step."""
+
+GAP, GAP_RATE, COS, SIN = range(4)
+"""Rows of the balls of a step: gap to close (m), its rate (m/s), direction."""
 
 LANES = 8
 """Balls are padded to a multiple of this, so that the compiler can use vector instructions."""
+
 CHUNK = 32
 """Output samples, on a fixed grid, over which the cage's random walk holds its speed. At each
 grid point the phases are wrapped and the rotated sines are computed anew."""
-
-# Columns of what is prescribed at one step, at its end: PULL and the next three are unbalance and
-# its rate. Then the speeds (turns/s) of cage, shaft and balls at its middle, and at its start
-# their phases and the rotated sines.
-TURNING, STIFF, FOOT, PULL = range(4)
-SPEED, PHASE, SINES = 7, 10, 13
-TABLE_SIZE = 17
-# Rows of a ball at one step: gap to close (m), its rate (m/s), direction.
-GAP, GAP_RATE, COS, SIN = range(4)

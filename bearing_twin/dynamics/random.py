@@ -16,10 +16,10 @@ from __future__ import annotations
 import math
 
 from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.vector import chosen, has_bit, real, root, splat_words, split
+from bearing_twin.dynamics.vector import chosen, has_bit, real, root, sines, splat_words, split
 import numpy as np
 
-__all__ = ['NOISE', 'WALK', 'normal_pair', 'normal_pairs', 'philox', 'sines']
+__all__ = ['NOISE', 'WALK', 'normal_pair', 'normal_pairs', 'philox']
 
 NOISE, WALK = 0, 1
 """Streams of one seed: sensor noise and cage phase."""
@@ -89,17 +89,6 @@ def _log_of(exponent, m):
     p = p * t + _F(3.3333331174e-1)
     square = t * t
     return exponent * _LN2 + (t - _F(0.5) * square + square * t * p)
-
-
-@compiled(inline=True, fast=FAST)
-def sines(angle):
-    """Cosine and sine of an angle up to pi/4, to 1e-7; numbers or values of `vector`."""
-    square = angle * angle
-    c = _F(2.443315711809948e-5) * square - _F(1.388731625493765e-3)
-    c = _F(1.0) - square * (_F(0.5) - square * (c * square + _F(4.166664568298827e-2)))
-    s = _F(-1.9515295891e-4) * square + _F(8.3321608736e-3)
-    s = angle + angle * square * (s * square - _F(1.6666654611e-1))
-    return c, s
 
 
 @compiled(inline=True, fast=FAST)

@@ -3,9 +3,11 @@
 """
 The same model for scipy's adaptive solvers: the yardstick of the kernels' error and speed.
 
-Written from the equations and not from the kernels: angles are functions of time, the path over a
-defect is looked up for every ball, and the sensor is two more states. Constant temperature and
-speed, no jitter, no noise.
+It shares with the kernels the laws of `model` and nothing else. Stiffness, clearance, slip and
+ring temperatures come from the formulas of `bearing` and `thermal`, the foot of the shaft's spring
+and the starting point from a root finder; angles are functions of time, the path over a defect is
+looked up for every ball, and the sensor is two more states. Constant temperature and speed, no
+jitter, no noise.
 """
 
 from __future__ import annotations
@@ -14,13 +16,15 @@ import math
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
-from bearing_twin.dynamics import filters, laws, layout
+from bearing_twin.dynamics import filters
 from bearing_twin.dynamics.compiled import compiled
+from bearing_twin.dynamics.model import contact_force, defect_path
 from bearing_twin.dynamics.parameters import PROFILES
-from bearing_twin.dynamics.simulator import Simulator
+from bearing_twin.thermal import friction, gcr15, rings
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq, root
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
@@ -31,6 +35,9 @@ FloatArray = npt.NDArray[np.float64]
 
 _LARGEST_STEP = 1e-4
 """An adaptive solver that steps over a spall never sees it, s."""
+_POSITIONS = 8
+"""Positions of the cage, over one ball spacing, over which the load is a mean."""
+_MICRON = 1e-6
 
 
 class Reference(NamedTuple):
@@ -46,6 +53,37 @@ class Reference(NamedTuple):
     """Evaluations of the right-hand side."""
 
 
+class _Constants(NamedTuple):
+    """Constants of the equations, in the order in which `_contact` and `_rates` take them."""
+
+    k_b: float
+    contact_damping: float
+    depth: float
+    """Factor on the depth of every defect along the radius."""
+    clearance: float
+    cage: float
+    """Speed of the cage and of the balls' spin, rad/s."""
+    spin: float
+    omega: float
+    start: float
+    d_ball: float
+    d_pitch: float
+    cosine: float
+    """Of the contact angle."""
+    n_balls: float
+    inner_mass: float
+    inner_stiffness: float
+    inner_damping: float
+    outer_mass: float
+    outer_stiffness: float
+    outer_damping: float
+    foot: float
+    """Position of the foot of the shaft's spring, m."""
+    unbalance: float
+    resonance: float
+    resonance_damping: float
+
+
 def solve(
     parameters: TwinParameters,
     samples: int,
@@ -56,24 +94,24 @@ def solve(
     method: str = 'DOP853',
     rtol: float = 1e-8,
 ) -> Reference:
-    """Solve from the twin's starting point with ``scipy.integrate.solve_ivp``."""
-    snapshot = Simulator(
-        parameters, sample_rate=sample_rate, temperature=temperature, shaft_hz=shaft_hz
-    ).snapshot()
-    values = snapshot.values[: laws.INPUTS] + snapshot.drift[0]
-    p, bearing = parameters, parameters.bearing
-    orders = fault_orders(bearing, values[laws.SLIP])
-    omega = 2.0 * math.pi * shaft_hz
-    constants = np.array(
-        [
-            p.inner_mass, p.inner_stiffness, p.inner_damping, p.outer_mass, p.outer_stiffness,
-            p.outer_damping, p.contact_damping, p.unbalance, omega, omega * orders.ftf,
-            omega * orders.bsf, p.start_angle, bearing.d_ball, bearing.d_pitch,
-            2.0 * math.pi * p.resonance_hz, p.resonance_damping, values[laws.K_B],
-            values[laws.DEPTH], values[laws.CLEARANCE], values[laws.SPRING],
-            math.cos(bearing.contact_angle),
-        ]
-    )  # fmt: skip
+    """
+    Solve from the twin's starting point with ``scipy.integrate.solve_ivp``.
+
+    Parameters
+    ----------
+    parameters
+        Those of the twin; its jitter and noise are left out.
+    samples
+        Output samples.
+    temperature, shaft_hz, sample_rate
+        degC, Hz and Hz, all constant.
+    method, rtol
+        As ``solve_ivp`` takes them.
+
+    """
+    p = parameters
+    constants = _constants(p, temperature, shaft_hz)
+    values = np.array(constants)
     defects = np.array(
         [
             (PLACES.index(d.place), PROFILES.index(d.profile), d.width, d.depth, d.angle, d.ball)
@@ -83,18 +121,18 @@ def solve(
     factor = filters.oversampling(sample_rate)
     times = np.arange(1, samples * factor + 1) / (sample_rate * factor)
     begin = np.zeros(12)
-    begin[:8] = snapshot.state[layout.Q : layout.A]
+    begin[:4] = _at_rest(constants)
     tolerance = rtol * np.repeat([1e-5, 1e-2, 1e2], 4)
     solution = solve_ivp(
         _rates, (0.0, times[-1]), begin, method, times, rtol=rtol, atol=tolerance,
-        max_step=_LARGEST_STEP, args=(constants, defects, bearing.n_balls),
+        max_step=_LARGEST_STEP, args=(values, defects),
     )  # fmt: skip
     if p.resonance_hz:
         sensed = -solution.y[[8, 10]] - 2.0 * p.resonance_damping * solution.y[[9, 11]]
     else:
         sensed = np.array(
             [
-                _rates(t, state, constants, defects, bearing.n_balls)[6:8]
+                _rates(t, state, values, defects)[6:8]
                 for t, state in zip(times, solution.y.T, strict=True)
             ]
         ).T
@@ -107,42 +145,142 @@ def solve(
     return Reference(x, y, solution.y, solution.nfev)
 
 
+def _constants(p: TwinParameters, temperature: float, shaft_hz: float) -> _Constants:
+    """Constants at a temperature of the outer ring, degC, and a speed of the shaft, Hz."""
+    bearing, clearance = p.bearing, p.clearance
+    if p.thermal_mode == 'paper':
+        factor = p.beta0.at(temperature)
+        k_b, depth = factor * p.k_b0, factor
+    else:
+        inner = _inner_ring(p, temperature, shaft_hz)
+        k_b, depth = p.k_b0 * rings.relative_modulus(0.5 * (inner + temperature)), 1.0
+        clearance += rings.clearance_change(inner, temperature, bearing.d_pitch)
+    slip = {'none': 0.0, 'constant': p.slip}.get(
+        p.slip_model, p.slip * gcr15.friction(temperature) / p.beta0.reference_friction
+    )
+    orders, omega = fault_orders(bearing, slip), 2.0 * math.pi * shaft_hz
+    constants = _Constants(
+        k_b=k_b,
+        contact_damping=p.contact_damping,
+        # A spall opens a gap along the contact normal; measured along the radius it is larger.
+        depth=depth / math.cos(bearing.contact_angle),
+        clearance=clearance,
+        cage=omega * orders.ftf,
+        spin=omega * orders.bsf,
+        omega=omega,
+        start=p.start_angle,
+        d_ball=bearing.d_ball,
+        d_pitch=bearing.d_pitch,
+        cosine=math.cos(bearing.contact_angle),
+        n_balls=bearing.n_balls,
+        inner_mass=p.inner_mass,
+        inner_stiffness=p.inner_stiffness,
+        inner_damping=p.inner_damping,
+        outer_mass=p.outer_mass,
+        outer_stiffness=p.outer_stiffness,
+        outer_damping=p.outer_damping,
+        foot=0.0,
+        unbalance=p.unbalance,
+        resonance=2.0 * math.pi * p.resonance_hz,
+        resonance_damping=p.resonance_damping,
+    )
+    angles = 2.0 * math.pi / bearing.n_balls * (np.arange(_POSITIONS) + 0.5) / _POSITIONS
+
+    def excess(foot: float) -> float:
+        """Mean load of the bearing less what it has to carry, N."""
+        standing = (constants._replace(foot=foot, start=angle - 0.5 * math.pi) for angle in angles)
+        carried = [p.outer_stiffness * _at_rest(each)[3] for each in standing]
+        return float(-np.mean(carried) - p.load)
+
+    lowest = -1e-6
+    while excess(lowest) < 0.0:
+        lowest *= 2.0
+    return constants._replace(foot=brentq(excess, lowest, 0.0, xtol=1e-15, rtol=1e-13))
+
+
+def _inner_ring(p: TwinParameters, outer: float, shaft_hz: float) -> float:
+    """Steady temperature of the inner ring, degC, with the heat of the friction in balance."""
+    rpm, oil, network, bearing = 60.0 * shaft_hz, p.lubricant, p.network, p.bearing
+    series = p.friction_series or bearing.series or friction.UNKNOWN_SERIES
+
+    def excess(inner: float) -> float:
+        nu = oil.viscosity(0.5 * (inner + outer))
+        sliding = friction.sliding_friction(
+            rpm, nu, bearing.mean_diameter, oil.boundary_friction, oil.film_friction
+        )
+        moment = friction.friction_moment(
+            rpm, nu, p.load, bearing.mean_diameter, friction.section_height(bearing),
+            *friction.SERIES[series], oil.replenishment, sliding,
+        )  # fmt: skip
+        power = friction.power_loss(moment, rpm)
+        shaft = network.shaft(outer)
+        return inner - rings.inner_ring_target(
+            outer, shaft, power, network.ring_to_ring, network.ring_to_shaft
+        )
+
+    return float(brentq(excess, rings.RING_LOW, rings.RING_HIGH, xtol=1e-12))
+
+
+def _at_rest(constants: _Constants) -> FloatArray:
+    """Positions x_i, y_i, x_o, y_o of static equilibrium of the healthy bearing, m."""
+    healthy, values = np.empty((0, 6)), np.array(constants)
+    inner, outer, foot = constants.inner_stiffness, constants.outer_stiffness, constants.foot
+
+    def rings_at(apart: FloatArray) -> FloatArray:
+        fx, fy = _contact(0.0, apart[0] * _MICRON, apart[1] * _MICRON, 0.0, 0.0, values, healthy)
+        return np.array([-fx / inner, foot - fy / inner, fx / outer, fy / outer])
+
+    def excess(apart: FloatArray) -> FloatArray:
+        at = rings_at(apart)
+        return apart - (at[:2] - at[2:]) / _MICRON
+
+    found = root(excess, np.array([0.0, foot / _MICRON]), tol=1e-13)
+    return rings_at(found.x)
+
+
 @compiled()
-def _rates(
-    t: float, state: FloatArray, constants: FloatArray, defects: FloatArray, n_balls: int
-) -> FloatArray:
-    """Time derivative of the 12 states: positions, velocities, sensor along x and y."""
-    mi, ki, ci, mo, ko, co, cb, unbalance, omega, cage, spin = constants[:11]
-    begin, d, pitch, resonance, damping, kb, factor, clearance, foot, cosine = constants[11:]
-    # A spall opens a gap along the contact normal; measured along the radius it is larger.
-    factor /= cosine
+def _contact(
+    t: float, x: float, y: float, vx: float, vy: float, constants: FloatArray, defects: FloatArray
+) -> tuple[float, float]:
+    """Force of the balls on the outer ring, N."""
+    kb, cb, factor, clearance, cage, spin, omega, begin, d, pitch, cosine, n_balls = constants[:12]
     inner, outer = 0.5 * (pitch - d * cosine), 0.5 * (pitch + d * cosine)
     path_inner, path_outer = 1.0 / d + 0.5 * cosine / inner, 1.0 / d - 0.5 * cosine / outer
-    x, y = state[0] - state[2], state[1] - state[3]
-    vx, vy = state[4] - state[6], state[5] - state[7]
     fx = fy = 0.0
-    for j in range(n_balls):
+    for j in range(int(n_balls)):
         angle = begin + cage * t + 2.0 * math.pi * j / n_balls
         gap = clearance
         for i in range(defects.shape[0]):
             place, profile, width, depth, where = defects[i, :5]
+            half = 0.5 * width
             if place == 0.0:
                 along = _wrap(angle - begin - omega * t - where) * inner
-                gap += factor * _sag(profile, width, depth, path_inner, along)
+                gap += factor * defect_path(profile, half, depth, path_inner, along)[0]
             elif place == 1.0 or (place == 3.0 and defects[i, 5] == j):
                 along = _wrap(angle - where) * outer
-                gap += factor * _sag(profile, width, depth, path_outer, along)
+                gap += factor * defect_path(profile, half, depth, path_outer, along)[0]
             elif place == 2.0 and defects[i, 5] == j:
                 along = _wrap(spin * t - where) * 0.5 * d
-                gap += factor * _sag(profile, width, depth, path_inner, along)
+                gap += factor * defect_path(profile, half, depth, path_inner, along)[0]
                 along = _wrap(spin * t - where - math.pi) * 0.5 * d
-                gap += factor * _sag(profile, width, depth, path_outer, along)
+                gap += factor * defect_path(profile, half, depth, path_outer, along)[0]
         c, s = math.cos(angle), math.sin(angle)
         delta = x * c + y * s - gap
         if delta > 0.0:
-            force = max(kb * delta**1.5 + cb * (vx * c + vy * s), 0.0)
-            fx += force * c
-            fy += force * s
+            force, _ = contact_force(delta, 0.0, vx * c + vy * s, 0.0, kb, cb)
+            fx += max(force, 0.0) * c
+            fy += max(force, 0.0) * s
+    return fx, fy
+
+
+@compiled()
+def _rates(t: float, state: FloatArray, constants: FloatArray, defects: FloatArray) -> FloatArray:
+    """Time derivative of the 12 states: positions, velocities, sensor along x and y."""
+    omega, begin = constants[6], constants[7]
+    mi, ki, ci, mo, ko, co, foot, unbalance, resonance, damping = constants[12:]
+    x, y = state[0] - state[2], state[1] - state[3]
+    vx, vy = state[4] - state[6], state[5] - state[7]
+    fx, fy = _contact(t, x, y, vx, vy, constants, defects)
     pull = unbalance * omega * omega
     turned = begin + omega * t
     rates = np.empty(12)
@@ -161,20 +299,3 @@ def _rates(
 @compiled()
 def _wrap(angle: float) -> float:
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
-
-
-@compiled()
-def _sag(profile: float, width: float, depth: float, curvature: float, along: float) -> float:
-    """How far a ball sinks at a distance from the centre of a defect, m."""
-    edge = 0.5 * width - abs(along)
-    if edge <= 0.0:
-        return 0.0
-    if profile == 0.0:
-        return min(depth, edge * edge * curvature)
-    if profile == 1.0:
-        return depth
-    if profile == 2.0:
-        return depth * math.cos(math.pi * along / width)
-    if edge >= 0.25 * width:
-        return depth
-    return depth * math.sin(2.0 * math.pi * edge / width) ** 2

@@ -7,15 +7,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 import math
 import struct
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
-from bearing_twin.dynamics import filters, inner_ring, kernel, laws, layout
+from bearing_twin.dynamics import filters, inner_ring, kernel, laws
 from bearing_twin.dynamics.condition import Condition, condition
+from bearing_twin.dynamics.layout import STATE
 from bearing_twin.dynamics.parameters import check_speed
 from bearing_twin.dynamics.saved import Envelope, identity
 from bearing_twin.dynamics.stability import steps
 from bearing_twin.dynamics.statics import equilibrium
-from bearing_twin.dynamics.tables import ball_table, constants, defect_table
+from bearing_twin.dynamics.tables import ball_table, defect_table, machine
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import check_temperature
 import numpy as np
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = ['Block', 'Simulator']
 
 FloatArray = npt.NDArray[np.float64]
+Records = npt.NDArray[Any]
 
 _MAX_BLOCK = 1 << 24
 _MOST_TURNS = 1e3
@@ -53,11 +55,11 @@ class Block:
 
 @dataclass(frozen=True, kw_only=True)
 class Snapshot:
-    """Tables and state of one simulator, in the layouts of `kernel` and `laws`."""
+    """Tables and state of one simulator, as records of `layout` and rows of `laws`."""
 
-    state: FloatArray
-    const: FloatArray
-    defects: FloatArray
+    state: Records
+    machine: Records
+    defects: Records
     balls: FloatArray
     law: FloatArray
     values: FloatArray
@@ -146,11 +148,11 @@ class Simulator:
         self.next_sample = 0
         self._temperature, self._shaft_hz = self._start
         self._history = np.zeros((2, len(self._taps) - self._oversample))
-        self._state = np.zeros(layout.STATE_SIZE)
+        self._state = np.zeros(1, STATE)
         self._settle_ring()
         p, values = self._parameters, self._values
         turns = p.start_angle / (2.0 * math.pi) % 1.0
-        self._state[layout.CAGE] = self._state[layout.SHAFT] = turns
+        self._state['cage'] = self._state['shaft'] = turns
         compliance = 1.0 / p.inner_stiffness + 1.0 / p.outer_stiffness
         spring = values[laws.SPRING] + self._drift[0, laws.SPRING]
         clearance = values[laws.CLEARANCE] + self._drift[0, laws.CLEARANCE]
@@ -158,7 +160,7 @@ class Simulator:
         _, _, fx, fy = equilibrium(
             p.start_angle, spring, k_b, clearance, compliance, p.bearing.n_balls
         )
-        self._state[layout.Q : layout.V] = (
+        self._state['q'] = (
             -fx / p.inner_stiffness,
             spring - fy / p.inner_stiffness,
             fx / p.outer_stiffness,
@@ -219,11 +221,9 @@ class Simulator:
                 count = min(count, self.tick - self.next_sample % self.tick)
             ramp = start + growth * (np.array([[done], [done + count]]) / n)
             kernel.advance(
-                self._state, self._history, self._consts, self._defects, self._balls, ramp,
-                self._drift, self._long, self._short, self._taps, self._parameters.bearing.n_balls,
-                self._seed, self.next_sample, self.next_sample % self.tick, self._steps,
-                self._stiff,
-                out[:, done : done + count],
+                self._state, self._history, self._machines, self._resonators, self._taps,
+                self._defects, self._balls, ramp, self._drift, self._seed, self.next_sample,
+                self.next_sample % self.tick, out[:, done : done + count],
             )  # fmt: skip
             done += count
             self.next_sample += count
@@ -242,7 +242,7 @@ class Simulator:
         inner = inner_ring.temperature(self._rings, self.next_sample % self.tick, self.tick)
         values = self._evaluate(self._temperature, inner, self._shaft_hz)
         return condition(
-            self._parameters, values, self._state, self._const, self._defects, self._balls
+            self._parameters, values, self._state, self._machines, self._defects, self._balls
         )
 
     def save(self) -> bytes:
@@ -252,8 +252,11 @@ class Simulator:
         It belongs to the parameters and the sample rate in force, which it does not hold.
         """
         body = np.concatenate(
-            [self._state, self._history.ravel(), self._drift.ravel(), np.nan_to_num(self._rings)]
-        )
+            [
+                self._state.view(float), self._history.ravel(), self._drift.ravel(),
+                np.nan_to_num(self._rings),
+            ]
+        )  # fmt: skip
         fields = (
             self.sample_rate, self._seed, self.next_sample, self._temperature, self._shaft_hz,
             identity([self._parameters]),
@@ -274,7 +277,7 @@ class Simulator:
         fields, body = _SAVED.open(data)
         rate, seed, next_sample, temperature, shaft_hz, whose = fields
         own = (self.sample_rate, identity([self._parameters]))
-        sizes = [self._state.size, self._history.size, self._drift.size, 2]
+        sizes = [STATE.itemsize // 8, self._history.size, self._drift.size, 2]
         if (rate, whose) != own or len(body) != 8 * sum(sizes):
             msg = (
                 f'saved state at {rate:g} Hz belongs to another sample rate, bearing geometry or '
@@ -283,11 +286,13 @@ class Simulator:
             )
             raise BearingTwinError(msg)
         values = np.frombuffer(body, dtype='<f8').astype(float)
-        phases = values[layout.CAGE : layout.SPIN + 1]
-        moved, rings = values[layout.Q : layout.V], values[-2:]
+        state, history, drift, rings = np.split(values, np.cumsum(sizes)[:-1])
+        state = state.view(STATE)
         bounded = np.isfinite(values).all() and np.abs(values).max() < _LARGEST
-        bounded = bounded and np.abs(moved).max() < 1.0 and np.abs(rings).max() < 300.0
-        if not (bounded and (np.abs(phases) < _MOST_TURNS).all()):
+        bounded = bounded and np.abs(state['q']).max() < 1.0 and np.abs(rings).max() < 300.0
+        if not (
+            bounded and all(abs(state[name]) < _MOST_TURNS for name in ('cage', 'shaft', 'spin'))
+        ):
             msg = 'saved state holds values that no simulation reaches; start without it'
             raise BearingTwinError(msg)
         if not 0 <= next_sample < 2**62:
@@ -298,16 +303,15 @@ class Simulator:
         )
         self._temperature, self._shaft_hz, self._values = temperature, shaft_hz, values_at
         self._seed, self.next_sample = seed, next_sample
-        state, history, drift, rings = np.split(values, np.cumsum(sizes)[:-1])
         self._state = state.copy()
         self._history = history.reshape(self._history.shape).copy()
         self._drift = drift.reshape(self._drift.shape).copy()
         physical = self._parameters.thermal_mode == 'physical'
         self._rings[:] = rings if physical else math.nan
 
-    def adopt(self, state: FloatArray, next_sample: int, rings: FloatArray | None = None) -> None:
+    def adopt(self, state: Records, next_sample: int, rings: FloatArray | None = None) -> None:
         """
-        Take over phases, positions and velocities in the layout of `kernel`.
+        Take over phases, positions and velocities in a record `layout.STATE`.
 
         ``rings`` are the temperatures of the inner ring, as in `inner_ring`.
         """
@@ -322,7 +326,7 @@ class Simulator:
         """Return copies of the tables and the state, as a fleet takes them."""
         return Snapshot(
             state=self._state.copy(),
-            const=self._const,
+            machine=self._machines[:1],
             defects=self._defects,
             balls=self._balls,
             law=self._law,
@@ -335,22 +339,20 @@ class Simulator:
     def _configure(self, parameters: TwinParameters) -> None:
         p = parameters
         # Long and short steps: one, or one for each sample that is taken of the sensor.
-        self._steps = filters.steps(self.sample_rate)
-        self._stiff = steps(p, self.sample_rate) > self._steps
-        numbers = self._steps, self._oversample
-        self._long, self._short = (
-            filters.resonator(
-                p.resonance_hz,
-                p.resonance_damping,
-                1.0 / (self.sample_rate * each),
-                self._oversample // each,
+        long = filters.steps(self.sample_rate)
+        stiff = steps(p, self.sample_rate) > long
+        kinds = long, self._oversample
+        self._machines = np.concatenate(
+            [machine(p, self.sample_rate, each, stiff=stiff) for each in kinds]
+        )
+        reads = self._oversample // long
+        self._resonators = np.zeros((2, 2 + reads, 6))
+        for table, each in zip(self._resonators, kinds, strict=True):
+            count = self._oversample // each
+            step = 1.0 / (self.sample_rate * each)
+            table[: 2 + count] = filters.resonator(
+                p.resonance_hz, p.resonance_damping, step, count
             )
-            for each in numbers
-        )
-        self._consts = np.array(
-            [constants(p, self.sample_rate, each, snaps=not self._stiff) for each in numbers]
-        )
-        self._const = self._consts[0]
         self._parameters = p
         self._law = laws.law_table(p)
         self._defects = defect_table(p)
@@ -365,10 +367,7 @@ class Simulator:
         """Make acceleration and jerk follow from positions, velocities and parameters."""
         values = self._values[: laws.INPUTS] + self._drift[0]
         values += self._drift[1] * (self.next_sample % self.tick)
-        kernel.start(
-            self._state, self._const, self._defects, self._balls, values,
-            self._parameters.bearing.n_balls,
-        )  # fmt: skip
+        kernel.start(self._state, self._machines, self._defects, self._balls, values)
 
     def _settle_ring(self) -> None:
         """Put the inner ring into its steady state."""

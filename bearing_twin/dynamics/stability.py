@@ -54,13 +54,13 @@ def amplification(
     stiffness: FloatArray, damping: FloatArray, h: float, *, snaps: bool = True
 ) -> FloatArray:
     """
-    Matrix that one step of `motion` applies to (q, v, a, j, snap) of a linear system.
+    Matrix that one step of `integrator` applies to (q, v, a, j, snap) of a linear system.
 
     With ``snaps`` the predictor takes the snap.
     """
     n = len(stiffness)
     one, none = np.eye(n), np.zeros((n, n))
-    # Rows of the state; then predictor, evaluation and corrector as in `motion`.
+    # Rows of the state; then predictor, evaluation and corrector as in `integrator`.
     q, v, a, j, s = (np.hstack([one if i == k else none for i in range(5)]) for k in range(5))
     ahead = a + h * (j + 0.5 * h * s)
     faster = v + h * (a + 0.5 * h * (j + h / 3.0 * s))

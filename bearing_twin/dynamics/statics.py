@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 
 from bearing_twin.dynamics.compiled import compiled
+from bearing_twin.dynamics.model import contact_law
 import numpy as np
 
 __all__ = ['equilibrium', 'spring_position']
@@ -31,8 +32,7 @@ def contact(
     for _ in range(n_balls):
         delta = x * c + y * s - clearance
         if delta > 0.0:
-            stiff = kb * math.sqrt(delta)
-            force, slope = stiff * delta, 1.5 * stiff
+            force, slope = contact_law(delta, kb)
             fx += force * c
             fy += force * s
             kxx += slope * c * c

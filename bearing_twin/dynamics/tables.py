@@ -1,14 +1,16 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters laid out in the arrays that the compiled kernels take."""
+"""Parameters laid out in the records that the compiled kernels take."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
-from bearing_twin.dynamics import layout
+from bearing_twin.dynamics import filters
+from bearing_twin.dynamics.layout import CHUNK, COS, DEFECT, GAP, LANES, MACHINE, SIN
+from bearing_twin.dynamics.model import path_kink
 from bearing_twin.dynamics.parameters import PROFILES
 import numpy as np
 import numpy.typing as npt
@@ -16,88 +18,83 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['ball_table', 'constants', 'defect_table']
+__all__ = ['ball_table', 'defect_table', 'machine']
 
 FloatArray = npt.NDArray[np.float64]
+Records = npt.NDArray[Any]
 
 
-def constants(
-    p: TwinParameters, sample_rate: float, steps: int, *, snaps: bool = True
-) -> FloatArray:
+def machine(p: TwinParameters, sample_rate: float, steps: int, *, stiff: bool = False) -> Records:
     """
-    Return the constants of one bearing, float64[layout.CONST_SIZE].
+    Return the constants of one bearing, one record `layout.MACHINE`.
 
     The cage's walk has the variance per impact of ``(2 pi jitter / Z)^2 rad^2``, as a speed that
-    is held for `layout.CHUNK` samples, over the root of the shaft speed. With ``snaps`` the
-    predictor takes the snap.
+    is held for `layout.CHUNK` samples, over the root of the shaft speed. For ``stiff`` rings the
+    predictor does not take the snap.
     """
-    orders = fault_orders(p.bearing)
-    spread = p.jitter / p.bearing.n_balls
-    const = np.zeros(layout.CONST_SIZE)
-    const[layout.MI], const[layout.KI], const[layout.CI] = (
-        p.inner_mass,
-        p.inner_stiffness,
-        p.inner_damping,
-    )
-    const[layout.MO], const[layout.KO], const[layout.CO] = (
-        p.outer_mass,
-        p.outer_stiffness,
-        p.outer_damping,
-    )
-    const[layout.CB], const[layout.UNBALANCE] = p.contact_damping, p.unbalance
-    const[layout.FTF_ORDER], const[layout.SPIN_ORDER] = orders.ftf, orders.bsf
-    const[layout.JITTER] = spread * math.sqrt(orders.bpfi * sample_rate / layout.CHUNK)
-    const[layout.NOISE_STD] = p.noise
-    const[layout.STEP] = 1.0 / (sample_rate * steps)
-    const[layout.SNAPS] = snaps
-    const[layout.RESONANCE] = 2.0 * math.pi * p.resonance_hz
-    const[layout.RESONANCE_DAMPING] = p.resonance_damping
-    const[layout.D_BALL] = p.bearing.d_ball
-    # Of the circles on which the balls touch the races; nearer to the pitch at a contact angle.
-    const[layout.R_INNER] = 0.5 * p.bearing.d_pitch * (1.0 - p.bearing.gamma)
-    const[layout.R_OUTER] = 0.5 * p.bearing.d_pitch * (1.0 + p.bearing.gamma)
-    return const
+    orders, bearing = fault_orders(p.bearing), p.bearing
+    values = {
+        'inner_light': 1.0 / p.inner_mass,
+        'inner_stiffness': p.inner_stiffness,
+        'inner_damping': p.inner_damping,
+        'outer_light': 1.0 / p.outer_mass,
+        'outer_stiffness': p.outer_stiffness,
+        'outer_damping': p.outer_damping,
+        'contact_damping': p.contact_damping,
+        'unbalance': p.unbalance,
+        'ftf_order': orders.ftf,
+        'spin_order': orders.bsf,
+        'jitter': p.jitter / bearing.n_balls * math.sqrt(orders.bpfi * sample_rate / CHUNK),
+        'noise': p.noise,
+        'd_ball': bearing.d_ball,
+        # The circles on which the balls touch the races: nearer to the pitch at a contact angle.
+        'inner_radius': 0.5 * bearing.d_pitch * (1.0 - bearing.gamma),
+        'outer_radius': 0.5 * bearing.d_pitch * (1.0 + bearing.gamma),
+        'resonance': 2.0 * math.pi * p.resonance_hz,
+        'resonance_damping': p.resonance_damping,
+        'step': 1.0 / (sample_rate * steps),
+        'snaps': not stiff,
+        'steps': steps,
+        'reads': filters.oversampling(sample_rate) // steps,
+        'stiff': stiff,
+        'n_balls': bearing.n_balls,
+    }
+    return np.array([tuple(values[name] for name in MACHINE.names or ())], MACHINE)
 
 
-def defect_table(p: TwinParameters) -> FloatArray:
+def defect_table(p: TwinParameters) -> Records:
     """
-    Return one row a defect, float64[n, layout.DEFECT_SIZE].
+    Return one record `layout.DEFECT` a defect.
 
     Depths are along the contact normal. The kernel works with radial gaps: a ball that sinks in
     by s at a contact angle alpha opens one of s / cos(alpha).
     """
     d, g = p.bearing.d_ball, p.bearing.gamma
     radial = 1.0 / math.cos(p.bearing.contact_angle)
-    table = np.zeros((len(p.defects), layout.DEFECT_SIZE))
-    for row, defect in zip(table, p.defects, strict=True):
-        row[layout.PLACE] = PLACES.index(defect.place)
-        row[layout.PROFILE] = PROFILES.index(defect.profile)
-        row[layout.HALF], row[layout.FULL_DEPTH] = 0.5 * defect.width, radial * defect.depth
-        row[layout.ANGLE], row[layout.BALL] = defect.angle / (2.0 * math.pi), defect.ball
-        row[layout.PATH_INNER] = radial / (d * (1.0 - g))
-        row[layout.PATH_OUTER] = radial / (d * (1.0 + g))
-        row[layout.KINK_INNER] = _kink(row, row[layout.PATH_INNER])
-        row[layout.KINK_OUTER] = _kink(row, row[layout.PATH_OUTER])
-    return table
-
-
-def _kink(row: FloatArray, curvature: float) -> float:
-    """Where the path of a ball has a kink besides that at the edges, m; -1 if nowhere."""
-    profile, half = PROFILES[int(row[layout.PROFILE])], row[layout.HALF]
-    if profile == 'ball':  # where it touches the ground, or rolls over from edge to edge
-        return max(0.0, float(half - math.sqrt(row[layout.FULL_DEPTH] / curvature)))
-    return 0.5 * float(half) if profile == 'smooth' else -1.0
+    curvatures = radial / (d * (1.0 - g)), radial / (d * (1.0 + g))
+    rows = []
+    for defect in p.defects:
+        profile, half = float(PROFILES.index(defect.profile)), 0.5 * defect.width
+        depth = radial * defect.depth
+        kinks = (path_kink(profile, half, depth, curvature) for curvature in curvatures)
+        rows.append(
+            (
+                PLACES.index(defect.place), profile, half, depth, defect.angle / (2.0 * math.pi),
+                defect.ball, *curvatures, *kinks,
+            )
+        )  # fmt: skip
+    return np.array(rows, DEFECT)
 
 
 def ball_table(p: TwinParameters) -> FloatArray:
     """
-    Return direction in the cage and undersize of each ball, float64[3, padded].
+    Return undersize and direction in the cage of each ball, float64[4, padded].
 
     The padding is undersized by a metre, so that it never touches.
     """
     n = p.bearing.n_balls
-    table = np.zeros((3, -(-n // layout.LANES) * layout.LANES))
-    table[layout.UNDERSIZE, n:] = 1.0
+    table = np.zeros((4, -(-n // LANES) * LANES))
+    table[GAP, n:] = 1.0
     angle = 2.0 * math.pi * np.arange(n) / n
-    table[layout.BALL_COS, :n], table[layout.BALL_SIN, :n] = np.cos(angle), np.sin(angle)
+    table[COS, :n], table[SIN, :n] = np.cos(angle), np.sin(angle)
     return table

@@ -17,12 +17,13 @@ import math
 import operator
 from typing import Any
 
+from bearing_twin.dynamics.compiled import compiled, FAST
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.datamodel import models
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, register_model
+from numba.extending import intrinsic, lower_builtin, overload, register_model
 import numpy as np
 import numpy.typing as npt
 
@@ -32,6 +33,7 @@ __all__ = [
     'aligned',
     'any_of',
     'chosen',
+    'cosine_sine',
     'floor',
     'has_bit',
     'load',
@@ -39,6 +41,7 @@ __all__ = [
     'magnitude',
     'real',
     'root',
+    'sines',
     'splat',
     'splat_words',
     'split',
@@ -47,6 +50,7 @@ __all__ = [
 
 L = 16
 """Numbers in a value."""
+_F = np.float32
 
 _intrinsic: Any = intrinsic
 """Of any type: its arguments are not those that compiled code gives."""
@@ -154,6 +158,7 @@ for _operators, _name in (
     ((operator.add, operator.iadd), 'fadd'),
     ((operator.sub, operator.isub), 'fsub'),
     ((operator.mul, operator.imul), 'fmul'),
+    ((operator.truediv, operator.itruediv), 'fdiv'),
 ):
     for _operator in _operators:
         _define(_operator, FLOATS, _arithmetic(_name))
@@ -226,52 +231,94 @@ def splat(typing, scalar):
 
 @_intrinsic
 def chosen(typing, mask, value, other):
-    """``value`` where the mask is set, ``other`` elsewhere."""
+    """``value`` where the mask is set, ``other`` elsewhere; lanes, or numbers and a condition."""
+    kind = FLOATS if mask is MASK else types.float64
 
     def code(context, builder, sig, args):
-        return builder.select(*args)
+        whole = [
+            _same(builder, given, each)
+            if mask is MASK
+            else context.cast(builder, given, each, kind)
+            for given, each in zip(args[1:], sig.args[1:], strict=True)
+        ]
+        return builder.select(args[0], *whole)
 
-    return FLOATS(MASK, FLOATS, FLOATS), code
+    return kind(mask, value, other), code
 
 
 @_intrinsic
 def any_of(typing, mask):
-    """Whether the mask is set anywhere."""
+    """Whether the mask is set anywhere; a condition is itself."""
 
     def code(context, builder, sig, args):
+        if mask is not MASK:
+            return args[0]
         bits = builder.bitcast(args[0], ir.IntType(L))
         return builder.icmp_unsigned('!=', bits, ir.Constant(bits.type, 0))
 
-    return types.boolean(MASK), code
+    return types.boolean(mask), code
 
 
-def _function(name):
-    """Code that calls a function of LLVM's on a value."""
+def _function(name, value):
+    """Code that calls a function of LLVM's on lanes or on a number."""
+    lanes = value is FLOATS
+    kind, suffix = (_VECTOR, f'v{L}f32') if lanes else (ir.DoubleType(), 'f64')
 
     def code(context, builder, sig, args):
-        kind = ir.FunctionType(_VECTOR, [_VECTOR])
-        function = cgutils.get_or_insert_function(builder.module, kind, f'{name}.v{L}f32')
-        return builder.call(function, args, fastmath=_FLAGS)
+        function = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(kind, [kind]), f'{name}.{suffix}'
+        )
+        return builder.call(function, args, fastmath=_FLAGS if lanes else ())
 
-    return code
+    return (FLOATS(FLOATS) if lanes else types.float64(types.float64)), code
 
 
 @_intrinsic
 def root(typing, value):
-    """Square root."""
-    return FLOATS(FLOATS), _function('llvm.sqrt')
+    """Square root of lanes or of a number."""
+    return _function('llvm.sqrt', value)
 
 
 @_intrinsic
 def magnitude(typing, value):
-    """Magnitude."""
-    return FLOATS(FLOATS), _function('llvm.fabs')
+    """Magnitude of lanes or of a number."""
+    return _function('llvm.fabs', value)
 
 
 @_intrinsic
 def floor(typing, value):
-    """Greatest integer that is not above."""
-    return FLOATS(FLOATS), _function('llvm.floor')
+    """Greatest integer that is not above, of lanes or of a number."""
+    return _function('llvm.floor', value)
+
+
+@compiled(inline=True, fast=FAST)
+def sines(angle):
+    """Cosine and sine of an angle up to pi/4, to 1e-7; numbers or lanes."""
+    square = angle * angle
+    c = _F(2.443315711809948e-5) * square - _F(1.388731625493765e-3)
+    c = _F(1.0) - square * (_F(0.5) - square * (c * square + _F(4.166664568298827e-2)))
+    s = _F(-1.9515295891e-4) * square + _F(8.3321608736e-3)
+    s = angle + angle * square * (s * square - _F(1.6666654611e-1))
+    return c, s
+
+
+def cosine_sine(angle: Any) -> tuple[Any, Any]:
+    """Cosine and sine of an angle up to pi, of lanes to 5e-7 or of a number."""
+    raise NotImplementedError('called from compiled code only')
+
+
+@overload(cosine_sine)
+def _cosine_sine(angle):
+    def of_number(angle):
+        return math.cos(angle), math.sin(angle)
+
+    def of_lanes(angle):
+        # The angle is quartered, and doubled twice.
+        c, s = sines(angle * 0.25)
+        c, s = 1.0 - 2.0 * (s * s), 2.0 * (s * c)
+        return 1.0 - 2.0 * (s * s), 2.0 * (s * c)
+
+    return of_lanes if angle is FLOATS else of_number
 
 
 @_intrinsic

@@ -5,10 +5,10 @@
 import math
 
 from bearing_twin.bearing import fault_orders
-from bearing_twin.dynamics import laws, layout, preset, Simulator
+from bearing_twin.dynamics import laws, preset, Simulator
 from bearing_twin.dynamics.kernel import FAST_HZ
+from bearing_twin.dynamics.kinematics import kinks
 from bearing_twin.dynamics.reference import solve
-from bearing_twin.dynamics.turning import kinks
 import numpy as np
 import pytest
 
@@ -60,8 +60,8 @@ def test_contact_is_lost_and_found_when_an_adaptive_solver_finds_it(hz):
     near, loaded = np.empty(samples), np.empty(samples, np.int64)
     for k in range(samples):
         simulator.advance(1, 20.0, hz)
-        state = simulator.snapshot().state
-        near[k], loaded[k] = state[layout.NEAR], state[layout.TOUCHING]
+        state = simulator.snapshot().state[0]
+        near[k], loaded[k] = state['near'], state['loaded']
     states = solve(p, samples, shaft_hz=hz).states[:, 2::3]
     times, soon = np.arange(1, samples + 1) / RATE, 2e-6
 
@@ -87,14 +87,17 @@ def test_contact_is_lost_and_found_when_an_adaptive_solver_finds_it(hz):
 def test_kinks_are_where_the_path_has_them(hz):
     p = quiet()
     snapshot = Simulator(p, shaft_hz=hz).snapshot()
-    h, values, found = snapshot.const[layout.STEP], snapshot.values, np.empty(32)
+    values, found = snapshot.values, np.empty(32)
+    machine, defect, state = snapshot.machine[0], snapshot.defects[0], snapshot.state[0]
+    h = machine['step']
     orders = fault_orders(p.bearing, values[laws.SLIP])
     rates = hz * orders.ftf, hz, hz * orders.bsf
-    edges = snapshot.defects[0, [layout.HALF, layout.KINK_INNER]]
+    edges = defect['half'], defect['inner_kink']
+    begin = np.array([state[name] for name in ('cage', 'shaft', 'spin')])
     instants = []
     for step in range(2560):
-        begin = snapshot.state[layout.CAGE : layout.SPIN + 1] + step * h * np.array(rates)
-        n = kinks(8, tuple(begin), rates, h, snapshot.const, snapshot.defects, found)
+        phases = tuple(begin + step * h * np.array(rates))
+        n = kinks(machine, snapshot.defects, phases, rates, found)
         instants += list(step * h + found[:n])
     instants = np.array(instants)
     distance = abs(along_inner_race(p, values, hz, instants)).min(axis=0)
@@ -117,7 +120,7 @@ def test_same_bits_however_a_run_over_the_switch_is_cut(mode):
         for hz in (ABOVE, BELOW, ABOVE + 2.0, BELOW - 2.0):
             for n in (1000, *cuts):
                 signal.append(simulator.advance(n, 40.0, hz).y)
-                short.append(simulator.snapshot().state[layout.EXPECTED])
+                short.append(simulator.snapshot().state['next_step'][0])
                 if len(cuts) > 1:
                     saved = simulator.save()
                     simulator = build()

@@ -1,0 +1,167 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The physics: contact law, path of a ball through a defect, motion of the rings.
+
+Each law stands here once. The single bearing, the fleet, the static solver and the reference call
+these functions, with plain numbers or with `vector.FLOATS`, so they use only arithmetic and the
+operations of `vector` that take both. To change the contact law edit `contact_law`; to add a
+profile edit `defect_path`, and `path_kink` beside it.
+
+The equations (x right, y up, load along -y), one line an axis, y shown::
+
+    m_i y_i'' = -F_y - k_i (y_i - y_i0) - c_i y_i' + m_u e omega^2 sin(theta_s)
+    m_o y_o'' = +F_y - k_o y_o - c_o y_o'
+    delta_j   = (x_i - x_o) cos(theta_j) + (y_i - y_o) sin(theta_j) - c_r - b_j C_d
+    F         = sum_j max(K_b max(delta_j, 0)^1.5 + c_b v_j, 0) over loaded balls
+
+with v_j the rings' velocity of approach along ball j: Symmetry 2023, 15, 2166, equations 1 to 8,
+with the masses and damping that the paper leaves out taken from Sawalhi and Randall, Mech. Syst.
+Signal Process. 2008, 22, 1924.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeAlias
+
+from bearing_twin.dynamics.compiled import compiled, FAST
+from bearing_twin.dynamics.vector import any_of, chosen, cosine_sine, magnitude, root
+
+__all__ = [
+    'BALL', 'COSINE_FLANKS', 'HALF_SINE', 'RECTANGLE', 'contact_force', 'contact_law',
+    'defect_path', 'path_kink', 'ring_motion',
+]  # fmt: skip
+
+Value: TypeAlias = Any
+"""A number, or lanes of a fleet."""
+Pair: TypeAlias = tuple[Value, Value]
+Four: TypeAlias = tuple[Value, Value, Value, Value]
+
+BALL, RECTANGLE, HALF_SINE, COSINE_FLANKS = 0.0, 1.0, 2.0, 3.0
+"""Codes of the profiles, in the order of `parameters.PROFILES`."""
+
+
+@compiled(inline=True, fast=FAST)
+def contact_law(delta: Value, k_b: Value) -> Pair:
+    """
+    Force of Hertz's point contact, N, and its derivative, N/m, at an approach of ``delta`` >= 0 m.
+
+    ``k_b`` in N/m^1.5 (Harris, Rolling Bearing Analysis, chapter 6).
+
+    Examples
+    --------
+    >>> contact_law(4e-6, 1e10)
+    (80.0, 30000000.0)
+
+    """
+    stiff = k_b * root(delta)
+    return stiff * delta, 1.5 * stiff
+
+
+@compiled(inline=True, fast=FAST)
+def contact_force(
+    delta: Value, closing: Value, speed: Value, acceleration: Value, k_b: Value, damping: Value
+) -> Pair:
+    """
+    Force of a ball between the rings, N, and its rate, N/s; it acts where it is positive.
+
+    ``closing`` is the rate of the approach ``delta``, the ball's own path through defects
+    included; ``speed`` and ``acceleration`` are those of the rings alone, along the ball.
+    """
+    elastic, slope = contact_law(delta, k_b)
+    return elastic + damping * speed, slope * closing + damping * acceleration
+
+
+@compiled(inline=True, fast=FAST)
+def defect_path(profile: Value, half: Value, depth: Value, curvature: Value, along: Value) -> Pair:
+    """
+    How far a ball sinks ``along`` m from the centre of a defect, m, and the slope of its path.
+
+    ``half`` is half the width; ``curvature`` is 1/d + 1/D on the inner race, 1/d - 1/D on the
+    outer one, with the diameters d of the ball and D of the race, 1/m.
+
+    Examples
+    --------
+    In the middle a ball bridges a deep spall and touches the ground of a shallow one:
+
+    >>> [round(1e6 * defect_path(BALL, 0.5e-3, depth, 100.0, 0.0)[0], 3) for depth in (5e-5, 2e-5)]
+    [25.0, 20.0]
+
+    """
+    edge = half - magnitude(along)
+    sag = edge * edge * curvature
+    rolls = depth > sag
+    sunk, slope = chosen(rolls, sag, depth), chosen(rolls, 2.0 * edge * curvature, 0.0)
+    if any_of(profile > BALL):
+        rectangle, sine, flanks = profile == RECTANGLE, profile == HALF_SINE, profile > HALF_SINE
+        sunk, slope = chosen(rectangle, depth, sunk), chosen(rectangle, 0.0, slope)
+        if any_of(sine):
+            angle = 0.5 * math.pi * magnitude(along) / half
+            c, s = cosine_sine(angle)
+            sunk = chosen(sine, depth * c, sunk)
+            slope = chosen(sine, depth * 0.5 * math.pi / half * s, slope)
+        if any_of(flanks):
+            flank = 0.5 * half
+            angle = math.pi * chosen(flank > edge, edge, flank) / flank
+            c, s = cosine_sine(angle)
+            flanks, level = flanks & (flank > edge), flanks & (edge >= flank)
+            sunk = chosen(flanks, 0.5 * depth * (1.0 - c), chosen(level, depth, sunk))
+            slope = chosen(flanks, 0.5 * depth * math.pi / flank * s, chosen(level, 0.0, slope))
+    inside = edge > 0.0
+    slope = chosen(along > 0.0, -slope, slope)
+    return chosen(inside, sunk, 0.0), chosen(inside, slope, 0.0)
+
+
+def path_kink(profile: float, half: float, depth: float, curvature: float) -> float:
+    """
+    Return where `defect_path` has a kink besides those at both edges, m from the centre.
+
+    -1 for a path without one. The integrator parts its steps there.
+
+    Examples
+    --------
+    >>> path_kink(BALL, 0.5e-3, 6.25e-6, 100.0)  # where the ball touches the ground
+    0.00025
+
+    """
+    if profile == BALL:
+        return max(0.0, half - math.sqrt(depth / curvature))
+    return 0.5 * half if profile == COSINE_FLANKS else -1.0
+
+
+@compiled(inline=True, fast=FAST)
+def ring_motion(
+    machine: Any, drive: Any, force: Pair, rate: Pair, q: Four, v: Four, a: Four
+) -> tuple[Four, Four]:
+    """
+    Acceleration and jerk of both rings, (x_i, y_i, x_o, y_o), under the balls' force.
+
+    ``force`` (x, y), N, of the balls on the outer ring, and its ``rate``, N/s. ``machine`` has
+    masses, stiffness and damping as `layout.MACHINE`; ``drive`` the unbalance and the foot of the
+    shaft's spring as `layout.STEP`.
+    """
+    m = machine
+    return (
+        (
+            (drive.pull_x - force[0] - m.inner_stiffness * q[0] - m.inner_damping * v[0])
+            * m.inner_light,
+            (
+                drive.pull_y
+                - force[1]
+                - m.inner_stiffness * (q[1] - drive.foot)
+                - m.inner_damping * v[1]
+            )
+            * m.inner_light,
+            (force[0] - m.outer_stiffness * q[2] - m.outer_damping * v[2]) * m.outer_light,
+            (force[1] - m.outer_stiffness * q[3] - m.outer_damping * v[3]) * m.outer_light,
+        ),
+        (
+            (drive.pull_rate_x - rate[0] - m.inner_stiffness * v[0] - m.inner_damping * a[0])
+            * m.inner_light,
+            (drive.pull_rate_y - rate[1] - m.inner_stiffness * v[1] - m.inner_damping * a[1])
+            * m.inner_light,
+            (rate[0] - m.outer_stiffness * v[2] - m.outer_damping * a[2]) * m.outer_light,
+            (rate[1] - m.outer_stiffness * v[3] - m.outer_damping * a[3]) * m.outer_light,
+        ),
+    )
