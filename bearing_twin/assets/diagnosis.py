@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
@@ -21,21 +22,13 @@ if TYPE_CHECKING:
 
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
-    from bearing_twin.diagnosis.update import Analysis, Update
+    from bearing_twin.diagnosis.chain import Analysis, Excerpt
+    from bearing_twin.diagnosis.streaming import StreamingDiagnoser
     from bearing_twin.streams.vibration_input import VibrationBlock
     from bearing_twin_msgs.msg import Diagnosis, Spectrum
     from std_msgs.msg import Float64MultiArray
 
 __all__ = ['DiagnosisCore', 'DueVerdict', 'Verdict']
-
-
-class DueVerdict(NamedTuple):
-    """A verdict that is due: the window to be analysed for it."""
-
-    update: Update
-    stamp: int
-    """Of the first sample of the window, ns."""
-    frame_id: str
 
 
 class Verdict(NamedTuple):
@@ -46,6 +39,34 @@ class Verdict(NamedTuple):
     features: Float64MultiArray
     spectrum: Spectrum
     envelope_spectrum: Spectrum
+
+
+@dataclass(frozen=True)
+class DueVerdict:
+    """A verdict that is due. Verdicts are judged in the order in which they fell due."""
+
+    excerpt: Excerpt
+    stamp: int
+    """Of the first sample of the window, ns."""
+    frame_id: str
+    diagnoser: StreamingDiagnoser
+
+    def analyse(self) -> Analysis:
+        """Analyse the window; in any thread."""
+        return self.excerpt.analyse()
+
+    def judge(self, analysis: Analysis) -> Verdict:
+        """Judge the window by its analysis."""
+        result = self.diagnoser.judge(analysis)
+        stamp, frame_id = self.stamp, self.frame_id
+        diagnosis = diagnosis_message(
+            result, stamp=stamp, frame_id=frame_id, bearing=self.excerpt.bearing.name
+        )
+        spectrum, envelope_spectrum = (
+            spectrum_message(which, result, stamp=stamp, frame_id=frame_id)
+            for which in (result.spectrum, result.envelope_spectrum)
+        )
+        return Verdict(result, diagnosis, features_message(diagnosis), spectrum, envelope_spectrum)
 
 
 class DiagnosisCore:
@@ -90,7 +111,7 @@ class DiagnosisCore:
         measured: bool,
     ) -> list[DueVerdict]:
         """
-        Take one block; return the verdicts that are due, to be judged in this order.
+        Take one block; return the verdicts that are due.
 
         Parameters
         ----------
@@ -115,7 +136,7 @@ class DiagnosisCore:
             shaft_hz = block.shaft_hz
         elif math.isnan(joint_hz):
             shaft_hz = self.nominal_hz
-        updates = self.diagnoser.take(
+        excerpts = self.diagnoser.take(
             block.first_sample,
             block.samples,
             block.sample_rate,
@@ -126,22 +147,10 @@ class DiagnosisCore:
         )
         return [
             DueVerdict(
-                update,
-                stamp + samples_ns(update.first_sample - block.first_sample, block.sample_rate),
+                excerpt,
+                stamp + samples_ns(excerpt.first_sample - block.first_sample, block.sample_rate),
                 frame_id,
+                self.diagnoser,
             )
-            for update in updates
+            for excerpt in excerpts
         ]
-
-    def judge(self, due: DueVerdict, analysis: Analysis) -> Verdict:
-        """Judge a verdict that is due by the analysis of its window."""
-        result = self.diagnoser.judge(due.update, analysis)
-        stamp, frame_id = due.stamp, due.frame_id
-        diagnosis = diagnosis_message(
-            result, stamp=stamp, frame_id=frame_id, bearing=due.update.bearing.name
-        )
-        spectrum, envelope_spectrum = (
-            spectrum_message(which, result, stamp=stamp, frame_id=frame_id)
-            for which in (result.spectrum, result.envelope_spectrum)
-        )
-        return Verdict(result, diagnosis, features_message(diagnosis), spectrum, envelope_spectrum)

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The whole chain on one window, and on a whole record cut into windows."""
+"""The one path from samples to a verdict, for windows of a stream and whole records."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 import math
 from typing import TYPE_CHECKING
 
@@ -14,15 +15,9 @@ from bearing_twin.diagnosis.gate import check_record, check_speeds
 from bearing_twin.diagnosis.report import insufficient, not_shown, report
 from bearing_twin.diagnosis.rules import decide
 from bearing_twin.diagnosis.search import CombSearch
-from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.shaft import (
-    resample_to_angle,
-    ShaftSpeed,
-    varies,
-)
+from bearing_twin.diagnosis.shaft import resample_to_angle, ShaftSpeed, varies
 from bearing_twin.diagnosis.sidebands import sideband_ratio
-from bearing_twin.diagnosis.window import analyse_window, highest_fault_order, Window
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.diagnosis.window import analyse_window, highest_fault_order
 import numpy as np
 from scipy import fft
 
@@ -31,58 +26,164 @@ if TYPE_CHECKING:
 
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.result import Diagnosis
+    from bearing_twin.diagnosis.settings import DiagnosisSettings
     from bearing_twin.diagnosis.verdict import Verdict
-    from numpy.typing import ArrayLike
+    from bearing_twin.diagnosis.window import Window
+    from numpy.typing import NDArray
 
-__all__ = ['conclude', 'diagnose_record']
+__all__ = ['Analysis', 'Excerpt']
 
-_WINDOW_TURNS = 256.0
 _CLEARER = 1.1
 _SIDEBANDS_SHOWN = 0.25
 
 
-def conclude(
-    newest: Window,
+@dataclass(frozen=True, kw_only=True)
+class Excerpt:
+    """Samples that get one verdict: a window of a stream, or a whole record."""
+
+    samples: NDArray[np.float64]
+    """Shape (n,)."""
+    shaft_hz: NDArray[np.float64]
+    """Speed during each part of them, Hz, shape (b,)."""
+    lengths: NDArray[np.intp]
+    """Samples of each part, shape (b,); they add up to n."""
+    sample_rate: float
+    bearing: Bearing
+    settings: DiagnosisSettings
+    first_sample: int = 0
+    temperature: float = math.nan
+    unit: str = ''
+    notes: tuple[str, ...] = ()
+    """What happened to the stream since the excerpt before."""
+    run: int = 0
+    """Number of the uninterrupted run of samples that it belongs to."""
+    longest: float = math.inf
+    """Most shaft turns that are analysed together; more are cut, and their spectra averaged."""
+
+    @property
+    def end(self) -> int:
+        """Index of the sample after the last."""
+        return self.first_sample + len(self.samples)
+
+    def analyse(self) -> Analysis:
+        """Analyse the samples: most of the work of a verdict, and a function of them alone."""
+        x, rate, bearing = self.samples, self.sample_rate, self.bearing
+        speeds = self.shaft_hz
+        if len(speeds) > 1:
+            speeds = np.repeat(speeds, self.lengths)
+        mean_hz = float(speeds.mean()) if len(speeds) else math.nan
+        reasons = check_record(x, rate, mean_hz, highest_fault_order(bearing))
+        if reasons:
+            reasons += not_shown(
+                x, rate, mean_hz, temperature=self.temperature, unit=self.unit, bearing=bearing
+            )
+        else:
+            reasons = check_speeds(self.shaft_hz)
+        if reasons:
+            return Analysis(self, mean_hz, refused=tuple(reasons))
+        if varies(speeds):
+            x, mean_hz = resample_to_angle(x, rate, speeds)
+        pieces = max(1, round(len(x) / rate * mean_hz / self.longest))
+        length = fft.prev_fast_len(len(x) // pieces) if math.isfinite(self.longest) else len(x)
+        windows = [
+            analyse_window(
+                x[i * length : (i + 1) * length],
+                rate,
+                bearing,
+                mean_hz,
+                self.settings,
+                unit=self.unit,
+            )
+            for i in range(pieces)
+        ]
+        analysis = Analysis(self, mean_hz, windows[-1], tuple(w.orders for w in windows[:-1]))
+        if not self.settings.averages:
+            # Decided here, where there may be other threads to do it, and not when it is asked.
+            _ = analysis.alone
+        return analysis
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What the samples of an excerpt say, before anything that came earlier is asked."""
+
+    excerpt: Excerpt
+    shaft_hz: float
+    """Mean speed, Hz."""
+    window: Window | None = None
+    """The newest window; None where the record gate refused the excerpt."""
+    before: tuple[OrderSpectra, ...] = ()
+    """Spectra of the excerpt's windows before it, oldest first."""
+    refused: tuple[str, ...] = ()
+    """Why the record gate refused it."""
+
+    @cached_property
+    def alone(self) -> Diagnosis:
+        """Diagnosis from these samples alone."""
+        return self._conclude(())
+
+    def conclude(self, earlier: Sequence[OrderSpectra] = ()) -> Diagnosis:
+        """Diagnosis from these samples and the spectra of earlier windows, oldest first."""
+        return self._conclude(earlier) if earlier else self.alone
+
+    def _conclude(self, earlier: Sequence[OrderSpectra]) -> Diagnosis:
+        excerpt = self.excerpt
+        if self.window is None:
+            return insufficient(
+                [*excerpt.notes, *self.refused],
+                excerpt.bearing,
+                first_sample=excerpt.first_sample,
+                sample_count=len(excerpt.samples),
+                sample_rate=excerpt.sample_rate,
+                shaft_hz=self.shaft_hz,
+                temperature=excerpt.temperature,
+                unit=excerpt.unit,
+            )
+        windows = [*earlier, *self.before, self.window.orders]
+        verdict, speed = _verdict(
+            windows,
+            excerpt.bearing,
+            self.window.speed,
+            self.shaft_hz,
+            self.window.revolutions * len(windows),
+        )
+        return report(
+            replace(verdict, reasons=(*excerpt.notes, *verdict.reasons)),
+            replace(self.window, speed=speed),
+            excerpt.bearing,
+            first_sample=excerpt.first_sample,
+            sample_count=len(excerpt.samples),
+            sample_rate=excerpt.sample_rate,
+            shaft_hz_given=self.shaft_hz,
+            temperature=excerpt.temperature,
+        )
+
+
+def _verdict(
+    windows: Sequence[OrderSpectra],
     bearing: Bearing,
-    *,
-    earlier: Sequence[OrderSpectra] = (),
-    first_sample: int,
-    sample_count: int,
-    sample_rate: float,
-    shaft_hz_given: float,
-    temperature: float = math.nan,
-    notes: Sequence[str] = (),
-) -> Diagnosis:
-    """Judge the mean of several windows; spectra and severity are the newest window's."""
-    speed = newest.speed
-    windows = [*earlier, newest.orders]
-    turns = newest.revolutions * len(windows)
-    verdict = _verdict(accumulate(windows), bearing, speed, turns)
-    if speed.shaft_hz != shaft_hz_given:
-        # A fault beside an integer order can pass for a shaft that runs a little off: the speed
-        # under which the fault shows more clearly is then the right one.
-        apart = abs(speed.shaft_hz / shaft_hz_given - 1.0)
-        given = ShaftSpeed(shaft_hz_given, max(speed.uncertainty, apart), 0.0, speed.tolerance)
-        at_given = accumulate([window.at_given_speed() for window in windows])
-        other = _verdict(at_given, bearing, given, turns)
-        clearer = other.level == 'fault' and other.weight > _CLEARER * verdict.weight
-        if clearer and _mistaken(at_given, other, speed.shaft_hz / shaft_hz_given):
-            verdict, newest = other, replace(newest, speed=given)
-    verdict = replace(verdict, reasons=(*notes, *verdict.reasons))
-    return report(
-        verdict,
-        newest,
-        bearing,
-        first_sample=first_sample,
-        sample_count=sample_count,
-        sample_rate=sample_rate,
-        shaft_hz_given=shaft_hz_given,
-        temperature=temperature,
-    )
+    speed: ShaftSpeed,
+    given_hz: float,
+    turns: float,
+) -> tuple[Verdict, ShaftSpeed]:
+    """Verdict on the mean of several windows, and the speed on which it rests."""
 
+    def decided(spectra: OrderSpectra, speed: ShaftSpeed) -> Verdict:
+        return decide(Evidence(CombSearch(spectra, bearing, speed), turns))
 
-def _verdict(spectra: OrderSpectra, bearing: Bearing, speed: ShaftSpeed, turns: float) -> Verdict:
-    return decide(Evidence(CombSearch(spectra, bearing, speed), turns))
+    verdict = decided(accumulate(windows), speed)
+    if speed.shaft_hz == given_hz:
+        return verdict, speed
+    # A fault beside an integer order can pass for a shaft that runs a little off: the speed under
+    # which the fault shows more clearly is then the right one.
+    apart = abs(speed.shaft_hz / given_hz - 1.0)
+    given = ShaftSpeed(given_hz, max(speed.uncertainty, apart), 0.0, speed.tolerance)
+    at_given = accumulate([window.at_given_speed() for window in windows])
+    other = decided(at_given, given)
+    clearer = other.level == 'fault' and other.weight > _CLEARER * verdict.weight
+    if clearer and _mistaken(at_given, other, speed.shaft_hz / given_hz):
+        return other, given
+    return verdict, speed
 
 
 def _mistaken(at_given: OrderSpectra, verdict: Verdict, gap: float) -> bool:
@@ -102,108 +203,3 @@ def _mistaken(at_given: OrderSpectra, verdict: Verdict, gap: float) -> bool:
         sideband_ratio(at_given, found.order, found.band, side) for side in (gap, 1.0)
     )
     return refined < max(_CLEARER * given, _SIDEBANDS_SHOWN)
-
-
-def diagnose_record(
-    x: ArrayLike,
-    sample_rate: float,
-    bearing: Bearing,
-    shaft_hz: ArrayLike,
-    *,
-    speed_tolerance: float | None = None,
-    unit: str = '',
-    temperature: float = math.nan,
-    settings: DiagnosisSettings | None = None,
-) -> Diagnosis:
-    """
-    Diagnose a whole record.
-
-    Parameters
-    ----------
-    x
-        Vibration, one axis, shape (n,), in any unit.
-    sample_rate
-        Hz.
-    bearing
-        Geometry.
-    shaft_hz
-        Shaft speed, Hz; NaN (unknown) gives ``insufficient``. One number, or the speed at each
-        sample, shape (n,): where it varies by more than 0.5 % the record is taken over angle.
-    speed_tolerance
-        Relative tolerance of ``shaft_hz``; by default that of the settings, for one number the
-        nameplate's, for a speed that varies from sample to sample the measured one's.
-    unit
-        Unit of x, for the severity.
-    temperature
-        Bearing temperature, degC, if known.
-    settings
-        See :class:`DiagnosisSettings`.
-
-    Raises
-    ------
-    BearingTwinError
-        If x is not one-dimensional, ``shaft_hz`` has neither its shape nor none, or a setting is
-        outside its range. A record that cannot be
-        diagnosed is no error: the result is ``insufficient`` and the reasons say why.
-
-    """
-    settings = settings or DiagnosisSettings()
-    if speed_tolerance is not None:
-        settings = replace(settings, speed_tolerance=speed_tolerance)
-    signal = np.asarray(x, dtype=np.float64)
-    if signal.ndim != 1:
-        msg = f'x has shape {signal.shape}; give one axis as a 1-D array'
-        raise BearingTwinError(msg)
-    speeds = np.asarray(shaft_hz, dtype=np.float64)
-    if speeds.shape not in ((), signal.shape):
-        msg = (
-            f'shaft_hz has shape {speeds.shape}, x has {signal.shape}; give one number or one '
-            'a sample'
-        )
-        raise BearingTwinError(msg)
-    if speeds.size > 1 and np.ptp(speeds) > 0.0 and speed_tolerance is None:
-        settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
-    mean_hz = float(speeds.mean()) if speeds.size else math.nan
-    reasons = check_record(signal, sample_rate, mean_hz, highest_fault_order(bearing))
-    if reasons:
-        reasons += not_shown(
-            signal, sample_rate, mean_hz, temperature=temperature, unit=unit, bearing=bearing
-        )
-    else:
-        reasons = check_speeds(speeds)
-    if reasons:
-        return insufficient(
-            reasons,
-            bearing,
-            sample_count=len(signal),
-            sample_rate=sample_rate,
-            shaft_hz=mean_hz,
-            temperature=temperature,
-            unit=unit,
-        )
-    if varies(speeds):
-        signal, mean_hz = resample_to_angle(signal, sample_rate, speeds)
-    turns = len(signal) / sample_rate * mean_hz
-    pieces = max(1, round(turns / _WINDOW_TURNS))
-    length = fft.prev_fast_len(len(signal) // pieces)
-    windows = [
-        analyse_window(
-            signal[i * length : (i + 1) * length],
-            sample_rate,
-            bearing,
-            mean_hz,
-            settings,
-            unit=unit,
-        )
-        for i in range(pieces)
-    ]
-    return conclude(
-        windows[-1],
-        bearing,
-        earlier=[window.orders for window in windows[:-1]],
-        first_sample=0,
-        sample_count=len(signal),
-        sample_rate=sample_rate,
-        shaft_hz_given=mean_hz,
-        temperature=temperature,
-    )

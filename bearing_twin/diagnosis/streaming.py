@@ -5,22 +5,22 @@
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import replace
 import math
 from typing import TYPE_CHECKING
 
+from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.comb import OrderSpectra
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.diagnosis.trend import Trend
-from bearing_twin.diagnosis.update import Update
-from bearing_twin.diagnosis.window import Window
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis.chain import Analysis
     from bearing_twin.diagnosis.result import Diagnosis
-    from bearing_twin.diagnosis.update import Analysis
     from numpy.typing import ArrayLike, NDArray
 
 __all__ = ['StreamingDiagnoser']
@@ -45,12 +45,20 @@ class StreamingDiagnoser:
     settings
         See :class:`DiagnosisSettings`.
 
+    >>> import numpy as np
+    >>> from bearing_twin.bearing import find_bearing
+    >>> diagnoser = StreamingDiagnoser(find_bearing('6307'))
+    >>> noise = np.random.default_rng(0).standard_normal(3 * 25600)
+    >>> [said.result for said in diagnoser.push(0, noise, 25600.0, 25.0)]
+    ['insufficient', 'insufficient', 'healthy']
+
     """
 
     def __init__(self, bearing: Bearing, settings: DiagnosisSettings | None = None) -> None:
         self._bearing = bearing
         self._settings = settings or DiagnosisSettings()
-        self._earlier: deque[tuple[int, OrderSpectra]]
+        self._earlier: deque[tuple[int, OrderSpectra]] = deque()
+        self._judged = self._run = 0
         self._trend = Trend()
         self._notes: list[str] = []
         self._rate = math.nan
@@ -88,9 +96,9 @@ class StreamingDiagnoser:
         """
         Take a block and return the diagnoses that fall due within it, oldest first.
 
-        The same as :meth:`take`, :meth:`Update.analyse` and :meth:`judge` after one another.
+        The same as :meth:`take`, :meth:`Excerpt.analyse` and :meth:`judge` after one another.
         """
-        updates = self.take(
+        excerpts = self.take(
             first_sample,
             x,
             sample_rate,
@@ -99,7 +107,7 @@ class StreamingDiagnoser:
             temperature=temperature,
             unit=unit,
         )
-        return [self.judge(update, update.analyse()) for update in updates]
+        return [self.judge(excerpt.analyse()) for excerpt in excerpts]
 
     def take(
         self,
@@ -111,9 +119,9 @@ class StreamingDiagnoser:
         speed_measured: bool = False,
         temperature: float = math.nan,
         unit: str = '',
-    ) -> list[Update]:
+    ) -> list[Excerpt]:
         """
-        Take a block and return the updates that fall due within it, oldest first.
+        Take a block and return the windows that fall due within it, oldest first.
 
         They may be analysed in any order and thread while further blocks are taken, and are then
         to be judged in their own order. A state is complete, and another bearing or setting may be
@@ -163,7 +171,7 @@ class StreamingDiagnoser:
             else:
                 text = f'window restarted: index went back from {self._next} to {first_sample}'
             self._restart(first_sample, f'{text} before sample {first_sample}')
-        updates = []
+        due_now = []
         while len(block):
             due = self._start + (self._updates + 1) * self._interval
             part, block = block[: due - self._next], block[due - self._next :]
@@ -171,23 +179,25 @@ class StreamingDiagnoser:
             self._next += len(part)
             if self._next == due:
                 self._updates += 1
-                updates.append(self._update(speed_measured, temperature, unit))
-        return updates
+                due_now.append(self._excerpt(speed_measured, temperature, unit))
+        return due_now
 
-    def judge(self, update: Update, analysis: Analysis) -> Diagnosis:
-        """Judge an update together with the windows and verdicts before it."""
-        settings, answer = update.settings, analysis.answer
-        wanted = round(settings.window * update.sample_rate)
-        full = len(update.samples) == wanted
-        if isinstance(answer, Window):
-            earlier = _before(update, wanted)
-            if full and settings.averages:
-                update.earlier.append((update.end, answer.orders))
-            answer = update.conclude(answer, analysis.shaft_hz, earlier)
-        if analysis.refused:
-            return answer
+    def judge(self, analysis: Analysis) -> Diagnosis:
+        """Judge an analysed window together with the windows and verdicts before it."""
+        excerpt = analysis.excerpt
+        settings = excerpt.settings
+        wanted = round(settings.window * excerpt.sample_rate)
+        full = len(excerpt.samples) == wanted
+        if excerpt.run != self._judged:
+            self._judged = excerpt.run
+            self._earlier.clear()
+        if analysis.window is None:
+            return analysis.conclude()
+        earlier = self._before(excerpt, wanted)
+        if full and settings.averages:
+            self._earlier.append((excerpt.end, analysis.window.orders))
         return self._trend.update(
-            answer,
+            analysis.conclude(earlier),
             wanted=settings.baseline_windows,
             hold=settings.hold_updates,
             full=full,
@@ -196,7 +206,8 @@ class StreamingDiagnoser:
     def save(self) -> bytes:
         """State worth keeping over a restart: baseline, held level, windows that are averaged."""
         arrays = {}
-        for number, (_, orders) in enumerate(self._earlier):
+        earlier = self._earlier if self._judged == self._run else ()
+        for number, (_, orders) in enumerate(earlier):
             arrays[f'logs{number}'] = orders.logs
             arrays[f'excess{number}'] = orders.excess
             arrays[f'carrier{number}'] = orders.carrier
@@ -205,7 +216,7 @@ class StreamingDiagnoser:
             'sample_rate': self._rate if math.isfinite(self._rate) else None,
             'start': self._start,
             'next': self._next,
-            'earlier': [(end, orders.step, orders.given) for end, orders in self._earlier],
+            'earlier': [(end, orders.step, orders.given) for end, orders in earlier],
         }
         return pack(_VERSION, values, arrays)
 
@@ -251,7 +262,7 @@ class StreamingDiagnoser:
         else:
             self._rate = math.nan if rate is None else float(rate)
             self._clear(following)
-        self._earlier = earlier
+        self._judged, self._earlier = self._run, earlier
         self._trend = trend
 
     @property
@@ -265,44 +276,45 @@ class StreamingDiagnoser:
 
     def _clear(self, first_sample: int) -> None:
         self._blocks: deque[tuple[NDArray[np.float64], float]] = deque()
-        # A new one: updates that are still to be judged keep theirs.
-        self._earlier = deque()
+        self._run += 1
         self._start = self._next = first_sample
         self._updates = 0
 
-    def _update(self, speed_measured: bool, temperature: float, unit: str) -> Update:
-        wanted = round(self._settings.window * self._rate)
+    def _excerpt(self, speed_measured: bool, temperature: float, unit: str) -> Excerpt:
+        settings = self._settings
+        if speed_measured:
+            settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
+        wanted = round(settings.window * self._rate)
         held = sum(len(part) for part, _ in self._blocks)
         while held - len(self._blocks[0][0]) >= wanted:
             held -= len(self._blocks.popleft()[0])
         lengths = np.array([len(part) for part, _ in self._blocks])
         lengths[0] -= max(held - wanted, 0)
-        notes, self._notes = self._notes, []
-        return Update(
-            samples=np.concatenate([part for part, _ in self._blocks])[-wanted:],
+        samples = np.concatenate([part for part, _ in self._blocks])[-wanted:]
+        notes, self._notes = tuple(self._notes), []
+        return Excerpt(
+            samples=samples,
             shaft_hz=np.array([hz for _, hz in self._blocks]),
             lengths=lengths,
-            end=self._next,
             sample_rate=self._rate,
             bearing=self._bearing,
-            settings=self._settings,
-            speed_measured=speed_measured,
+            settings=settings,
+            first_sample=self._next - len(samples),
             temperature=temperature,
             unit=unit,
             notes=notes,
-            earlier=self._earlier,
+            run=self._run,
         )
 
-
-def _before(update: Update, wanted: int) -> list[OrderSpectra]:
-    """Windows to be averaged with that of an update, oldest first; those too old are dropped."""
-    oldest = update.end - round(update.settings.memory * update.sample_rate)
-    while update.earlier and update.earlier[0][0] - wanted < oldest:
-        update.earlier.popleft()
-    # Only windows that do not overlap this one, nor one another, add evidence.
-    windows, limit = [], update.first_sample
-    for end, orders in reversed(update.earlier):
-        if end <= limit:
-            windows.append(orders)
-            limit = end - wanted
-    return windows[::-1]
+    def _before(self, excerpt: Excerpt, wanted: int) -> list[OrderSpectra]:
+        """Windows to be averaged with an excerpt, oldest first; those too old are dropped."""
+        oldest = excerpt.end - round(excerpt.settings.memory * excerpt.sample_rate)
+        while self._earlier and self._earlier[0][0] - wanted < oldest:
+            self._earlier.popleft()
+        # Only windows that do not overlap this one, nor one another, add evidence.
+        windows, limit = [], excerpt.first_sample
+        for end, orders in reversed(self._earlier):
+            if end <= limit:
+                windows.append(orders)
+                limit = end - wanted
+        return windows[::-1]

@@ -184,7 +184,7 @@ class DiagnosisAsset:
             joint_hz=self._shaft.hz,
             measured=self._shaft.measured,
         ):
-            self._publish_verdict(self._core.judge(due, due.update.analyse()))
+            self._publish_verdict(due.judge(due.analyse()))
 
     def _publish_verdict(self, verdict: Verdict) -> None:
         result = verdict.result

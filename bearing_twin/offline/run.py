@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.assets.diagnosis import DueVerdict
-    from bearing_twin.diagnosis.update import Analysis
+    from bearing_twin.diagnosis.chain import Analysis
     from bearing_twin.recording.reader import RecordedMessage
 
 __all__ = ['OfflineReport', 'run_offline']
@@ -290,7 +290,7 @@ class _DiagnosisSide:
             if isinstance(item, _Analysed):
                 if self._analyses <= most and not item.analysis.done():
                     return
-                for output in self._run.judge(item.due, item.analysis.result()):
+                for output in self._run.outputs(item.due.judge(item.analysis.result())):
                     self._write(output, time)
                 self._analyses -= 1
                 self._report.verdicts = dict(self._run.counts)
@@ -316,7 +316,7 @@ class _DiagnosisSide:
             measured=block.measured,
         ):
             self._analyses += 1
-            analysis = self._pool.submit(due.update.analyse)
+            analysis = self._pool.submit(due.analyse)
             self._waiting.append((_Analysed(due, analysis), block.now))
         self._report.blocks += 1
 

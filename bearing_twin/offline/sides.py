@@ -34,8 +34,7 @@ import yaml
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from bearing_twin.assets.diagnosis import DueVerdict
-    from bearing_twin.diagnosis.update import Analysis
+    from bearing_twin.assets.diagnosis import DueVerdict, Verdict
     from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
 
@@ -229,12 +228,12 @@ class DiagnosisRun:
         """
         Take one vibration message; yield what the node publishes.
 
-        The same as :meth:`take`, the analysis and :meth:`judge` after one another.
+        The same as :meth:`take`, the analyses and verdicts that are due, and :meth:`outputs`.
         """
         for due in self.take(
             message, temperature=temperature, joint_hz=joint_hz, measured=measured
         ):
-            yield from self.judge(due, due.update.analyse())
+            yield from self.outputs(due.judge(due.analyse()))
 
     def take(
         self,
@@ -273,9 +272,8 @@ class DiagnosisRun:
             measured=measured,
         )
 
-    def judge(self, due: DueVerdict, analysis: Analysis) -> Iterator[Output]:
-        """Yield what the node publishes of a verdict; the order is that in which they were due."""
-        verdict = self._core.judge(due, analysis)
+    def outputs(self, verdict: Verdict) -> Iterator[Output]:
+        """Yield what the node publishes of a verdict."""
         self.counts[verdict.result.result] += 1
         yield _output('/diagnosis', verdict.diagnosis)
         yield _output('/features', verdict.features)

@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Diagnosis of a whole record."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+import math
+from typing import TYPE_CHECKING
+
+from bearing_twin.diagnosis.chain import Excerpt
+from bearing_twin.diagnosis.settings import DiagnosisSettings
+from bearing_twin.errors import BearingTwinError
+import numpy as np
+
+if TYPE_CHECKING:
+    from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis.result import Diagnosis
+    from numpy.typing import ArrayLike
+
+__all__ = ['diagnose_record']
+
+_WINDOW_TURNS = 256.0
+"""Shaft turns of the windows into which a record is cut."""
+
+
+def diagnose_record(
+    x: ArrayLike,
+    sample_rate: float,
+    bearing: Bearing,
+    shaft_hz: ArrayLike,
+    *,
+    speed_tolerance: float | None = None,
+    unit: str = '',
+    temperature: float = math.nan,
+    settings: DiagnosisSettings | None = None,
+) -> Diagnosis:
+    """
+    Diagnose a whole record.
+
+    Parameters
+    ----------
+    x
+        Vibration, one axis, shape (n,), in any unit.
+    sample_rate
+        Hz.
+    bearing
+        Geometry.
+    shaft_hz
+        Shaft speed, Hz; NaN (unknown) gives ``insufficient``. One number, or the speed at each
+        sample, shape (n,): where it varies by more than 0.5 % the record is taken over angle.
+    speed_tolerance
+        Relative tolerance of ``shaft_hz``; by default that of the settings, for one number the
+        nameplate's, for a speed that varies from sample to sample the measured one's.
+    unit
+        Unit of x, for the severity.
+    temperature
+        Bearing temperature, degC, if known.
+    settings
+        See :class:`DiagnosisSettings`.
+
+    Raises
+    ------
+    BearingTwinError
+        If x is not one-dimensional, ``shaft_hz`` has neither its shape nor none, or a setting is
+        outside its range. A record that cannot be
+        diagnosed is no error: the result is ``insufficient`` and the reasons say why.
+
+    Examples
+    --------
+    Impacts 4.95 times a turn of a 6307 whose inner race has an order of 4.95, in noise:
+
+    >>> import numpy as np
+    >>> from bearing_twin.bearing import fault_orders, find_bearing
+    >>> bearing = find_bearing('6307')
+    >>> rng = np.random.default_rng(1)
+    >>> x = rng.standard_normal(102400)
+    >>> gap = 25600.0 / (fault_orders(bearing).bpfi * 24.7)
+    >>> for start in np.arange(0.0, 102300.0, gap).astype(int):
+    ...     x[start : start + 16] += 8.0 * np.sin(np.arange(16.0)) * 0.8 ** np.arange(16.0)
+    >>> said = diagnose_record(x, 25600.0, bearing, 24.7)
+    >>> said.result, said.level
+    ('inner', 'fault')
+
+    """
+    settings = settings or DiagnosisSettings()
+    if speed_tolerance is not None:
+        settings = replace(settings, speed_tolerance=speed_tolerance)
+    signal = np.asarray(x, dtype=np.float64)
+    if signal.ndim != 1:
+        msg = f'x has shape {signal.shape}; give one axis as a 1-D array'
+        raise BearingTwinError(msg)
+    speeds = np.asarray(shaft_hz, dtype=np.float64)
+    if speeds.shape not in ((), signal.shape):
+        msg = (
+            f'shaft_hz has shape {speeds.shape}, x has {signal.shape}; give one number or one '
+            'a sample'
+        )
+        raise BearingTwinError(msg)
+    if speeds.size > 1 and np.ptp(speeds) > 0.0 and speed_tolerance is None:
+        settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
+    excerpt = Excerpt(
+        samples=signal,
+        shaft_hz=np.atleast_1d(speeds),
+        lengths=np.full(speeds.size, len(signal) // max(speeds.size, 1), np.intp),
+        sample_rate=sample_rate,
+        bearing=bearing,
+        settings=settings,
+        temperature=temperature,
+        unit=unit,
+        longest=_WINDOW_TURNS,
+    )
+    return excerpt.analyse().conclude()
