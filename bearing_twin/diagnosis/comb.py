@@ -110,6 +110,13 @@ def order_spectra(
     shaft_hz, given_hz
         Shaft speed refined and handed in, Hz.
 
+    >>> from bearing_twin.diagnosis.spectra import EnvelopeSpectra
+    >>> power = np.ones((3, 1, 400), np.float32)
+    >>> spectra = EnvelopeSpectra(0.25, power, power)
+    >>> found = order_spectra(spectra, [0.0], 25.0, 25.0)
+    >>> found.step, found.logs.shape
+    (0.01, (400, 3))
+
     """
     whitenings, bands, count = spectra.power.shape
     logs = spectra.logs.reshape(whitenings * bands, count)
@@ -124,7 +131,15 @@ def order_spectra(
 
 
 def accumulate(windows: Sequence[OrderSpectra]) -> OrderSpectra:
-    """Mean of several windows on the order grid of the last, which is the newest."""
+    """
+    Mean of several windows on the order grid of the last, which is the newest.
+
+    >>> one = OrderSpectra(0.01, np.zeros((9, 1)), np.zeros((9, 2)), np.zeros(1))
+    >>> mean = accumulate([one, replace(one, logs=np.ones((9, 1)))])
+    >>> float(mean.logs.mean()), mean.weight
+    (0.5, 2.0)
+
+    """
     newest = windows[-1]
     if len(windows) == 1:
         return newest
@@ -203,6 +218,15 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
     averaged, and the result is standardised again: the gain from choosing the best band is thus
     part of the null. Median and upper quantile (84 %) stand for mean and standard deviation, so
     that the orders of a fault itself, few of the grid, do not widen the null.
+
+    >>> rng = np.random.default_rng(0)
+    >>> power = rng.exponential(size=(2000, 3))
+    >>> power[np.rint(3.07 * np.arange(1, 5) / 0.01).astype(int) - 1] *= 20.0
+    >>> spectra = OrderSpectra(0.01, np.log1p(power), np.zeros((2000, 2)), np.zeros(1))
+    >>> scores = comb_scores(spectra, 5.0, 3)
+    >>> round(float(scores.grid[scores.z.argmax()]), 2), bool(scores.z.max() > 5.5)
+    (3.07, True)
+
     """
     step = spectra.step / (HARMONICS * _STEPS_PER_BIN)
     grid = np.arange(_LOWEST_ORDER, highest_order, step)

@@ -43,6 +43,11 @@ def confidence(result: str, score: float) -> float:
     -------
     0 to 1; 0 for ``'insufficient'``.
 
+    >>> confidence('insufficient', 9.0)
+    0.0
+    >>> confidence('inner', 12.0) > confidence('inner', 6.0)
+    True
+
     """
     if result == 'insufficient':
         return 0.0

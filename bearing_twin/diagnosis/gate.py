@@ -45,6 +45,12 @@ def check_record(
     highest_order
         Highest fault order of the bearing.
 
+    >>> import numpy as np
+    >>> check_record(np.sin(np.arange(25600.0)), 25600.0, 25.0, 5.0)
+    []
+    >>> check_record(np.ones(25600), 25600.0, 25.0, 5.0)
+    ['the signal is constant at 1: check sensor and cable']
+
     """
     if len(x) == 0:
         return ['the record is empty: give at least a second of vibration']
@@ -83,7 +89,16 @@ def check_record(
 
 
 def check_speeds(shaft_hz: NDArray[np.float64]) -> list[str]:
-    """Reasons why speeds within a record are none that it can be taken over; empty if they are."""
+    """
+    Reasons why speeds within a record are none that it can be taken over; empty if they are.
+
+    >>> import numpy as np
+    >>> check_speeds(np.array([25.0, 25.1]))
+    []
+    >>> check_speeds(np.array([25.0, 0.0]))
+    ['the shaft stood still or turned backwards within the window']
+
+    """
     if not np.isfinite(shaft_hz).all() or shaft_hz.min() <= 0.0:
         return ['the shaft stood still or turned backwards within the window']
     return []

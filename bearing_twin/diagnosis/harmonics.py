@@ -75,6 +75,20 @@ def missing_harmonics(
     hidden
         (K,) mask of the bins that are not to be used.
 
+    >>> import numpy as np
+    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> rows = np.rint(6.14 * np.arange(1, 4) / 0.01).astype(int) - 1
+    >>> logs = np.full((2000, 1), 0.6, np.float32)
+    >>> logs[rows] = 3.0
+    >>> excess = np.zeros((2000, 2), np.float32)
+    >>> excess[rows] = 1.0
+    >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
+    >>> nothing = np.zeros(2000, bool)
+    >>> missing_harmonics(spectra, 3.07, np.array([0]), nothing)
+    2
+    >>> missing_harmonics(spectra, 6.14, np.array([0]), nothing)
+    1
+
     """
     harmonics = np.arange(1, HARMONICS + 1)
     heights = _heights(spectra, harmonics * order, columns)
@@ -111,6 +125,18 @@ def denser_series(
         Largest relative error of the shaft speed. The sidebands of load-zone modulated impacts
         are as high as their harmonics: a series as near to the shaft's is left to
         :func:`masked_by_shaft`.
+
+    >>> import numpy as np
+    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> rows = np.rint(1.02 * np.arange(1, 19) / 0.01).astype(int) - 1
+    >>> logs = np.full((2000, 1), 0.6, np.float32)
+    >>> logs[rows] = 3.0
+    >>> excess = np.zeros((2000, 2), np.float32)
+    >>> excess[rows] = 1.0
+    >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
+    >>> nothing = np.zeros(2000, bool)
+    >>> round(denser_series(spectra, 3.06, np.array([0]), nothing, nothing, nothing, 0.002), 2)
+    1.02
 
     """
     harmonics = order * np.arange(1, HARMONICS + 1)
@@ -173,6 +199,20 @@ def masked_by_shaft(
         Relative error of the shaft speed that is expected.
     uncertainty
         The largest relative error: as far as lines may smear.
+
+    >>> import numpy as np
+    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> rows = np.rint(1.0 * np.arange(1, 20) / 0.01).astype(int) - 1
+    >>> logs = np.full((2000, 1), 0.6, np.float32)
+    >>> logs[rows] = 3.0
+    >>> excess = np.zeros((2000, 2), np.float32)
+    >>> excess[rows] = 1.0
+    >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
+    >>> known = {'precision': 0.0005, 'uncertainty': 0.002}
+    >>> masked_by_shaft(spectra, 3.0, np.array([0]), **known)
+    True
+    >>> masked_by_shaft(spectra, 3.07, np.array([0]), **known)
+    False
 
     """
     turns = round(order)

@@ -54,6 +54,11 @@ def smallest_detectable(
     d_ball
         m.
 
+    >>> smallest_detectable(8.0, 25.0, 30.0, 1.0, 'm/s^2', 0.0135) < 0.5
+    True
+    >>> smallest_detectable(8.0, 3.0, 30.0, 1.0, 'm/s^2', 0.0135)
+    nan
+
     """
     table = _table()
     speeds = np.asarray(table['shaft_hz'])
@@ -81,7 +86,13 @@ def smallest_detectable(
 def shown_by(
     seconds: float, shaft_hz: float, temperature: float, rms: float, unit: str, d_ball: float
 ) -> str:
-    """Smallest race fault that a window could have shown, in words; as smallest_detectable."""
+    """
+    Smallest race fault that a window could have shown, in words; as smallest_detectable.
+
+    >>> shown_by(8.0, 3.0, 30.0, 1.0, 'm/s^2', 0.0135)
+    'none is sure to'
+
+    """
     smallest = smallest_detectable(seconds, shaft_hz, temperature, rms, unit, d_ball)
     if not math.isfinite(smallest):
         return 'none is sure to'
@@ -99,6 +110,10 @@ def expected_level(shaft_hz: float, temperature: float) -> float:
     Only differences mean anything: they correct the level of a real bearing to the speed and
     temperature at which its baseline was learnt. Linear in log speed and in temperature, and held
     at the ends of the table.
+
+    >>> expected_level(50.0, 20.0) > expected_level(25.0, 20.0)
+    True
+
     """
     table = _table()
     speeds = np.log(table['level_shaft_hz'])

@@ -39,7 +39,29 @@ def report(
     shaft_hz_given: float,
     temperature: float,
 ) -> Diagnosis:
-    """Diagnosis of a window from the verdict on it."""
+    """
+    Diagnosis of a window from the verdict on it.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.diagnosis.evidence import Evidence
+    >>> from bearing_twin.diagnosis.rules import decide
+    >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
+    >>> from bearing_twin.diagnosis.window import analyse_window
+    >>> noise, bearing = np.random.default_rng(0).standard_normal(51200), find_bearing('6307')
+    >>> said = report(
+    ...     decide(Evidence.of()),
+    ...     analyse_window(noise, 25600.0, bearing, 25.0, DiagnosisSettings()),
+    ...     bearing,
+    ...     first_sample=0,
+    ...     sample_count=51200,
+    ...     sample_rate=25600.0,
+    ...     shaft_hz_given=25.0,
+    ...     temperature=40.0,
+    ... )
+    >>> said.result, said.fault_code
+    ('healthy', 'BEARING_OK')
+
+    """
     shaft_hz = window.speed.shaft_hz
     expected = fault_frequencies(bearing, shaft_hz)
     strongest = verdict.strongest
@@ -132,6 +154,11 @@ def coarse_spectrum(
     Amplitudes, the middle of the first group and the spacing of the groups, Hz. The same as given
     where bins are wider than 2/3 Hz already.
 
+    >>> amplitude = np.array([1.0, 0.0, 5.0, 0.0, 2.0, 0.0, 0.0, 3.0], np.float32)
+    >>> values, first_hz, step_hz = coarse_spectrum(amplitude, 0.25)
+    >>> values.tolist(), first_hz, step_hz
+    ([5.0, 3.0], 0.375, 1.0)
+
     """
     group = max(round(1.0 / bin_hz), 1)
     count = -(-len(amplitude) // group)
@@ -155,6 +182,12 @@ def not_shown(
     Say that a window which the record gate refused shows nothing, and what a longer one would.
 
     Empty where there is no window to speak of: no speed, no samples or broken ones.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> known = {'temperature': 30.0, 'unit': 'm/s^2', 'bearing': find_bearing('6307')}
+    >>> not_shown(np.zeros(0), 25600.0, 25.0, **known)
+    []
+
     """
     if not (math.isfinite(shaft_hz) and shaft_hz > 0.0 and len(x) and np.isfinite(x).all()):
         return []
@@ -177,7 +210,15 @@ def insufficient(
     temperature: float = math.nan,
     unit: str = '',
 ) -> Diagnosis:
-    """Diagnosis that makes no statement, and says why."""
+    """
+    Diagnosis that makes no statement, and says why.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> said = insufficient(['the record is empty'], find_bearing('6307'))
+    >>> said.result, said.level, said.reasons
+    ('insufficient', 'none', ('the record is empty',))
+
+    """
     unknown: dict[str, float] = dict.fromkeys(PLACES, math.nan)
     nothing = Spectrum(
         kind='spectrum',

@@ -36,12 +36,24 @@ _FACTORS = {'m/s^2': 1.0, 'm/s2': 1.0, 'm/s²': 1.0, 'g': 9.80665, 'mm/s^2': 1e-
 
 
 def acceleration_factor(unit: str) -> float:
-    """Factor from ``unit`` to m/s^2; NaN where the unit is not known to be an acceleration."""
+    """
+    Factor from ``unit`` to m/s^2; NaN where the unit is not known to be an acceleration.
+
+    >>> acceleration_factor('g'), acceleration_factor('V')
+    (9.80665, nan)
+
+    """
     return _FACTORS.get(unit.strip(), math.nan)
 
 
 def iso_zone(velocity_rms: float, power_group: int, mounting: str) -> str:
-    """Zone ``'A'``..``'D'`` of ISO 20816-3, or empty where group, mounting or level is unknown."""
+    """
+    Zone ``'A'``..``'D'`` of ISO 20816-3, or empty where group, mounting or level is unknown.
+
+    >>> iso_zone(3.0, 2, 'rigid'), iso_zone(3.0, 0, '')
+    ('C', '')
+
+    """
     limits = ISO_LIMITS.get((power_group, mounting))
     if limits is None or not math.isfinite(velocity_rms):
         return ''
@@ -72,6 +84,11 @@ def measure_severity(
         Unit of x.
     power_group, mounting
         See :func:`iso_zone`.
+
+    >>> x = np.sin(2.0 * np.pi * 100.0 * np.arange(25600) / 25600.0)
+    >>> found = measure_severity(x, np.fft.rfft(x) / len(x), 25600.0, unit='m/s^2')
+    >>> round(found.rms, 4), round(found.crest_factor, 4), round(found.velocity_rms, 4)
+    (0.7071, 1.4142, 1.1254)
 
     """
     square = x * x

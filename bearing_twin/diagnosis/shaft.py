@@ -66,6 +66,14 @@ def refine_shaft_hz(
     -------
     The refined speed, or the given one with its tolerance where no harmonics stand out.
 
+    >>> from bearing_twin.diagnosis.spectra import EnvelopeSpectra
+    >>> power = np.ones(2001, np.float32)
+    >>> power[1010 * np.arange(1, 7) // 10] = 1e4
+    >>> flat = np.ones((3, 1, 2000), np.float32)
+    >>> envelopes = EnvelopeSpectra(0.25, flat, flat)
+    >>> round(refine_shaft_hz(power, 0.25, envelopes, 25.0, 0.02).shaft_hz, 1)
+    25.2
+
     """
     step = bin_hz / (2.0 * _HARMONICS)
     reach = max(tolerance * given_hz, step)
@@ -107,7 +115,13 @@ def refine_shaft_hz(
 
 
 def varies(shaft_hz: NDArray[np.float64]) -> bool:
-    """Whether a speed moves so far within a window that its lines smear."""
+    """
+    Whether a speed moves so far within a window that its lines smear.
+
+    >>> varies(np.array([25.0, 25.1])), varies(np.array([25.0, 26.0]))
+    (False, True)
+
+    """
     return bool(np.ptp(shaft_hz) > _STEADY * shaft_hz.mean())
 
 
@@ -129,6 +143,12 @@ def resample_to_angle(
     Returns
     -------
     The record over angle, and the mean speed, Hz, at which it would have its old sample rate.
+
+    >>> hertz = np.linspace(20.0, 30.0, 25600)
+    >>> x = np.cos(2.0 * np.pi * np.cumsum(hertz) / 25600.0)
+    >>> even, mean_hz = resample_to_angle(x, 25600.0, hertz)
+    >>> round(mean_hz, 3), int(np.abs(np.fft.rfft(even)).argmax())
+    (25.0, 25)
 
     """
     angle = np.concatenate(([0.0], np.cumsum(0.5 * (shaft_hz[1:] + shaft_hz[:-1])))) / sample_rate

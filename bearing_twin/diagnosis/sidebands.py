@@ -38,6 +38,19 @@ def modulation_index(
     are slow and smooth, is taken with lines kept. A healthy bearing forces its housing at the
     outer race's frequency and its low multiples (variable compliance); for that family the index
     counts only in bands that begin above ``CARRIER`` multiples.
+
+    >>> import numpy as np
+    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> rows = np.rint(3.07 * np.arange(1, 5) / 0.01).astype(int) - 1
+    >>> logs = np.full((2000, 1), 0.6, np.float32)
+    >>> logs[rows] = 3.0
+    >>> excess = np.zeros((2000, 2), np.float32)
+    >>> excess[rows] = 1.0
+    >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
+    >>> index, band = modulation_index(spectra, 3.07, np.ones(1, np.float32), 'inner')
+    >>> round(index, 2), band
+    (3.27, 0)
+
     """
     bands = len(spectra.carrier)
     lines = slice(0, bands) if family == 'cage' else slice(bands, None)
@@ -56,21 +69,63 @@ def modulation_index(
 
 
 def comb_power(spectra: OrderSpectra, order: float, band: int) -> float:
-    """Relative power of the lines of a comb in one band, lines capped."""
+    """
+    Relative power of the lines of a comb in one band, lines capped.
+
+    >>> import numpy as np
+    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> rows = np.rint(3.07 * np.arange(1, 5) / 0.01).astype(int) - 1
+    >>> logs = np.full((2000, 1), 0.6, np.float32)
+    >>> logs[rows] = 3.0
+    >>> excess = np.zeros((2000, 2), np.float32)
+    >>> excess[rows] = 1.0
+    >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
+    >>> comb_power(spectra, 3.07, 0)
+    4.0
+
+    """
     harmonics = order * np.arange(1, HARMONICS + 1)
     rows = spectra.rows(harmonics[:, None] + spectra.step * np.arange(-1, 2))
     return float(spectra.excess[rows, len(spectra.carrier) + band].sum())
 
 
 def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 1.0) -> float:
-    """Amplitude of the lines one and two gaps beside the harmonics of a comb, over theirs."""
+    """
+    Amplitude of the lines one and two gaps beside the harmonics of a comb, over theirs.
+
+    >>> import numpy as np
+    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> rows = np.rint(1.0 * np.arange(1, 19) / 0.01).astype(int) - 1
+    >>> logs = np.full((2000, 1), 0.6, np.float32)
+    >>> logs[rows] = 3.0
+    >>> excess = np.zeros((2000, 2), np.float32)
+    >>> excess[rows] = 1.0
+    >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
+    >>> sideband_ratio(spectra, 4.0, 0), sideband_ratio(spectra, 4.0, 0, 0.5)
+    (1.0, 0.7071067690849304)
+
+    """
     return float(sideband_ratios(spectra, order, band, np.array([gap]))[0])
 
 
 def sideband_ratios(
     spectra: OrderSpectra, order: float, band: int, gaps: NDArray[np.float64]
 ) -> NDArray[np.float32]:
-    """Sideband ratio at each of several gaps."""
+    """
+    Sideband ratio at each of several gaps.
+
+    >>> import numpy as np
+    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> rows = np.rint(1.0 * np.arange(1, 19) / 0.01).astype(int) - 1
+    >>> logs = np.full((2000, 1), 0.6, np.float32)
+    >>> logs[rows] = 3.0
+    >>> excess = np.zeros((2000, 2), np.float32)
+    >>> excess[rows] = 1.0
+    >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
+    >>> sideband_ratios(spectra, 4.0, 0, np.array([1.0, 0.25])).tolist()
+    [1.0, 0.0]
+
+    """
     harmonics = order * np.arange(1, HARMONICS + 1)
     sides = gaps[:, None] * np.array([0.0, -2.0, -1.0, 1.0, 2.0])
     lines = sides[..., None, None] + harmonics[:, None] + spectra.step * np.arange(-1, 2)

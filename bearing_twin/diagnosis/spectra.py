@@ -57,6 +57,11 @@ def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
     -------
     Floor, same shape; at least 1e-30, so that dividing by it is safe.
 
+    >>> noise = np.random.default_rng(0).exponential(size=4096).astype(np.float32)
+    >>> noise[1000] = 500.0
+    >>> bool(np.abs(local_floor(noise, 256) - 1.0).max() < 0.4)
+    True
+
     """
     count = power.shape[-1]
     hop = max(width // 2, 4)
@@ -98,6 +103,10 @@ def line_cap(turns: float) -> float:
     Twice the floor in amplitude at 50 turns. A line stands out of the floor by the length of the
     window, and so do the lines of a fault whose impacts keep time: the cap grows with the window,
     so that the modulation index of a fault does not fall with it.
+
+    >>> line_cap(25.0), line_cap(50.0), line_cap(200.0)
+    (4.0, 4.0, 16.0)
+
     """
     return _CAP * max(turns / _CAP_TURNS, 1.0)
 
@@ -124,6 +133,11 @@ def whiten(
     Returns
     -------
     Array of shape (3, K) in the order of :data:`WHITENINGS`.
+
+    >>> spectrum = np.fft.rfft(np.random.default_rng(0).standard_normal(4096)).astype(np.complex64)
+    >>> flat, capped, cepstral = whiten(spectrum, 256)
+    >>> bool(np.allclose(np.abs(cepstral), 1.0, atol=1e-3))
+    True
 
     """
     power = spectrum.real**2 + spectrum.imag**2
@@ -162,6 +176,10 @@ def band_tree(bins: int, bin_hz: float, *, depth: int, narrowest_hz: float) -> B
     Tree over ``bins`` bins: the whole range, then 3, 7, 15, ... half-overlapping bands.
 
     It ends at ``depth`` halvings or where a band would be narrower than ``narrowest_hz``.
+
+    >>> band_tree(12800, 1.0, depth=3, narrowest_hz=500.0).bands[:2]
+    [(0.0, 12800.0), (0.0, 6400.0)]
+
     """
     levels: list[tuple[int, tuple[int, ...]]] = [(bins, (0,))]
     for level in range(1, depth + 1):
@@ -214,6 +232,13 @@ def envelope_spectra(
     Returns
     -------
     Relative power: 1/4 of the squared modulation index of a sinusoidal modulation.
+
+    >>> noise = np.random.default_rng(0).standard_normal(25600)
+    >>> spectrum = np.fft.rfft(noise).astype(np.complex64)
+    >>> tree = band_tree(12800, 1.0, depth=1, narrowest_hz=500.0)
+    >>> found = envelope_spectra(whiten(spectrum, 256), tree, max_hz=500.0, floor_width=64)
+    >>> found.power.shape, found.bin_hz
+    ((3, 4, 500), 1.0)
 
     """
     count = max(int(max_hz / tree.bin_hz), 16)

@@ -20,7 +20,14 @@ _DTYPES = ('float32', 'float64', 'int64')
 
 
 def pack(version: int, values: dict[str, Any], arrays: dict[str, np.ndarray[Any, Any]]) -> bytes:
-    """Bytes of JSON-able ``values`` and numeric ``arrays``; :func:`unpack` reverses it."""
+    """
+    Bytes of JSON-able ``values`` and numeric ``arrays``; :func:`unpack` reverses it.
+
+    >>> values, arrays = unpack(pack(2, {'count': 3}, {'x': np.zeros(2)}), 2)
+    >>> values, arrays['x'].tolist()
+    ({'count': 3}, [0.0, 0.0])
+
+    """
     layout = [(name, str(array.dtype), list(array.shape)) for name, array in arrays.items()]
     text = json.dumps({'values': values, 'arrays': layout}, sort_keys=True).encode()
     body = text + b''.join(np.ascontiguousarray(array).tobytes() for array in arrays.values())
@@ -35,6 +42,9 @@ def unpack(data: bytes, version: int) -> tuple[dict[str, Any], dict[str, np.ndar
     ------
     BearingTwinError
         If the bytes are not a state, are damaged, or are of another version.
+
+    >>> unpack(pack(2, {'count': 3}, {}), 2)
+    ({'count': 3}, {})
 
     """
     if len(data) < _HEADER.size or data[:4] != _MAGIC:

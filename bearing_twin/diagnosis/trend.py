@@ -28,6 +28,10 @@ def fault_stage(index: float, level_over_baseline: float, iso_zone: str) -> int:
     1: the envelope is modulated less than fully; 2: fully; 3: the level has also doubled (6 dB)
     over the asset's baseline, or the machine is in zone C; 4: it has quadrupled, or zone D.
     Without baseline and zone the stage is at most 2.
+
+    >>> fault_stage(0.7, 2.0, 'A'), fault_stage(0.7, 13.0, '')
+    (1, 4)
+
     """
     if level_over_baseline >= _HIGH_DB or iso_zone == 'D':
         return 4

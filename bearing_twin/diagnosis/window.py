@@ -44,7 +44,14 @@ class Window:
 
 
 def highest_fault_order(bearing: Bearing) -> float:
-    """Order of the highest fault family."""
+    """
+    Order of the highest fault family.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> round(highest_fault_order(find_bearing('6205')), 3)
+    5.415
+
+    """
     orders = fault_orders(bearing)
     return max(orders.impacts(name) for name in PLACES)
 
@@ -67,6 +74,14 @@ def analyse_window(
     Everything that is computed before windows are averaged and judged.
 
     The window must have passed :func:`check_record`.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
+    >>> noise = np.random.default_rng(0).standard_normal(51200)
+    >>> window = analyse_window(noise, 25600.0, find_bearing('6307'), 25.0, DiagnosisSettings())
+    >>> window.revolutions, round(window.severity.rms, 1)
+    (50.0, 1.0)
+
     """
     x = x - x.mean()
     bin_hz = sample_rate / len(x)
