@@ -10,7 +10,6 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin import __version__
 from bearing_twin.bearing import PLACES
-from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin.stamps import split_ns
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
 from builtin_interfaces.msg import Time
@@ -77,7 +76,7 @@ def twin_state_message(
         sample_count=block.x.size,
         bearing=values['bearing'] or values['geometry'],
         thermal_mode=values['thermal_mode'],
-        defect=defect_places(values['defect']),
+        defect=values['defect'].strip() or 'none',
         temperature_status=int(temperature.status),
         temperature_measured=temperature.measured,
         temperature_used=temperature.used,

@@ -194,7 +194,7 @@ def test_an_own_machine_offline_twice_gives_the_same_bytes_and_is_re_run(tmp_pat
     )
     assert once == again
     [state, *_] = [m.decode() for m in read_messages(tmp_path / 'once', topics=['/twin_state'])]
-    assert (state.bearing, state.defect) == (OWN['geometry'], 'inner+outer+ball')
+    assert (state.bearing, state.defect) == (OWN['geometry'], OWN['defect'])
     checkpoints = list(read_messages(tmp_path / 'once', topics=['/twin_checkpoint']))
     assert len(checkpoints) == 5
     assert OWN.items() <= yaml.safe_load(checkpoints[-1].decode().configuration).items()
