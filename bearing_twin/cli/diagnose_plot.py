@@ -1,76 +1,52 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Picture of a diagnosis: spectrum and envelope spectrum with the fault cursors."""
+"""Picture of a diagnosis: its spectra as the report draws them."""
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import PLACES
+from bearing_twin.bearing.vocabulary import TITLES
+from bearing_twin.view.report.spectra import CAPTION, draw_envelope_spectrum, draw_spectrum
+from bearing_twin.view.report.svg import STYLE
+from bearing_twin.view.spectrum import SpectrumPicture
+import matplotlib as mpl
 from matplotlib.figure import Figure
-import numpy as np
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.diagnosis import Diagnosis, Spectrum
-    from matplotlib.axes import Axes
 
 __all__ = ['draw']
-
-_COLOURS = {'inner': 'tab:red', 'outer': 'tab:blue', 'ball': 'tab:green', 'cage': 'tab:purple'}
-_HARMONICS = 4
 
 
 def draw(diagnosis: Diagnosis, path: Path, *, title: str) -> None:
     """Write the picture of a diagnosis to ``path`` (PNG)."""
-    figure = Figure(figsize=(11, 7), layout='constrained')
-    upper, lower = figure.subplots(2, 1)
-    faults = ', '.join(diagnosis.faults) or diagnosis.result
-    figure.suptitle(f'{title}: {faults} [{diagnosis.level}]')
-    _curve(upper, diagnosis.spectrum)
-    upper.set_ylabel(f'amplitude {diagnosis.spectrum.unit}'.strip())
-    _curve(lower, diagnosis.envelope_spectrum)
-    low, high = diagnosis.envelope_spectrum.band
-    lower.set_ylabel(f'squared envelope, {low / 1e3:.2f} to {high / 1e3:.2f} kHz')
-    lower.set_xlabel('frequency, Hz')
-    _cursors(lower, diagnosis)
-    figure.savefig(path, dpi=110)
+    envelope = _picture(diagnosis.envelope_spectrum, diagnosis)
+    spectrum = _picture(diagnosis.spectrum, diagnosis)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(11, 7), layout='constrained')
+        upper, lower = figure.subfigures(2, 1, height_ratios=[2.0, 1.0])
+        figure.suptitle(f'{title}: {TITLES[diagnosis.result]} [{diagnosis.level}]')
+        if envelope is not None:
+            draw_envelope_spectrum(upper, envelope)
+            upper.supxlabel(CAPTION, fontsize='small')
+        if spectrum is not None:
+            band = envelope.band if envelope is not None else (0.0, 0.0)
+            draw_spectrum(lower.subplots(), spectrum, band)
+        figure.savefig(path, dpi=110)
 
 
-def _curve(axes: Axes, spectrum: Spectrum) -> None:
-    hertz = spectrum.start_hz + spectrum.bin_hz * np.arange(len(spectrum.values))
-    axes.semilogy(hertz, np.maximum(spectrum.values, 1e-20), linewidth=0.6, color='0.25')
-    if len(spectrum.floor):
-        axes.semilogy(hertz, spectrum.floor, linewidth=1.0, color='tab:orange', label='floor')
-    positive = spectrum.values[spectrum.values > 0.0]
-    if len(positive):
-        axes.set_ylim(bottom=float(np.quantile(positive, 0.02)))
-    axes.set_xlim(hertz[0], hertz[-1])
-    axes.grid(visible=True, alpha=0.3)
-
-
-def _cursors(axes: Axes, diagnosis: Diagnosis) -> None:
-    for name in PLACES:
-        hertz = diagnosis.expected.impacts(name)
-        named = name in diagnosis.faults
-        if named:
-            hertz *= (
-                diagnosis.fault_hz / diagnosis.fault_hz_expected
-                if name == diagnosis.faults[0]
-                else 1.0
-            )
-        for harmonic in range(1, _HARMONICS + 1):
-            axes.axvline(
-                harmonic * hertz,
-                color=_COLOURS[name],
-                linewidth=1.2 if named else 0.7,
-                linestyle='-' if named else ':',
-                label=f'{name} {hertz:.2f} Hz' if harmonic == 1 else None,
-            )
-    for harmonic in range(1, _HARMONICS + 1):
-        label = f'shaft {diagnosis.shaft_hz:.2f} Hz' if harmonic == 1 else None
-        axes.axvline(
-            harmonic * diagnosis.shaft_hz, color='0.6', linewidth=0.7, linestyle='--', label=label
-        )
-    axes.legend(loc='upper right', fontsize='small')
+def _picture(spectrum: Spectrum, diagnosis: Diagnosis) -> SpectrumPicture | None:
+    """Prepare a spectrum, which on the wire has the cursors of its diagnosis beside it."""
+    message = SimpleNamespace(
+        **vars(spectrum),
+        **diagnosis.expected._asdict(),
+        band_low=spectrum.band[0],
+        band_high=spectrum.band[1],
+        shaft_hz=diagnosis.shaft_hz,
+        first_sample=diagnosis.first_sample,
+    )
+    return SpectrumPicture.of(message, diagnosis)

@@ -12,6 +12,7 @@ import tempfile
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.view.rerun.blueprint import PAGES
 from bearing_twin.view.rerun.opening import draw_recordings, find_recording
 from bearing_twin.view.rerun.viewer import HeadlessViewer, live_url, show, show_in_browser
 
@@ -52,6 +53,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--at', type=float, metavar='SECONDS', help='moment of the picture (default: the end)'
+    )
+    parser.add_argument(
+        '--page',
+        default='',
+        choices=PAGES,
+        help='page in front',
     )
     parser.add_argument(
         '--size', default='1800x1100', help='of the picture, WIDTHxHEIGHT (default 1800x1100)'
@@ -96,7 +103,8 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
             _copy(pictures[0], args.save)
         return [str(pictures[0])]
     rrd = folder / f'{paths[0].resolve().stem}.rrd'
-    problems = draw_recordings(paths, rrd, progress=_progress if sys.stderr.isatty() else None)
+    progress = _progress if sys.stderr.isatty() else None
+    problems = draw_recordings(paths, rrd, page=args.page, progress=progress)
     for topic, reason in problems.items():
         print(f'{topic} is not drawn: {reason}', file=sys.stderr)
     if args.save:

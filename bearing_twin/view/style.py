@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from bearing_twin.bearing.vocabulary import RESULTS, TITLES
+
 __all__ = [
     'APPLICATION',
     'FAMILIES',
@@ -49,16 +51,17 @@ FAMILIES = (
 )
 """In the order of the per-family arrays of a Diagnosis."""
 
-VERDICTS = (
-    State('healthy', 'HEALTHY', (56, 142, 60)),
-    State('inner', 'INNER RACE FAULT', (211, 47, 47)),
-    State('outer', 'OUTER RACE FAULT', (173, 20, 87)),
-    State('ball', 'BALL FAULT', (230, 81, 0)),
-    State('cage', 'CAGE FAULT', (142, 36, 170)),
-    State('suspect', 'SUSPECT', (249, 168, 37)),
-    State('ambiguous', 'FAULT, PLACE UNCERTAIN', (121, 85, 72)),
-    State('insufficient', 'NO STATEMENT', (117, 117, 117)),
-)
+_VERDICT_COLOURS: dict[str, Colour] = {
+    'healthy': (56, 142, 60),
+    'inner': (211, 47, 47),
+    'outer': (173, 20, 87),
+    'ball': (230, 81, 0),
+    'cage': (142, 36, 170),
+    'suspect': (249, 168, 37),
+    'ambiguous': (121, 85, 72),
+    'insufficient': (117, 117, 117),
+}
+VERDICTS = tuple(State(key, TITLES[key], _VERDICT_COLOURS[key]) for key in RESULTS)
 """By the constants of Diagnosis.result. Green is healthy, grey is none, all else wants a look."""
 
 TEMPERATURE_STATES = (
@@ -72,10 +75,10 @@ TEMPERATURE_STATES = (
 """By the constants of TwinState.temperature_status."""
 
 LANE_LEVELS = (
-    State('ok', 'OK', (56, 142, 60)),
-    State('warn', 'WARN', (249, 168, 37)),
-    State('error', 'ERROR', (211, 47, 47)),
-    State('stale', 'STALE', (117, 117, 117)),
+    State('ok', 'ok', (56, 142, 60)),
+    State('warn', 'warning', (249, 168, 37)),
+    State('error', 'error', (211, 47, 47)),
+    State('stale', 'stale', (117, 117, 117)),
 )
 """By the level of a DiagnosticStatus."""
 

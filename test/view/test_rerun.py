@@ -8,20 +8,20 @@ import socket
 from types import SimpleNamespace
 
 from bearing_twin import cli
-from bearing_twin.bearing import fault_frequencies
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.view.rerun.bearing3d import contact_forces, SLOWED
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings, find_recording
-from bearing_twin.view.rerun.spectra import cursors, pooled
+from bearing_twin.view.rerun.texts import parameter_tables
+from bearing_twin.view.rerun.timebase import Timebase
 from bearing_twin.view.rerun.viewer import live_url, LOOPBACK
 from bearing_twin.view.rerun.waveform import extremes
-from bearing_twin.view.timebase import Timebase
 import numpy as np
 import pytest
 from rerun.chunk import RrdReader
+import yaml
 
 SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
 SECOND = 1_000_000_000
@@ -54,8 +54,10 @@ def columns(rrd, entity, component):
             continue
         batch = chunk.to_record_batch()
         names = batch.schema.names
+        data = next((n for n in names if n.endswith(f':{component}')), None)
+        if data is None:
+            continue
         times += batch.column(names.index('ros_time')).cast('int64').to_pylist()
-        data = next(n for n in names if n.endswith(f':{component}'))
         values += batch.column(names.index(data)).to_pylist()
     order = np.argsort(times, kind='stable')
     return np.array(times)[order], [values[k] for k in order]
@@ -110,27 +112,82 @@ def test_the_cage_turns_slower_by_the_stated_factor(recording, picture):
     assert turns == pytest.approx(np.mean(ftf) * seconds, rel=0.01)
 
 
-def test_cursors_stand_at_the_fault_frequencies():
-    f = fault_frequencies(find_bearing('6307'), 25.0)
-    message = SimpleNamespace(bpfo=f.bpfo, bpfi=f.bpfi, bsf=f.bsf, ftf=f.ftf, shaft_hz=25.0)
-    drawn = cursors(message, harmonics=2)
-    assert [x for x, _ in drawn['outer']] == pytest.approx([f.bpfo, 2 * f.bpfo])
-    assert [x for x, _ in drawn['cage']] == pytest.approx([f.ftf, 2 * f.ftf])
-    places = [k * f.bpfi + s for k in (1, 2) for s in (-25.0, 0.0, 25.0)]
-    assert [x for x, _ in drawn['inner']] == pytest.approx(places)
-    places = [2 * k * f.bsf + s for k in (1, 2) for s in (-f.ftf, 0.0, f.ftf)]
-    assert [x for x, _ in drawn['ball']] == pytest.approx(places)
-    message.bpfo = math.nan
-    assert 'outer' not in cursors(message)
+def test_a_fleet_keeps_the_parameters_of_each_bearing_apart(tmp_path):
+    configuration = {
+        'line3/pump': {'bearing': '6307', 'defect': 'inner', 'seed': 1},
+        'line3/fan': {'bearing': '6205', 'defect': 'none', 'seed': 2},
+    }
+    checkpoint = stamp(SECOND)
+    checkpoint.node, checkpoint.kind, checkpoint.version = '/fleet', 'fleet', '0.1.0'
+    checkpoint.configuration = yaml.safe_dump(configuration)
+    assert parameter_tables(configuration) == configuration
+    assert parameter_tables({'a': 1, 'b': 'x'}) == {'': {'a': 1, 'b': 'x'}}
+    rrd = tmp_path / 'fleet.rrd'
+    with RerunLogger(recording_id='fleet', rrd=rrd) as logger:
+        logger.log('/fleet/checkpoint', 'bearing_twin_msgs/msg/Checkpoint', checkpoint, SECOND)
+    assert logger.problems == {}
+    _, ((text,),) = columns(rrd, '/fleet/checkpoint/parameters', 'text')
+    fan, pump = text.split('#### ')[1:]
+    assert pump.startswith('line3/pump')
+    assert '| bearing | 6307 | defect | inner |' in pump
+    assert '| bearing | 6205 | defect | none |' in fan
 
 
-def test_pooling_keeps_every_peak_at_its_frequency():
-    values = np.random.default_rng(1).random(51201)
-    values[12345] = 9.0
-    frequencies, heights, width = pooled(values, 0.25, 0.25)
-    assert len(heights) <= 300
-    assert frequencies[heights.argmax()] == 0.25 + 12345 * 0.25
-    assert len(heights) * width >= 51201 * 0.25
+def twin_state(defect, time, **angles):
+    """Return a state of a standing 6307."""
+    pose = {'shaft_angle': 0.0, 'cage_angle': 0.0, 'ball_angle': 0.0} | angles
+    return SimpleNamespace(
+        **vars(stamp(time)),
+        **pose,
+        **dict.fromkeys(('shaft_hz', 'ftf', 'bsf', 'inner_x', 'inner_y'), 0.0),
+        **dict.fromkeys(('beta0', 'kappa', 'lateness', 'execution_time', 'c_d'), 0.0),
+        **dict.fromkeys(('temperature_status', 'blocks_late', 'blocks_dropped'), 0),
+        **dict.fromkeys(('temperature_used', 'inner_ring_temperature'), 20.0),
+        bearing='6307',
+        defect=defect,
+        radial_clearance=1e-5,
+        k_b=1e10,
+    )
+
+
+def drawn_angle(points):
+    """Return the angle from +x at which points lie, rad."""
+    x, y, _ = np.mean(np.reshape(points, (-1, 3)), axis=0)
+    return math.atan2(y, x)
+
+
+def test_defects_are_drawn_where_their_text_says(tmp_path):
+    bearing, rrd = find_bearing('6307'), tmp_path / 'defects.rrd'
+    text = 'inner:angle=1.2+outer:angle=-0.5+outer:angle=2.5+ball:ball=3,angle=0.4+cage:ball=2'
+    start = {'shaft_angle': 0.7, 'cage_angle': 0.3, 'ball_angle': 0.9}
+    with RerunLogger(recording_id='defects', rrd=rrd) as logger:
+        state = twin_state(text, SECOND, **start)
+        logger.log('/twin_state', 'bearing_twin_msgs/msg/TwinState', state, SECOND)
+        healthy = twin_state('none', 2 * SECOND, **start)
+        logger.log('/twin_state', 'bearing_twin_msgs/msg/TwinState', healthy, 2 * SECOND)
+    assert logger.problems == {}
+    root = '/twin_state/bearing'
+    _, (inner, *_) = columns(rrd, f'{root}/inner/defect_0', 'strips')
+    assert drawn_angle(inner) == pytest.approx(1.2)
+    # The ring that carries it stands at the shaft's angle from the first moment on.
+    _, (turn, *_) = columns(rrd, f'{root}/inner', 'quaternion')
+    assert 2.0 * math.atan2(turn[0][2], turn[0][3]) == pytest.approx(0.7)
+    for k, angle in ((1, -0.5), (2, 2.5)):
+        _, (outer, *_) = columns(rrd, f'{root}/outer/defect_{k}', 'strips')
+        assert drawn_angle(outer) == pytest.approx(angle)
+    # Ball 3 is at 0.3 + 3/8 turns; its defect points to the shaft at a spin of 0.4.
+    _, (ball, *_) = columns(rrd, f'{root}/defects/ball_3', 'positions')
+    at = 0.3 + 3.0 * 2.0 * math.pi / 8.0
+    centre = 500.0 * bearing.d_pitch * np.array([math.cos(at), math.sin(at)])
+    offset = np.asarray(ball)[0, :2] - centre
+    direction = at + math.pi - (0.9 - 0.4)
+    assert offset / np.linalg.norm(offset) == pytest.approx(
+        [math.cos(direction), math.sin(direction)]
+    )
+    _, (cage, *_) = columns(rrd, f'{root}/cage/defect_4', 'strips')
+    assert drawn_angle(cage) == pytest.approx(math.pi / 2.0)
+    times, _ = columns(rrd, f'{root}/inner/defect_0', 'is_recursive')
+    assert list(times) == [2 * SECOND], 'the mark goes with the defect'
 
 
 @pytest.mark.parametrize('size', [1, 15, 16, 17, 1024, 1030])

@@ -11,6 +11,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.stamps import NANO
+from bearing_twin.view.verdict import Headline
 import numpy as np
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ['Machine', 'Strip', 'collect']
 
+SPECTRUM = 'bearing_twin_msgs/msg/Spectrum'
 STRIP_STEP = 5.0
 """Distance between two strips of the waterfall, K."""
 STRIP_SECONDS = 0.16
@@ -52,8 +54,9 @@ class Machine:
     """'' at the top."""
     diagnoses: list[tuple[float, Any]] = field(default_factory=list)
     """Diagnosis messages."""
+    headline: Headline = field(default_factory=Headline)
     spectra: dict[str, Any] = field(default_factory=dict)
-    """Latest Spectrum message by kind."""
+    """Spectrum message by kind, of the window of the headline; without a verdict the latest."""
     measured: list[tuple[float, float]] = field(default_factory=list)
     """Temperature in degC."""
     states: list[tuple[float, Any]] = field(default_factory=list)
@@ -99,6 +102,7 @@ def collect(path: Path) -> dict[str, Machine]:
         collector = machines.setdefault(namespace, _Collector(Machine(namespace)))
         collector.take(message, (message.log_time - start) / NANO)
     found = {name: c.machine for name, c in sorted(machines.items()) if not c.machine.empty}
+    _take_spectra_of_headlines(path, found)
     if not found:
         msg = (
             f'{path} holds neither vibration nor diagnosis of type bearing_twin_msgs, so that '
@@ -106,6 +110,20 @@ def collect(path: Path) -> dict[str, Machine]:
         )
         raise BearingTwinError(msg)
     return found
+
+
+def _take_spectra_of_headlines(path: Path, machines: dict[str, Machine]) -> None:
+    """Keep the spectra of the window that the headline and its table come from."""
+    for message in read_messages(path, recover=True):
+        machine = machines.get(message.topic.rpartition('/')[0])
+        if message.type_name != SPECTRUM or machine is None or not machine.diagnoses:
+            continue
+        try:
+            content = message.decode()
+        except BearingTwinError:
+            continue
+        if content.first_sample == machine.headline.worst.best.first_sample:
+            machine.spectra[str(content.kind)] = content
 
 
 class _Collector:
@@ -123,7 +141,7 @@ class _Collector:
         self._next_sample = -1
         self._takers: dict[str, Callable[[float, Any], None]] = {
             'bearing_twin_msgs/msg/Diagnosis': self._diagnosis,
-            'bearing_twin_msgs/msg/Spectrum': self._spectrum,
+            SPECTRUM: self._spectrum,
             'bearing_twin_msgs/msg/TwinState': self._state,
             'bearing_twin_msgs/msg/Vibration': self._vibration,
             'sensor_msgs/msg/Temperature': self._measured,
@@ -142,6 +160,7 @@ class _Collector:
 
     def _diagnosis(self, time: float, message: Any) -> None:
         self.machine.diagnoses.append((time, message))
+        self.machine.headline.take(time, message)
 
     def _spectrum(self, _: float, message: Any) -> None:
         if np.asarray(message.values).size and message.bin_hz > 0.0:

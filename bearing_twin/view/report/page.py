@@ -4,10 +4,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from datetime import datetime, timezone
 from html import escape
-import math
 from pathlib import PurePath
 from typing import Any, TYPE_CHECKING
 
@@ -17,7 +15,8 @@ from bearing_twin.recording.reader import recording_info
 from bearing_twin.stamps import NANO
 from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.plots import figures
-from bearing_twin.view.report.svg import pretty, VERDICT_COLOURS
+from bearing_twin.view.report.svg import VERDICT_COLOURS
+from bearing_twin.view.verdict import facts, next_step, number, pretty, shaft_speed, title_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -28,17 +27,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.report.data import Machine
 
 __all__ = ['report_page']
-
-HEADLINES = {
-    'healthy': 'Healthy',
-    'inner': 'Inner race fault',
-    'outer': 'Outer race fault',
-    'ball': 'Ball fault',
-    'cage': 'Cage fault',
-    'suspect': 'Suspect',
-    'ambiguous': 'Fault, place uncertain',
-    'insufficient': 'No statement',
-}
 
 PATHS = ('output', 'rerun_file', 'state_directory', 'recording', 'assets_file')
 """Parameters that are paths."""
@@ -98,10 +86,8 @@ def report_page(path: Path) -> str:
         f'<p class="sub">{begin:%Y-%m-%d %H:%M:%S} UTC, {info.duration:.1f} s, '
         f'{info.count} messages. Made by bearing_twin {escape(__version__)}.</p>',
     ]
-    for number, machine in enumerate(machines.values()):
-        body += _machine(
-            machine, f'm{number}-', named=len(machines) > 1 or bool(machine.namespace)
-        )
+    for count, machine in enumerate(machines.values()):
+        body += _machine(machine, f'm{count}-', named=len(machines) > 1 or bool(machine.namespace))
     body += _recording(info, health, machines.values())
     body += _parameters(info)
     return (
@@ -123,7 +109,7 @@ def _machine(machine: Machine, prefix: str, *, named: bool) -> list[str]:
     # The history right below the verdict, then what the verdict rests on.
     parts += pictures[:1]
     if machine.diagnoses:
-        parts += ['<h2>Evidence</h2>', _evidence(machine.diagnoses[-1][1])]
+        parts += ['<h2>Evidence</h2>', _evidence(machine.headline.worst.best)]
     parts += pictures[1:]
     return parts
 
@@ -135,23 +121,16 @@ def _banner(machine: Machine) -> str:
             '<b>No diagnosis recorded</b>The recording holds vibration but no verdict; '
             "play it to the diagnosis node with 'bearing-twin replay'.</div>"
         )
-    _, last = machine.diagnoses[-1]
-    result = str(last.result_name)
-    counts = Counter(str(message.result_name) for _, message in machine.diagnoses)
-    total = len(machine.diagnoses)
-    shares = ', '.join(f'{escape(name)} {n} of {total}' for name, n in counts.most_common())
-    lines = [f'Bearing {escape(str(last.bearing))}, confidence {last.confidence:.0%}']
-    if math.isfinite(last.fault_hz):
-        lines[0] += (
-            f': {last.fault_hz:.2f} Hz found, {last.fault_hz_expected:.2f} Hz expected at a shaft '
-            f'speed of {last.shaft_hz:.2f} Hz'
-        )
-    lines.append(f'Last of {total} windows; all: {shares}.')
+    worst = machine.headline.worst.best
+    result = str(worst.result_name)
+    rows = [(name, text) for name, text in facts(worst) if name != 'Next step']
+    lines = [f'Bearing {escape(str(worst.bearing))}: {escape(machine.headline.span)}.']
+    lines += [', '.join(f'{escape(name.lower())} {escape(text)}' for name, text in rows) + '.']
+    lines += [f'Next step: {escape(next_step(worst))}']
     colour = VERDICT_COLOURS.get(result, VERDICT_COLOURS['insufficient'])
-    headline = HEADLINES.get(result, result)
     style = 'verdict suspect' if result == 'suspect' else 'verdict'
     return (
-        f'<div class="{style}" style="background:{colour}"><b>{escape(headline)}</b>'
+        f'<div class="{style}" style="background:{colour}"><b>{escape(title_of(worst))}</b>'
         + '<br>'.join(lines)
         + '</div>'
     )
@@ -163,21 +142,19 @@ def _evidence(message: Any) -> str:
         ('Code', str(message.fault_code)),
         ('Faults found', ', '.join(map(str, message.faults)) or 'none'),
         ('Window', f'{message.sample_count} samples at {message.sample_rate:g} Hz'),
-        ('Shaft speed given', _number(message.shaft_hz_given, 'Hz')),
-        ('Cage slip', _number(100.0 * message.slip, '%')),
-        (
-            'BPFO, BPFI, BSF, FTF',
-            ', '.join(f'{getattr(message, n):.2f}' for n in ('bpfo', 'bpfi', 'bsf', 'ftf'))
-            + ' Hz, without slip',
-        ),
-        ('Demodulated band', f'{message.band_low:.0f} to {message.band_high:.0f} Hz'),
-        ('rms, peak', f'{_number(message.rms, unit)}, {_number(message.peak, unit)}'),
-        ('Crest factor, kurtosis', f'{message.crest_factor:.2f}, {message.kurtosis:.2f}'),
-        ('Velocity 10 to 1000 Hz', _number(message.velocity_rms, 'mm/s rms')),
+        ('Shaft speed', shaft_speed(message)),
+        ('Cage slip', number(100.0 * message.slip, '%')),
+        ('BPFO, BPFI, BSF, FTF without slip', _frequencies(message)),
+        ('rms, peak', f'{number(message.rms, unit)}, {number(message.peak, unit)}'),
+        ('Crest factor, kurtosis', f'{number(message.crest_factor)}, {number(message.kurtosis)}'),
+        ('Velocity 10 to 1000 Hz', number(message.velocity_rms, 'mm/s rms')),
         ('ISO 20816-3 zone', str(message.iso_zone) or 'not given: needs group and mounting'),
-        ('Over its own baseline', _number(message.level_over_baseline, 'dB')),
-        ('Bearing temperature', _number(message.temperature, '°C')),
+        ('Level over its own baseline', number(message.level_over_baseline, 'dB')),
+        ('Bearing temperature', number(message.temperature, '°C')),
     ]
+    if message.band_high > message.band_low:
+        band = f'{message.band_low:.0f} to {message.band_high:.0f} Hz'
+        rows.append(('Demodulated band', band))
     reasons = ''.join(f'<li>{escape(str(reason))}</li>' for reason in message.reasons)
     return _table(rows) + (f'<ul>{reasons}</ul>' if reasons else '')
 
@@ -202,7 +179,7 @@ def _recording(
                 f'Twin {machine.name}',
                 f'{last.blocks_published} blocks published, {last.blocks_late} late, '
                 f'{last.blocks_dropped} dropped; worst lateness '
-                f'{_number(1e3 * machine.worst_lateness, "ms")}',
+                f'{number(1e3 * machine.worst_lateness, "ms")}',
             )
         )
     parts.append(_table(rows))
@@ -239,10 +216,9 @@ def _shown(key: str, value: str) -> str:
     return PurePath(value).name if key in PATHS else value
 
 
-def _number(value: float, unit: str = '') -> str:
-    if not math.isfinite(value):
-        return 'unknown'
-    return f'{value:.4g} {unit}'.strip()
+def _frequencies(message: Any) -> str:
+    hertz = [getattr(message, name) for name in ('bpfo', 'bpfi', 'bsf', 'ftf')]
+    return ', '.join(f'{h:.2f}' for h in hertz) + ' Hz' if all(h > 0.0 for h in hertz) else 'none'
 
 
 def _table(rows: Sequence[tuple[str, str]]) -> str:

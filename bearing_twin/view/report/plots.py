@@ -4,19 +4,21 @@
 
 from __future__ import annotations
 
+from textwrap import wrap
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.view.report.spectra import envelope_spectrum, spectrum
+from bearing_twin.view.report.spectra import CAPTION, draw_envelope_spectrum, draw_spectrum
 from bearing_twin.view.report.svg import (
     BINS,
-    DEFECTS,
-    FAMILY_COLOURS,
-    pretty,
+    hex_colour,
     STYLE,
     svg_element,
     VERDICT_COLOURS,
     WIDTH,
 )
+from bearing_twin.view.spectrum import ENVELOPE, SpectrumPicture
+from bearing_twin.view.trends import DIAGNOSIS, TWIN_STATE
+from bearing_twin.view.verdict import pretty
 import matplotlib as mpl
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from bearing_twin.view.report.data import Machine
+    from bearing_twin.view.trends import Panel
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
@@ -48,9 +51,9 @@ def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
     """
     plots: tuple[Callable[[Machine], tuple[str, Figure] | None], ...] = (
         _history,
-        envelope_spectrum,
-        spectrum,
-        _trend,
+        _envelope_spectrum,
+        _spectrum,
+        _evidence,
         _waterfall,
         _model,
     )
@@ -208,50 +211,71 @@ def _extremes(
     return np.repeat(time[edges], 2), np.stack([low, high], axis=1).ravel()
 
 
-def _trend(machine: Machine) -> tuple[str, Figure] | None:
-    items = machine.diagnoses
-    if not items:
+def _envelope_spectrum(machine: Machine) -> tuple[str, Figure] | None:
+    picture = _picture(machine, ENVELOPE)
+    if picture is None:
         return None
-    time = _times(items)
-    figure = Figure(figsize=(WIDTH, 3.2), layout='constrained')
-    (rms, kurtosis), (score, confidence) = figure.subplots(2, 2, sharex=True)
-    unit = pretty(items[-1][1].unit)
-    rms.plot(time, _values(items, 'rms'), color='#1565c0', label='rms')
-    rms.set(title=f'rms [{unit}]' if unit else 'rms')
-    rms.set_ylim(bottom=0.0)
-    kurtosis.plot(time, _values(items, 'kurtosis'), color='#6a1b9a', label='kurtosis')
-    kurtosis.plot(time, _values(items, 'crest_factor'), color='#00838f', label='crest factor')
-    kurtosis.set_title('shape')
-    kurtosis.legend(ncols=2, loc='lower right', bbox_to_anchor=(1.0, 0.97))
-    for index, family in enumerate(DEFECTS):
-        scores = [m.score[index] if len(m.score) > index else np.nan for _, m in items]
-        score.plot(time, scores, color=FAMILY_COLOURS[family], label=family, linewidth=1.1)
-    score.set(title='comb score [σ]', xlabel='time [s]')
-    score.legend(
-        ncols=4, loc='lower right', bbox_to_anchor=(1.0, 0.97), columnspacing=0.8, handlelength=1.2
-    )
-    confidence.plot(time, _values(items, 'confidence'), color='#212121')
-    confidence.set(title='confidence', xlabel='time [s]', ylim=(0.0, 1.02))
-    for axes in (rms, kurtosis, score, confidence):
-        axes.yaxis.set_major_locator(MaxNLocator(5))
-    return 'Severity and evidence, window by window', figure
+    figure = Figure(figsize=(WIDTH, 3.6), layout='constrained')
+    draw_envelope_spectrum(figure, picture)
+    return CAPTION, figure
+
+
+def _spectrum(machine: Machine) -> tuple[str, Figure] | None:
+    picture, envelope = _picture(machine, 'spectrum'), _picture(machine, ENVELOPE)
+    if picture is None:
+        return None
+    figure = Figure(figsize=(WIDTH, 2.1), layout='constrained')
+    draw_spectrum(figure.subplots(), picture, envelope.band if envelope else (0.0, 0.0))
+    return 'Amplitude spectrum of the same window', figure
+
+
+def _picture(machine: Machine, kind: str) -> SpectrumPicture | None:
+    message = machine.spectra.get(kind)
+    diagnosis = machine.headline.worst.best if machine.diagnoses else None
+    return SpectrumPicture.of(message, diagnosis) if message is not None else None
+
+
+def _evidence(machine: Machine) -> tuple[str, Figure] | None:
+    return _panels('Evidence and severity, window by window', DIAGNOSIS, machine.diagnoses)
 
 
 def _model(machine: Machine) -> tuple[str, Figure] | None:
-    items = machine.states
-    if not items:
-        return None
+    return _panels('The twin over time', TWIN_STATE, machine.states)
+
+
+def _panels(
+    caption: str, panels: Sequence[Panel], items: Sequence[tuple[float, Any]]
+) -> tuple[str, Figure] | None:
+    """Draw the panels that have values, three in a row, over one range of time."""
     time = _times(items)
-    figure = Figure(figsize=(WIDTH, 1.7), layout='constrained')
-    panels = figure.subplots(1, 3)
-    rows = (
-        ('beta0', 1.0, 'β₀ [1]', '#00838f'),
-        ('k_b', 1e-9, 'K_b [10⁹ N/m^1.5]', '#1565c0'),
-        ('c_d', 1e6, 'C_d [µm]', '#c62828'),
-    )
-    for axes, (name, factor, title, colour) in zip(panels, rows, strict=True):
-        axes.plot(time, factor * _values(items, name), color=colour)
-        axes.set(title=title, xlabel='time [s]')
+    shown = []
+    for panel in panels:
+        lines = [(t, np.array([t.value(m) for _, m in items], dtype=float)) for t in panel.trends]
+        lines = [(trend, values) for trend, values in lines if np.isfinite(values).any()]
+        if lines:
+            shown.append((panel, lines))
+    if not shown:
+        return None
+    rows = -(-len(shown) // 3)
+    figure = Figure(figsize=(WIDTH, 0.2 + 1.7 * rows), layout='constrained')
+    grid = figure.subplots(rows, 3, sharex=True, squeeze=False).ravel()
+    unit = str(getattr(items[-1][1], 'unit', ''))
+    for axes, (panel, lines) in zip(grid, shown, strict=False):
+        for trend, values in lines:
+            label = trend.label.replace('[unit]', f'[{pretty(unit)}]')
+            axes.plot(time, values, color=hex_colour(trend.colour), label=label, linewidth=1.1)
+        if panel.limit is not None:
+            axes.axhline(panel.limit.value, color='#616161', linewidth=0.8, dashes=(4, 2))
+        axes.set_title('\n'.join(wrap(panel.title, 30)))
+        if panel.from_zero:
+            axes.set_ylim(bottom=0.0)
+        if len(lines) > 1 or '[unit]' in lines[0][0].label:
+            axes.legend(loc='best', fontsize='x-small', handlelength=1.2)
         axes.yaxis.set_major_locator(MaxNLocator(4))
         axes.ticklabel_format(useOffset=False)
-    return 'Temperature-dependent parameters of the twin', figure
+    for axes in grid[len(shown) :]:
+        axes.remove()
+    for axes in grid[: len(shown)][-3:]:
+        axes.set_xlabel('time [s]')
+        axes.tick_params(axis='x', labelbottom=True)
+    return caption, figure

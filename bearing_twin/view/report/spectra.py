@@ -1,142 +1,123 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Spectra of a report, with the frequencies at which each defect would show."""
+"""Spectra as the report and ``bearing-twin diagnose --plot`` draw them."""
 
 from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.view.report.svg import BINS, FAMILY_COLOURS, FAMILY_LABELS, pretty, WIDTH
-from bearing_twin.view.rerun.spectra import cursors, HARMONICS
-from matplotlib.figure import Figure
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT
+from bearing_twin.view.report.svg import BINS, FAMILY_COLOURS
+from bearing_twin.view.spectrum import HARMONICS, highest, SpectrumPicture
 import numpy as np
 
 if TYPE_CHECKING:
-    from bearing_twin.view.report.data import Machine
+    from bearing_twin.view.spectrum import Comb
     from matplotlib.axes import Axes
-    from numpy.typing import NDArray
+    from matplotlib.figure import Figure
 
-__all__ = ['cursor_lines', 'envelope_spectrum', 'spectrum']
+__all__ = ['CAPTION', 'draw_envelope_spectrum', 'draw_spectrum']
+
+CAPTION = (
+    f'Triangles: the {HARMONICS} harmonics found; ticks: the nominal ones, without slip; dots: '
+    'sidebands. Grey: noise floor; dashed: one bin of noise in a thousand passes it'
+)
 
 
-def cursor_lines(message: Any, harmonics: int = HARMONICS) -> list[tuple[str, float, bool]]:
+def draw_envelope_spectrum(figure: Figure, picture: SpectrumPicture) -> None:
     """
-    Return where the defects strike as (family, frequency in Hz, whether it is a sideband).
+    Draw an envelope spectrum and the first harmonic found from near.
 
-    Those of the viewer (`view.rerun.spectra.cursors`) and the shaft's harmonics.
+    The combs stand in rows below the frequency axis, named at its left: they never cover a line
+    of the spectrum.
     """
-    lines: list[tuple[str, float, bool]] = []
-    if message.shaft_hz > 0.0:
-        lines += [('shaft', k * message.shaft_hz, False) for k in range(1, harmonics + 1)]
-    for family, places in cursors(message, harmonics=harmonics).items():
-        lines += [(family, frequency, height < 1.0) for frequency, height in places]
-    return lines
-
-
-def _pooled(
-    frequencies: NDArray[np.float64], values: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return at most BINS points, each the highest of its neighbours and where that lies."""
-    group = -(-values.size // BINS)
-    if group == 1:
-        return frequencies, values
-    edges = np.arange(0, values.size, group)
-    places = [k + int(np.argmax(values[k : k + group])) for k in edges]
-    return frequencies[places], values[places]
-
-
-def _axis_of(message: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    values = np.nan_to_num(np.asarray(message.values, dtype=np.float64))
-    return message.start_hz + np.arange(values.size) * message.bin_hz, values
-
-
-def envelope_spectrum(machine: Machine) -> tuple[str, Figure] | None:
-    """Return caption and picture of the squared envelope spectrum with cursors."""
-    message = machine.spectra.get('squared_envelope_spectrum')
-    if message is None:
-        return None
-    frequencies, values = _axis_of(message)
-    lines = cursor_lines(message)
-    main = [f for _, f, sideband in lines if not sideband]
-    top = min(1.04 * max(main), frequencies[-1]) if main else frequencies[-1]
-    keep = frequencies <= top
-    figure = Figure(figsize=(WIDTH, 2.9), layout='constrained')
-    axes = figure.subplots()
-    height = 1.3 * float(values[keep].max(initial=0.0)) or 1.0
-    _cursors(axes, [line for line in lines if 0.0 < line[1] <= top], height)
-    axes.plot(*_pooled(frequencies[keep], values[keep]), color='#212121', linewidth=0.8)
-    floor = np.asarray(message.floor, dtype=np.float64)
-    if floor.size == values.size:
-        axes.plot(frequencies[keep], floor[keep], color='#9e9e9e', linewidth=0.8)
-    unit = '' if message.unit in ('', '1') else f' [{message.unit}]'
-    axes.set(
-        xlim=(0.0, top), ylim=(0.0, height), xlabel='frequency [Hz]',
-        ylabel=f'squared envelope{unit}',
-    )  # fmt: skip
-    axes.grid(axis='x', visible=False)
-    caption = (
-        'Squared envelope spectrum of the band '
-        f'{message.band_low:.0f} to {message.band_high:.0f} Hz with the expected frequencies of '
-        f'each defect (solid, {HARMONICS} harmonics) and their sidebands (dotted); shaft '
-        f'{message.shaft_hz:.2f} Hz. Grey: local noise floor'
+    near, combs = picture.zoom(), _ordered(picture)
+    columns = [picture.deciding(), *([near] if near is not None else [])]
+    rows = 0.16 * max(len(combs), 1)
+    grid = figure.subplots(
+        2,
+        len(columns),
+        sharex='col',
+        squeeze=False,
+        gridspec_kw={'height_ratios': [2.2, rows], 'width_ratios': [2.6, 1.0][: len(columns)]},
     )
-    return caption, figure
+    for column, part in enumerate(columns):
+        axes, strip = grid[:, column]
+        _curve(axes, part)
+        _strip(strip, combs, part, named=column == 0)
+        strip.set_xlabel('frequency [Hz]')
+        axes.set_xlim(part.start if column else 0.0, part.end)
+    upper = grid[0, 0]
+    upper.set_title(picture.title)
+    upper.set_ylabel(picture.quantity)
+    # A healthy spectrum stays low: the axis always holds the limit of a fault.
+    top = 1.15 * max(float(picture.deciding().values.max(initial=0.0)), 1.05 * INDEX_FAULT)
+    for axes in grid[0]:
+        axes.set_ylim(0.0, top)
+        axes.axhline(INDEX_FAULT, color='#b71c1c', linewidth=0.7, dashes=(6, 3))
+    upper.annotate(
+        f'{INDEX_FAULT:g}: a fault, as root of the sum of squares of the harmonics',
+        (1.0, INDEX_FAULT), (0, 2), xycoords=('axes fraction', 'data'),
+        textcoords='offset points', ha='right', fontsize='small', color='#b71c1c',
+    )  # fmt: skip
+    if near is not None:
+        grid[0, 1].set_title('first harmonic from near')
 
 
-def _cursors(axes: Axes, lines: list[tuple[str, float, bool]], height: float) -> None:
-    numbers = dict.fromkeys(FAMILY_LABELS, 0)
-    for family, frequency, sideband in lines:
-        axes.vlines(
-            frequency,
-            0.0,
-            height * (0.45 if sideband else 0.86),
-            colors=FAMILY_COLOURS[family],
-            linestyles='dotted' if sideband else 'solid',
-            linewidth=0.8,
-            alpha=0.8,
-        )
-        if sideband:
-            continue
-        numbers[family] += 1
-        order = numbers[family]
-        # Cage and shaft harmonics stand close: only the first of them is named.
-        if family in ('cage', 'shaft') and order > 1:
-            continue
-        label = FAMILY_LABELS[family] if order == 1 else f'{order}×'
-        axes.text(
-            frequency,
-            height * (0.88 + 0.05 * (tuple(FAMILY_LABELS).index(family) % 2)),
-            label,
-            color=FAMILY_COLOURS[family],
-            fontsize=7.5,
-            ha='center',
-        )
-
-
-def spectrum(machine: Machine) -> tuple[str, Figure] | None:
-    """Return caption and picture of the amplitude spectrum with the demodulated band."""
-    message = machine.spectra.get('spectrum')
-    if message is None:
-        return None
-    frequencies, values = _pooled(*_axis_of(message))
-    figure = Figure(figsize=(WIDTH, 2.3), layout='constrained')
-    axes = figure.subplots()
-    peak = float(values.max(initial=0.0)) or 1.0
+def draw_spectrum(axes: Axes, picture: SpectrumPicture, band: tuple[float, float]) -> None:
+    """Draw an amplitude spectrum; ``band``: the demodulated part is shaded."""
+    peak = float(picture.values.max(initial=0.0)) or 1.0
+    kept, _ = highest(picture.values, BINS)
     axes.semilogy(
-        frequencies / 1e3, np.maximum(values, 1e-9 * peak), color='#37474f', linewidth=0.6
+        picture.frequencies[kept] / 1e3,
+        np.maximum(picture.values[kept], 1e-9 * peak),
+        color='#37474f',
+        linewidth=0.6,
     )
-    envelope = machine.spectra.get('squared_envelope_spectrum')
-    if envelope is not None and envelope.band_high > envelope.band_low:
-        axes.axvspan(
-            envelope.band_low / 1e3, envelope.band_high / 1e3, color='#ffb300', alpha=0.2,
-            linewidth=0,
-        )  # fmt: skip
-        caption = 'Amplitude spectrum; shaded: the band that was demodulated'
-    else:
-        caption = 'Amplitude spectrum'
-    floor = max(float(np.median(values)) / 30.0, 1e-6 * peak)
+    floor = max(float(np.median(picture.values)) / 30.0, 1e-6 * peak)
     axes.set(
-        xlim=(frequencies[0] / 1e3, frequencies[-1] / 1e3), ylim=(floor, 2.0 * peak),
-        xlabel='frequency [kHz]', ylabel=pretty(message.unit),
+        xlim=(picture.start / 1e3, picture.end / 1e3), ylim=(floor, 2.0 * peak),
+        xlabel='frequency [kHz]', ylabel=picture.quantity, title=picture.title,
     )  # fmt: skip
-    return caption, figure
+    if band[1] > band[0]:
+        axes.axvspan(band[0] / 1e3, band[1] / 1e3, color='#ffb300', alpha=0.2, linewidth=0)
+        axes.annotate(
+            'demodulated band', (0.5 * sum(band) / 1e3, 1.0), (0, -9),
+            xycoords=('data', 'axes fraction'), textcoords='offset points', ha='center',
+            fontsize='small',
+        )  # fmt: skip
+
+
+def _ordered(picture: SpectrumPicture) -> list[Comb]:
+    """Return the combs, the one found first."""
+    return sorted(picture.combs, key=lambda comb: not comb.found)
+
+
+def _curve(axes: Axes, picture: SpectrumPicture) -> None:
+    kept, _ = highest(picture.values, BINS)
+    frequencies = picture.frequencies
+    axes.plot(frequencies[kept], picture.values[kept], color='#212121', linewidth=0.8)
+    if picture.floor.size:
+        axes.plot(frequencies, picture.floor, color='#9e9e9e', linewidth=0.8)
+        axes.plot(frequencies, picture.threshold, color='#616161', linewidth=0.7, dashes=(2, 2))
+    axes.grid(axis='x', visible=False)
+    axes.tick_params(axis='x', labelbottom=False)
+
+
+def _strip(axes: Axes, combs: list[Comb], picture: SpectrumPicture, *, named: bool) -> None:
+    """Draw a row for each comb."""
+    look: dict[str, Any] = {'linestyle': 'none', 'clip_on': True}
+    for row, comb in enumerate(combs):
+        colour = FAMILY_COLOURS[comb.family]
+        lines, sides = comb.harmonics(picture.end), comb.sidebands(picture.end)
+        marker, size = ('^', 5.0) if comb.found else ('|', 7.0)
+        axes.plot(lines, np.full(lines.size, row), marker=marker, ms=size, color=colour, **look)
+        axes.plot(sides, np.full(sides.size, row), marker='.', ms=2.5, color=colour, **look)
+    axes.set(ylim=(len(combs) - 0.4, -0.6), yticks=range(len(combs)))
+    axes.grid(visible=False)
+    axes.tick_params(axis='y', length=0)
+    axes.set_yticklabels([comb.label if named else '' for comb in combs], fontsize='small')
+    for label, comb in zip(axes.get_yticklabels(), combs, strict=True):
+        label.set_color(FAMILY_COLOURS[comb.family])
+        label.set_fontweight('bold' if comb.found else 'normal')
+    axes.spines['left'].set_visible(False)

@@ -17,29 +17,26 @@ if TYPE_CHECKING:
 
 __all__ = [
     'BINS',
-    'DEFECTS',
     'FAMILY_COLOURS',
-    'FAMILY_LABELS',
     'STYLE',
     'VERDICT_COLOURS',
     'WIDTH',
-    'pretty',
+    'hex_colour',
     'svg_element',
 ]
 
 
-def _hex(colour: Colour) -> str:
+def hex_colour(colour: Colour) -> str:
+    """Return a colour as HTML and matplotlib take it."""
     return '#{:02x}{:02x}{:02x}'.format(*colour)
 
 
-FAMILY_COLOURS = {family.key: _hex(family.colour) for family in FAMILIES} | {'shaft': '#78909c'}
+FAMILY_COLOURS = {family.key: hex_colour(family.colour) for family in FAMILIES} | {
+    'shaft': '#78909c'
+}
 """Those of the viewer; told apart in print by their labels too."""
 
-FAMILY_LABELS = {f.key: f.label.replace(' x ', '×') for f in FAMILIES} | {'shaft': 'shaft'}
-DEFECTS = tuple(family.key for family in FAMILIES)
-"""In the order of the per-family arrays of a Diagnosis."""
-
-VERDICT_COLOURS = {state.key: _hex(state.colour) for state in VERDICTS}
+VERDICT_COLOURS = {state.key: hex_colour(state.colour) for state in VERDICTS}
 
 BINS = 2400
 """Most points of a drawn spectrum; of neighbouring bins the highest is kept."""
@@ -72,8 +69,3 @@ def svg_element(figure: Figure, prefix: str) -> str:
     text = re.sub(r'\bid="', f'id="{prefix}', text)
     text = text.replace('url(#', f'url(#{prefix}').replace('href="#', f'href="#{prefix}')
     return re.sub(r'<metadata>.*?</metadata>', '', text, flags=re.DOTALL)
-
-
-def pretty(unit: str) -> str:
-    """Return a unit as it is printed."""
-    return str(unit).replace('^2', '²')

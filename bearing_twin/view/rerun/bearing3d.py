@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
+from bearing_twin.dynamics.defect_text import read_defects
+from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.rerun import shapes
 from bearing_twin.view.style import LINE
 import numpy as np
@@ -15,6 +17,7 @@ import rerun as rr
 
 if TYPE_CHECKING:
     from bearing_twin.bearing.geometry import Bearing
+    from bearing_twin.dynamics.parameters import Defect
     from bearing_twin.view.rerun.canvas import Canvas
     from numpy.typing import NDArray
 
@@ -32,8 +35,6 @@ STEEL, BRIGHT, BRASS = (150, 156, 164), (176, 182, 190), (176, 141, 66)
 DEFECT = (255, 23, 68)
 AROUND = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
 """Angles of the load zone's spikes, rad."""
-OUTER_DEFECT_ANGLE = -0.5 * math.pi
-"""Where the twin puts a defect of the outer ring: in the direction of the load."""
 
 
 def contact_forces(
@@ -69,21 +70,26 @@ def contact_forces(
 
 @dataclass
 class _Turning:
-    """Angle that grows without wrapping, followed from wrapped readings and a speed."""
+    """
+    Angle in slow motion, followed from wrapped readings and a speed.
 
-    total: float = 0.0
+    It begins at the first reading, so that shaft, cage and balls stand to each other as in the
+    twin at that moment, and grows by the true angle divided by `SLOWED`.
+    """
+
+    shown: float = math.nan
     last: float = math.nan
 
     def follow(self, angle: float, hertz: float, seconds: float) -> float:
-        """Return the total after a reading in rad, ``seconds`` after the one before."""
-        if math.isfinite(self.last) and 0.0 < seconds < LONGEST:
+        """Return the angle shown after a reading in rad, ``seconds`` after the one before."""
+        if not math.isfinite(self.shown):
+            self.shown = angle
+        elif 0.0 < seconds < LONGEST:
             expected = 2.0 * math.pi * hertz * seconds
             off = angle - self.last - expected
-            self.total += expected + math.remainder(off, 2.0 * math.pi)
-        elif not math.isfinite(self.last):
-            self.total = 0.0
+            self.shown += (expected + math.remainder(off, 2.0 * math.pi)) / SLOWED
         self.last = angle
-        return self.total
+        return self.shown
 
 
 class _Pose(NamedTuple):
@@ -102,9 +108,9 @@ class Bearing3D:
     Draw the bearing pose after pose.
 
     Poses are held and sent together, which costs a fifth of one by one.
-    It turns slowed down, while the clock of the timeline runs on: angles are the true ones,
-    divided by `SLOWED`. Forces are those of balls at the places where they are drawn, at the
-    displacement, clearance and stiffness of the moment, so that colours and load zone agree.
+    It turns slowed down by `SLOWED`, while the clock of the timeline runs on. Forces are those of
+    balls at the places where they are drawn, at the displacement, clearance and stiffness of the
+    moment, so that colours and load zone agree.
     """
 
     def __init__(self, canvas: Canvas, name: str, bearing: Bearing) -> None:
@@ -115,7 +121,9 @@ class Bearing3D:
         self._pose: _Pose | None = None
         self._held: list[_Pose] = []
         self._greatest = 0.0
-        self._defects: tuple[str, ...] = ()
+        self._text = 'none'
+        self._defects: tuple[Defect, ...] = ()
+        self._marks: set[str] = set()
         self._bodies()
 
     def draw(self, state: Any, time: int) -> None:
@@ -124,20 +132,20 @@ class Bearing3D:
         seconds = (time - before.time) * 1e-9 if before else 0.0
         pose = _Pose(
             time,
-            self._shaft.follow(state.shaft_angle, state.shaft_hz, seconds) / SLOWED,
-            self._cage.follow(state.cage_angle, state.ftf, seconds) / SLOWED,
-            self._spin.follow(state.ball_angle, state.bsf, seconds) / SLOWED,
+            self._shaft.follow(state.shaft_angle, state.shaft_hz, seconds),
+            self._cage.follow(state.cage_angle, state.ftf, seconds),
+            self._spin.follow(state.ball_angle, state.bsf, seconds),
             float(state.inner_x),
             float(state.inner_y),
             float(state.radial_clearance),
             float(state.k_b),
         )
         self._pose = pose
-        defects = tuple(part for part in str(state.defect).split('+') if part not in ('', 'none'))
-        if defects != self._defects:
+        if state.defect != self._text:
             self.flush()
-            self._defects = defects
-            self._mark(defects, time)
+            self._text = str(state.defect)
+            self._defects = _defects(self._text)
+            self._mark(time)
         if before and 0.0 < seconds < LONGEST:
             steps = max(1, math.ceil(seconds / FRAME - 0.5))
             for k in range(1, steps):
@@ -175,13 +183,18 @@ class Bearing3D:
             ).partition(np.full(len(held), bearing.n_balls)),
         )
         self._load_zone(times, zone, scale)
-        if 'ball' in self._defects:
-            first = _on_circle(500.0 * bearing.d_pitch, angles[:, 0])
-            spot = _on_circle(400.0 * bearing.d_ball, angles[:, 0] + spin)
-            spot[:, 2] = 300.0 * bearing.d_ball
-            canvas.columns(
-                f'{name}/defects/ball', times, rr.Points3D.columns(positions=first + spot)
-            )
+        for k, defect in enumerate(self._defects):
+            if defect.place == 'ball':
+                # At this spin angle it meets the inner race: it points to the shaft.
+                at = angles[:, defect.ball % bearing.n_balls]
+                spot = _on_circle(400.0 * bearing.d_ball, at + np.pi - spin + defect.angle)
+                spot[:, 2] = 300.0 * bearing.d_ball
+                centre = _on_circle(500.0 * bearing.d_pitch, at)
+                canvas.columns(
+                    f'{name}/defects/ball_{k}',
+                    times,
+                    rr.Points3D.columns(positions=centre + spot),
+                )
 
     def _load_zone(
         self,
@@ -222,9 +235,6 @@ class Bearing3D:
             canvas.once(f'{name}/cage/{side}', rim)
         ball = 500.0 * bearing.d_ball
         canvas.once(f'{name}/balls', rr.Points3D.from_fields(radii=ball))
-        canvas.once(
-            f'{name}/defects/ball', rr.Points3D.from_fields(radii=0.18 * ball, colors=DEFECT)
-        )
         hair = rr.Radius.ui_points(1.0)
         canvas.once(
             f'{name}/load_zone', rr.LineStrips3D.from_fields(radii=hair, colors=LINE['used'])
@@ -246,38 +256,44 @@ class Bearing3D:
             ),
         )
 
-    def _mark(self, defects: tuple[str, ...], time: int) -> None:
-        """Mark where the defects are."""
+    def _mark(self, time: int) -> None:
+        """Mark where the defects are, on the body that carries them."""
         bearing = self.bearing
+        marks: dict[str, rr.Points3D | rr.LineStrips3D] = {}
         back, front = -0.5 * shapes.width(bearing), 1.02 * shapes.face(bearing)
         pitch, ball = 500.0 * bearing.d_pitch, 1e3 * bearing.d_ball
-        places = {
-            'inner': ('inner/defect', 0.0, pitch - 0.52 * ball, pitch - 0.25 * ball),
-            'outer': (
-                'outer/defect',
-                OUTER_DEFECT_ANGLE,
-                pitch + 0.25 * ball,
-                pitch + 0.52 * ball,
-            ),
-            'cage': ('cage/defect', 0.0, pitch - 0.12 * ball, pitch + 0.12 * ball),
-        }
-        for key, (name, angle, low, high) in places.items():
-            entity = f'{self._name}/{name}'
-            if key not in defects:
-                self._canvas.put(entity, time, rr.Clear(recursive=False))
+        # Radii of the mark on the face, in diameters of a ball from the pitch circle.
+        faces = {'inner': (-0.52, -0.25), 'outer': (0.25, 0.52), 'cage': (-0.12, 0.12)}
+        for k, defect in enumerate(self._defects):
+            if defect.place == 'ball':
+                spot = rr.Points3D.from_fields(radii=0.09 * ball, colors=DEFECT)
+                marks[f'defects/ball_{k}'] = spot
                 continue
+            low, high = (pitch + part * ball for part in faces[defect.place])
+            angle, depth = defect.angle, front
+            if defect.place == 'cage':
+                # The worn pocket turns with the cage.
+                angle, depth = 2.0 * math.pi * defect.ball / bearing.n_balls, 0.57 * ball
             cos, sin = math.cos(angle), math.sin(angle)
-            depth = 0.57 * ball if key == 'cage' else front
-            bottom = low if key == 'inner' else high
+            bottom = low if defect.place == 'inner' else high
             across = [[bottom * cos, bottom * sin, back], [bottom * cos, bottom * sin, depth]]
             face = [[low * cos, low * sin, depth], [high * cos, high * sin, depth]]
-            self._canvas.put(
-                entity,
-                time,
-                rr.LineStrips3D([across, face], colors=DEFECT, radii=0.07 * ball),
+            marks[f'{defect.place}/defect_{k}'] = rr.LineStrips3D(
+                [across, face], colors=DEFECT, radii=0.07 * ball
             )
-        if 'ball' not in defects:
-            self._canvas.put(f'{self._name}/defects/ball', time, rr.Clear(recursive=False))
+        for name in self._marks - marks.keys():
+            self._canvas.put(f'{self._name}/{name}', time, rr.Clear(recursive=False))
+        for name, mark in marks.items():
+            self._canvas.put(f'{self._name}/{name}', time, mark)
+        self._marks = set(marks)
+
+
+def _defects(text: str) -> tuple[Defect, ...]:
+    """Return the defects of a state; none where the text cannot be read."""
+    try:
+        return read_defects(text, width=1e-3, depth=1e-4, profile='ball')
+    except BearingTwinError:
+        return ()
 
 
 def force_colours(parts: NDArray[np.float64]) -> NDArray[np.uint8]:

@@ -7,21 +7,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearing_twin.view.rerun.bearing3d import MAGNIFIED, SLOWED
+from bearing_twin.view.trends import DIAGNOSIS, TWIN_STATE
 import rerun.blueprint as rrb
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from bearing_twin.view.rerun.scene import Scene
+    from bearing_twin.view.trends import Panel
 
-__all__ = ['automatic', 'layout']
+__all__ = ['PAGES', 'automatic', 'layout']
 
-"""Application id: a blueprint belongs to recordings of the same one."""
+PAGES = ('Verdict', 'Vibration', 'Evidence', 'Temperature', 'Twin', 'Nodes')
+"""Pages of a bearing, each of them for a laptop's screen."""
 CLOSE = 0.25
 """Length of the close look at the waveform, s."""
 WIDE = 10.0
 """Length of the waveform's envelope, s."""
-
 LANES = 60.0
 """Length of the lanes, s."""
 
@@ -29,7 +31,11 @@ View = rrb.View | rrb.Container
 
 
 def layout(
-    scenes: Mapping[str, Scene], *, timeline: str, side_by_side: bool = False
+    scenes: Mapping[str, Scene],
+    *,
+    timeline: str,
+    side_by_side: bool = False,
+    page: str = '',
 ) -> rrb.Blueprint:
     """
     Return the blueprint for what the scenes hold.
@@ -42,6 +48,8 @@ def layout(
         Timeline to follow.
     side_by_side
         Whether scenes stand beside each other, to be compared, instead of on tabs.
+    page
+        Name of the page in front; '': the first.
 
     """
     bearings = {title: scene for title, scene in scenes.items() if _is_bearing(scene)}
@@ -49,17 +57,19 @@ def layout(
     shown = bearings or others
     parts: list[View]
     if side_by_side:
-        parts = [
-            rrb.Horizontal(*(_narrow(scene, title, timeline) for title, scene in shown.items()))
-        ]
-    elif len(shown) == 1:
-        parts = [_wide(scene, timeline) for scene in shown.values()]
+        pairs = (_narrow(scene, title, timeline) for title, scene in shown.items())
+        parts = [rrb.Horizontal(*pairs, name='Side by side')]
+    elif len(shown) == 1 and bearings:
+        parts = [page for scene in shown.values() for page in _pages(scene, timeline)]
     else:
-        parts = [rrb.Tabs(*(_wide(scene, timeline, name=title) for title, scene in shown.items()))]
-    foot = _foot(scenes.values())
-    root = rrb.Vertical(*parts, foot, row_shares=[9, 2]) if foot else rrb.Vertical(*parts)
+        parts = [_wide(scene, timeline, name=title) for title, scene in shown.items()]
+    nodes = _nodes(scenes.values())
+    if nodes:
+        parts.append(rrb.Vertical(*nodes, name='Nodes'))
+    names = [part.name for part in parts]
+    front = names.index(page) if page in names else 0
     return rrb.Blueprint(
-        root,
+        rrb.Tabs(*parts, active_tab=front) if len(parts) > 1 else rrb.Vertical(*parts),
         rrb.BlueprintPanel(state='collapsed'),
         rrb.SelectionPanel(state='collapsed'),
         rrb.TimePanel(state='collapsed', timeline=timeline, play_state='following'),
@@ -113,12 +123,15 @@ def _lines(
     contents: Sequence[str],
     *,
     window: rrb.VisibleTimeRange | None = None,
+    legend: bool = True,
 ) -> rrb.TimeSeriesView:
+    link = rrb.components.LinkAxis.Independent if window else rrb.components.LinkAxis.LinkToGlobal
     return rrb.TimeSeriesView(
         origin='/',
         contents=list(contents),
         name=name,
-        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
+        axis_x=rrb.TimeAxis(link=link),
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=legend),
         time_ranges=[window] if window else None,
     )
 
@@ -134,32 +147,30 @@ def _lanes(name: str, contents: Sequence[str]) -> rrb.StateTimelineView:
     )
 
 
-def _verdict(scene: Scene, *, title: str = '', evidence: bool = True) -> list[View]:
-    rows: list[View] = []
-    for path in _of(scene, 'diagnosis'):
-        lanes = [f'{path}/verdict'] + [
-            f'{state}/temperature_status' for state in _of(scene, 'twin_state')
-        ]
-        views: list[View] = [
+def _card(scene: Scene, title: str = '') -> list[View]:
+    return [
+        rrb.Vertical(
             rrb.Spatial2DView(
                 origin=f'{path}/card', name=f'Verdict: {title}' if title else 'Verdict'
             ),
             rrb.TextDocumentView(origin=f'{path}/words', name='Reasons'),
-            _lanes('Verdict over time', lanes),
-        ]
-        shares = [4, 3, 5]
-        if evidence:
-            views.append(_lines('Evidence: comb score [sd]', [f'{path}/evidence/**']))
-            shares.append(4)
-        rows.append(rrb.Horizontal(*views, column_shares=shares))
-    return rows
+            row_shares=[2, 5],
+        )
+        for path in _of(scene, 'diagnosis')
+    ]
+
+
+def _lane(scene: Scene) -> list[View]:
+    lanes = [f'{path}/verdict' for path in _of(scene, 'diagnosis')]
+    lanes += [f'{path}/temperature_status' for path in _of(scene, 'twin_state')]
+    return [_lanes('Verdict over time', lanes)] if _of(scene, 'diagnosis') else []
 
 
 def _solid(scene: Scene) -> list[View]:
     return [
         rrb.Spatial3DView(
             origin=f'{path}/bearing',
-            name=f'Bearing {SLOWED:g} x slower, shift x {MAGNIFIED:g}',
+            name=f'Bearing, {SLOWED:g} x slower, shift x {MAGNIFIED:g}',
             eye_controls=rrb.EyeControls3D(
                 position=[14.0, -22.0, 105.0], look_target=[0.0, -6.0, 0.0], eye_up=[0.0, 1.0, 0.0]
             ),
@@ -179,7 +190,7 @@ def _waveforms(scene: Scene, timeline: str) -> list[View]:
                 window=_window(timeline, CLOSE),
             ),
             _lines(
-                f'Vibration, envelope of {WIDE:g} s',
+                f'Vibration, extremes over {WIDE:g} s',
                 [f'{path}/envelope/**'],
                 window=_window(timeline, WIDE),
             ),
@@ -203,29 +214,27 @@ def _waterfalls(scene: Scene) -> list[View]:
     ]
 
 
-def _spectra(scene: Scene, *, legend: bool = True) -> list[View]:
-    names = (
-        ('envelope_spectrum', 'Squared envelope spectrum [over Hz]', legend),
-        ('spectrum', 'Spectrum [over Hz], same cursors', False),
-    )
+def _spectra(scene: Scene, kind: str, name: str) -> list[View]:
     return [
-        rrb.BarChartView(origin=path, name=name, plot_legend=rrb.PlotLegend(visible=explained))
-        for kind, name, explained in names
+        rrb.BarChartView(origin=path, name=name, plot_legend=rrb.PlotLegend(visible=False))
         for path in _of(scene, kind)
     ]
 
 
-def _trends(scene: Scene) -> list[View]:
-    states, diagnoses = _of(scene, 'twin_state'), _of(scene, 'diagnosis')
-    temperatures = [f'{path}/measured' for path in _of(scene, 'temperature')]
-    temperatures += [f'{path}/temperature/**' for path in states]
-    groups = (
-        ('Temperature [°C]', temperatures),
-        ('Contact: beta0, K_b, C_d', [f'{path}/contact/**' for path in states]),
-        ('Severity', [f'{path}/severity/**' for path in diagnoses]),
-        ('Real time', [f'{path}/real_time/**' for path in states]),
-    )
-    return [_lines(name, contents) for name, contents in groups if contents]
+def _panels(scene: Scene, kind: str, panels: Sequence[Panel], *keys: str) -> list[View]:
+    """Return a view for each panel, or for those of the names ``keys``."""
+    return [
+        _lines(panel.title, [f'{path}/{panel.key}/**'], legend=len(panel.trends) > 1)
+        for path in _of(scene, kind)
+        for panel in panels
+        if panel.key in scene.asset.panels and (not keys or panel.key in keys)
+    ]
+
+
+def _temperatures(scene: Scene) -> list[View]:
+    contents = [f'{path}/measured' for path in _of(scene, 'temperature')]
+    contents += [f'{path}/temperature/**' for path in _of(scene, 'twin_state')]
+    return [_lines('Temperature [°C]', contents)] if contents else []
 
 
 def _numbers(scene: Scene) -> list[View]:
@@ -233,43 +242,64 @@ def _numbers(scene: Scene) -> list[View]:
     return [_lines(path, [f'{path}/fields/**']) for path in _of(scene, 'numbers')]
 
 
-def _wide(scene: Scene, timeline: str, *, name: str | None = None) -> View:
-    columns = [
-        [*_solid(scene), *_waterfalls(scene)],
-        _waveforms(scene, timeline),
-        _spectra(scene),
-        _trends(scene),
-    ]
-    filled = [rrb.Vertical(*column) for column in columns if column]
-    body: list[View] = [*_verdict(scene)]
-    if filled:
-        body.append(rrb.Horizontal(*filled))
-    extra = _numbers(scene)
-    if extra and not _is_bearing(scene):
-        body.append(rrb.Grid(*extra))
-    shares = [2, 7] if len(body) == 2 else None
-    return rrb.Vertical(*body, row_shares=shares, name=name)
-
-
-def _narrow(scene: Scene, title: str, timeline: str) -> View:
-    solids = [*_solid(scene), *_waterfalls(scene)]
-    rows: list[tuple[float, View]] = [
-        (2.0, view) for view in _verdict(scene, title=title, evidence=False)
-    ]
-    rows += [(2.0, view) for view in _waveforms(scene, timeline)[:1]]
-    rows += [(2.5, view) for view in _spectra(scene, legend=False)[:1]]
-    if solids:
-        rows.append((3.5, rrb.Horizontal(*solids)))
-    if trends := _trends(scene)[:3]:
-        rows.append((2.0, rrb.Horizontal(*trends)))
-    if not rows:
-        rows = [(1.0, view) for view in _numbers(scene)]
+def _rows(*rows: tuple[float, Sequence[View]], name: str) -> View | None:
+    """Return rows of views with their shares of the height; None where there is no view."""
+    filled = [(share, views) for share, views in rows if views]
+    if not filled:
+        return None
     return rrb.Vertical(
-        *(view for _, view in rows), row_shares=[share for share, _ in rows], name=title
+        *(rrb.Horizontal(*views) for _, views in filled),
+        row_shares=[share for share, _ in filled],
+        name=name,
     )
 
 
-def _foot(scenes: Iterable[Scene]) -> View | None:
+def _pages(scene: Scene, timeline: str) -> list[View]:
+    """Return the pages of a bearing: what each answers fits a laptop's screen."""
+    envelope = _spectra(scene, 'envelope_spectrum', 'Squared envelope spectrum [over Hz]')
+    amplitude = _spectra(scene, 'spectrum', 'Spectrum [over Hz]')
+    waves = _waveforms(scene, timeline)
+    twin = [v for v in _panels(scene, 'twin_state', TWIN_STATE) if v.name != 'Temperature [°C]']
+    evidence = _panels(scene, 'diagnosis', DIAGNOSIS)
+    verdict = [*_card(scene), *_solid(scene), *envelope] or [*waves[:1], *amplitude]
+    trends = [
+        *_lane(scene),
+        *_panels(scene, 'diagnosis', DIAGNOSIS, 'significance', 'level'),
+        *_temperatures(scene),
+    ]
+    pages = (
+        _rows((5, verdict), (2.5, trends), name='Verdict'),
+        _rows((4, waves[:2]), (4, [*waves[2:], *amplitude]), name='Vibration'),
+        _rows((4, evidence[:3]), (4, evidence[3:]), name='Evidence'),
+        _rows((5, _waterfalls(scene)), (3, _temperatures(scene)), name='Temperature'),
+        _rows((4, twin[:3]), (4, twin[3:]), name='Twin'),
+    )
+    return [page for page in pages if page is not None]
+
+
+def _wide(scene: Scene, timeline: str, *, name: str | None = None) -> View:
+    if not _is_bearing(scene):
+        return rrb.Grid(*_numbers(scene), name=name)
+    return rrb.Tabs(*_pages(scene, timeline), name=name)
+
+
+def _narrow(scene: Scene, title: str, timeline: str) -> View:
+    if not _is_bearing(scene):
+        return rrb.Vertical(*_numbers(scene), name=title)
+    envelope = _spectra(scene, 'envelope_spectrum', 'Squared envelope spectrum [over Hz]')
+    page = _rows(
+        (3.0, [*_card(scene, title), *_solid(scene)]),
+        (1.2, _lane(scene)),
+        (2.5, [*envelope, *_waterfalls(scene)]),
+        (2.0, [*_waveforms(scene, timeline)[:1], *_temperatures(scene)]),
+        name=title,
+    )
+    assert page is not None
+    return page
+
+
+def _nodes(scenes: Iterable[Scene]) -> list[View]:
+    """Return what is about the nodes: log, health, parameters."""
     logs, lanes, panels = [], [], []
     for scene in scenes:
         logs += [f'{path}/**' for kind in ('log', 'text') for path in _of(scene, kind)]
@@ -285,4 +315,4 @@ def _foot(scenes: Iterable[Scene]) -> View | None:
         views.append(_lanes('Health of the nodes', lanes))
     if panels:
         views.append(rrb.Tabs(*panels, name='Parameters'))
-    return rrb.Horizontal(*views) if views else None
+    return views

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Where a scene draws: a place in recordings and a timeline. Lines are held and sent together."""
+"""Where a picture draws: an entity path and a timeline. Lines are held and sent together."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ import numpy as np
 import rerun as rr
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
     from typing import Protocol
 
     from bearing_twin.view.rerun.outlet import Mark
+    from bearing_twin.view.rerun.timebase import Timebase
     from bearing_twin.view.style import Colour
-    from bearing_twin.view.timebase import Timebase
     from numpy.typing import NDArray
 
     class Emit(Protocol):
@@ -124,27 +124,6 @@ class Canvas:
             held = self._lines[name] = _Held(slow)
         held.times.append(times)
         held.values.append(values)
-
-    def points(
-        self, time: int, series: Mapping[str, tuple[float, str, Colour]], *, width: float = 1.5
-    ) -> None:
-        """
-        Hold one value of several slow time series, given as value, label and colour by name.
-
-        What is not finite is left out: a line has a gap where a quantity does not exist.
-        """
-        times = np.array([time], dtype=np.int64)
-        for name, (value, label, colour) in series.items():
-            if np.isfinite(value):
-                self.line(
-                    name,
-                    times,
-                    np.array([value], dtype=np.float64),
-                    label=label,
-                    colour=colour,
-                    width=width,
-                    slow=True,
-                )
 
     def flush(self, *, slow: bool) -> None:
         """Send the lines that are held; ``slow``: the slow ones too."""

@@ -8,6 +8,7 @@ import math
 import numbers
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.view.rerun.picture import Picture
 from bearing_twin.view.style import LINE
 import numpy as np
 import rerun as rr
@@ -15,9 +16,9 @@ import rerun as rr
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from bearing_twin.view.rerun.canvas import Canvas
+    from bearing_twin.view.style import Colour
 
-__all__ = ['draw_anything', 'scalars']
+__all__ = ['AnyPicture', 'scalars']
 
 MOST = 24
 """Most lines of one topic."""
@@ -53,32 +54,37 @@ def scalars(message: Any, prefix: str = '') -> Iterator[tuple[str, Any]]:
                 yield prefix + name, array
 
 
-def draw_anything(canvas: Canvas, name: str, message: Any, time: int) -> str:
-    """Draw what can be drawn; return what that was: 'numbers', 'arrays', '' for nothing."""
-    series: dict[str, tuple[float, str, tuple[int, int, int]]] = {}
-    drawn = False
-    labels = _labels(message)
-    for path, value in scalars(message):
-        if isinstance(value, float):
-            series[f'{name}/fields/{path}'] = (value, path, COLOURS[len(series) % len(COLOURS)])
-        elif value.size <= SHORT:
-            for k, element in enumerate(value):
-                label = labels[k] if len(labels) == value.size else f'{path}[{k}]'
-                series[f'{name}/fields/{path}/{k}'] = (
-                    float(element),
-                    label,
-                    COLOURS[len(series) % len(COLOURS)],
-                )
-        else:
-            drawn = True
-            canvas.put(
-                f'{name}/arrays/{path}', time, rr.BarChart(_thinned(value), color=LINE['first'])
-            )
-        if len(series) >= MOST:
-            break
-    finite = {key: entry for key, entry in series.items() if math.isfinite(entry[0])}
-    canvas.points(time, finite)
-    return 'numbers' if finite else 'arrays' if drawn else ''
+class AnyPicture(Picture):
+    """Draw a message of a type that is not known."""
+
+    kind = 'numbers'
+
+    def draw(self, message: Any, time: int) -> bool:
+        """Draw what can be drawn at ``time`` in ns."""
+        series: dict[str, tuple[float, str, Colour]] = {}
+        arrays = False
+        labels = _labels(message)
+        for path, value in scalars(message):
+            colour = COLOURS[len(series) % len(COLOURS)]
+            if isinstance(value, float):
+                series[f'fields/{path}'] = (value, path, colour)
+            elif value.size <= SHORT:
+                for k, element in enumerate(value):
+                    label = labels[k] if len(labels) == value.size else f'{path}[{k}]'
+                    colour = COLOURS[len(series) % len(COLOURS)]
+                    series[f'fields/{path}/{k}'] = (float(element), label, colour)
+            else:
+                arrays = True
+                bars = rr.BarChart(_thinned(value), color=LINE['first'])
+                self.canvas.put(f'arrays/{path}', time, bars)
+            if len(series) >= MOST:
+                break
+        times = np.array([time], dtype=np.int64)
+        finite = {key: entry for key, entry in series.items() if math.isfinite(entry[0])}
+        for key, (number, label, colour) in finite.items():
+            self.canvas.line(key, times, np.array([number]), label=label, colour=colour, slow=True)
+        self.kind = 'numbers' if finite else 'arrays'
+        return bool(finite) or arrays
 
 
 def _numeric(value: Any) -> np.ndarray[Any, Any] | None:

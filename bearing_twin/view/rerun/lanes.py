@@ -4,8 +4,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
+from bearing_twin.view.rerun.picture import Asset, Picture
+from bearing_twin.view.rerun.texts import entity
+from bearing_twin.view.style import LANE_LEVELS
 import rerun as rr
 
 if TYPE_CHECKING:
@@ -14,7 +17,7 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
     from bearing_twin.view.style import State
 
-__all__ = ['Lane']
+__all__ = ['HealthPicture', 'Lane']
 
 AGAIN = 10_000_000_000
 """A state that lasts is logged again after this time, ns: servers forget, viewers come late."""
@@ -46,3 +49,24 @@ class Lane:
             ),
         )
         self._canvas.put(self._name, time, rr.StateChange(state=self._states[number].key))
+
+
+class HealthPicture(Picture):
+    """Draw a DiagnosticArray: a lane for each status."""
+
+    kind = 'diagnostics'
+
+    def __init__(self, canvas: Canvas, asset: Asset) -> None:
+        super().__init__(canvas, asset)
+        self._lanes: dict[str, Lane] = {}
+
+    def draw(self, message: Any, time: int) -> bool:
+        """Note the levels at ``time`` in ns."""
+        for status in message.status:
+            name = entity(status.name)
+            lane = self._lanes.get(name)
+            if lane is None:
+                lane = self._lanes[name] = Lane(self.canvas, name, LANE_LEVELS)
+            level = status.level
+            lane.set(level[0] if isinstance(level, bytes) else int(level), time)
+        return True

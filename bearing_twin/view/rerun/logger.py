@@ -1,6 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Draw ROS messages in Rerun as they come."""
+"""
+Draw ROS messages in Rerun as they come.
+
+A message goes to the scene of its namespace, there to the picture of its topic, which draws on its
+canvas; what the canvas emits goes to the file and to the server for live viewers.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +14,12 @@ import socket
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.view.rerun.drawing import Drawing, Look
+from bearing_twin.stamps import NANO
+from bearing_twin.view.rerun.blueprint import automatic, layout
 from bearing_twin.view.rerun.outlet import Outlet, ServedOutlet
+from bearing_twin.view.rerun.picture import Asset
+from bearing_twin.view.rerun.scene import namespace_of, Scene
+from bearing_twin.view.rerun.timebase import Timebase
 import rerun as rr
 from rerun.chunk import McapReader
 
@@ -23,6 +32,12 @@ if TYPE_CHECKING:
 
 __all__ = ['RerunLogger']
 
+SETTLED = NANO
+"""A new topic is laid out when none has followed for this long, ns."""
+TICK = NANO // 5
+"""What is held is sent this often, ns: eyes take it for at once."""
+SLOW = 5
+"""Ticks after which the slow lines are sent too."""
 COMPLAINTS = 20
 """Most reasons that are kept of messages that could not be drawn."""
 
@@ -57,6 +72,8 @@ class RerunLogger:
     timeline
         Timeline of messages by their stamps; any other name: by their arrival, for the viewer to
         lay out.
+    page
+        Name of the page in front; '': the first.
 
     Raises
     ------
@@ -76,6 +93,7 @@ class RerunLogger:
         full_samples: bool = False,
         sides: Mapping[str, int] | None = None,
         timeline: str = 'ros_time',
+        page: str = '',
     ) -> None:
         self.failed = 0
         """Messages that could not be drawn."""
@@ -100,8 +118,16 @@ class RerunLogger:
         if serve is not None:
             sink = rr.GrpcServerSink(*serve, server_memory_limit=memory_limit)
             self._served = ServedOutlet(Outlet(recording_id, sink, place=f'port {serve[1]}'))
-        look = Look(bearing, full_samples, sides, timeline)
-        self._drawing = Drawing(look, self._emit, self._complain)
+        self._bearing, self._full, self._page = bearing, full_samples, page
+        self._timebases = {'': Timebase(timeline)}
+        if sides:
+            self._timebases = {
+                side: Timebase('since_start', zero=start) for side, start in sides.items()
+            }
+        self._scenes: dict[tuple[str, str], Scene] = {}
+        self._native_lines: set[str] = set()
+        self._views = self._laid_out = 0
+        self._appeared = self._flushed = self._ticks = 0
 
     @property
     def dropped(self) -> int:
@@ -126,7 +152,20 @@ class RerunLogger:
             One of the `sides`, where there are any.
 
         """
-        self._drawing.draw(topic, type_name, message, time_ns, side)
+        try:
+            namespace, name = namespace_of(topic)
+            self._scene(side, namespace).draw(name, type_name, message, time_ns)
+            if self._views != (views := self._count_views()):
+                self._views, self._appeared = views, time_ns
+            elif views != self._laid_out and time_ns - self._appeared > SETTLED:
+                self._lay_out()
+        except Exception as error:
+            # The caller is a node, the message a stranger's: a picture is not worth a failure.
+            self._complain(topic, error)
+        if not 0 <= time_ns - self._flushed < TICK:
+            self._flushed = time_ns
+            self._ticks += 1
+            self._flush(slow=self._ticks % SLOW == 0)
 
     def drain(self, timeout: float) -> bool:
         """
@@ -144,7 +183,7 @@ class RerunLogger:
         """
         if self._file is None:
             return ''
-        self._drawing.add_native(lines)
+        self._native_lines.update(lines)
         try:
             reader = McapReader(path, recover=True)
             self._file.recording.send_chunks(reader.stream())
@@ -162,7 +201,8 @@ class RerunLogger:
         if self._closed:
             return
         self._closed = True
-        self._drawing.finish()
+        self._flush(slow=True)
+        self._lay_out()
         try:
             if self._file is not None:
                 self._file.close()
@@ -179,6 +219,39 @@ class RerunLogger:
     def __exit__(self, *_: object) -> None:
         """Close."""
         self.close()
+
+    def _scene(self, side: str, namespace: str) -> Scene:
+        scene = self._scenes.get((side, namespace))
+        if scene is None:
+            root = f'/{side}{namespace}' if side else namespace
+            asset = Asset(bearing=self._bearing, full=self._full)
+            scene = Scene(self._emit, root, self._timebases[side], asset)
+            self._scenes[side, namespace] = scene
+        return scene
+
+    def _flush(self, *, slow: bool) -> None:
+        for scene in self._scenes.values():
+            scene.flush(self._complain, slow=slow)
+
+    def _count_views(self) -> int:
+        return sum(len(s.contents) + len(s.asset.panels) for s in self._scenes.values())
+
+    def _lay_out(self) -> None:
+        views = self._count_views()
+        if views == self._laid_out:
+            return
+        self._laid_out = views
+        titles = {' '.join(filter(None, key)) or '/': scene for key, scene in self._scenes.items()}
+        base = next(iter(self._timebases.values()))
+        beside = len(self._timebases) > 1
+        blueprint = (
+            layout(titles, timeline=base.timeline, side_by_side=beside, page=self._page)
+            if base.stamped
+            else automatic(
+                self._scenes.values(), timeline=base.timeline, lines=sorted(self._native_lines)
+            )
+        )
+        self._emit(lambda recording: recording.send_blueprint(blueprint), lasting=True)
 
     def _emit(self, mark: Mark, *, lasting: bool = False) -> None:
         if self._served is not None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.view.rerun.logger import RerunLogger
-from bearing_twin.view.rerun.scene import KINDS
+from bearing_twin.view.rerun.scene import PICTURES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence
@@ -21,7 +21,7 @@ __all__ = ['draw_recordings', 'find_recording']
 
 ARRIVAL = 'message_log_time'
 """Timeline that Rerun gives every message of an MCAP file."""
-OWN = frozenset(name for name in KINDS if name.startswith('bearing_twin_msgs/'))
+OWN = frozenset(name for name in PICTURES if name.startswith('bearing_twin_msgs/'))
 SERIES = frozenset(
     {
         *('Imu', 'JointState', 'Joy', 'FluidPressure', 'RelativeHumidity', 'Illuminance'),
@@ -70,7 +70,11 @@ def find_recording(path: Path) -> Path:
 
 
 def draw_recordings(
-    paths: Sequence[Path], rrd: Path, *, progress: Callable[[float], None] | None = None
+    paths: Sequence[Path],
+    rrd: Path,
+    *,
+    page: str = '',
+    progress: Callable[[float], None] | None = None,
 ) -> dict[str, str]:
     """
     Draw a recording, or several side by side, to a Rerun file.
@@ -81,6 +85,8 @@ def draw_recordings(
         MCAP files or bag folders; torn ones are read as far as they go.
     rrd
         File to write.
+    page
+        Name of the page in front; '': the first.
     progress
         Called with the part done, 0 to 1.
 
@@ -109,6 +115,7 @@ def draw_recordings(
         rrd=rrd,
         full_samples=max(info.duration for info in infos) <= LONG,
         sides={n: i.start for n, i in zip(names, infos, strict=True)} if names[0] else None,
+        page=page,
     ) as logger:
         for k, (name, info) in enumerate(zip(names, infos, strict=True)):
             problems |= _draw(logger, name, info, _part(progress, k, len(infos)))

@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import Any, TYPE_CHECKING
 
+from bearing_twin.view.rerun.picture import Asset, Picture
 from bearing_twin.view.style import LINE
 import numpy as np
 import rerun as rr
@@ -15,25 +17,34 @@ if TYPE_CHECKING:
 
 __all__ = ['TemperaturePicture']
 
+NAME = 'measured'
 
-class TemperaturePicture:
+
+class TemperaturePicture(Picture):
     """Draw the messages of one temperature topic."""
 
-    def __init__(self, canvas: Canvas, name: str) -> None:
-        self._canvas = canvas
-        self._name = f'{name}/measured'
+    kind = 'temperature'
+
+    def __init__(self, canvas: Canvas, asset: Asset) -> None:
+        super().__init__(canvas, asset)
         self._held: list[tuple[int, float, float]] = []
 
-    def draw(self, value: float, variance: float, time: int) -> None:
-        """Hold a temperature in degC at ``time`` in ns; no band where its variance is 0."""
-        if self._canvas.is_new(self._name):
-            self._canvas.once(
-                self._name,
+    def draw(self, message: Any, time: int) -> bool:
+        """Hold a temperature at ``time`` in ns; no band where its variance is 0."""
+        value, variance = float(message.temperature), float(message.variance)
+        if not math.isfinite(value):
+            return False
+        if not self.asset.twin:
+            self.asset.temperature = value
+        if self.canvas.is_new(NAME):
+            self.canvas.once(
+                NAME,
                 rr.Measurements.from_fields(
                     units=['°C'], names=['measured'], colors=[LINE['measured']], widths=[1.5]
                 ),
             )
         self._held.append((time, value, variance if variance > 0.0 else 0.0))
+        return True
 
     def flush(self, *, slow: bool) -> None:
         """Log what is held."""
@@ -41,8 +52,8 @@ class TemperaturePicture:
             return
         held, self._held = self._held, []
         variances = [variance for _, _, variance in held]
-        self._canvas.columns(
-            self._name,
+        self.canvas.columns(
+            NAME,
             np.array([time for time, _, _ in held], dtype=np.int64),
             rr.Measurements.columns(
                 values=[value for _, value, _ in held],

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import NANO
+from bearing_twin.view.rerun.picture import Asset, Picture
 from bearing_twin.view.rerun.spectrogram import Spectrogram
 from bearing_twin.view.rerun.waterfall import Waterfall
 from bearing_twin.view.style import LINE
@@ -52,46 +53,37 @@ class _Piece:
             self.axes.setdefault(axis, []).append(samples)
 
 
-class Waveform:
+class Waveform(Picture):
     """
     Draw the blocks of one vibration topic.
 
-    Parameters
-    ----------
-    canvas
-        Where.
-    name
-        Entity below which it lies.
-    full
-        Draw every sample. Else the close look has every sample of the first quarter of each
-        second, and of the rest the lowest and highest of 16: a quarter of the size, and the same
-        picture except at the closest look.
-
+    The close look has every sample where the asset asks for that. Else it has every sample of the
+    first quarter of each second, and of the rest the lowest and highest of 16: a quarter of the
+    size, and the same picture except at the closest look.
     """
 
-    def __init__(self, canvas: Canvas, name: str, *, full: bool) -> None:
-        self._canvas = canvas
-        self._name = name
-        self._full = full
-        self._spectrogram = Spectrogram(canvas, f'{name}/spectrogram')
-        self._waterfall = Waterfall(canvas, f'{name}/waterfall')
-        self._pieces: list[_Piece] = []
-        self.temperature = float('nan')
-        """Latest temperature, degC, for the waterfall."""
+    kind = 'vibration'
 
-    def draw(self, block: Any, time: int) -> None:
+    def __init__(self, canvas: Canvas, asset: Asset) -> None:
+        super().__init__(canvas, asset)
+        self._spectrogram = Spectrogram(canvas, 'spectrogram')
+        self._waterfall = Waterfall(canvas, 'waterfall')
+        self._pieces: list[_Piece] = []
+
+    def draw(self, message: Any, time: int) -> bool:
         """Hold a block for the next flush; ``time`` of its first sample in ns."""
-        rate = float(block.sample_rate)
+        rate = float(message.sample_rate)
         if not (np.isfinite(rate) and rate > 0.0):
-            return
-        unit = str(block.unit)
-        axes = {axis: np.asarray(getattr(block, axis), dtype=np.float64) for axis in AXES}
+            return False
+        unit = str(message.unit)
+        axes = {axis: np.asarray(getattr(message, axis), dtype=np.float64) for axis in AXES}
         axes = {axis: samples for axis, samples in axes.items() if samples.size}
         if not axes:
-            return
+            return False
         if not (self._pieces and self._pieces[-1].goes_on(axes, time, rate, unit)):
             self._pieces.append(_Piece(time, rate, unit))
         self._pieces[-1].add(axes)
+        return True
 
     def flush(self, *, slow: bool) -> None:
         """Draw what is held; what follows on without a gap as one."""
@@ -103,17 +95,20 @@ class Waveform:
             axis, samples = next(iter(axes.items()))
             self._close_look(axis, samples, piece)
             self._spectrogram.add(samples, piece.time, piece.rate, piece.unit)
-            self._waterfall.add(samples, piece.time, piece.rate, self.temperature, piece.unit)
+            self._waterfall.add(
+                samples, piece.time, piece.rate, self.asset.temperature, piece.unit
+            )
+        super().flush(slow=slow)
 
     def _close_look(self, axis: str, samples: NDArray[np.float64], piece: _Piece) -> None:
         kept = np.arange(samples.size)
         times = _times(kept, piece)
-        if not self._full:
+        if not self.asset.full:
             within = times % NANO < BURST * NANO
             within[extremes(samples, FINE)] = True
             kept = np.flatnonzero(within)
-        self._canvas.line(
-            f'{self._name}/samples/{axis}',
+        self.canvas.line(
+            f'samples/{axis}',
             times[kept],
             samples[kept],
             label=f'{AXES[axis]} [{piece.unit}]',
@@ -127,8 +122,8 @@ class Waveform:
         pairs = np.stack(
             [np.minimum.reduceat(samples, edges), np.maximum.reduceat(samples, edges)], axis=1
         )
-        self._canvas.line(
-            f'{self._name}/envelope/{axis}',
+        self.canvas.line(
+            f'envelope/{axis}',
             _times(edges, piece),
             pairs,
             label=(f'{place} min [{piece.unit}]', f'{place} max [{piece.unit}]'),

@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What every picture of a topic is: something that takes messages and draws on a canvas."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+import math
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.view.style import LINE
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from bearing_twin.bearing.geometry import Bearing
+    from bearing_twin.view.rerun.canvas import Canvas
+    from bearing_twin.view.trends import Panel
+
+__all__ = ['Asset', 'Picture', 'Trends']
+
+
+@dataclass
+class Asset:
+    """What the pictures of one bearing know of each other."""
+
+    bearing: Bearing | None = None
+    """Geometry, where the messages name none of the catalogue."""
+    full: bool = False
+    """Draw every sample of the vibration instead of a part of each second and its envelope."""
+    temperature: float = math.nan
+    """Latest, degC: of the twin where there is one, else measured."""
+    twin: bool = False
+    """Whether a twin has spoken."""
+    diagnosis: Any = None
+    """Latest Diagnosis message."""
+    panels: set[str] = field(default_factory=set)
+    """Keys of the panels over time that have values."""
+
+
+class Picture:
+    """
+    One topic as it is drawn.
+
+    Parameters
+    ----------
+    canvas
+        Where it draws: below the topic's name.
+    asset
+        Shared by the pictures of one bearing.
+
+    """
+
+    kind = ''
+    """What the layout takes it for; '' for something that has no view."""
+
+    def __init__(self, canvas: Canvas, asset: Asset) -> None:
+        self.canvas = canvas
+        self.asset = asset
+
+    def draw(self, message: Any, time: int) -> bool:
+        """Draw a message at ``time`` in ns; return whether there is something to be seen."""
+        raise NotImplementedError
+
+    def flush(self, *, slow: bool) -> None:
+        """Send what is held; ``slow``: the lines that can wait too."""
+        self.canvas.flush(slow=slow)
+
+
+class Trends:
+    """Draw the quantities of ``panels`` over time, a block of messages at once."""
+
+    def __init__(self, canvas: Canvas, asset: Asset, panels: Sequence[Panel]) -> None:
+        self._canvas = canvas
+        self._asset = asset
+        self._panels = panels
+        self._times: list[int] = []
+        self._rows: list[list[float]] = []
+        self._unit = ''
+
+    def hold(self, message: Any, time: int) -> None:
+        """Take a message at ``time`` in ns."""
+        self._unit = str(getattr(message, 'unit', ''))
+        self._times.append(time)
+        self._rows.append(
+            [float(trend.value(message)) for panel in self._panels for trend in panel.trends]
+        )
+
+    def flush(self) -> None:
+        """Hand what is held to the canvas; a line has a gap where a quantity does not exist."""
+        if not self._rows:
+            return
+        times = np.array(self._times, dtype=np.int64)
+        columns = iter(np.array(self._rows).T)
+        self._times, self._rows = [], []
+        for panel in self._panels:
+            drawn = False
+            for trend in panel.trends:
+                values = next(columns)
+                there = np.isfinite(values)
+                if there.any():
+                    drawn = True
+                    self._canvas.line(
+                        f'{panel.key}/{trend.key}',
+                        times[there],
+                        values[there],
+                        label=trend.label.replace('[unit]', f'[{self._unit}]'),
+                        colour=trend.colour,
+                        slow=True,
+                    )
+            if drawn:
+                self._asset.panels.add(panel.key)
+            if drawn and panel.limit is not None:
+                self._canvas.line(
+                    f'{panel.key}/limit',
+                    times[[0, -1]],
+                    np.full(2, panel.limit.value),
+                    label=panel.limit.label,
+                    colour=LINE['ground'],
+                    slow=True,
+                )

@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Messages that are read: parameters of a node, its log, texts."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from bearing_twin.bearing.catalogue import find_bearing
+from bearing_twin.bearing.geometry import fault_orders
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.plainyaml import load_plain
+from bearing_twin.view.rerun.picture import Picture
+import rerun as rr
+
+__all__ = ['CheckpointPicture', 'LogPicture', 'TextPicture', 'entity', 'parameter_tables']
+
+LOG_LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'CRITICAL'}
+
+
+class CheckpointPicture(Picture):
+    """Show the parameters of a node, those of a fleet asset by asset."""
+
+    kind = 'checkpoint'
+
+    def draw(self, message: Any, time: int) -> bool:
+        """Draw a checkpoint at ``time`` in ns."""
+        values = load_plain(str(message.configuration), f'the configuration of {message.node}')
+        lines = [f'### {message.node}: {message.kind}, bearing_twin {message.version}', '']
+        for name, table in parameter_tables(values).items():
+            lines += [f'#### {name}', ''] if name else []
+            lines += _bearing_lines(str(table.get('bearing', '')))
+            cells = [f'| {k} | {v} ' for k, v in table.items() if v not in ('', None)] + ['| | ']
+            lines += ['', '| parameter | value | parameter | value |', '|---|---|---|---|']
+            lines += [f'{a}{b}|' for a, b in zip(cells[::2], cells[1::2], strict=False)] + ['']
+        self.canvas.put(
+            'parameters',
+            time,
+            rr.TextDocument('\n'.join(lines), media_type=rr.MediaType.MARKDOWN),
+        )
+        return True
+
+
+def parameter_tables(values: Any, prefix: str = '') -> dict[str, dict[str, Any]]:
+    """
+    Return flat tables of parameters by the name of what they belong to.
+
+    A node has one, called ''. A fleet has one for each of its assets.
+    """
+    if not isinstance(values, dict):
+        return {}
+    own = {str(key): value for key, value in values.items() if not isinstance(value, dict)}
+    tables = {prefix: own} if own else {}
+    for key, value in values.items():
+        if isinstance(value, dict):
+            tables |= parameter_tables(value, f'{prefix}/{key}' if prefix else str(key))
+    return tables
+
+
+class LogPicture(Picture):
+    """Show the log of the nodes."""
+
+    kind = 'log'
+
+    def draw(self, message: Any, time: int) -> bool:
+        """Draw a log message at ``time`` in ns."""
+        level = LOG_LEVELS.get(int(message.level), 'INFO')
+        self.canvas.put(entity(message.name), time, rr.TextLog(str(message.msg), level=level))
+        return True
+
+
+class TextPicture(Picture):
+    """Show texts."""
+
+    kind = 'text'
+
+    def draw(self, message: Any, time: int) -> bool:
+        """Draw a text at ``time`` in ns."""
+        self.canvas.put('text', time, rr.TextLog(str(message.data)))
+        return True
+
+
+def entity(text: str) -> str:
+    """Return a part of an entity path that stands for any text."""
+    kept = ''.join(c if c.isalnum() or c in '-_.' else '_' for c in text.strip())
+    return '_'.join(filter(None, kept.split('_'))) or 'unnamed'
+
+
+def _bearing_lines(name: str) -> list[str]:
+    """Return what is known about a bearing of the catalogue, Markdown."""
+    try:
+        bearing = find_bearing(name)
+    except BearingTwinError:
+        return []
+    orders = fault_orders(bearing)
+    return [
+        f'Bearing **{bearing.name}**: {bearing.n_balls} balls of {1e3 * bearing.d_ball:g} mm on '
+        f'{1e3 * bearing.d_pitch:g} mm, contact angle {math.degrees(bearing.contact_angle):g}°. '
+        f'Orders without slip: BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f}, '
+        f'BSF {orders.bsf:.3f}, FTF {orders.ftf:.4f}.'
+    ]

@@ -1,0 +1,187 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a verdict says to people, and which verdict of a recording is its headline."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import Any
+
+from bearing_twin.bearing.vocabulary import TITLES
+
+__all__ = [
+    'Headline',
+    'Tally',
+    'facts',
+    'next_step',
+    'number',
+    'pretty',
+    'shaft_speed',
+    'title_of',
+]
+
+SUSTAINED = 3
+"""Windows in a row from which on a verdict is no passing one."""
+URGENCY = {3: 0, 0: 1, 1: 2, 2: 3}
+"""Rank of the constants ``LEVEL_...`` of a Diagnosis: none, ok, suspect, fault."""
+STAGES = ('', 'incipient', 'developing', 'advanced', 'severe')
+STEPS = (
+    'Confirm with a second measurement and watch the trend.',
+    'Check the lubrication; measure weekly.',
+    'Order a bearing; measure daily.',
+    'Replace the bearing at the next planned stop.',
+    'Stop the machine as soon as it is safe and replace the bearing.',
+)
+"""Recommended action by stage; 0: the stage is not known."""
+
+
+def title_of(diagnosis: Any) -> str:
+    """Return the heading of a verdict, the answer's own word."""
+    result = str(diagnosis.result_name)
+    return TITLES.get(result, result)
+
+
+def pretty(unit: str) -> str:
+    """Return a unit as it is printed."""
+    return str(unit).replace('^2', '²')
+
+
+def number(value: float, unit: str = '', otherwise: str = 'not known') -> str:
+    """Return a value with its unit; never 'nan'."""
+    return f'{value:.4g} {unit}'.strip() if math.isfinite(value) else otherwise
+
+
+def shaft_speed(diagnosis: Any) -> str:
+    """Return the shaft speed in words: a shaft at 0 Hz is standing."""
+    for hertz in (diagnosis.shaft_hz, diagnosis.shaft_hz_given):
+        if hertz == 0.0:
+            return 'standing'
+        if math.isfinite(hertz):
+            return f'{hertz:.2f} Hz ({60.0 * hertz:.0f} rpm)'
+    return 'not known'
+
+
+def next_step(diagnosis: Any) -> str:
+    """Return what to do about a verdict."""
+    result = str(diagnosis.result_name)
+    if result == 'healthy':
+        return 'None; go on measuring.'
+    if result == 'suspect':
+        return 'Measure again soon and watch the trend.'
+    if result == 'ambiguous':
+        return 'Record longer, or at a speed some per cent off, so that the orders part.'
+    if result == 'insufficient':
+        standing = shaft_speed(diagnosis) == 'standing'
+        return 'Measure while the shaft turns.' if standing else 'Supply what the reasons name.'
+    return STEPS[int(getattr(diagnosis, 'stage', 0))]
+
+
+def facts(diagnosis: Any) -> list[tuple[str, str]]:
+    """Return the lines of the card of a verdict; what is not known is left out."""
+    unit = pretty(diagnosis.unit)
+    rows = []
+    if math.isfinite(diagnosis.fault_hz) and diagnosis.fault_hz_expected > 0.0:
+        off = diagnosis.fault_hz / diagnosis.fault_hz_expected - 1.0
+        rows.append(
+            (
+                'Fault frequency',
+                f'{diagnosis.fault_hz:.2f} Hz found, {diagnosis.fault_hz_expected:.2f} Hz '
+                f'expected ({off:+.2%})',
+            )
+        )
+    rows.append(('Shaft', shaft_speed(diagnosis)))
+    rows.append(('Confidence', f'{diagnosis.confidence:.0%}'))
+    stage = int(getattr(diagnosis, 'stage', 0))
+    if stage:
+        rows.append(('Stage', f'{stage} of 4, {STAGES[stage]}'))
+    if math.isfinite(diagnosis.rms):
+        level = number(diagnosis.rms, f'{unit} rms')
+        if math.isfinite(diagnosis.level_over_baseline):
+            level += f', {diagnosis.level_over_baseline:+.1f} dB over its baseline'
+        rows.append(('Level', level))
+    if math.isfinite(diagnosis.velocity_rms):
+        zone = f', ISO 20816-3 zone {diagnosis.iso_zone}' if diagnosis.iso_zone else ''
+        rows.append(('Velocity', number(diagnosis.velocity_rms, 'mm/s rms') + zone))
+    if math.isfinite(diagnosis.temperature):
+        rows.append(('Temperature', f'{diagnosis.temperature:.1f} °C'))
+    rows.append(('Next step', next_step(diagnosis)))
+    return rows
+
+
+@dataclass
+class Tally:
+    """How often and when one answer was given."""
+
+    first: float
+    """When the first of its windows was judged, s."""
+    last: float
+    windows: int
+    row: int
+    """Windows in a row up to now."""
+    longest: int
+    """Most windows in a row."""
+    best: Any
+    """Diagnosis message of the window in which it is clearest."""
+    at: float
+    """When that was judged, s."""
+
+
+class Headline:
+    """
+    Find the worst sustained verdict of a recording.
+
+    A fault outranks suspect, suspect healthy, and healthy an insufficient window. A verdict counts
+    as sustained after three windows in a row; where none is, the most frequent one counts.
+    """
+
+    def __init__(self) -> None:
+        self.tallies: dict[str, Tally] = {}
+        """By answer."""
+        self.count = 0
+        self.last: Any = None
+        """Latest Diagnosis message: how it stands at the end."""
+        self._before = ''
+
+    def take(self, time: float, diagnosis: Any) -> None:
+        """Take the verdict that was given at ``time`` in s."""
+        result = str(diagnosis.result_name)
+        tally = self.tallies.get(result)
+        if tally is None:
+            tally = self.tallies[result] = Tally(time, time, 0, 0, 0, diagnosis, time)
+        tally.row = tally.row + 1 if result == self._before else 1
+        tally.longest = max(tally.longest, tally.row)
+        tally.windows += 1
+        tally.last = time
+        if _clarity(diagnosis) >= _clarity(tally.best):
+            tally.best, tally.at = diagnosis, time
+        self.last, self._before = diagnosis, result
+        self.count += 1
+
+    @property
+    def worst(self) -> Tally:
+        """The worst sustained verdict; at least one has been taken."""
+        sustained = [t for t in self.tallies.values() if t.longest >= SUSTAINED]
+        return max(
+            sustained or self.tallies.values(),
+            key=lambda t: (URGENCY.get(int(t.best.level), 0) if sustained else 0, t.windows),
+        )
+
+    @property
+    def span(self) -> str:
+        """When the worst verdict was given, and how it stands at the end."""
+        worst = self.worst
+        text = (
+            f'{worst.windows} of {self.count} windows, from {worst.first:.0f} s to '
+            f'{worst.last:.0f} s'
+        )
+        if str(self.last.result_name) == str(worst.best.result_name):
+            return f'{text}; so it stands at the end'
+        end = title_of(self.last).lower()
+        shaft = ', shaft standing' if shaft_speed(self.last) == 'standing' else ''
+        return f'{text}; at the end: {end}{shaft}'
+
+
+def _clarity(diagnosis: Any) -> tuple[float, float]:
+    scores = [float(score) for score in diagnosis.score if math.isfinite(score)]
+    return float(diagnosis.confidence), max(scores, default=0.0)

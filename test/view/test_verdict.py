@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The headline of a recording, and what a verdict says to people."""
+
+import math
+from types import SimpleNamespace
+
+from bearing_twin.view.verdict import facts, Headline, number, shaft_speed
+import pytest
+
+LEVEL = {'healthy': 1, 'suspect': 2, 'insufficient': 0, 'ambiguous': 3}
+LEVEL_CONSTANT = {0: 3, 1: 0, 2: 1, 3: 2}
+
+
+def verdict(result, *, confidence=0.9, score=8.0, shaft=25.4):
+    """Return a Diagnosis."""
+    return SimpleNamespace(
+        result_name=result,
+        level=LEVEL_CONSTANT[LEVEL.get(result, 3)],
+        confidence=confidence,
+        score=[score, math.nan, 1.0, 0.0],
+        shaft_hz=shaft if result != 'insufficient' else math.nan,
+        shaft_hz_given=shaft,
+        unit='m/s^2',
+        **dict.fromkeys(('fault_hz', 'fault_hz_expected', 'rms', 'velocity_rms'), math.nan),
+        **dict.fromkeys(('level_over_baseline', 'temperature'), math.nan),
+        iso_zone='',
+    )
+
+
+def headline(*results):
+    """Return the headline of windows of one second."""
+    found = Headline()
+    for time, result in enumerate(results):
+        found.take(time + 1.0, result if not isinstance(result, str) else verdict(result))
+    return found
+
+
+def test_a_fault_before_the_stop_is_the_headline():
+    stopped = [verdict('insufficient', confidence=0.0, shaft=0.0)] * 10
+    found = headline(*['inner'] * 24, *stopped)
+    assert found.worst.best.result_name == 'inner'
+    assert found.span == (
+        '24 of 34 windows, from 1 s to 24 s; at the end: insufficient, shaft standing'
+    )
+
+
+def test_a_passing_verdict_is_no_headline():
+    found = headline(*['healthy'] * 20, 'outer', 'outer', *['healthy'] * 5)
+    assert found.worst.best.result_name == 'healthy'
+    assert headline('healthy', 'outer').worst.best.result_name in ('healthy', 'outer')
+
+
+@pytest.mark.parametrize(
+    ('windows', 'worst'),
+    [
+        (['insufficient'] * 9 + ['healthy'] * 3, 'healthy'),
+        (['healthy'] * 9 + ['suspect'] * 3, 'suspect'),
+        (['suspect'] * 9 + ['outer'] * 3, 'outer'),
+        (['outer'] * 3 + ['inner'] * 4, 'inner'),
+    ],
+)
+def test_urgency_outranks_duration(windows, worst):
+    assert headline(*windows).worst.best.result_name == worst
+
+
+def test_the_headline_is_of_the_clearest_window():
+    weak, clear = verdict('inner', score=6.0), verdict('inner', score=12.0)
+    assert headline(weak, clear, weak).worst.best is clear
+    assert headline(weak, clear, weak).worst.at == 2.0
+
+
+def test_nothing_says_nan():
+    for result in ('healthy', 'inner', 'insufficient'):
+        assert 'nan' not in ' '.join(' '.join(row) for row in facts(verdict(result)))
+    assert number(math.nan, 'Hz') == 'not known'
+    assert number(2.5, 'Hz') == '2.5 Hz'
+
+
+def test_a_shaft_at_rest_is_standing():
+    assert shaft_speed(verdict('insufficient', shaft=0.0)) == 'standing'
+    assert shaft_speed(verdict('healthy', shaft=25.0)) == '25.00 Hz (1500 rpm)'
+    assert shaft_speed(verdict('healthy', shaft=math.nan)) == 'not known'
