@@ -46,7 +46,6 @@ SPECS = (
         low=0.0,
         high=FASTEST_SHAFT,
     ),
-    *_SETTINGS[:2],
     JOINT,
     Spec(
         name='axis',
@@ -55,7 +54,7 @@ SPECS = (
         choices=('x', 'y'),
         running=False,
     ),
-    *_SETTINGS[2:],
+    *_SETTINGS,
     Spec(
         name='state_name',
         default='',

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import enum
 import math
 
+from bearing_twin.thermal.gcr15 import TEMPERATURES
+
 __all__ = ['TABLE_HIGH', 'TABLE_LOW', 'GatedTemperature', 'TemperatureGate', 'TemperatureStatus']
 
-TABLE_LOW = 20.0
-"""Lowest temperature of the paper's tables 1-3, degC."""
-TABLE_HIGH = 110.0
-"""Highest temperature of the paper's tables 1-3, degC."""
+TABLE_LOW, TABLE_HIGH = float(TEMPERATURES[0]), float(TEMPERATURES[-1])
+"""Lowest and highest temperature of the paper's tables 1-3, degC."""
 
 PHYSICAL_LOW = -273.15
 PHYSICAL_HIGH = 1000.0
