@@ -48,30 +48,37 @@ absolute. Where the quality of service is marked with \\*, it can be overridden 
 parameters `qos_overrides./TOPIC.publisher.reliability`, `.history` and `.depth` (for inputs
 `.subscription.`), TOPIC being the full name.
 
-A change of parameters is checked as a whole and taken as a whole or not at all. Where the column
-"running" says no, the parameter can be changed only while the node is not configured.
+A change of parameters is checked as a whole and accepted or refused as a whole. Parameters with
+"no" in the column "running" can be changed only while the node is not configured.
 
-Names with a point are nested tables in a parameter file (`lubricant: {viscosity_40: 4.6e-05}`); a
-file of assets takes them either way. A checkpoint, and what a recording keeps of the parameters,
-leaves out those of machine, sensor, oil and thermal laws that have their default.
+A value outside the column "values" is refused with the limit and the remedy. `0 or 10 .. 50000`
+means 10 to 50000, or 0 with the meaning given in the last column. A value that is given always
+holds against the preset, also where it equals the default. Whole numbers are accepted for `double`
+and `string` at start (`bearing:=6307`). A parameter name that the node does not have is logged as a
+warning with the nearest names; a file of assets and an offline run refuse it.
 
-`joint_states` is subscribed to where the parameter `joint` names a joint.
+Names with a point are nested tables in a parameter file (`lubricant: {viscosity_40: 4.6e-05}`). A
+file of assets accepts both forms. A checkpoint, and the configuration in a recording, omits the
+parameters of machine, sensor, oil and thermal laws that have their default.
 
-The stamp of `vibration` is the time of its first sample, whatever filters came before. The twin's
-decimator shows what happened 16 samples earlier (0.625 ms at 25.6 kHz), as the converter of a real
+The nodes subscribe to `joint_states` only if the parameter `joint` names a joint.
+
+The stamp of `vibration` is the time of its first sample, without regard to filter delays. The
+twin's decimator shows what happened 16 samples earlier (0.625 ms at 25.6 kHz), as the converter of a real
 accelerometer does with its own delay; stamp, `first_sample` and deadline keep one exact relation.
 
 The fleet has the topics of a twin and a diagnosis for each asset, under its name (ASSET below),
 and their parameters as `ASSET.twin.NAME` and `ASSET.diagnosis.NAME`, besides those listed. A
 diagnosis whose twin is not hosted listens to `ASSET/vibration` and `ASSET/temperature`.
 
-The twins of a fleet share one running sample index. An asset's `reset` and `load_state` set its
-motion and keep the index: its noise, which is drawn by index, differs from the first time, and its
-filter against aliasing starts anew for a few milliseconds. A fleet's run is repeated to the bit
-from `~/checkpoint`.
+The twins of a fleet share one running sample index. `reset` and `load_state` of an asset set its
+motion and keep the index. Its noise is drawn by index and therefore differs from the first run, and
+its filter against aliasing settles again for a few milliseconds. A run of a fleet is repeated to
+the bit from `~/checkpoint`.
 
-At the first start, and after an update, twin and fleet compile their kernel: about 20 s of one
-core. They are seen and answer meanwhile, *unconfigured*; log and `/diagnostics` say so.
+At the first start, and after an update, twin and fleet compile their kernel, which takes about 20 s
+of one core. Meanwhile they are visible, answer services and stay *unconfigured*; the log and
+`/diagnostics` report it.
 """
 
 TOPICS = {
