@@ -54,8 +54,8 @@ A change of parameters is checked as a whole and accepted or refused as a whole.
 A value outside the column "values" is refused with the limit and the remedy. `0 or 10 .. 50000`
 means 10 to 50000, or 0 with the meaning given in the last column. A value that is given always
 holds against the preset, also where it equals the default. Whole numbers are accepted for `double`
-and `string` at start (`bearing:=6307`). A parameter name that the node does not have is logged as a
-warning with the nearest names; a file of assets and an offline run refuse it.
+and `string` at start (`bearing:=6307`). A parameter name that the node does not have is logged as
+a warning with the nearest names; a file of assets and an offline run refuse it.
 
 Names with a point are nested tables in a parameter file (`lubricant: {viscosity_40: 4.6e-05}`). A
 file of assets accepts both forms. A checkpoint, and the configuration in a recording, omits the
@@ -64,20 +64,21 @@ parameters of machine, sensor, oil and thermal laws that have their default.
 The nodes subscribe to `joint_states` only if the parameter `joint` names a joint.
 
 The stamp of `vibration` is the time of its first sample, without regard to filter delays. The
-twin's decimator shows what happened 16 samples earlier (0.625 ms at 25.6 kHz), as the converter of a real
-accelerometer does with its own delay; stamp, `first_sample` and deadline keep one exact relation.
+twin's decimator shows what happened 16 samples earlier (0.625 ms at 25.6 kHz), as the converter of
+a real accelerometer does with its own delay; stamp, `first_sample` and deadline keep one exact
+relation.
 
 The fleet has the topics of a twin and a diagnosis for each asset, under its name (ASSET below),
 and their parameters as `ASSET.twin.NAME` and `ASSET.diagnosis.NAME`, besides those listed. A
 diagnosis whose twin is not hosted listens to `ASSET/vibration` and `ASSET/temperature`.
 
 The twins of a fleet share one running sample index. `reset` and `load_state` of an asset set its
-motion and keep the index. Its noise is drawn by index and therefore differs from the first run, and
-its filter against aliasing settles again for a few milliseconds. A run of a fleet is repeated to
-the bit from `~/checkpoint`.
+motion and keep the index. Its noise is drawn by index and therefore differs from the first run,
+and its filter against aliasing settles again for a few milliseconds. A run of a fleet is repeated
+to the bit from `~/checkpoint`.
 
-At the first start, and after an update, twin and fleet compile their kernel, which takes about 20 s
-of one core. Meanwhile they are visible, answer services and stay *unconfigured*; the log and
+At the first start, and after an update, twin and fleet compile their kernel, which takes about 20
+s of one core. Meanwhile they are visible, answer services and stay *unconfigured*; the log and
 `/diagnostics` report it.
 """
 
