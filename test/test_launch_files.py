@@ -13,9 +13,9 @@ import time
 
 from bearing_twin.assets.twin_parameters import SPECS as TWIN
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.fleet_config import SPECS as FLEET
+from bearing_twin.nodes.fleet import SPECS as FLEET
 from bearing_twin.nodes.recorder import SPECS as RECORDER
-from bearing_twin.nodes.replay_config import SPECS as REPLAY
+from bearing_twin.nodes.replay import SPECS as REPLAY
 import pytest
 
 launch = pytest.importorskip('launch', reason='launch is part of an installed ROS 2 only')

@@ -6,34 +6,27 @@ from __future__ import annotations
 
 import array
 import math
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
-from bearing_twin import __version__
 from bearing_twin.bearing import PLACES
 from bearing_twin.stamps import split_ns
-from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
+from bearing_twin_msgs.msg import Diagnosis, Spectrum
 from builtin_interfaces.msg import Time
 import numpy as np
 from std_msgs.msg import Float64MultiArray, Header, MultiArrayDimension, MultiArrayLayout
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
     from bearing_twin.diagnosis import Spectrum as SpectrumResult
-    from bearing_twin.dynamics.simulator import Block
-    from bearing_twin.streams.pacer import Due
-    from bearing_twin.thermal.gate import GatedTemperature
     from numpy.typing import NDArray
 
 __all__ = [
-    'checkpoint_message',
     'diagnosis_message',
     'features_message',
+    'floats',
+    'message_header',
     'spectrum_message',
     'time_message',
-    'twin_state_message',
-    'vibration_message',
 ]
 
 
@@ -48,65 +41,9 @@ def floats(values: NDArray[np.floating]) -> array.array[float]:
     return array.array('f', np.ascontiguousarray(values, dtype=np.float32).tobytes())
 
 
-def _header(stamp: int, frame_id: str) -> Header:
+def message_header(stamp: int, frame_id: str) -> Header:
+    """Return a header at a time in ns."""
     return Header(stamp=time_message(stamp), frame_id=frame_id)
-
-
-def vibration_message(block: Block, *, due: Due, values: Mapping[str, Any]) -> Vibration:
-    """One block of the acceleration of a twin with such parameters, at the time of ``due``."""
-    return Vibration(
-        header=_header(due.stamp, values['frame_id']),
-        sample_rate=values['sample_rate'],
-        first_sample=due.first_sample,
-        unit='m/s^2',
-        shaft_hz=block.condition.shaft_hz,
-        x=floats(block.x),
-        y=floats(block.y),
-    )
-
-
-def twin_state_message(
-    block: Block, *, due: Due, values: Mapping[str, Any], temperature: GatedTemperature
-) -> TwinState:
-    """State after one block of a twin with such parameters; its times are left to the node."""
-    c = block.condition
-    return TwinState(
-        header=_header(due.stamp, values['frame_id']),
-        first_sample=due.first_sample,
-        sample_count=block.x.size,
-        bearing=values['bearing'] or values['geometry'],
-        thermal_mode=values['thermal_mode'],
-        defect=values['defect'].strip() or 'none',
-        temperature_status=int(temperature.status),
-        temperature_measured=temperature.measured,
-        temperature_used=temperature.used,
-        temperature_age=temperature.age,
-        alpha=c.alpha,
-        hardness=c.hardness,
-        friction=c.friction,
-        beta0=c.beta0,
-        k_b=c.k_b,
-        c_d=c.c_d,
-        radial_clearance=c.radial_clearance,
-        slip=c.slip,
-        inner_ring_temperature=c.inner_ring_temperature,
-        outer_ring_temperature=c.outer_ring_temperature,
-        viscosity=c.viscosity,
-        kappa=c.kappa,
-        friction_moment=c.friction_moment,
-        life_hours=c.life_hours,
-        shaft_hz=c.shaft_hz,
-        bpfo=c.bpfo,
-        bpfi=c.bpfi,
-        bsf=c.bsf,
-        ftf=c.ftf,
-        shaft_angle=c.shaft_angle,
-        cage_angle=c.cage_angle,
-        ball_angle=c.ball_angle,
-        inner_x=c.inner_x,
-        inner_y=c.inner_y,
-        ball_force=floats(c.ball_force),
-    )
 
 
 def diagnosis_message(
@@ -115,7 +52,7 @@ def diagnosis_message(
     """Verdict on a window whose first sample was taken at ``stamp`` ns."""
     severity = result.severity
     return Diagnosis(
-        header=_header(stamp, frame_id),
+        header=message_header(stamp, frame_id),
         first_sample=result.first_sample,
         sample_count=result.sample_count,
         sample_rate=result.sample_rate,
@@ -160,7 +97,7 @@ def spectrum_message(
 ) -> Spectrum:
     """Either spectrum of a window, with the cursors of its verdict."""
     return Spectrum(
-        header=_header(stamp, frame_id),
+        header=message_header(stamp, frame_id),
         first_sample=result.first_sample,
         sample_count=result.sample_count,
         kind=spectrum.kind,
@@ -197,19 +134,4 @@ def features_message(message: Diagnosis) -> Float64MultiArray:
     dimensions = [MultiArrayDimension(label=label, size=1, stride=1) for label in features]
     return Float64MultiArray(
         layout=MultiArrayLayout(dim=dimensions), data=array.array('d', features.values())
-    )
-
-
-def checkpoint_message(
-    *, stamp: int, first_sample: int, node: str, kind: str, configuration: str, state: bytes
-) -> Checkpoint:
-    """State of a node before sample ``first_sample``."""
-    return Checkpoint(
-        header=_header(stamp, ''),
-        first_sample=first_sample,
-        node=node,
-        kind=kind,
-        version=__version__,
-        configuration=configuration,
-        state=array.array('B', state),
     )

@@ -8,7 +8,7 @@ import sys
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.diagnosis_parameters import build_bearing, build_settings, SPECS
-from bearing_twin.nodes.diagnosis_asset import DiagnosisAsset
+from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics
 from bearing_twin.ros.health import Health
 from bearing_twin.ros.lifecycle import ManagedNode, run
 
@@ -32,30 +32,30 @@ class DiagnosisNode(ManagedNode):
     def setup(self) -> None:
         """Build the chain; create publishers and the service."""
         p = self.parameters
-        self._asset = DiagnosisAsset(self, p)
-        self._reset = self.offer('~/reset', self._asset.reset)
+        self._topics = DiagnosisTopics(self, p)
+        self._reset = self.offer('~/reset', self._topics.reset)
         self._health = Health(self, p['hardware_id'] or self.get_namespace())
-        self._health.add('vibration input', self._asset.input_status)
-        self._health.add('bearing', self._asset.verdict_status)
+        self._health.add('vibration input', self._topics.input_status)
+        self._health.add('bearing', self._topics.verdict_status)
 
     def start(self) -> None:
         """Listen."""
-        self._asset.listen()
-        self.get_logger().info(f'diagnosing bearing {self._asset.bearing}')
+        self._topics.listen()
+        self.get_logger().info(f'diagnosing bearing {self._topics.bearing}')
 
     def stop(self) -> None:
         """Stop listening and keep what was learnt."""
-        self._asset.stop()
+        self._topics.stop()
 
     def teardown(self) -> None:
         """Destroy what setup created."""
         self._health.destroy()
         self.destroy_service(self._reset)
-        self._asset.destroy()
+        self._topics.destroy()
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; the window restarts where the bearing has changed."""
-        self._asset.apply(values)
+        self._topics.apply(values)
 
 
 def main(args: list[str] | None = None) -> int:

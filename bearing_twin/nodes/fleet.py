@@ -5,23 +5,27 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 import math
 import sys
 import time
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.messages import checkpoint_message
+from bearing_twin.assets import twin_parameters
+from bearing_twin.assets.checkpoints import Checkpoints
+from bearing_twin.assets.fleet import build_fleet, read_assets, SHARED
+from bearing_twin.assets.shared_specs import SUBSCRIBERS
+from bearing_twin.assets.spec import Spec
+from bearing_twin.assets.twin import TwinChannel
 from bearing_twin.assets.twin_parameters import build_parameters, build_simulator
 from bearing_twin.dynamics import preset
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.dynamics.simulator import Block
-from bearing_twin.nodes.diagnosis_asset import DiagnosisAsset
-from bearing_twin.nodes.fleet_config import read_assets, SPECS
+from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics
 from bearing_twin.nodes.fleet_member import Member
-from bearing_twin.nodes.twin_asset import LONGEST_WAIT, TwinAsset
 from bearing_twin.nodes.twin_services import TwinServices
+from bearing_twin.nodes.twin_topics import LONGEST_WAIT, TwinTopics
 from bearing_twin.ros import realtime
 from bearing_twin.ros.cycle import BlockCycle
 from bearing_twin.ros.health import Health
@@ -38,7 +42,35 @@ if TYPE_CHECKING:
     from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
 
-__all__ = ['FleetNode', 'main']
+__all__ = ['SPECS', 'FleetNode', 'main']
+
+SPECS = (
+    Spec(
+        name='assets_file',
+        default='',
+        description='YAML file of the assets; see config/fleet.yaml.',
+        running=False,
+        read_only=True,
+    ),
+    Spec(
+        name='names',
+        default=[''],
+        description='Namespaces of assets with a twin and a diagnosis each, where no file is.',
+        running=False,
+        read_only=True,
+    ),
+    *(replace(spec, read_only=True) for spec in twin_parameters.SPECS if spec.name in SHARED),
+    Spec(
+        name='slots',
+        default=4,
+        description='Wake-ups a block period over which the publishing is spread.',
+        low=1,
+        high=40,
+        running=False,
+    ),
+    *realtime.SPECS,
+    SUBSCRIBERS,
+)
 
 
 @dataclass(frozen=True)
@@ -96,7 +128,8 @@ class FleetNode(ManagedNode):
         if self._fleet is not None:
             _warm(self._fleet, p['block_size'])
             self._fleet = self._build_fleet()
-        self._checkpoint_due = 0
+        node = self.get_fully_qualified_name()
+        self._checkpoints = Checkpoints('fleet', node, p['checkpoint_period'])
         self._checkpoint = self.create_lifecycle_publisher(Checkpoint, '~/checkpoint', CHECKPOINT)
         self._health = Health(self, self.get_namespace())
         for index, member in enumerate(self._members):
@@ -111,21 +144,14 @@ class FleetNode(ManagedNode):
     def _build_fleet(self) -> Fleet | None:
         """Return all twins at their start; None where only diagnoses are hosted."""
         values = [m.twin_parameters.values for m in self._twins if m.twin_parameters]
-        if not values:
-            return None
-        return Fleet(
-            [build_parameters(v) for v in values],
-            sample_rate=self.parameters['sample_rate'],
-            seeds=[v['seed'] for v in values],
-            temperatures=[v['start_temperature'] for v in values],
-            shaft_hz=[v['shaft_hz'] for v in values],
-        )
+        return build_fleet(values) if values else None
 
     def _set_up_twin(self, member: Member) -> None:
         p = member.twin_parameters
         if p is None:
             return
-        member.twin = TwinAsset(self, p, prefix=f'{member.name}/', checkpoints=False)
+        member.channel = TwinChannel(p.values)
+        member.twin = TwinTopics(self, member.channel, prefix=f'{member.name}/', checkpoints=False)
         member.services = TwinServices(
             self,
             p,
@@ -145,7 +171,7 @@ class FleetNode(ManagedNode):
         p = member.diagnosis_parameters
         if p is None:
             return
-        member.diagnosis = DiagnosisAsset(self, p, prefix=f'{member.name}/')
+        member.diagnosis = DiagnosisTopics(self, p, prefix=f'{member.name}/')
         member.reset = self.offer(f'{member.name}/diagnosis/reset', member.diagnosis.reset)
         blocks = p['update_interval'] * self.parameters['sample_rate']
         member.wait = int(stagger * blocks / self.parameters['block_size'])
@@ -165,7 +191,7 @@ class FleetNode(ManagedNode):
         for member in self._twins:
             assert member.twin is not None
             member.twin.await_subscribers(self.parameters['wait_for_subscribers'], deadline)
-        self._checkpoint_due = 0
+        self._checkpoints.ask()
         self._cycle.start()
         diagnoses = sum(m.diagnosis is not None for m in self._members)
         self.get_logger().info(f'{len(self._twins)} twins and {diagnoses} diagnoses')
@@ -187,10 +213,10 @@ class FleetNode(ManagedNode):
         self.destroy_lifecycle_publisher(self._checkpoint)
 
     def _apply_twin(self, member: Member, values: Mapping[str, Any]) -> None:
-        if member.twin is not None and self._fleet is not None:
-            member.twin.apply(values)
+        if member.channel is not None and self._fleet is not None:
+            member.channel.apply(values)
             self._fleet.reconfigure(self._twins.index(member), build_parameters(values))
-            self._checkpoint_due = 0
+            self._checkpoints.ask()
 
     def _apply_diagnosis(self, member: Member, values: Mapping[str, Any]) -> None:
         if member.diagnosis is not None:
@@ -200,9 +226,9 @@ class FleetNode(ManagedNode):
         self._publish_share(1.0)
         if self._fleet is None:
             return
-        if due.first_sample >= self._checkpoint_due:
+        if self._checkpoints.is_due(due.first_sample):
             self._publish_checkpoint(due)
-        inputs = [member.twin.inputs() for member in self._twins if member.twin]
+        inputs = [member.channel.inputs() for member in self._twins if member.channel]
         block = self._fleet.advance(
             self.parameters['block_size'],
             [temperature.used for temperature, _ in inputs],
@@ -220,37 +246,33 @@ class FleetNode(ManagedNode):
 
     def _publish(self, item: Pending) -> None:
         member = self._twins[item.index]
-        assert self._fleet is not None and member.twin is not None
+        assert self._fleet is not None
+        assert member.twin is not None and member.channel is not None
         block = Block(
             first_sample=item.block.first_sample,
             x=item.block.x[item.index],
             y=item.block.y[item.index],
             condition=self._fleet.condition(item.index),
         )
-        message = member.twin.publish_vibration(block, item.due)
-        member.twin.publish_state(
-            block, item.due, item.temperature, **self._cycle.fields(item.due)
-        )
+        messages = member.channel.messages(block, item.due, item.temperature)
+        member.twin.publish(messages, **self._cycle.fields(item.due))
         if member.wait:
             member.wait -= 1
         elif member.diagnosis is not None:
-            member.diagnosis.take(message, item.temperature.measured)
+            member.diagnosis.take(messages.vibration, item.temperature.measured)
 
     def _publish_checkpoint(self, due: Due) -> None:
         assert self._fleet is not None
-        p = self.parameters
-        wait = round(p['checkpoint_period'] * p['sample_rate'])
-        self._checkpoint_due = due.first_sample + wait
         configuration = {
             m.name: m.twin_parameters.configuration for m in self._twins if m.twin_parameters
         }
         self._checkpoint.publish(
-            checkpoint_message(
+            self._checkpoints.make(
+                due.first_sample,
                 stamp=due.stamp,
-                first_sample=due.first_sample,
-                node=self.get_fully_qualified_name(),
-                kind='fleet',
-                configuration=yaml.safe_dump(configuration),
+                sample_rate=self.parameters['sample_rate'],
+                # In the order of the fleet, which the state follows.
+                configuration=yaml.safe_dump(configuration, sort_keys=False),
                 state=self._fleet.save(),
             )
         )
@@ -271,12 +293,12 @@ class FleetNode(ManagedNode):
     def _place(self, member: Member, simulator: Simulator) -> None:
         assert self._fleet is not None
         self._fleet.place(self._twins.index(member), simulator)
-        self._checkpoint_due = 0
+        self._checkpoints.ask()
 
     def _reset_all(self) -> str:
         self._pending.clear()
         self._fleet = self._build_fleet()
-        self._checkpoint_due = 0
+        self._checkpoints.ask()
         for member in self._members:
             if member.diagnosis is not None:
                 member.diagnosis.reset()

@@ -8,19 +8,20 @@ from functools import partial
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.diagnosis_parameters import build_bearing, build_settings
+from bearing_twin.assets.fleet import DIAGNOSIS_SPECS, SHARED, TWIN_SPECS
 from bearing_twin.assets.twin_parameters import build_parameters
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.fleet_config import DIAGNOSIS_SPECS, SHARED, TWIN_SPECS
 from bearing_twin.ros.parameters import ParameterSet
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from bearing_twin.nodes.diagnosis_asset import DiagnosisAsset
-    from bearing_twin.nodes.fleet_config import Asset
-    from bearing_twin.nodes.twin_asset import TwinAsset
+    from bearing_twin.assets.fleet import Asset
+    from bearing_twin.assets.twin import TwinChannel
+    from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics
     from bearing_twin.nodes.twin_services import TwinServices
+    from bearing_twin.nodes.twin_topics import TwinTopics
     from bearing_twin.ros.lifecycle import ManagedNode
     from rclpy.service import Service
 
@@ -58,8 +59,10 @@ class Member:
         self.name = asset.name
         self.twin_parameters: ParameterSet | None = None
         self.diagnosis_parameters: ParameterSet | None = None
-        self.twin: TwinAsset | None = None
-        self.diagnosis: DiagnosisAsset | None = None
+        self.channel: TwinChannel | None = None
+        """Inputs and messages of its twin."""
+        self.twin: TwinTopics | None = None
+        self.diagnosis: DiagnosisTopics | None = None
         self.services: TwinServices | None = None
         self.reset: Service[Any, Any] | None = None
         """Service that resets the diagnosis."""
@@ -100,7 +103,7 @@ class Member:
                 part.destroy()
         if self.reset is not None:
             self._node.destroy_service(self.reset)
-        self.twin = self.diagnosis = self.services = self.reset = None
+        self.channel = self.twin = self.diagnosis = self.services = self.reset = None
 
 
 def _check_twin(values: Mapping[str, Any]) -> None:

@@ -14,13 +14,14 @@ import traceback
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.messages import time_message
+from bearing_twin.assets.spec import Spec
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.replay_config import check_remapping, remapping, SPECS
 from bearing_twin.recording.player import Player, Section
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode, run
 from bearing_twin.ros.qos import RESULT
 from bearing_twin.ros.rawtopics import message_class, replay_qos
+from bearing_twin.ros.remapping import check_remapping, remapping
 from rclpy.duration import Duration
 from rosgraph_msgs.msg import Clock
 
@@ -30,10 +31,82 @@ if TYPE_CHECKING:
     from bearing_twin.recording.reader import RecordedMessage
     from rclpy.publisher import Publisher
 
-__all__ = ['ReplayNode', 'main']
+__all__ = ['SPECS', 'ReplayNode', 'main']
 
 PROGRESS_PERIOD = 5.0
 LONGEST_WAIT = 0.5
+
+SPECS = (
+    Spec(
+        name='recording',
+        default='',
+        description='MCAP file or bag folder to replay.',
+        running=False,
+    ),
+    Spec(
+        name='rate',
+        default=1.0,
+        description='Pace: recorded seconds per second.',
+        low=0.001,
+        high=1e6,
+    ),
+    Spec(name='loop', default=False, description='Start again at the end.', running=False),
+    Spec(
+        name='start_offset',
+        default=0.0,
+        description='Recorded time to skip at the start.',
+        unit='s',
+        low=0.0,
+        high=1e9,
+        running=False,
+    ),
+    Spec(
+        name='duration',
+        default=0.0,
+        description='Recorded time to replay; 0: to the end.',
+        unit='s',
+        low=0.0,
+        high=1e9,
+        running=False,
+    ),
+    Spec(
+        name='topics',
+        default=[''],
+        description='Topics to replay; none given: all.',
+        running=False,
+    ),
+    Spec(
+        name='remap',
+        default=[''],
+        description="Other names for recorded topics, each as 'recorded:=new'.",
+        running=False,
+    ),
+    Spec(
+        name='clock_rate',
+        default=0.0,
+        description='Rate of /clock, which then follows recorded time; 0: no /clock.',
+        unit='Hz',
+        low=0.0,
+        high=1000.0,
+        running=False,
+    ),
+    Spec(name='start_paused', default=False, description='Wait for ~/resume.', running=False),
+    Spec(
+        name='wait_for_subscribers',
+        default=3.0,
+        description='Longest wait at the start until every topic has a subscriber.',
+        unit='s',
+        low=0.0,
+        high=3600.0,
+        running=False,
+    ),
+    Spec(
+        name='exit_at_end',
+        default=True,
+        description='End the process when everything has been replayed.',
+        running=False,
+    ),
+)
 
 
 class ReplayNode(ManagedNode):

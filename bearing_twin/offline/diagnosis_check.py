@@ -9,16 +9,18 @@ import contextlib
 import math
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.checkpoints import configuration_values
 from bearing_twin.diagnosis.settings import LONGEST_WINDOW
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.agreement import Agreement, without_padding
-from bearing_twin.offline.sides import configuration_values, decode, DiagnosisRun
+from bearing_twin.offline.diagnosis_run import DiagnosisRun
+from bearing_twin.offline.output import decode
 from bearing_twin.stamps import NANO, stamp_ns
 from bearing_twin.streams.vibration_input import read_vibration
 
 if TYPE_CHECKING:
     from bearing_twin.offline.agreement import Reproduction
-    from bearing_twin.offline.sides import Output
+    from bearing_twin.offline.output import Output
     from bearing_twin.recording.reader import RecordedMessage
 
 __all__ = ['HORIZON', 'DiagnosisCheck']
@@ -141,7 +143,7 @@ class DiagnosisCheck:
             self._result.notes.append(note)
 
     def _resume(self, checkpoint: Any) -> None:
-        values = configuration_values(str(checkpoint.configuration))
+        values = configuration_values(checkpoint)
         state = bytes(checkpoint.state)
         at = f'at sample {checkpoint.first_sample}'
         if self._run is not None and self._run.values != values:

@@ -11,19 +11,20 @@ import math
 import os
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.assets import diagnosis_parameters as diagnosis_config
-from bearing_twin.assets import twin_parameters as twin_config
-from bearing_twin.assets.spec import read_values
+from bearing_twin.assets import diagnosis_parameters, twin_parameters
+from bearing_twin.assets.spec import configuration, read_values
+from bearing_twin.assets.twin import Twin
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.offline.sides import DiagnosisRun, Output, TwinRun
+from bearing_twin.offline.diagnosis_run import DiagnosisRun
+from bearing_twin.offline.output import Output, output
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
-from bearing_twin.stamps import NANO, samples_ns, stamp_ns
+from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.streams.ahead import ahead
 from bearing_twin.streams.pacer import Due
 from bearing_twin.streams.shaft import ShaftSpeed
-from bearing_twin.thermal.gate import TemperatureGate
+import yaml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -118,8 +119,8 @@ def run_offline(
     if not any(info.topics[t].type_name == TEMPERATURE and info.topics[t].count for t in topics):
         msg = f'{source} holds no {TEMPERATURE}; an offline run needs it'
         raise BearingTwinError(msg)
-    twin_values = read_values(twin_config.SPECS, twin or {})
-    diagnosis_values = read_values(diagnosis_config.SPECS, diagnosis or {})
+    twin_values = read_values(twin_parameters.SPECS, twin or {})
+    diagnosis_values = read_values(diagnosis_parameters.SPECS, diagnosis or {})
     report = OfflineReport(target, info.duration)
     threads = workers()
     twin_side = _TwinSide(twin_values, diagnosis_values['joint'], info.start)
@@ -151,7 +152,7 @@ class _Block(NamedTuple):
 
     now: int
     message: Any
-    outputs: tuple[Output, ...]
+    outputs: list[Output]
     temperature: float
     joint_hz: float
     measured: bool
@@ -161,20 +162,13 @@ class _TwinSide:
     """The inputs and the twin on one time line."""
 
     def __init__(self, twin: dict[str, Any], joint: str, start: int) -> None:
-        self._run = TwinRun(twin)
-        self._gate = TemperatureGate(
-            start=twin['start_temperature'], timeout=twin['temperature_timeout']
-        )
-        self._shaft = ShaftSpeed(
-            nominal=twin['shaft_hz'],
-            joint=twin['joint'],
-            highest=twin_config.FASTEST_LIVE_SHAFT,
-        )
+        self._now = 0.0
+        self._twin = Twin(twin, clock=lambda: self._now)
+        self._text = yaml.safe_dump(configuration(twin_parameters.SPECS, twin))
         self._speed = ShaftSpeed(nominal=math.nan, joint=joint)
         self._temperature = math.nan
         self._start = self._latest = start
         self._next_sample = 0
-        self._checkpoint_due = 0
 
     def run(
         self, messages: Iterable[RecordedMessage], end: int
@@ -204,42 +198,37 @@ class _TwinSide:
 
     def _offer(self, message: RecordedMessage) -> None:
         decoded = message.decode()
-        now = message.log_time / NANO
+        self._now = message.log_time / NANO
         if message.type_name == TEMPERATURE:
-            stamp = stamp_ns(decoded.header.stamp)
-            self._gate.offer(decoded.temperature, stamp=stamp, now=now)
+            self._twin.take_temperature(decoded)
             self._temperature = decoded.temperature
         else:
-            self._shaft.offer(decoded.name, decoded.velocity, now=now)
-            self._speed.offer(decoded.name, decoded.velocity, now=now)
+            self._twin.take_joints(decoded)
+            self._speed.offer(decoded.name, decoded.velocity, now=self._now)
 
     def _blocks_until(self, time: int) -> Iterator[_Block]:
         """Yield every block whose last sample has been taken before ``time`` (ns)."""
-        length = self._run.values['block_size']
-        rate = self._run.values['sample_rate']
+        length = self._twin.values['block_size']
+        rate = self._twin.values['sample_rate']
         while True:
             now = self._start + samples_ns(self._next_sample + length, rate)
             if now > time:
                 return
             stamp = self._start + samples_ns(self._next_sample, rate)
-            yield self._block(Due(self._next_sample, stamp, 0.0), length, now)
+            yield self._block(Due(self._next_sample, stamp, 0.0), now)
             self._next_sample += length
 
-    def _block(self, due: Due, length: int, now: int) -> _Block:
-        run = self._run
-        checkpoint: tuple[Output, ...] = ()
-        if due.first_sample >= self._checkpoint_due:
-            period = run.values['checkpoint_period'] * run.values['sample_rate']
-            self._checkpoint_due = due.first_sample + round(period)
-            checkpoint = (run.checkpoint(due),)
-        message, outputs = run.block(due, length, self._gate.at(now / NANO), self._shaft.hz)
+    def _block(self, due: Due, now: int) -> _Block:
+        self._now = now / NANO
+        checkpoint = self._twin.checkpoint(due, self._text)
+        vibration, state, _ = self._twin.advance(due)
+        # How late a block was says nothing here, and would differ each time.
+        state.blocks_published = due.first_sample // len(vibration.y) + 1
+        outputs = [output('/vibration', vibration), output('/twin_state', state)]
+        if checkpoint is not None:
+            outputs.insert(0, output('/twin_checkpoint', checkpoint))
         return _Block(
-            now,
-            message,
-            (*checkpoint, *outputs),
-            self._temperature,
-            self._speed.hz,
-            self._speed.measured,
+            now, vibration, outputs, self._temperature, self._speed.hz, self._speed.measured
         )
 
 
@@ -267,7 +256,6 @@ class _DiagnosisSide:
         self._most = most
         self._report = report
         self._qos = sensor_qos()
-        self._checkpoint_due = 0
         self._waiting: deque[tuple[RecordedMessage | Output | _Analysed, int]] = deque()
         self._analyses = 0
 
@@ -290,8 +278,8 @@ class _DiagnosisSide:
             if isinstance(item, _Analysed):
                 if self._analyses <= most and not item.analysis.done():
                     return
-                for output in self._run.outputs(item.due.judge(item.analysis.result())):
-                    self._write(output, time)
+                for made in self._run.outputs(item.due.judge(item.analysis.result())):
+                    self._write(made, time)
                 self._analyses -= 1
                 self._report.verdicts = dict(self._run.counts)
             elif isinstance(item, Output):
@@ -302,10 +290,8 @@ class _DiagnosisSide:
 
     def _work(self, block: _Block) -> None:
         message = block.message
-        self._waiting.extend((output, block.now) for output in block.outputs)
-        if message.first_sample >= self._checkpoint_due:
-            period = self._run.values['checkpoint_period'] * message.sample_rate
-            self._checkpoint_due = message.first_sample + round(period)
+        self._waiting.extend((made, block.now) for made in block.outputs)
+        if self._run.needs_checkpoint(message):
             # The state before this block is that after all verdicts before it.
             self._settle(0)
             self._write(self._run.checkpoint(message), block.now)
@@ -324,11 +310,11 @@ class _DiagnosisSide:
         self._writer.copy(message)
         self._report.inputs += 1
 
-    def _write(self, output: Output, time: int) -> None:
+    def _write(self, made: Output, time: int) -> None:
         self._writer.write(
-            output.topic,
-            output.type_name,
-            output.cdr,
+            made.topic,
+            made.type_name,
+            made.cdr,
             log_time=time,
             publish_time=time,
             qos=self._qos,

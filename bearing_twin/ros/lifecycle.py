@@ -8,15 +8,17 @@ import gc
 import os
 import signal
 import sys
+import threading
+import time
 import traceback
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.spec import Spec
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
-from bearing_twin.ros.compiling import is_compiling, prepare
 from bearing_twin.ros.executor import LeanExecutor
-from bearing_twin.ros.launching import ensure_log_folder
+from bearing_twin.ros.health import Health, Level, Status
+from bearing_twin.ros.launching import COMPILING, ensure_log_folder
 from bearing_twin.ros.parameters import ParameterSet, unknown_at_start
 from bearing_twin.ros.subscribing import validated
 import rclpy
@@ -28,6 +30,7 @@ from std_srvs.srv import Trigger
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
+    from rclpy.executors import Executor
     from rclpy.lifecycle import LifecycleState
     from rclpy.service import Service
     from rclpy.subscription import MessageInfo, Subscription
@@ -39,6 +42,13 @@ TRANSPORT_SETTINGS = (
     'FASTDDS_DEFAULT_PROFILES_FILE',
     'FASTRTPS_DEFAULT_PROFILES_FILE',
 )
+
+SLOW = 2.0
+"""Time after which the preparation of a node must be compiling, s."""
+
+THREAD = 'compiler'
+PART = 'real time'
+"""Part of the node that a status speaks of; every node that compiles has it later on, too."""
 
 AUTOSTART = Spec(
     name='autostart',
@@ -232,11 +242,39 @@ def _never_wait_for_the_network() -> None:
         os.environ['FASTDDS_BUILTIN_TRANSPORTS'] = 'DEFAULT?non_blocking=true'
 
 
+def _prepare(node: ManagedNode, executor: Executor) -> None:
+    """
+    Let a node prepare itself in a thread, and answer services until it is done.
+
+    If that takes long the log and /diagnostics say why.
+    """
+    started = time.monotonic()
+    thread = threading.Thread(target=node.prepare, name=THREAD, daemon=True)
+    thread.start()
+    health: Health | None = None
+    while thread.is_alive() and node.context.ok():
+        executor.spin_once(timeout_sec=0.1)
+        if health is None and time.monotonic() - started > SLOW:
+            node.get_logger().info(COMPILING)
+            health = Health(node, node.get_namespace())
+            health.add(
+                PART,
+                lambda: Status(Level.WARN, COMPILING, {'time s': time.monotonic() - started}),
+            )
+    if health is not None:
+        health.destroy()
+
+
+def _is_compiling() -> bool:
+    """Whether a preparation is under way: the compiler cannot be told to stop."""
+    return any(thread.name == THREAD for thread in threading.enumerate())
+
+
 def _work(node: ManagedNode) -> None:
     executor = LeanExecutor()
     executor.add_node(node)
     try:
-        prepare(node, node.prepare, executor)
+        _prepare(node, executor)
         node.bring_up()
         executor.spin()
     except Exception:
@@ -264,7 +302,7 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
     ensure_log_folder()
     keep_freed_memory()
     status = _run(node_class, args)
-    if is_compiling():
+    if _is_compiling():
         # It cannot be told to stop, and has nothing to lose.
         sys.stdout.flush()
         sys.stderr.flush()

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 from bearing_twin.dynamics import preset, Simulator
-from bearing_twin.nodes.twin_health import clearance_problem, temperature_status
+from bearing_twin.nodes.twin_topics import clearance_problem, temperature_status
 from bearing_twin.ros.health import Level
 from bearing_twin.thermal.gate import TemperatureGate
 

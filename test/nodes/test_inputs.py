@@ -111,7 +111,7 @@ def test_second_source_is_ignored_until_the_first_falls_silent():
     ],
 )
 def test_the_reason_of_a_refusal_is_not_hidden(age, problem, contested, level, text):
-    from bearing_twin.nodes.diagnosis_health import input_status
+    from bearing_twin.nodes.diagnosis_topics import input_status
 
     status = input_status(
         age=age,
@@ -129,7 +129,7 @@ def test_the_reason_of_a_refusal_is_not_hidden(age, problem, contested, level, t
 
 @pytest.mark.ros
 def test_before_the_first_valid_temperature_the_start_temperature_is_named():
-    from bearing_twin.nodes.twin_health import temperature_status
+    from bearing_twin.nodes.twin_topics import temperature_status
     from bearing_twin.thermal.gate import TemperatureGate
 
     gate = TemperatureGate(start=30.0)

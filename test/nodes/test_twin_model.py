@@ -10,12 +10,12 @@ import pytest
 
 pytest.importorskip('rclpy')
 
+from bearing_twin.assets.fleet import read_assets
 from bearing_twin.assets.spec import configuration
 from bearing_twin.assets.twin_parameters import build_parameters, SPECS
 from bearing_twin.dynamics import Defect, preset, presets, TwinParameters
 from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.fleet_config import read_assets
 from bearing_twin.offline.run import run_offline
 from bearing_twin.offline.verify import reproduce
 from bearing_twin.quantity import quantities

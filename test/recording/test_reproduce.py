@@ -11,10 +11,10 @@ import threading
 import time
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.checkpoints import configuration_values
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.run import run_offline
-from bearing_twin.offline.sides import configuration_values
 from bearing_twin.offline.verify import reproduce
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import read_messages
@@ -321,7 +321,60 @@ def test_a_live_run_is_reproduced_offline(ros_domain: int, tmp_path: Path, sched
     assert result.topics['/diagnosis'].identical > 5
     assert result.topics['/diagnosis'].skipped == 0
     kept = [
-        configuration_values(str(message.decode().configuration))
+        configuration_values(message.decode())
         for message in read_messages(tmp_path / 'bag', topics=['/twin_checkpoint'])
     ]
     assert own.items() <= kept[-1].items()
+
+
+@pytest.mark.ros
+def test_a_fleet_is_reproduced_offline(ros_domain: int, tmp_path: Path) -> None:
+    assets = tmp_path / 'assets.yaml'
+    # Not in the order of the alphabet, one of another bearing, one without a diagnosis.
+    assets.write_text(
+        """
+        assets:
+          pump/right:
+            twin: {defect: inner, seed: 3}
+            diagnosis: {window: 1.0}
+          pump/left:
+            twin: {seed: 1, shaft_hz: 29.0}
+          fan:
+            twin: {bearing: '6205', seed: 2, thermal_mode: physical}
+        """
+    )
+    bag = tmp_path / 'bag'
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(bag)}, ros=('-r', '__ns:=/p1'))
+        nodes.start(
+            'fleet',
+            {'assets_file': str(assets), 'checkpoint_period': 2.0},
+            ros=('-r', '__ns:=/p1'),
+        )
+        source.wait_for('p1/fleet: real time')
+        source.wait_for('p1/recorder: recording')
+        time.sleep(4.0)
+        assert source.call('/p1/fleet/reset').success
+        assert source.call('/p1/pump/left/twin/reset').success
+        time.sleep(6.0)
+        assert nodes.end('fleet') == 0
+        assert nodes.end('recorder') == 0
+    result = reproduce(bag)
+    vibration = {f'/p1/{name}/vibration' for name in ('pump/right', 'pump/left', 'fan')}
+    assert result.topics.keys() == vibration | {'/p1/pump/right/diagnosis'}
+    assert result.identical, result
+    assert all(result.topics[name].identical > 100 for name in vibration)
+
+    lost = contents(bag, '/p1/fan/vibration')[-80]
+
+    def drop(message: Any, cdr: bytes) -> bytes | None:
+        return None if cdr == lost else cdr
+
+    lossy = reproduce(rewritten(bag, tmp_path / 'lossy', drop))
+    assert lossy.identical, lossy
+    assert any('a block of /p1/fan/vibration is missing' in note for note in lossy.notes)
+    skipped = {
+        name: lossy.topics[name].skipped - result.topics[name].skipped for name in vibration
+    }
+    assert 0 < skipped.pop('/p1/fan/vibration') <= 75
+    assert not any(skipped.values())

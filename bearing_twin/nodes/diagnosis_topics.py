@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""One diagnosis as a node sees it: its topics, its inputs, its messages. A node hosts many."""
+"""Topics and statuses of one diagnosis: a diagnosis node has one, a fleet many."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import math
 import time
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.checkpoints import Checkpoints
 from bearing_twin.assets.diagnosis import DiagnosisCore
-from bearing_twin.assets.messages import checkpoint_message
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.diagnosis_health import input_status, verdict_status
+from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
 from bearing_twin.ros.subscribing import subscribe
 from bearing_twin.stamps import stamp_ns
@@ -27,19 +27,22 @@ if TYPE_CHECKING:
 
     from bearing_twin.assets.diagnosis import Verdict
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
-    from bearing_twin.ros.health import Status
     from bearing_twin.ros.lifecycle import ManagedNode
     from bearing_twin.ros.parameters import ParameterSet
     from bearing_twin.streams.vibration_input import VibrationBlock
     from rclpy.qos import QoSProfile
     from rclpy.subscription import MessageInfo, Subscription
 
-__all__ = ['DiagnosisAsset']
+__all__ = ['DiagnosisTopics', 'input_status', 'verdict_status']
+
+SILENT_AFTER = 2.0
+
+LEVELS = {'ok': Level.OK, 'suspect': Level.WARN, 'fault': Level.ERROR, 'none': Level.WARN}
 
 
-class DiagnosisAsset:
+class DiagnosisTopics:
     """
-    Topics, inputs and verdicts of one bearing.
+    Feed a diagnosis from its topics and publish its verdicts.
 
     Verdicts are triggered by the samples, not by a clock: the same blocks give the same verdicts.
 
@@ -74,7 +77,7 @@ class DiagnosisAsset:
         self._problem = ''
         self._arrived = math.nan
         self._latest: DiagnosisResult | None = None
-        self._checkpoint_due = -math.inf
+        self._checkpoints = Checkpoints('diagnosis', self._path, p['checkpoint_period'])
         self._verdict = node.create_lifecycle_publisher(
             Diagnosis, f'{prefix}diagnosis', own(RESULT), qos_overriding_options=OVERRIDES
         )
@@ -128,7 +131,7 @@ class DiagnosisAsset:
     def reset(self) -> str:
         """Start anew: window, baseline and trend; return what a service answers."""
         self._core = DiagnosisCore(self.parameters.values)
-        self._checkpoint_due = -math.inf
+        self._checkpoints.ask()
         self._latest = None
         return 'window, baseline and trend start anew'
 
@@ -136,7 +139,7 @@ class DiagnosisAsset:
         """Take changed parameters; the window restarts where the bearing has changed."""
         self._core.reconfigure(values)
         self._shaft.set_nominal(self._core.nominal_hz)
-        self._checkpoint_due = -math.inf
+        self._checkpoints.ask()
 
     def _on_temperature(self, message: Temperature, _: MessageInfo) -> None:
         self._temperature = message.temperature
@@ -171,10 +174,10 @@ class DiagnosisAsset:
             return
         self._blocks += 1
         if self._gaps.count(block.first_sample, block.samples.size):
-            self._checkpoint_due = -math.inf
+            self._checkpoints.ask()
         self._problem = ''
         stamp = stamp_ns(message.header.stamp)
-        if block.first_sample >= self._checkpoint_due:
+        if self._checkpoints.is_due(block.first_sample):
             self._publish_checkpoint(block, stamp)
         for due in self._core.take(
             block,
@@ -200,15 +203,12 @@ class DiagnosisAsset:
         self._envelope.publish(verdict.envelope_spectrum)
 
     def _publish_checkpoint(self, block: VibrationBlock, stamp: int) -> None:
-        p = self.parameters
-        self._checkpoint_due = block.first_sample + p['checkpoint_period'] * block.sample_rate
         self._checkpoint.publish(
-            checkpoint_message(
+            self._checkpoints.make(
+                block.first_sample,
                 stamp=stamp,
-                first_sample=block.first_sample,
-                node=self._path,
-                kind='diagnosis',
-                configuration=p.text,
+                sample_rate=block.sample_rate,
+                configuration=self.parameters.text,
                 state=self._core.diagnoser.save(),
             )
         )
@@ -254,3 +254,82 @@ class DiagnosisAsset:
     def verdict_status(self) -> Status:
         """Status of the bearing for /diagnostics."""
         return verdict_status(self._latest, self.bearing)
+
+
+def input_status(
+    *,
+    age: float,
+    blocks: int,
+    refused: int,
+    problem: str,
+    ignored: int,
+    contested: bool,
+    gaps: GapCounter,
+    shaft_problem: str,
+) -> Status:
+    """
+    Status of the vibration stream.
+
+    Parameters
+    ----------
+    age
+        Time since the last block, used or refused, s; NaN before the first.
+    blocks, refused
+        Blocks used and refused.
+    problem
+        Why the last refused block was refused; '' if the last block was used.
+    ignored
+        Blocks of a second source on the same topic.
+    contested
+        Whether one of them came just now.
+    gaps
+        Samples lost and restarts of the source.
+    shaft_problem
+        What is wrong with the shaft speed; '' if nothing.
+
+    """
+    if not blocks and not problem:
+        level, message = Level.STALE, 'no vibration yet'
+    elif age > SILENT_AFTER:
+        level, message = Level.STALE, f'no vibration for {age:.1f} s'
+    elif problem:
+        level, message = Level.ERROR, f'block refused: {problem}'
+    elif contested:
+        level, message = Level.ERROR, 'several sources on one topic: only the first is used'
+    elif shaft_problem:
+        level, message = Level.WARN, shaft_problem
+    else:
+        level, message = Level.OK, 'vibration is fresh'
+    return Status(
+        level,
+        message,
+        {
+            'age [s]': age,
+            'blocks used': blocks,
+            'blocks refused': refused,
+            'blocks of other sources': ignored,
+            'samples lost': gaps.lost,
+            'restarts of the source': gaps.restarts,
+        },
+    )
+
+
+def verdict_status(result: Diagnosis | None, bearing: str) -> Status:
+    """Status of the bearing."""
+    if result is None:
+        return Status(Level.STALE, 'no verdict yet', {'bearing': bearing})
+    values: dict[str, object] = {
+        'fault_code': result.fault_code,
+        'bearing': bearing,
+        'result': result.result,
+        'faults': ', '.join(result.faults),
+        'confidence': result.confidence,
+        'shaft speed [Hz]': result.shaft_hz,
+        'fault frequency [Hz]': result.fault_hz,
+        'expected [Hz]': result.fault_hz_expected,
+        'slip': result.slip,
+        f'rms [{result.severity.unit or "unit unknown"}]': result.severity.rms,
+        'level over baseline [dB]': result.severity.level_over_baseline,
+        'reasons': '; '.join(result.reasons),
+    }
+    return Status(LEVELS[result.level], result.result, values)

@@ -1,57 +1,30 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of the fleet node, and the file of assets that it reads."""
+"""Many twins that are advanced together: the file that lists them, and what is built of it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 import re
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets import diagnosis_parameters as diagnosis_config
-from bearing_twin.assets import twin_parameters as twin_config
-from bearing_twin.assets.shared_specs import SUBSCRIBERS
-from bearing_twin.assets.spec import Spec
+from bearing_twin.assets import diagnosis_parameters, twin_parameters
+from bearing_twin.assets.checkpoints import parameters_of
+from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.ros import realtime
 import yaml
 
-__all__ = ['DIAGNOSIS_SPECS', 'SHARED', 'SPECS', 'TWIN_SPECS', 'Asset', 'read_assets']
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+__all__ = ['DIAGNOSIS_SPECS', 'SHARED', 'TWIN_SPECS', 'Asset', 'build_fleet', 'read_assets']
 
 SHARED = ('sample_rate', 'block_size', 'checkpoint_period')
 """Parameters that are one for all twins of a fleet: their blocks are computed together."""
 
-TWIN_SPECS = tuple(spec for spec in twin_config.SPECS if spec.name not in SHARED)
-DIAGNOSIS_SPECS = diagnosis_config.SPECS
-
-SPECS = (
-    Spec(
-        name='assets_file',
-        default='',
-        description='YAML file of the assets; see config/fleet.yaml.',
-        running=False,
-        read_only=True,
-    ),
-    Spec(
-        name='names',
-        default=[''],
-        description='Namespaces of assets with a twin and a diagnosis each, where no file is.',
-        running=False,
-        read_only=True,
-    ),
-    *(replace(spec, read_only=True) for spec in twin_config.SPECS if spec.name in SHARED),
-    Spec(
-        name='slots',
-        default=4,
-        description='Wake-ups a block period over which the publishing is spread.',
-        low=1,
-        high=40,
-        running=False,
-    ),
-    *realtime.SPECS,
-    SUBSCRIBERS,
-)
+TWIN_SPECS = tuple(spec for spec in twin_parameters.SPECS if spec.name not in SHARED)
+DIAGNOSIS_SPECS = diagnosis_parameters.SPECS
 
 NAME = re.compile(r'[A-Za-z]\w*(/[A-Za-z]\w*)*')
 PARTS = ('twin', 'diagnosis')
@@ -139,3 +112,29 @@ def _flat(values: dict[Any, Any]) -> dict[str, Any]:
         else:
             flat[str(name)] = value
     return flat
+
+
+def build_fleet(values: Iterable[Mapping[str, Any]]) -> Fleet:
+    """
+    Return twins at their start, in one fleet.
+
+    Parameters
+    ----------
+    values
+        Parameters of each twin; the shared ones are those of the first.
+
+    Raises
+    ------
+    BearingTwinError
+        If the parameters of a twin do not fit together, or some are missing.
+
+    """
+    values = list(values)
+    with parameters_of('fleet'):
+        return Fleet(
+            [twin_parameters.build_parameters(v) for v in values],
+            sample_rate=values[0]['sample_rate'],
+            seeds=[v['seed'] for v in values],
+            temperatures=[v['start_temperature'] for v in values],
+            shaft_hz=[v['shaft_hz'] for v in values],
+        )

@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Topics and input status of one twin: a twin node has one, a fleet many."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING
+
+from bearing_twin.ros.health import Level, Status
+from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, STREAM
+from bearing_twin.ros.subscribing import subscribe
+from bearing_twin.thermal.gate import TABLE_HIGH, TABLE_LOW, TemperatureStatus
+from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration
+from sensor_msgs.msg import JointState, Temperature
+
+if TYPE_CHECKING:
+    from bearing_twin.assets.twin import TwinChannel, TwinMessages
+    from bearing_twin.dynamics.condition import Condition
+    from bearing_twin.ros.lifecycle import ManagedNode
+    from bearing_twin.thermal.gate import GatedTemperature
+
+__all__ = ['TwinTopics', 'clearance_problem', 'temperature_status']
+
+LONGEST_WAIT = 10.0
+
+TEXTS = {
+    TemperatureStatus.OK: 'temperature is fresh',
+    TemperatureStatus.WAITING: 'no temperature yet: the start temperature is used',
+    TemperatureStatus.STALE: 'temperature is stale: the last valid one is held',
+    TemperatureStatus.INVALID: 'temperature is no number or impossible: the last valid is held',
+    TemperatureStatus.CLAMPED: (
+        f'temperature is outside {TABLE_LOW:g}..{TABLE_HIGH:g} degC: the nearest end is used'
+    ),
+    TemperatureStatus.BACKWARDS: 'stamps run backwards: the last valid temperature is held',
+}
+
+
+class TwinTopics:
+    """
+    Feed a twin from its topics and publish its messages.
+
+    Parameters
+    ----------
+    node
+        The node that hosts it.
+    twin
+        Takes the inputs.
+    prefix
+        Put before the topics: '' or ``NAMESPACE/``.
+    checkpoints
+        Whether there is a topic for checkpoints.
+
+    """
+
+    def __init__(
+        self, node: ManagedNode, twin: TwinChannel, *, prefix: str = '', checkpoints: bool = True
+    ) -> None:
+        self._node = node
+        self._twin = twin
+        self._clearance_problem = ''
+        self._vibration = node.create_lifecycle_publisher(
+            Vibration, f'{prefix}vibration', own(STREAM), qos_overriding_options=OVERRIDES
+        )
+        self._state = node.create_lifecycle_publisher(
+            TwinState, f'{prefix}twin_state', own(STREAM), qos_overriding_options=OVERRIDES
+        )
+        self._publishers = [self._vibration, self._state]
+        if checkpoints:
+            self._checkpoint = node.create_lifecycle_publisher(
+                Checkpoint, f'{prefix}twin_checkpoint', CHECKPOINT
+            )
+            self._publishers.append(self._checkpoint)
+        temperature, joints = f'{prefix}temperature', f'{prefix}joint_states'
+        self._inputs = [
+            subscribe(node, Temperature, temperature, twin.take_temperature, MEASUREMENT)
+        ]
+        if twin.values['joint']:
+            self._inputs.append(subscribe(node, JointState, joints, twin.take_joints, MEASUREMENT))
+
+    def destroy(self) -> None:
+        """Give up the topics."""
+        for publisher in self._publishers:
+            self._node.destroy_lifecycle_publisher(publisher)
+        for subscription in self._inputs:
+            self._node.destroy_subscription(subscription)
+
+    def await_subscribers(self, count: int, deadline: float = math.inf) -> None:
+        """Wait until ``count`` subscribers hear the vibration; 10 s, or until ``deadline``."""
+        deadline = min(deadline, time.monotonic() + LONGEST_WAIT)
+        while self._vibration.get_subscription_count() < count:
+            if time.monotonic() > deadline or not self._node.context.ok():
+                return
+            time.sleep(0.02)
+
+    def publish_checkpoint(self, checkpoint: Checkpoint | None) -> None:
+        """Publish a checkpoint, if there is one."""
+        if checkpoint is not None:
+            self._checkpoint.publish(checkpoint)
+
+    def publish(self, messages: TwinMessages, **realtime: float) -> None:
+        """Publish a block; ``realtime`` are the fields of the state of that name."""
+        self._clearance_problem = clearance_problem(messages.condition)
+        for name, value in realtime.items():
+            setattr(messages.state, name, value)
+        self._vibration.publish(messages.vibration)
+        self._state.publish(messages.state)
+
+    def status(self) -> Status:
+        """Status of the inputs for /diagnostics."""
+        return temperature_status(
+            self._twin.inputs().temperature, self._twin.shaft_problem(), self._clearance_problem
+        )
+
+
+def clearance_problem(condition: Condition) -> str:
+    """Say that the ring temperatures left the clearance that the model holds for, or ''."""
+    left, used = condition.thermal_clearance, condition.radial_clearance
+    if left == used:
+        return ''
+    apart = condition.inner_ring_temperature - condition.outer_ring_temperature
+    return (
+        f'the bearing {"would seize" if left < used else "hangs loose"}: an inner ring '
+        f'{apart:+.0f} K from the outer one leaves a radial clearance of {left * 1e6:.1f} um, '
+        f'the model goes on with {used * 1e6:g} um'
+    )
+
+
+def temperature_status(temperature: GatedTemperature, *problems: str) -> Status:
+    """Return the status of the temperature and of ``problems``; empty strings are ignored."""
+    ok = temperature.status is TemperatureStatus.OK and not any(problems)
+    message = TEXTS[temperature.status]
+    if temperature.status is TemperatureStatus.INVALID and math.isnan(temperature.age):
+        message = 'temperature is no number or impossible: the start temperature is used'
+    message = '; '.join([message, *filter(None, problems)])
+    return Status(
+        Level.OK if ok else Level.WARN,
+        message,
+        {
+            'temperature used [degC]': temperature.used,
+            'temperature measured [degC]': temperature.measured,
+            'age of the last valid one [s]': temperature.age,
+            'status': temperature.status.name,
+        },
+    )

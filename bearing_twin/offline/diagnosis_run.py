@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A diagnosis without node, DDS or clock: vibration messages in, the node's messages out."""
+
+from __future__ import annotations
+
+from collections import Counter
+import math
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.assets.checkpoints import Checkpoints, parameters_of
+from bearing_twin.assets.diagnosis import DiagnosisCore
+from bearing_twin.offline.output import output
+from bearing_twin.stamps import stamp_ns
+from bearing_twin.streams.vibration_input import read_vibration
+import yaml
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from bearing_twin.assets.diagnosis import DueVerdict, Verdict
+    from bearing_twin.offline.output import Output
+
+__all__ = ['DiagnosisRun']
+
+NODE = '/diagnosis'
+
+
+class DiagnosisRun:
+    """
+    The diagnosis node's work on one vibration message after the other.
+
+    Parameters
+    ----------
+    values
+        Parameters of the diagnosis node.
+    state
+        State to go on from, as in a checkpoint; None: the start.
+
+    Raises
+    ------
+    BearingTwinError
+        If they do not fit together.
+
+    """
+
+    def __init__(self, values: Mapping[str, Any], state: bytes | None = None) -> None:
+        self.values = dict(values)
+        self.counts: Counter[str] = Counter()
+        """Verdicts so far, by name."""
+        with parameters_of('diagnosis'):
+            self._core = DiagnosisCore(values)
+            self._checkpoints = Checkpoints('diagnosis', NODE, values['checkpoint_period'])
+        self._text = yaml.safe_dump(self.values)
+        if state is not None:
+            self._core.diagnoser.load(state)
+
+    @property
+    def state(self) -> bytes:
+        """State before the next block."""
+        return self._core.diagnoser.save()
+
+    def load(self, state: bytes) -> None:
+        """Take up a state; blocks that were taken right before it stay in the window."""
+        self._core.diagnoser.load(state)
+
+    def reconfigure(self, values: Mapping[str, Any]) -> None:
+        """Take other parameters as the running node does; the window starts anew."""
+        self.values = dict(values)
+        self._text = yaml.safe_dump(self.values)
+        self._core.reconfigure(values)
+
+    def needs_checkpoint(self, message: Any) -> bool:
+        """Whether a checkpoint is to precede the vibration ``message``."""
+        return self._checkpoints.is_due(message.first_sample)
+
+    def checkpoint(self, message: Any) -> Output:
+        """Return the checkpoint before the vibration ``message``."""
+        checkpoint = self._checkpoints.make(
+            message.first_sample,
+            stamp=stamp_ns(message.header.stamp),
+            sample_rate=message.sample_rate,
+            configuration=self._text,
+            state=self.state,
+        )
+        return output('/diagnosis_checkpoint', checkpoint)
+
+    def push(
+        self,
+        message: Any,
+        *,
+        temperature: float,
+        joint_hz: float = math.nan,
+        measured: bool = False,
+    ) -> Iterator[Output]:
+        """
+        Take one vibration message; yield what the node publishes.
+
+        The same as :meth:`take`, the analyses and verdicts that are due, and :meth:`outputs`.
+        """
+        for due in self.take(
+            message, temperature=temperature, joint_hz=joint_hz, measured=measured
+        ):
+            yield from self.outputs(due.judge(due.analyse()))
+
+    def take(
+        self,
+        message: Any,
+        *,
+        temperature: float,
+        joint_hz: float = math.nan,
+        measured: bool = False,
+    ) -> list[DueVerdict]:
+        """
+        Take one vibration message; return the verdicts that are due.
+
+        Parameters
+        ----------
+        message
+            Vibration with the fields of the ROS message.
+        temperature
+            Last bearing temperature, degC; NaN where there is none.
+        joint_hz
+            Speed to use where the message has none, Hz; NaN: that of the parameters.
+        measured
+            Whether ``joint_hz`` comes from a joint.
+
+        Raises
+        ------
+        BearingTwinError
+            If the message cannot be used.
+
+        """
+        return self._core.take(
+            read_vibration(message, self.values['axis']),
+            stamp=stamp_ns(message.header.stamp),
+            frame_id=message.header.frame_id,
+            temperature=temperature,
+            joint_hz=joint_hz,
+            measured=measured,
+        )
+
+    def outputs(self, verdict: Verdict) -> Iterator[Output]:
+        """Yield what the node publishes of a verdict."""
+        self.counts[verdict.result.result] += 1
+        yield output('/diagnosis', verdict.diagnosis)
+        yield output('/features', verdict.features)
+        yield output('/spectrum', verdict.spectrum)
+        yield output('/envelope_spectrum', verdict.envelope_spectrum)

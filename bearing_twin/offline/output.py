@@ -1,0 +1,41 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Messages as the bytes that a node publishes."""
+
+from __future__ import annotations
+
+import array
+from typing import Any, NamedTuple
+
+from bearing_twin.recording.schema import message_schema, store_from_text
+import numpy as np
+
+__all__ = ['Output', 'decode', 'output']
+
+
+class Output(NamedTuple):
+    """One message to be published or recorded."""
+
+    topic: str
+    type_name: str
+    cdr: bytes
+
+
+def output(topic: str, message: Any) -> Output:
+    """Serialise a message as :func:`canonical_cdr` would make it of the bytes rclpy makes."""
+    kind = type(message)
+    type_name = f'{kind.__module__.split(".")[0]}/msg/{kind.__name__}'
+    store = store_from_text(type_name, message_schema(type_name).text)
+    # Each field is read once, into the plain object that rosbags serialises: it asks for some of
+    # them twice, and rclpy's are properties. Sequences of numbers it takes as numpy arrays.
+    values = [getattr(message, name) for name, _ in store.fielddefs[type_name][1]]
+    plain = store.types[type_name](
+        *[np.asarray(value) if isinstance(value, array.array) else value for value in values]
+    )
+    return Output(topic, type_name, bytes(store.serialize_cdr(plain, type_name)))
+
+
+def decode(made: Output) -> Any:
+    """Return an object with the fields of a message that was made here."""
+    store = store_from_text(made.type_name, message_schema(made.type_name).text)
+    return store.deserialize_cdr(made.cdr, made.type_name)
