@@ -99,6 +99,8 @@ def _offline(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps({**asdict(report), 'seconds': took}, default=str))
         return status
+    for problem in report.problems:
+        print(f'left out: {problem}', file=sys.stderr)
     verdicts = ', '.join(f'{name} {count}' for name, count in report.verdicts.items())
     covered = f'{report.covered:.1f} s'
     if report.stopped:

@@ -133,9 +133,13 @@ SPECS = (
         running=False,
     ),
     Spec(
-        name='fsync',
-        default=False,
-        description='Wait for the disk at each flush, so that it holds for power loss too.',
+        name='sync_period',
+        default=5.0,
+        description='Time after which the disk is told to keep what it was given, without waiting '
+        'for it: what power loss can cost, besides flush_period. 0: never.',
+        unit='s',
+        low=0.0,
+        high=3600.0,
         running=False,
     ),
     Spec(
@@ -288,7 +292,7 @@ class RecorderNode(ManagedNode):
         # Not the node's logger: its /rosout may be gone by now.
         get_logger(LOGGER).info(
             f'{self._writer.path}: {self._writer.written} messages, '
-            f'{self._writer.size / 1e6:.1f} MB, {self._writer.dropped} lost'
+            f'{self._writer.size / 1e6:.1f} MB, {self._writer.lost} lost'
         )
 
     def _on_message(self, topic: str, type_name: str, cdr: bytes, info: MessageInfo) -> None:
@@ -363,7 +367,7 @@ class RecorderNode(ManagedNode):
         values = {
             'output': writer.path,
             'messages written': writer.written,
-            'messages lost by the disk': writer.dropped,
+            'messages lost by the disk': writer.lost,
             'messages lost on the way': lost,
             'longest wait of a message [s]': self._longest_wait / NANO,
             'pictures not shown to live viewers': self._watch.pictures_dropped,
@@ -377,13 +381,15 @@ class RecorderNode(ManagedNode):
             return Status(
                 Level.ERROR, f'not recording: {writer.stopped or writer.problem}', values
             )
-        if left_out or lost or self._watch.problem or self._early:
-            texts = [
-                'waiting for the first time on /clock' if self._early else '',
-                f'{len(left_out)} topics are not recorded' if left_out else '',
-                f'{lost} messages were lost on the way' if lost else '',
-                self._watch.problem,
-            ]
+        texts = [
+            'waiting for the first time on /clock' if self._early else '',
+            f'{len(left_out)} topics are not recorded' if left_out else '',
+            f'{lost} messages were lost on the way' if lost else '',
+            f'{writer.lost} messages were lost by the disk' if writer.lost else '',
+            writer.sync_problem and f'not safe from power loss: {writer.sync_problem}',
+            self._watch.problem,
+        ]
+        if any(texts):
             return Status(Level.WARN, '; '.join(filter(None, texts)), values)
         return Status(Level.OK, 'recording', values)
 
@@ -407,7 +413,7 @@ def build_writer(values: Mapping[str, Any]) -> RecordingWriter | SnapshotWriter:
         storage_limit=values['storage_limit'] * MIB,
         delete_oldest=values['delete_oldest'],
         cache_size=values['max_cache_size'] * MIB,
-        fsync=values['fsync'],
+        sync_period=values['sync_period'],
     )
     if not values['snapshot']:
         return RecordingWriter(path, options)

@@ -142,6 +142,8 @@ class ReplayNode(ManagedNode):
             loop=p['loop'],
             paused=p['start_paused'],
         )
+        for problem in self._player.info.problems:
+            self.get_logger().warning(f'not everything can be played: {problem}')
         played = self._player.topics()
         names = {
             recorded: self.resolve_topic_name(new)

@@ -68,6 +68,8 @@ class OfflineReport:
     verdicts: dict[str, int] = field(default_factory=dict)
     inputs: int = 0
     """Messages of the source that were used."""
+    problems: list[str] = field(default_factory=list)
+    """Files of the source that were left out because they are broken."""
     stopped: bool = False
     """Whether it was asked to stop before the end."""
 
@@ -131,7 +133,7 @@ def run_offline(
         writer.metadata('bearing_twin.source', {'source': source.name, 'mode': 'offline'})
         diagnosis_side = _DiagnosisSide(diagnosis_values, writer, pool, threads + 1, report)
         reported = info.start
-        messages = read_messages(source, topics=topics)
+        messages = read_messages(source, topics=topics, problems=report.problems)
         for item in ahead(twin_side.run(messages, info.end), depth=AHEAD, batch=BATCH):
             if stop():
                 report.stopped = True

@@ -59,7 +59,7 @@ def reproduce(path: Path) -> Reproduction:
     def twin_of(namespace: str) -> TwinCheck:
         return twins.setdefault(namespace, TwinCheck(namespace, result))
 
-    for message in _in_order_of_sending(read_messages(path, topics=topics)):
+    for message in _in_order_of_sending(read_messages(path, topics=topics, problems=result.notes)):
         namespace, _, name = message.topic.rpartition('/')
         twin = twin_of(namespace)
         diagnosis = diagnoses.setdefault(namespace, DiagnosisCheck(namespace, result))

@@ -8,16 +8,16 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.mcapfile import open_mcap
+from bearing_twin.recording.catalogue import known_fields
+from bearing_twin.recording.mcapfile import BrokenRecording, open_mcap
 from bearing_twin.recording.messages import in_file_order, Selection
-from bearing_twin.recording.reader import known_fields, recording_files
+from bearing_twin.recording.reader import recording_files
 from bearing_twin.stamps import NANO, stamp_ns
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from bearing_twin.recording.mcapfile import BrokenRecording
-    from bearing_twin.recording.messages import RecordedMessage
+    from bearing_twin.recording.catalogue import RecordedMessage
 
 __all__ = ['RecordingHealth', 'TopicHealth', 'recording_health']
 
@@ -82,12 +82,20 @@ def recording_health(path: Path) -> RecordingHealth:
     """
     health = RecordingHealth()
     checks: dict[str, _TopicCheck] = {}
-    for file_path in recording_files(path):
+    files = recording_files(path)
+    for file_path in files:
 
         def damaged(error: BrokenRecording, name: str = file_path.name) -> None:
             health.damage.append(f'{name}: {error}')
 
-        with open_mcap(file_path) as file:
+        try:
+            file = open_mcap(file_path)
+        except BrokenRecording as error:
+            if len(files) == 1:
+                raise
+            health.damage.append(str(error))
+            continue
+        with file:
             size = file_path.stat().st_size
             for message in in_file_order(file, size, Selection(), damaged):
                 check = checks.get(message.topic)

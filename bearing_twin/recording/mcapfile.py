@@ -3,9 +3,10 @@
 """
 Records of one MCAP file, read within stated bounds whatever the file claims.
 
-The records are those of the MCAP specification (https://mcap.dev/spec) and are parsed by the mcap
-package. Walking the file and unpacking chunks is done here, because a reader of files from outside
-must neither believe a length that the file states nor unpack without a limit.
+The records are those of the MCAP specification (https://mcap.dev/spec). Those with texts and
+tables are parsed by the mcap package. Walking the file, unpacking chunks and the heads of messages
+are done here: a reader of files from outside must neither believe a length that the file states,
+nor unpack without a limit, nor hold an object for each of millions of records.
 """
 
 from __future__ import annotations
@@ -25,12 +26,8 @@ from mcap.records import (
     AttachmentIndex,
     Channel,
     Chunk,
-    ChunkIndex,
-    DataEnd,
-    Footer,
     Header,
     McapRecord,
-    Message,
     Metadata,
     MetadataIndex,
     Schema,
@@ -43,50 +40,65 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 __all__ = [
+    'CHUNK_HEAD',
     'LARGEST_CHUNK',
     'LARGEST_RECORD',
+    'LARGEST_TABLE',
     'MAGIC',
+    'MESSAGE_HEAD',
+    'RECORD_HEAD',
     'BrokenRecording',
+    'RawRecord',
     'UnfinishedRecording',
     'chunk_records',
+    'content',
+    'message_head',
     'open_mcap',
+    'parse',
+    'parse_from',
+    'read_at',
     'read_record',
-    'read_summary',
+    'record_at',
     'refuse_special',
+    'unpacked_chunk',
     'walk',
 ]
 
 MAGIC = b'\x89MCAP0\r\n'
-LARGEST_RECORD = 256 * 1024 * 1024
+LARGEST_RECORD = 128 * 1024 * 1024
 """Largest record that is read into memory, bytes."""
-LARGEST_CHUNK = 256 * 1024 * 1024
+LARGEST_CHUNK = 128 * 1024 * 1024
 """Largest chunk after unpacking, bytes."""
-FOOTER_LENGTH = 9 + 20
+LARGEST_TABLE = 4 * 1024 * 1024
+"""Largest record that consists of texts and tables, bytes: each entry becomes objects."""
+RECORD_HEAD = struct.Struct('<BQ')
+MESSAGE_HEAD = struct.Struct('<HIQQ')
+CHUNK_HEAD = struct.Struct('<QQQII')
+"""Start, end, unpacked size, CRC, length of the name of the compression."""
 FAULTS = (McapError, struct.error, ValueError, OverflowError, EOFError, RuntimeError, TypeError)
 """What parsing damaged bytes raises: UnicodeDecodeError is a ValueError, lz4's a RuntimeError."""
 
 PARSERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
     Opcode.HEADER: Header.read,
-    Opcode.FOOTER: Footer.read,
     Opcode.SCHEMA: Schema.read,
     Opcode.CHANNEL: Channel.read,
     Opcode.CHUNK: Chunk.read,
-    Opcode.CHUNK_INDEX: ChunkIndex.read,
     Opcode.ATTACHMENT: Attachment.read,
     Opcode.ATTACHMENT_INDEX: AttachmentIndex.read,
     Opcode.STATISTICS: Statistics.read,
     Opcode.METADATA: Metadata.read,
     Opcode.METADATA_INDEX: MetadataIndex.read,
-    Opcode.DATA_END: DataEnd.read,
 }
+BULKY = (Opcode.CHUNK, Opcode.ATTACHMENT, Opcode.MESSAGE)
 
 
 class BrokenRecording(BearingTwinError):
-    """Bytes that are no MCAP; ``offset`` is where the trouble begins."""
+    """Bytes that are no MCAP: ``length`` of them are lost from ``offset`` on."""
 
-    def __init__(self, text: str, offset: int) -> None:
+    def __init__(self, text: str, offset: int, length: int = 0) -> None:
         super().__init__(text)
         self.offset = offset
+        self.length = length
 
 
 class UnfinishedRecording(BrokenRecording):
@@ -99,6 +111,16 @@ class RawRecord(NamedTuple):
     offset: int
     opcode: int
     length: int
+
+    @property
+    def begin(self) -> int:
+        """First byte of the content."""
+        return self.offset + RECORD_HEAD.size
+
+    @property
+    def end(self) -> int:
+        """First byte after the record."""
+        return self.begin + self.length
 
 
 def refuse_special(path: Path) -> None:
@@ -129,130 +151,183 @@ def open_mcap(path: Path) -> BinaryIO:
     refuse_special(path)
     try:
         file = path.open('rb')
+        head = file.read(len(MAGIC))
     except OSError as error:
         msg = f'{path} cannot be read: {error.strerror}'
         raise BearingTwinError(msg) from None
-    if file.read(len(MAGIC)) != MAGIC:
+    if head != MAGIC:
         file.close()
-        msg = f'{path} is no MCAP file: it does not begin with the MCAP magic bytes'
-        raise BrokenRecording(msg, 0)
+        reason = 'does not begin with the MCAP magic bytes'
+        if not head.strip(b'\0'):
+            reason = 'begins with zeros: the disk never got its content' if head else 'is empty'
+        msg = f'{path} is no MCAP file: it {reason}'
+        raise BrokenRecording(msg, 0, path.stat().st_size)
     return file
 
 
-def walk(file: BinaryIO, start: int, stop: int) -> Iterator[RawRecord]:
+def read_at(file: BinaryIO, offset: int, length: int) -> bytes:
     """
-    Step over the top-level records between two offsets.
+    Return up to ``length`` bytes from ``offset`` on.
+
+    Raises
+    ------
+    BrokenRecording
+        If the disk cannot read them.
+
+    """
+    try:
+        file.seek(offset)
+        return file.read(length)
+    except OSError as error:
+        msg = f'byte {offset} cannot be read: {error.strerror}'
+        raise BrokenRecording(msg, offset) from None
+
+
+def record_at(file: BinaryIO, offset: int, stop: int) -> RawRecord:
+    """
+    Return the record that begins at a byte.
 
     Raises
     ------
     UnfinishedRecording
-        If the bytes end inside a record.
+        If the bytes end inside it.
+    BrokenRecording
+        If none begins there.
 
     """
+    head = read_at(file, offset, min(RECORD_HEAD.size, stop - offset))
+    if len(head) < RECORD_HEAD.size:
+        msg = f'the file ends at byte {stop} inside a record'
+        raise UnfinishedRecording(msg, offset)
+    raw = RawRecord(offset, *RECORD_HEAD.unpack(head))
+    if raw.opcode == 0:
+        msg = f'no record begins at byte {offset}'
+        raise BrokenRecording(msg, offset)
+    if raw.end > stop:
+        msg = f'the record at byte {offset} should have {raw.length} bytes: the file ends before'
+        raise UnfinishedRecording(msg, offset)
+    return raw
+
+
+def walk(file: BinaryIO, start: int, stop: int) -> Iterator[RawRecord]:
+    """Step over the top-level records between two offsets; raises as :func:`record_at`."""
     offset = start
     while offset < stop:
-        file.seek(offset)
-        head = file.read(9)
-        if len(head) < 9:
-            msg = f'the file ends at byte {stop} inside a record'
-            raise UnfinishedRecording(msg, offset)
-        opcode, length = struct.unpack('<BQ', head)
-        if offset + 9 + length > stop:
-            msg = f'the record at byte {offset} should have {length} bytes: the file ends before'
-            raise UnfinishedRecording(msg, offset)
-        yield RawRecord(offset, opcode, length)
-        offset += 9 + length
+        raw = record_at(file, offset, stop)
+        yield raw
+        offset = raw.end
 
 
 def read_record(file: BinaryIO, raw: RawRecord) -> McapRecord | None:
     """
-    Parse one record; None for a kind that is not in the specification.
+    Parse one record; None for a kind that nobody here needs.
 
     Raises
     ------
     BrokenRecording
-        If its content is damaged or larger than ``LARGEST_RECORD``.
+        If its content is damaged or larger than is read.
 
     """
-    if raw.opcode not in PARSERS and raw.opcode != Opcode.MESSAGE:
+    if raw.opcode not in PARSERS:
         return None
-    if raw.length > LARGEST_RECORD:
-        msg = f'the record at byte {raw.offset} has {raw.length} bytes; limit {LARGEST_RECORD}'
-        raise BrokenRecording(msg, raw.offset)
-    file.seek(raw.offset + 9)
-    return _parse(raw.opcode, file.read(raw.length), raw.offset)
+    return parse(raw.opcode, content(file, raw), raw.offset)
 
 
-def chunk_records(chunk: Chunk, offset: int) -> Iterator[McapRecord]:
+def content(file: BinaryIO, raw: RawRecord) -> bytes:
     """
-    Unpack a chunk and parse the schemas, channels and messages in it.
+    Return the bytes of a record.
 
     Raises
     ------
     BrokenRecording
-        If the chunk is damaged (CRC, sizes, content) or larger than ``LARGEST_CHUNK``.
+        If it is larger than is read.
 
     """
-    data = _unpack(chunk, offset)
-    view = memoryview(data)
+    limit = LARGEST_RECORD if raw.opcode in BULKY else LARGEST_TABLE
+    if raw.length > limit:
+        msg = f'the record at byte {raw.offset} has {raw.length} bytes; limit {limit}'
+        raise BrokenRecording(msg, raw.offset)
+    return read_at(file, raw.begin, raw.length)
+
+
+def unpacked_chunk(file: BinaryIO, raw: RawRecord) -> bytes:
+    """
+    Return the unpacked and checked records of a chunk.
+
+    Raises
+    ------
+    BrokenRecording
+        If the chunk is damaged (CRC, sizes) or larger than ``LARGEST_CHUNK``.
+
+    """
+    chunk = parse(Opcode.CHUNK, content(file, raw), raw.offset)
+    assert isinstance(chunk, Chunk)
+    return _unpack(chunk, raw.offset)
+
+
+def chunk_records(data: bytes, offset: int) -> Iterator[tuple[int, int, int]]:
+    """
+    Step over the records of an unpacked chunk: opcode, first byte, length.
+
+    Raises
+    ------
+    BrokenRecording
+        If the chunk ends inside a record.
+
+    """
     at = 0
     while at < len(data):
-        if at + 9 > len(data):
-            msg = f'the chunk at byte {offset} ends inside a record'
-            raise BrokenRecording(msg, offset)
-        opcode, length = struct.unpack_from('<BQ', data, at)
-        at += 9
+        if at + RECORD_HEAD.size > len(data):
+            break
+        opcode, length = RECORD_HEAD.unpack_from(data, at)
+        at += RECORD_HEAD.size
         if at + length > len(data):
-            msg = f'the chunk at byte {offset} ends inside a record'
-            raise BrokenRecording(msg, offset)
-        if opcode in (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE):
-            yield _parse(opcode, bytes(view[at : at + length]), offset)
+            break
+        yield opcode, at, length
         at += length
+    if at != len(data):
+        msg = f'the chunk at byte {offset} ends inside a record'
+        raise BrokenRecording(msg, offset)
 
 
-def read_summary(file: BinaryIO, size: int) -> list[McapRecord]:
+def message_head(data: bytes, at: int, length: int, offset: int) -> tuple[int, int, int]:
     """
-    Read the summary section at the end of a finished file; empty where it has none.
+    Return channel, log time and publish time of a message; its bytes follow ``MESSAGE_HEAD``.
 
     Raises
     ------
-    UnfinishedRecording
-        If the file has no footer.
     BrokenRecording
-        If the summary is damaged.
+        If it is too short.
 
     """
-    end = size - FOOTER_LENGTH - len(MAGIC)
-    tail = b''
-    if end >= len(MAGIC):
-        file.seek(end)
-        tail = file.read(FOOTER_LENGTH + len(MAGIC))
-    if not tail.endswith(MAGIC) or tail[:9] != struct.pack('<BQ', Opcode.FOOTER, 20):
-        msg = 'the recording was not finished: its end is missing'
-        raise UnfinishedRecording(msg, size)
-    start, _, _ = struct.unpack_from('<QQI', tail, 9)
-    if start == 0:
-        return []
-    if not len(MAGIC) <= start <= end:
-        msg = f'the footer points to byte {start}, outside the file of {size} bytes'
-        raise BrokenRecording(msg, end)
-    found = (read_record(file, raw) for raw in walk(file, start, end))
-    return [record for record in found if record is not None]
+    if length < MESSAGE_HEAD.size:
+        msg = f'the message record at byte {offset} is damaged: it has {length} bytes'
+        raise BrokenRecording(msg, offset)
+    channel, _, log_time, publish_time = MESSAGE_HEAD.unpack_from(data, at)
+    return channel, log_time, publish_time
 
 
-def _parse(opcode: int, content: bytes, offset: int) -> McapRecord:
-    stream = ReadDataStream(BytesIO(content))
-    record: McapRecord
+def parse(opcode: int, content: bytes, offset: int) -> McapRecord:
+    """
+    Parse the content of a record.
+
+    Raises
+    ------
+    BrokenRecording
+        If it is damaged.
+
+    """
+    return parse_from(ReadDataStream(BytesIO(content)), opcode, offset)
+
+
+def parse_from(stream: ReadDataStream, opcode: int, offset: int) -> McapRecord:
+    """Parse a record out of a stream, which then counts its bytes; raises as :func:`parse`."""
     try:
-        if opcode == Opcode.MESSAGE:
-            record = Message.read(stream, len(content))
-        else:
-            record = PARSERS[opcode](stream)
+        return PARSERS[opcode](stream)
     except FAULTS as error:
         kind = Opcode(opcode).name.lower()
         msg = f'the {kind} record at byte {offset} is damaged ({type(error).__name__})'
         raise BrokenRecording(msg, offset) from None
-    return record
 
 
 def _unpack(chunk: Chunk, offset: int) -> bytes:

@@ -70,7 +70,8 @@ def read_vibration_topic(path: Path, channel: str | None, *, most: int) -> dict[
     topic, axis = _topic(path, info.topics, channel)
     type_name = info.topics[topic].type_name
     blocks = _Blocks(path, most)
-    messages = read_messages(path, topics=(topic,))
+    problems: list[str] = []
+    messages = read_messages(path, topics=(topic,), problems=problems)
     with known_fields(topic, type_name), np.errstate(invalid='ignore'):
         # errstate: signalling NaN in a damaged block.
         if type_name == VIBRATION:
@@ -81,7 +82,10 @@ def read_vibration_topic(path: Path, channel: str | None, *, most: int) -> dict[
             found = {}
             for message in messages:
                 blocks.add(np.asarray(message.decode().data, dtype=np.float64).ravel())
-    return {**found, 'x': blocks.longest(), 'where': f', {topic}{":" + axis if axis else ""}'}
+    where = f', {topic}{":" + axis if axis else ""}'
+    if problems:
+        where += f' (left out: {"; ".join(problems)})'
+    return {**found, 'x': blocks.longest(), 'where': where}
 
 
 class _Blocks:

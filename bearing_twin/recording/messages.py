@@ -4,121 +4,41 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
+from array import array
 from dataclasses import dataclass
 import heapq
-from typing import Any, BinaryIO, TYPE_CHECKING
+from typing import BinaryIO, TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.catalogue import (
+    Catalogue,
+    DEFINITIONS,
+    own_definitions,
+    RecordedChannel,
+    RecordedMessage,
+)
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
     chunk_records,
-    MAGIC,
-    RawRecord,
-    read_record,
-    read_summary,
-    UnfinishedRecording,
-    walk,
+    content,
+    MESSAGE_HEAD,
+    message_head,
+    record_at,
+    unpacked_chunk,
 )
-from bearing_twin.recording.schema import store_from_text
+from bearing_twin.recording.salvage import sound_records
+from bearing_twin.recording.summary import chunk_index, summary_records
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, ChunkIndex, McapRecord, Message, Schema
+import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator
+    from collections.abc import Callable, Collection, Iterable, Iterator
 
-__all__ = [
-    'Catalogue',
-    'RecordedChannel',
-    'RecordedMessage',
-    'Selection',
-    'in_file_order',
-    'in_time_order',
-    'known_fields',
-]
+    from bearing_twin.recording.mcapfile import RawRecord
 
-MOST_MERGED = 512 * 1024 * 1024
+__all__ = ['Selection', 'in_file_order', 'in_time_order']
+
+MOST_MERGED = 256 * 1024 * 1024
 """Most bytes of overlapping chunks that are held to put messages in order."""
-
-
-@dataclass(frozen=True)
-class RecordedChannel:
-    """A topic as one file describes it."""
-
-    topic: str
-    type_name: str
-    """``pkg/msg/Type``."""
-    encoding: str
-    """Of the messages: ``cdr`` in ROS 2."""
-    schema_encoding: str
-    """Of the schema: ``ros2msg`` in ROS 2."""
-    schema: str
-    qos: str
-    """Offered QoS profiles as rosbag2 writes them, YAML; '' where the file has none."""
-    type_hash: str
-    """``RIHS01_...``; '' where the file has none."""
-
-
-@dataclass(frozen=True)
-class RecordedMessage:
-    """One message; times in ns."""
-
-    channel: RecordedChannel
-    log_time: int
-    """When it was received."""
-    publish_time: int
-    """When it was sent."""
-    cdr: bytes
-
-    @property
-    def topic(self) -> str:
-        """Topic it was recorded on."""
-        return self.channel.topic
-
-    @property
-    def type_name(self) -> str:
-        """Type, ``pkg/msg/Type``."""
-        return self.channel.type_name
-
-    def decode(self) -> Any:
-        """
-        Return an object with the fields of the ROS message, number arrays as numpy arrays.
-
-        Raises
-        ------
-        BearingTwinError
-            If schema or bytes are damaged or of another encoding.
-
-        """
-        channel = self.channel
-        if channel.encoding != 'cdr' or channel.schema_encoding != 'ros2msg':
-            msg = (
-                f'{channel.topic} holds {channel.encoding or "unknown"} messages with a '
-                f'{channel.schema_encoding or "missing"} schema; cdr with ros2msg is read'
-            )
-            raise BearingTwinError(msg)
-        store = store_from_text(channel.type_name, channel.schema)
-        try:
-            return store.deserialize_cdr(self.cdr, channel.type_name)
-        except Exception as error:
-            # The bytes come from a file: rosbags raises many kinds on damaged ones.
-            msg = f'a message on {channel.topic} is damaged ({type(error).__name__}: {error})'
-            raise BearingTwinError(msg) from None
-
-
-@contextmanager
-def known_fields(topic: str, type_name: str) -> Iterator[None]:
-    """
-    Turn what goes wrong with the fields of a decoded message into a BearingTwinError.
-
-    A recording brings its own definition of a type, which may lack the fields we know, or have
-    them of other types.
-    """
-    try:
-        yield
-    except (AttributeError, TypeError, ValueError, OverflowError) as error:
-        msg = f'{topic} has another {type_name} than this version knows ({error})'
-        raise BearingTwinError(msg) from None
 
 
 @dataclass(frozen=True)
@@ -129,148 +49,192 @@ class Selection:
     start: int | None = None
     end: int | None = None
 
-    def wants(self, message: Message, channel: RecordedChannel) -> bool:
+    def wants(self, channel: RecordedChannel, log_time: int) -> bool:
         """Whether a message is wanted."""
         return (
             (self.topics is None or channel.topic in self.topics)
-            and (self.start is None or message.log_time >= self.start)
-            and (self.end is None or message.log_time < self.end)
+            and (self.start is None or log_time >= self.start)
+            and (self.end is None or log_time < self.end)
         )
 
-    def overlaps(self, index: ChunkIndex) -> bool:
-        """Whether a chunk can hold wanted messages."""
-        return (self.start is None or index.message_end_time >= self.start) and (
-            self.end is None or index.message_start_time < self.end
-        )
-
-
-class Catalogue:
-    """Schemas and channels seen so far; turns message records into :class:`RecordedMessage`."""
-
-    def __init__(self) -> None:
-        self._schemas: dict[int, Schema] = {}
-        self.channels: dict[int, RecordedChannel] = {}
-
-    def learn(self, record: McapRecord | None) -> None:
-        """Take note of a schema or channel."""
-        if isinstance(record, Schema):
-            self._schemas[record.id] = record
-        elif isinstance(record, Channel):
-            schema = self._schemas.get(record.schema_id)
-            self.channels[record.id] = RecordedChannel(
-                topic=record.topic,
-                type_name=schema.name if schema else '',
-                encoding=record.message_encoding,
-                schema_encoding=schema.encoding if schema else '',
-                schema=schema.data.decode('utf-8', 'replace') if schema else '',
-                qos=record.metadata.get('offered_qos_profiles', ''),
-                type_hash=record.metadata.get('topic_type_hash', ''),
-            )
-
-    def message(self, record: Message, offset: int) -> RecordedMessage:
-        """
-        Return a message with its channel.
-
-        Raises
-        ------
-        BrokenRecording
-            If its channel has not been described before.
-
-        """
-        channel = self.channels.get(record.channel_id)
-        if channel is None:
-            msg = f'a message near byte {offset} belongs to an unknown channel'
-            raise BrokenRecording(msg, offset)
-        return RecordedMessage(channel, record.log_time, record.publish_time, record.data)
+    def overlaps(self, start: int, end: int) -> bool:
+        """Whether a chunk with these first and last log times can hold wanted messages."""
+        return (self.start is None or end >= self.start) and (self.end is None or start < self.end)
 
 
 def in_time_order(file: BinaryIO, size: int, keep: Selection) -> Iterator[RecordedMessage]:
+    """Read by the index, in the order of log time; without an index in the order of the file."""
     catalogue = Catalogue()
-    indexes = []
-    for record in read_summary(file, size):
-        catalogue.learn(record)
-        if isinstance(record, ChunkIndex):
-            indexes.append(record)
-    if not indexes:
-        yield from in_file_order(file, size, keep, None)
+    for raw in summary_records(file, size):
+        if raw.opcode in DEFINITIONS:
+            catalogue.learn(raw.opcode, content(file, raw), raw.offset)
+
+    def index_records() -> Iterator[RawRecord]:
+        return (raw for raw in summary_records(file, size) if raw.opcode == Opcode.CHUNK_INDEX)
+
+    places = chunk_index(file, size, index_records())
+    if not len(places):
+        yield from in_file_order(file, size, keep)
         return
-    indexes.sort(key=lambda index: (index.message_start_time, index.chunk_start_offset))
-    waiting = [index for index in reversed(indexes) if keep.overlaps(index)]
-    # Messages of the chunks that overlap the current time; position breaks ties of log time.
-    heap: list[tuple[int, int, RecordedMessage]] = []
+    waiting = [place for place in places[::-1] if keep.overlaps(int(place[0]), int(place[1]))]
+    # Chunks that overlap the current time; their number breaks ties of log time.
+    heap: list[tuple[int, int, _OpenChunk]] = []
     held = 0
-    position = 0
+    count = 0
     while heap or waiting:
-        while waiting and (not heap or waiting[-1].message_start_time <= heap[0][0]):
-            for message in _messages_of_chunk(file, size, waiting.pop(), catalogue, keep):
-                heapq.heappush(heap, (message.log_time, position, message))
-                position += 1
-                held += len(message.cdr)
+        while waiting and (not heap or int(waiting[-1][0]) <= heap[0][0]):
+            _, _, offset, length = map(int, waiting.pop())
+            chunk = _OpenChunk(file, offset, length, catalogue, keep)
+            if not chunk.exhausted:
+                heapq.heappush(heap, (chunk.time, count, chunk))
+                count += 1
+                held += chunk.memory
             if held > MOST_MERGED:
                 msg = f'chunks that overlap in time hold more than {MOST_MERGED} bytes'
-                raise BrokenRecording(msg, 0)
+                raise BrokenRecording(msg, offset)
         if heap:
-            message = heapq.heappop(heap)[2]
-            held -= len(message.cdr)
-            yield message
+            _, number, chunk = heap[0]
+            yield chunk.pop()
+            if chunk.exhausted:
+                heapq.heappop(heap)
+                held -= chunk.memory
+            else:
+                heapq.heapreplace(heap, (chunk.time, number, chunk))
 
 
-def _messages_of_chunk(
-    file: BinaryIO, size: int, index: ChunkIndex, catalogue: Catalogue, keep: Selection
-) -> Iterator[RecordedMessage]:
-    offset = index.chunk_start_offset
-    raw = next(walk(file, offset, size), None)
-    chunk = read_record(file, raw) if raw else None
-    if not isinstance(chunk, Chunk):
-        msg = f'the index points to byte {offset}, where no chunk is'
-        raise BrokenRecording(msg, offset)
-    yield from _messages(chunk_records(chunk, offset), offset, catalogue, keep)
+class _OpenChunk:
+    """An unpacked chunk whose messages are given out in the order of their log time."""
 
+    def __init__(
+        self, file: BinaryIO, offset: int, length: int, catalogue: Catalogue, keep: Selection
+    ) -> None:
+        raw = record_at(file, offset, offset + length)
+        if raw.opcode != Opcode.CHUNK or raw.end != offset + length:
+            msg = f'the index points to byte {offset}, where no chunk of {length} bytes is'
+            raise BrokenRecording(msg, offset)
+        self._offset = offset
+        self._catalogue = catalogue
+        self._data = unpacked_chunk(file, raw)
+        times, places = array('Q'), array('Q')
+        for opcode, at, size in chunk_records(self._data, offset):
+            if opcode in DEFINITIONS:
+                catalogue.learn(opcode, self._data[at : at + size], offset)
+            elif opcode == Opcode.MESSAGE:
+                identity, log_time, _ = message_head(self._data, at, size, offset)
+                if keep.wants(_known(catalogue, identity, offset), log_time):
+                    times.append(log_time)
+                    places.extend((at, size))
+        self._times = np.array(times, dtype=np.uint64)
+        self._places = np.array(places, dtype=np.uint64).reshape(-1, 2)
+        order = np.argsort(self._times, kind='stable')
+        self._times, self._places = self._times[order], self._places[order]
+        self._next = 0
+        self.memory = len(self._data) + self._times.nbytes + self._places.nbytes
+        """Bytes that it holds."""
 
-def _messages(
-    records: Iterator[McapRecord], offset: int, catalogue: Catalogue, keep: Selection
-) -> Iterator[RecordedMessage]:
-    for record in records:
-        if isinstance(record, Message):
-            message = catalogue.message(record, offset)
-            if keep.wants(record, message.channel):
-                yield message
-        else:
-            catalogue.learn(record)
+    @property
+    def exhausted(self) -> bool:
+        return self._next >= len(self._times)
+
+    @property
+    def time(self) -> int:
+        """Log time of the next message, ns."""
+        return int(self._times[self._next])
+
+    def pop(self) -> RecordedMessage:
+        at, size = map(int, self._places[self._next])
+        self._next += 1
+        return _message(self._catalogue, self._data, at, size, self._offset)
 
 
 def in_file_order(
     file: BinaryIO,
     size: int,
     keep: Selection,
-    damaged: Callable[[BrokenRecording], None] | None,
+    damaged: Callable[[BrokenRecording], None] | None = None,
+    candidates: Callable[[], Iterable[RecordedChannel]] = tuple,
 ) -> Iterator[RecordedMessage]:
-    """Read from front to back; with ``damaged`` what is broken is reported and stepped over."""
-    catalogue = Catalogue()
+    """
+    Read from front to back.
 
-    def of(raw: RawRecord) -> list[RecordedMessage]:
-        record = read_record(file, raw)
-        if isinstance(record, Chunk):
-            records = chunk_records(record, raw.offset)
-        else:
-            records = iter([record] if record is not None else [])
-        return list(_messages(records, raw.offset, catalogue, keep))
+    Parameters
+    ----------
+    file, size
+        The file and its size, bytes.
+    keep
+        What is wanted of it.
+    damaged
+        Told of what is broken, which is stepped over; None: raise instead.
+    candidates
+        Channels of which a message may be whose description is lost.
 
-    try:
-        for raw in walk(file, len(MAGIC), size):
-            try:
-                messages = of(raw)
-            except BrokenRecording as error:
-                if damaged is None:
-                    raise
-                damaged(error)
-            else:
-                yield from messages
-            if raw.opcode == Opcode.FOOTER:
-                return
-        msg = 'the recording was not finished: its end is missing'
-        raise UnfinishedRecording(msg, size)
-    except UnfinishedRecording as error:
-        if damaged is None:
-            raise
-        damaged(error)
+    Raises
+    ------
+    BrokenRecording
+        If something is damaged and ``damaged`` is None.
+
+    """
+    elsewhere = own_definitions(file, size) if damaged is not None else ()
+    catalogue = Catalogue(elsewhere, candidates)
+    lost: dict[int, tuple[int, int]] = {}
+
+    def of(opcode: int, data: bytes, at: int, length: int, offset: int) -> RecordedMessage | None:
+        if opcode in DEFINITIONS:
+            catalogue.learn(opcode, data[at : at + length], offset)
+            return None
+        if opcode != Opcode.MESSAGE:
+            return None
+        identity, log_time, _ = message_head(data, at, length, offset)
+        channel = catalogue.channels.get(identity)
+        if channel is None:
+            cdr = data[at + MESSAGE_HEAD.size : at + length]
+            channel = catalogue.channel(identity, cdr)
+        if channel is None:
+            if damaged is None:
+                _known(catalogue, identity, offset)
+            messages, octets = lost.get(identity, (0, 0))
+            lost[identity] = (messages + 1, octets + length)
+            return None
+        if not keep.wants(channel, log_time):
+            return None
+        return _message(catalogue, data, at, length, offset)
+
+    wanted = (*DEFINITIONS, Opcode.MESSAGE, Opcode.CHUNK)
+    for raw, data in sound_records(file, size, wanted, damaged):
+        try:
+            if raw.opcode != Opcode.CHUNK:
+                message = of(raw.opcode, data, 0, len(data), raw.offset)
+                if message is not None:
+                    yield message
+                continue
+            for opcode, at, length in chunk_records(data, raw.offset):
+                message = of(opcode, data, at, length, raw.offset)
+                if message is not None:
+                    yield message
+        except BrokenRecording as error:
+            if damaged is None:
+                raise
+            damaged(BrokenRecording(str(error), raw.offset, raw.end - raw.offset))
+    if damaged is not None:
+        for topic in catalogue.guessed.values():
+            text = f'the description of {topic} is lost: it is known by its content alone'
+            damaged(BrokenRecording(text, size))
+        for identity, (messages, octets) in lost.items():
+            text = f'{messages} messages of channel {identity}, whose description is lost'
+            damaged(BrokenRecording(text, size, octets))
+
+
+def _message(
+    catalogue: Catalogue, data: bytes, at: int, length: int, offset: int
+) -> RecordedMessage:
+    identity, log_time, publish_time = message_head(data, at, length, offset)
+    cdr = data[at + MESSAGE_HEAD.size : at + length]
+    return RecordedMessage(catalogue.channels[identity], log_time, publish_time, cdr)
+
+
+def _known(catalogue: Catalogue, identity: int, offset: int) -> RecordedChannel:
+    channel = catalogue.channels.get(identity)
+    if channel is None:
+        msg = f'a message near byte {offset} belongs to an unknown channel'
+        raise BrokenRecording(msg, offset)
+    return channel

@@ -13,17 +13,21 @@ from typing import TYPE_CHECKING
 
 from bearing_twin import __version__
 from bearing_twin.recording.bagmetadata import BagFile, BagTopic
+from mcap.records import Channel, Schema
 from mcap.writer import CompressionType, Writer
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from bearing_twin.recording.disksync import DiskSync
     from bearing_twin.recording.schema import MessageSchema
 
 __all__ = ['LIBRARY', 'Attached', 'OutputFile']
 
 LIBRARY = f'bearing_twin {__version__}'
 """Who wrote a file, as its header says; the first word marks our own."""
+REPEATED_EACH = 10
+"""Chunks after which schemas and channels are described again: 5 s of the default flush period."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,40 @@ class _Spool:
         """Nothing to do: OutputFile.drain moves the bytes."""
 
 
+class _RepeatingWriter(Writer):
+    """
+    Describe schemas and channels again in every so many chunks.
+
+    A channel that is described only in the first chunk, or in a summary that a crash has kept from
+    being written, is lost with it, and so is every message of it.
+    """
+
+    def __init__(self, spool: _Spool, chunk_size: int, compression: str) -> None:
+        super().__init__(
+            spool,  # type: ignore[arg-type]
+            chunk_size=chunk_size,
+            compression=CompressionType[compression.upper()],
+        )
+        self._described: list[Schema | Channel] = []
+        self._age = 0
+
+    def describe(self, record: Schema | Channel) -> None:
+        """Take note of what is to be repeated, first in the chunk after this one."""
+        self._described.append(record)
+        self._age = REPEATED_EACH
+
+    def repeat(self) -> None:
+        """Describe everything again if a chunk begins and it is time for it."""
+        builder = self._Writer__chunk_builder  # type: ignore[attr-defined]
+        if builder.count:
+            return
+        self._age += 1
+        if self._age > REPEATED_EACH:
+            self._age = 1
+            for record in self._described:
+                record.write(builder.record_writer)
+
+
 class OutputFile:
     """
     Write one file of a recording.
@@ -80,14 +118,12 @@ class OutputFile:
         """First log time, ns."""
         self.vanished = False
         """Whether the file was removed while it was written."""
+        self.alone = False
+        """Whether its folder was gone and had to be made again."""
         self._end = 0
         self._fd = -1
         self._spool = _Spool()
-        self._writer = Writer(
-            self._spool,  # type: ignore[arg-type]
-            chunk_size=chunk_size,
-            compression=CompressionType[compression.upper()],
-        )
+        self._writer = _RepeatingWriter(self._spool, chunk_size, compression)
         self._writer.start(profile='ros2', library=LIBRARY)
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
@@ -109,6 +145,7 @@ class OutputFile:
         schema: MessageSchema,
     ) -> None:
         """Add a message; see RecordingWriter.write."""
+        self._writer.repeat()
         channel = self._channels.get(topic)
         if channel is None or self._topics[topic].type_name != type_name:
             channel = self._describe(topic, type_name, qos, schema)
@@ -136,7 +173,7 @@ class OutputFile:
                 now, now, attached.name, attached.media_type, attached.data
             )
 
-    def drain(self, *, fsync: bool = False) -> str:
+    def drain(self) -> str:
         """
         Close the chunk and give everything to the operating system.
 
@@ -147,24 +184,36 @@ class OutputFile:
 
         """
         self._writer.flush()  # type: ignore[no-untyped-call]
-        return self._push(fsync=fsync)
+        return self._push()
+
+    def sync(self, disk: DiskSync) -> None:
+        """Have what the operating system was given brought to the disk."""
+        if self._fd >= 0:
+            disk.request(self._fd, self.path.parent)
 
     def end(self) -> None:
         """Add the end of the file; only :meth:`close` may follow."""
         self._writer.finish()  # type: ignore[no-untyped-call]
 
-    def close(self) -> str:
+    def close(self, disk: DiskSync | None) -> str:
         """
-        Give everything to the operating system and close the file; returns as :meth:`drain`.
+        Give everything to the operating system and, by ``disk``, to the disk; close the file.
 
-        A file that has vanished counts as closed.
+        Returns as :meth:`drain`; a file that has vanished counts as closed.
         """
-        problem = self._push(fsync=False)
+        problem = self._push()
         if problem and not self.vanished:
             return problem
-        os.close(self._fd)
-        self._fd = -1
+        if disk is not None:
+            self.sync(disk)
+        self.abandon()
         return ''
+
+    def abandon(self) -> None:
+        """Close the file as it is."""
+        if self._fd >= 0:
+            os.close(self._fd)
+            self._fd = -1
 
     def summary(self) -> BagFile:
         """Return what metadata.yaml says of this file."""
@@ -178,20 +227,30 @@ class OutputFile:
         )
 
     def _describe(self, topic: str, type_name: str, qos: str, schema: MessageSchema) -> int:
+        writer = self._writer
         if type_name not in self._schemas:
-            self._schemas[type_name] = self._writer.register_schema(
-                type_name, schema.encoding, schema.text.encode()
+            text = schema.text.encode()
+            identity = writer.register_schema(type_name, schema.encoding, text)
+            writer.describe(
+                Schema(id=identity, name=type_name, encoding=schema.encoding, data=text)
             )
-        self._channels[topic] = self._writer.register_channel(
-            topic,
-            'cdr',
-            self._schemas[type_name],
-            {'offered_qos_profiles': qos, 'topic_type_hash': schema.type_hash},
+            self._schemas[type_name] = identity
+        about = {'offered_qos_profiles': qos, 'topic_type_hash': schema.type_hash}
+        identity = writer.register_channel(topic, 'cdr', self._schemas[type_name], about)
+        writer.describe(
+            Channel(
+                id=identity,
+                topic=topic,
+                message_encoding='cdr',
+                schema_id=self._schemas[type_name],
+                metadata=about,
+            )
         )
+        self._channels[topic] = identity
         self._topics[topic] = BagTopic(topic, type_name, qos, schema.type_hash)
-        return self._channels[topic]
+        return identity
 
-    def _push(self, *, fsync: bool) -> str:
+    def _push(self) -> str:
         spool = self._spool
         try:
             if self._fd < 0:
@@ -203,8 +262,6 @@ class OutputFile:
                 taken = os.write(self._fd, spool.waiting)
                 del spool.waiting[:taken]
                 spool.taken += taken
-            if fsync:
-                os.fsync(self._fd)
         except OSError as error:
             return f'{self.path}: {error.strerror}'
         return ''
@@ -212,6 +269,7 @@ class OutputFile:
     def _create(self) -> None:
         # One level only: where the folder above is gone too, a disk may have been unmounted, and
         # writing to the disk below would be wrong.
+        self.alone = not self.path.parent.exists()
         self.path.parent.mkdir(exist_ok=True)
         self._fd = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
         with contextlib.suppress(OSError):

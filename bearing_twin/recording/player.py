@@ -197,7 +197,11 @@ class Player:
             self.loops += 1
         self._elapsed = 0.0
         self._messages = read_messages(
-            self.path, topics=self._topics, start=self.start, end=self.end
+            self.path,
+            topics=self._topics,
+            start=self.start,
+            end=self.end,
+            problems=self.info.problems,
         )
         self._fetch()
 

@@ -4,31 +4,36 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass, field
 import re
 from typing import BinaryIO, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.mcapfile import (
-    BrokenRecording,
-    MAGIC,
-    open_mcap,
-    read_record,
-    read_summary,
-    refuse_special,
-    UnfinishedRecording,
-    walk,
-)
-from bearing_twin.recording.messages import (
+from bearing_twin.recording.catalogue import (
     Catalogue,
-    in_file_order,
-    in_time_order,
+    DEFINITIONS,
     known_fields,
     RecordedChannel,
     RecordedMessage,
-    Selection,
 )
+from bearing_twin.recording.mcapfile import (
+    BrokenRecording,
+    content,
+    MAGIC,
+    open_mcap,
+    parse,
+    RawRecord,
+    read_record,
+    record_at,
+    refuse_special,
+    UnfinishedRecording,
+)
+from bearing_twin.recording.messages import in_file_order, in_time_order, Selection
+from bearing_twin.recording.salvage import sound_records
+from bearing_twin.recording.summary import summary_records
 from bearing_twin.stamps import NANO
+from mcap.opcode import Opcode
 from mcap.records import Attachment, AttachmentIndex, Header, Metadata, MetadataIndex, Statistics
 
 if TYPE_CHECKING:
@@ -45,6 +50,9 @@ __all__ = [
     'recording_files',
     'recording_info',
 ]
+
+MOST_METADATA = 8 * 1024 * 1024
+"""Most metadata that is shown of a recording, bytes."""
 
 
 @dataclass
@@ -80,6 +88,8 @@ class RecordingInfo:
     library: str = ''
     topics: dict[str, TopicInfo] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
+    metadata_size: int = 0
+    """Bytes of the metadata."""
     attachments: dict[str, int] = field(default_factory=dict)
     """Name and size in bytes."""
 
@@ -121,6 +131,7 @@ def read_messages(
     start: int | None = None,
     end: int | None = None,
     recover: bool = False,
+    problems: list[str] | None = None,
 ) -> Iterator[RecordedMessage]:
     """
     Yield the messages of a recording in the order of their log time.
@@ -139,28 +150,51 @@ def read_messages(
     recover
         Read a file without end up to where it breaks off, and step over damaged chunks, instead of
         raising.
+    problems
+        Takes note of what is left out of a bag folder because a file of it is broken; the others
+        are read. None: the first broken file raises.
 
     Raises
     ------
     BearingTwinError
-        If a file cannot be read, is unfinished or damaged.
+        If a file cannot be read, is unfinished or damaged; with ``problems`` and in a bag folder,
+        if that holds for every file.
 
     """
     keep = Selection(topics, start, end)
-    for file_path in recording_files(path):
-        with open_mcap(file_path) as file:
-            size = file_path.stat().st_size
-            try:
-                if recover:
-                    yield from in_file_order(file, size, keep, lambda _: None)
-                else:
-                    yield from in_time_order(file, size, keep)
-            except UnfinishedRecording as error:
-                msg = f"{file_path}: {error}; mend it with 'bearing-twin recover {file_path}'"
-                raise UnfinishedRecording(msg, error.offset) from None
-            except BrokenRecording as error:
-                msg = f"{file_path}: {error}; 'bearing-twin recover {file_path}' saves the rest"
-                raise BrokenRecording(msg, error.offset) from None
+    files = recording_files(path)
+    broken: list[BrokenRecording] = []
+    for file_path in files:
+        yield from _messages_of(file_path, keep, broken, recover=recover)
+        if broken and (problems is None or len(broken) == len(files)):
+            raise broken[-1]
+        if problems is not None:
+            problems.extend(text for text in map(str, broken) if text not in problems)
+
+
+def _messages_of(
+    path: Path, keep: Selection, broken: list[BrokenRecording], *, recover: bool
+) -> Iterator[RecordedMessage]:
+    """Yield the messages of one file, up to where it is broken."""
+    try:
+        with open_mcap(path) as file:
+            size = path.stat().st_size
+            if recover:
+                yield from in_file_order(file, size, keep, lambda _: None)
+            else:
+                yield from in_time_order(file, size, keep)
+    except BrokenRecording as error:
+        broken.append(_advised(path, error))
+
+
+def _advised(path: Path, error: BrokenRecording) -> BrokenRecording:
+    """Return the error with the name of the file and what can be done."""
+    if not error.offset:
+        return error
+    advice = f"'bearing-twin recover {path}' saves the rest"
+    if isinstance(error, UnfinishedRecording):
+        advice = f"mend it with 'bearing-twin recover {path}'"
+    return type(error)(f'{path}: {error}; {advice}', error.offset, error.length)
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:
@@ -173,72 +207,102 @@ def recording_info(path: Path) -> RecordingInfo:
     """
     Say what is inside a recording, from its summary where it has one.
 
-    A file without end is read from front to back, as far as it goes.
+    A file without end is read from front to back, as far as it goes. A file of a bag folder that
+    is no recording is named among the problems.
 
     Raises
     ------
     BearingTwinError
-        If there is no recording, or a file is no MCAP file.
+        If there is no recording, or no file is an MCAP file.
 
     """
     info = RecordingInfo(path, recording_files(path))
-    for file_path in info.files:
-        with open_mcap(file_path) as file:
-            size = file_path.stat().st_size
-            info.size += size
-            try:
-                _from_summary(file, size, info)
-            except BrokenRecording as error:
-                info.finished &= not isinstance(error, UnfinishedRecording)
-                info.problems.append(f'{file_path.name}: {error}')
-                _from_messages(file, size, info)
+    for file_path in list(info.files):
+        info.size += file_path.stat().st_size
+        try:
+            file = open_mcap(file_path)
+        except BrokenRecording as error:
+            if info.files == [file_path]:
+                raise
+            info.files.remove(file_path)
+            info.finished = False
+            info.problems.append(str(error))
+            continue
+        with file:
+            _look_into(file, file_path, info)
     return info
 
 
+def _look_into(file: BinaryIO, path: Path, info: RecordingInfo) -> None:
+    size = path.stat().st_size
+    try:
+        _from_summary(file, size, info)
+    except BrokenRecording as error:
+        info.finished &= not isinstance(error, UnfinishedRecording)
+        info.problems.append(f'{path.name}: {error}')
+        _from_messages(file, size, info)
+
+
 def _from_summary(file: BinaryIO, size: int, info: RecordingInfo) -> None:
-    records = read_summary(file, size)
-    statistics = next((r for r in records if isinstance(r, Statistics)), None)
+    catalogue = Catalogue()
+    statistics: Statistics | None = None
+    attachments: dict[str, int] = {}
+    metadata: dict[int, MetadataIndex] = {}
+    for raw in summary_records(file, size):
+        if raw.opcode in DEFINITIONS:
+            catalogue.learn(raw.opcode, content(file, raw), raw.offset)
+        elif raw.opcode in (Opcode.STATISTICS, Opcode.ATTACHMENT_INDEX, Opcode.METADATA_INDEX):
+            record = read_record(file, raw)
+            if isinstance(record, Statistics):
+                statistics = record
+            elif isinstance(record, AttachmentIndex):
+                attachments[record.name] = record.data_size
+            elif isinstance(record, MetadataIndex):
+                metadata[record.offset] = record
     if statistics is None:
         _from_messages(file, size, info)
         return
     _read_header(file, size, info)
-    catalogue = Catalogue()
-    for record in records:
-        catalogue.learn(record)
-        if isinstance(record, AttachmentIndex):
-            info.attachments[record.name] = record.data_size
-        elif isinstance(record, MetadataIndex):
-            raw = next(walk(file, record.offset, size), None)
-            found = read_record(file, raw) if raw else None
-            if isinstance(found, Metadata):
-                info.metadata[found.name] = found.metadata
+    info.attachments |= attachments
+    for index in metadata.values():
+        _add_metadata(file, record_at(file, index.offset, size), info)
     for identity, channel in catalogue.channels.items():
-        count = statistics.channel_message_counts.get(identity, 0)
-        _count(info, channel, count)
+        _count(info, channel, statistics.channel_message_counts.get(identity, 0))
     if statistics.message_count:
         _span(info, statistics.message_start_time, statistics.message_end_time)
 
 
+def _add_metadata(file: BinaryIO, raw: RawRecord, info: RecordingInfo) -> None:
+    info.metadata_size += raw.length
+    if info.metadata_size > MOST_METADATA:
+        text = f'more than {MOST_METADATA} bytes of metadata: the rest is not shown'
+        if text not in info.problems:
+            info.problems.append(text)
+        return
+    found = read_record(file, raw)
+    if isinstance(found, Metadata):
+        info.metadata[found.name] = found.metadata
+
+
 def _from_messages(file: BinaryIO, size: int, info: RecordingInfo) -> None:
-    _read_header(file, size, info)
+    with contextlib.suppress(BrokenRecording):
+        # Already in the list of problems.
+        _read_header(file, size, info)
     for message in in_file_order(file, size, Selection(), lambda _: None):
         _count(info, message.channel, 1)
         _span(info, message.log_time, message.log_time)
-    try:
-        for raw in walk(file, len(MAGIC), size):
-            record = read_record(file, raw) if raw.opcode in (9, 12) else None
-            if isinstance(record, Metadata):
-                info.metadata[record.name] = record.metadata
-            elif isinstance(record, Attachment):
+    wanted = (Opcode.METADATA, Opcode.ATTACHMENT)
+    for raw, data in sound_records(file, size, wanted, lambda _: None):
+        if raw.opcode == Opcode.METADATA:
+            _add_metadata(file, raw, info)
+        else:
+            record = parse(raw.opcode, data, raw.offset)
+            if isinstance(record, Attachment):
                 info.attachments[record.name] = len(record.data)
-    except BrokenRecording:
-        # Already in the list of problems.
-        return
 
 
 def _read_header(file: BinaryIO, size: int, info: RecordingInfo) -> None:
-    raw = next(walk(file, len(MAGIC), size), None)
-    header = read_record(file, raw) if raw else None
+    header = read_record(file, record_at(file, len(MAGIC), size))
     if isinstance(header, Header):
         info.profile, info.library = header.profile, header.library
 

@@ -7,24 +7,30 @@ from __future__ import annotations
 import contextlib
 from dataclasses import dataclass, field
 import fcntl
+from functools import cache
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.catalogue import own_definitions, RecordedChannel
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
     MAGIC,
     open_mcap,
+    parse,
     read_record,
-    read_summary,
+    record_at,
     UnfinishedRecording,
-    walk,
 )
 from bearing_twin.recording.messages import in_file_order, Selection
 from bearing_twin.recording.reader import recording_files
+from bearing_twin.recording.salvage import sound_records
+from bearing_twin.recording.schema import message_schema
+from bearing_twin.recording.summary import summary_records
+from bearing_twin.recording.topics import OWN_TOPICS
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.stamps import NANO
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Header, Metadata
+from mcap.records import Attachment, Header, Metadata, Statistics
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -32,6 +38,10 @@ if TYPE_CHECKING:
 __all__ = ['RecoveryReport', 'find_unfinished', 'recover']
 
 MOST_LOOKED_AT = 1000
+MOST_ASKED = 8
+"""Most other files of a bag that are asked for a description."""
+MOST_TOLD = 1000
+"""Most losses that are listed one by one."""
 
 
 @dataclass
@@ -51,19 +61,36 @@ class RecoveryReport:
     size: int = 0
     """Bytes of the source."""
     lost_bytes: int = 0
-    """Bytes of the source that hold something that could not be saved."""
+    """Bytes of the source that could not be read as a recording."""
+    lost_messages: int = 0
+    """Messages not saved of the files whose summary, being sound, tells their number."""
     losses: list[str] = field(default_factory=list)
     """What was lost and why."""
+    unlisted_losses: int = 0
+    """Losses besides these."""
 
     @property
     def duration(self) -> float:
         """Time saved, s."""
         return (self.end - self.start) / NANO
 
+    def lose(self, text: str, octets: int) -> None:
+        """Take note of a loss."""
+        self.lost_bytes += octets
+        if len(self.losses) < MOST_TOLD:
+            self.losses.append(text)
+        else:
+            self.unlisted_losses += 1
+
 
 def recover(source: Path, target: Path) -> RecoveryReport:
     """
-    Write every message in the complete chunks of ``source`` to the new recording ``target``.
+    Write every message in the sound chunks of ``source`` to the new recording ``target``.
+
+    A damaged stretch costs what lies between the last sound record before it and the next sound
+    chunk. Where the description of a channel is lost, it is taken from the summary or from further
+    chunks, or it is that channel of the other files of the bag (without any, of our own topics) as
+    which alone its messages can be read.
 
     Parameters
     ----------
@@ -75,8 +102,8 @@ def recover(source: Path, target: Path) -> RecoveryReport:
     Raises
     ------
     BearingTwinError
-        If the source is no recording of ROS 2 or still being written, or the target exists or
-        cannot be written.
+        If no file of the source is a recording of ROS 2, one is still being written, or the target
+        exists or cannot be written; nothing of it is then left.
 
     """
     files = recording_files(source)
@@ -85,9 +112,24 @@ def recover(source: Path, target: Path) -> RecoveryReport:
             msg = f'{path} is still being written; end its recorder first'
             raise BearingTwinError(msg)
     report = RecoveryReport(source, target)
-    with RecordingWriter(target) as writer:
-        for path in files:
-            _copy(path, writer, report)
+    sound = [path for path in files if _begins_well(path, report, only=len(files) == 1)]
+    if not sound:
+        msg = f'{source} holds no MCAP file with content: {"; ".join(report.losses)}'
+        raise BearingTwinError(msg)
+    writer = RecordingWriter(target)
+    try:
+        with writer:
+            for path in sound:
+                _copy(path, writer, report, [other for other in files if other != path])
+    except BaseException as error:
+        writer.discard()
+        if writer.problem and isinstance(error, BearingTwinError):
+            msg = (
+                f'nothing was saved: {writer.problem}; {source} is unchanged: make room for its '
+                f'{report.size} bytes, or choose another disk, and recover it again'
+            )
+            raise BearingTwinError(msg) from None
+        raise
     return report
 
 
@@ -111,10 +153,9 @@ def _is_our_torn_file(path: Path) -> bool:
     with open_mcap(path) as file:
         size = path.stat().st_size
         try:
-            read_summary(file, size)
+            next(summary_records(file, size), None)
         except UnfinishedRecording:
-            raw = next(walk(file, len(MAGIC), size), None)
-            header = read_record(file, raw) if raw else None
+            header = read_record(file, record_at(file, len(MAGIC), size))
             ours = isinstance(header, Header) and header.library.startswith('bearing_twin ')
             return ours and not _is_being_written(path)
     return False
@@ -129,44 +170,95 @@ def _is_being_written(path: Path) -> bool:
     return False
 
 
-def _copy(path: Path, writer: RecordingWriter, report: RecoveryReport) -> None:
+def _begins_well(path: Path, report: RecoveryReport, *, only: bool) -> bool:
+    try:
+        open_mcap(path).close()
+    except BrokenRecording as error:
+        if only:
+            raise
+        report.size += error.length
+        report.lose(str(error), error.length)
+        return False
+    return True
+
+
+def _copy(path: Path, writer: RecordingWriter, report: RecoveryReport, others: list[Path]) -> None:
     size = path.stat().st_size
     report.size += size
+    kept = report.kept
 
     def damaged(error: BrokenRecording) -> None:
-        report.losses.append(f'{path.name}: {error}')
-        if isinstance(error, UnfinishedRecording):
-            report.lost_bytes += size - error.offset
+        report.lose(f'{path.name}: {error}', error.length)
+
+    @cache
+    def candidates() -> tuple[RecordedChannel, ...]:
+        found = {
+            (channel.topic, channel.type_name): channel
+            for other in others[:MOST_ASKED]
+            for channel in _channels(other)
+        }
+        return tuple(found.values()) or _own_channels()
 
     with open_mcap(path) as file:
-        _copy_extras(path, size, writer)
-        for message in in_file_order(file, size, Selection(), damaged):
+        if not writer.written:
+            # Of a split recording, those of the first file are enough.
+            _copy_extras(path, size, writer)
+        for message in in_file_order(file, size, Selection(), damaged, candidates):
             channel = message.channel
             if channel.encoding != 'cdr':
                 msg = f'{path}: {channel.topic} is encoded as {channel.encoding!r}, not as cdr'
                 raise BearingTwinError(msg)
-            writer.copy(message)
+            try:
+                writer.copy(message)
+            except BearingTwinError as error:
+                report.lose(f'{path.name}: {channel.topic}: {error}', len(message.cdr))
+                continue
+            if writer.problem:
+                raise BearingTwinError(writer.problem)
             first = not report.kept
             report.kept += 1
             report.topics[channel.topic] = report.topics.get(channel.topic, 0) + 1
             report.start = message.log_time if first else min(report.start, message.log_time)
             report.end = max(report.end, message.log_time)
+        report.lost_messages += max(0, _said_count(path, size) - (report.kept - kept))
+
+
+def _said_count(path: Path, size: int) -> int:
+    """Messages in a file by its summary; 0 where that does not say."""
+    with open_mcap(path) as file, contextlib.suppress(BrokenRecording):
+        for raw in summary_records(file, size):
+            if raw.opcode == Opcode.STATISTICS:
+                record = read_record(file, raw)
+                return record.message_count if isinstance(record, Statistics) else 0
+    return 0
+
+
+def _channels(path: Path) -> list[RecordedChannel]:
+    """Channels of another file of the bag."""
+    with contextlib.suppress(BearingTwinError), open_mcap(path) as file:
+        for catalogue in own_definitions(file, path.stat().st_size):
+            if catalogue.channels:
+                return list(catalogue.channels.values())
+    return []
+
+
+def _own_channels() -> tuple[RecordedChannel, ...]:
+    """Our own topics, of which a message may be where nothing else describes it."""
+    schemas = ((f'/{name}', message_schema(type_name)) for name, type_name in OWN_TOPICS.items())
+    return tuple(
+        RecordedChannel(topic, s.type_name, 'cdr', s.encoding, s.text, '', s.type_hash)
+        for topic, s in schemas
+    )
 
 
 def _copy_extras(path: Path, size: int, writer: RecordingWriter) -> None:
-    """Copy attachments and metadata; of a split recording, those of the first file are enough."""
-    if writer.written:
-        return
+    """Copy attachments and metadata; what is damaged is reported when the messages are copied."""
+    wanted = (Opcode.ATTACHMENT, Opcode.METADATA)
     with open_mcap(path) as file:
-        try:
-            for raw in walk(file, len(MAGIC), size):
-                if raw.opcode not in (Opcode.ATTACHMENT, Opcode.METADATA):
-                    continue
-                record = read_record(file, raw)
+        for raw, data in sound_records(file, size, wanted, lambda _: None):
+            with contextlib.suppress(BrokenRecording):
+                record = parse(raw.opcode, data, raw.offset)
                 if isinstance(record, Attachment):
                     writer.attach(record.name, record.data, record.media_type)
                 elif isinstance(record, Metadata) and record.name != 'rosbag2':
                     writer.metadata(record.name, record.metadata)
-        except BrokenRecording:
-            # Reported when the messages are copied.
-            return

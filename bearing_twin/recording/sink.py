@@ -11,7 +11,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.schema import message_schema, MessageSchema
 
 if TYPE_CHECKING:
-    from bearing_twin.recording.messages import RecordedMessage
+    from bearing_twin.recording.catalogue import RecordedMessage
     from typing_extensions import Self
 
 __all__ = ['MessageSink', 'Written']

@@ -85,9 +85,14 @@ class SnapshotWriter(MessageSink):
         return self._writer.written if self._writer else 0
 
     @property
-    def dropped(self) -> int:
-        """Messages lost because the disk took none."""
-        return self._writer.dropped if self._writer else 0
+    def lost(self) -> int:
+        """Messages lost because the disk took none, or with files that somebody removed."""
+        return self._writer.lost if self._writer else 0
+
+    @property
+    def sync_problem(self) -> str:
+        """Return why the disk has not kept what it was given; '' if it has."""
+        return self._writer.sync_problem if self._writer else ''
 
     @property
     def size(self) -> int:

@@ -5,12 +5,14 @@
 from __future__ import annotations
 
 from collections import deque
+import contextlib
 from dataclasses import dataclass
 import time
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.bagmetadata import BagFile, metadata_record, write_metadata_file
+from bearing_twin.recording.disksync import DiskSync
 from bearing_twin.recording.outfile import Attached, OutputFile
 from bearing_twin.recording.sink import MessageSink, Written
 from bearing_twin.stamps import NANO
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 __all__ = ['RecordingWriter', 'WriterOptions']
+
+LONGEST_SYNC = 10.0
+"""Longest time that the end of a recording waits for the disk, s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,8 +46,9 @@ class WriterOptions:
     """At the limit delete the oldest finished file of this recording, instead of stopping."""
     cache_size: int = 64 * 1024 * 1024
     """Most bytes that wait in memory while the disk takes none."""
-    fsync: bool = False
-    """Wait for the disk at each flush, so that power loss too costs no more than the period."""
+    sync_period: float = 5.0
+    """Time after which the disk is told to keep what it was given, s: what power loss can cost,
+    besides a flush period. 0: that is left to the operating system."""
 
 
 class RecordingWriter(MessageSink):
@@ -82,6 +88,8 @@ class RecordingWriter(MessageSink):
         """Messages given to the file."""
         self.dropped = 0
         """Messages lost because the disk took none and the memory for them was full."""
+        self.removed = 0
+        """Messages lost with files that somebody removed while they were being written."""
         self.deleted_files = 0
         """Oldest files deleted at the storage limit."""
         self._check_options()
@@ -92,7 +100,8 @@ class RecordingWriter(MessageSink):
         # Files whose end the disk has not taken yet.
         self._ending: list[OutputFile] = []
         self._index = 0
-        self._flushed = time.monotonic()
+        self._flushed = self._synced = time.monotonic()
+        self._disk = DiskSync()
         self._closed = False
         try:
             if path.exists():
@@ -107,6 +116,16 @@ class RecordingWriter(MessageSink):
         if problem:
             msg = f'the recording cannot be made: {problem}'
             raise BearingTwinError(msg)
+
+    @property
+    def lost(self) -> int:
+        """Messages lost: dropped, or removed with their files."""
+        return self.dropped + self.removed
+
+    @property
+    def sync_problem(self) -> str:
+        """Return why the disk has not kept what it was given; '' if it has. It stays."""
+        return self._disk.problem
 
     @property
     def size(self) -> int:
@@ -142,11 +161,17 @@ class RecordingWriter(MessageSink):
     def flush(self) -> None:
         """Close the chunk and hand everything to the operating system; see :attr:`problem`."""
         self._flushed = time.monotonic()
-        self.problem = self._settle() or self._file.drain(fsync=self.options.fsync)
+        self.problem = self._settle() or self._file.drain()
+        if self._file.vanished or self._file.alone:
+            self._count_removed()
         if self._file.vanished:
             # What it held is gone with it; the recording goes on in a new file.
+            self._lose(self._file.count)
+            self._file.abandon()
             self._index += 1
             self._file = self._open()
+        elif not self.problem:
+            self._sync()
         while self._waiting and not self.problem:
             message = self._waiting.popleft()
             self._waiting_bytes -= len(message.cdr)
@@ -180,12 +205,28 @@ class RecordingWriter(MessageSink):
         self.flush()
         self._finish()
         self.problem = self._settle()
+        self._disk.close(LONGEST_SYNC)
         if self.problem:
             msg = (
                 f'{self.path} could not be finished: {self.problem}; {len(self._waiting)} messages'
                 f" are lost, 'bearing-twin recover {self.path}' saves the rest"
             )
             raise BearingTwinError(msg)
+
+    def discard(self) -> None:
+        """Remove what has been made of the recording: a result that was not to be left cut."""
+        self._closed = True
+        self._disk.close(LONGEST_SYNC)
+        for file in (*self._ending, self._file):
+            file.abandon()
+        names = [file.name for file in self._finished]
+        names += [file.path.name for file in (*self._ending, self._file)]
+        folder = self.path if self.bag else self.path.parent
+        with contextlib.suppress(OSError):
+            for name in (*names, *(('metadata.yaml', '.metadata.yaml.part') if self.bag else ())):
+                (folder / name).unlink(missing_ok=True)
+            if self.bag:
+                folder.rmdir()
 
     def _check_options(self) -> None:
         o = self.options
@@ -210,6 +251,26 @@ class RecordingWriter(MessageSink):
         for attached in self._attached:
             file.attach(attached)
         return file
+
+    def _sync(self) -> None:
+        """Have the disk keep what it was given, unless it is still busy with the last time."""
+        period = self.options.sync_period
+        due = 0.0 < period <= time.monotonic() - self._synced
+        if due and not self._disk.busy:
+            self._synced = time.monotonic()
+            self._file.sync(self._disk)
+
+    def _count_removed(self) -> None:
+        """Count what was finished in a folder that has been removed."""
+        self._file.alone = False
+        for finished in list(self._finished):
+            if not (self.path / finished.name).exists():
+                self._lose(finished.count)
+                self._finished.remove(finished)
+
+    def _lose(self, count: int) -> None:
+        self.removed += count
+        self.written -= count
 
     def _attach(self, attached: Attached) -> None:
         self._attached.append(attached)
@@ -256,10 +317,15 @@ class RecordingWriter(MessageSink):
     def _settle(self) -> str:
         """Bring ended files, and metadata.yaml of a bag, to the disk; return what went wrong."""
         while self._ending:
-            problem = self._ending[0].close()
+            file = self._ending[0]
+            problem = file.close(self._disk if self.options.sync_period else None)
             if problem:
                 return problem
-            self._finished.append(self._ending.pop(0).summary())
+            del self._ending[0]
+            if file.vanished:
+                self._lose(file.count)
+                continue
+            self._finished.append(file.summary())
             if self.bag:
                 problem = write_metadata_file(self.path, self._finished)
                 if problem:

@@ -9,12 +9,14 @@ import resource
 import shutil
 from typing import TYPE_CHECKING
 
+from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import recover
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 import pytest
 from recording_samples import START, VIBRATION, vibration_cdr
+import yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -117,6 +119,39 @@ def test_folder_that_is_removed_is_made_again(tmp_path: Path) -> None:
         assert writer.problem == ''
     # Only what the removed file held is lost; that is the nature of removing it.
     assert first_samples(tmp_path / 'run') == list(range(6, 12))
+    assert (writer.written, writer.removed, writer.lost) == (6, 6, 6)
+
+
+def test_finished_files_that_go_with_their_folder_are_counted(tmp_path: Path) -> None:
+    with RecordingWriter(tmp_path / 'run', WriterOptions(compression='none')) as writer:
+        for index in range(12):
+            put(writer, index)
+            if index % 4 == 3:
+                writer.split()
+        shutil.rmtree(tmp_path / 'run')
+        for index in range(12, 16):
+            put(writer, index)
+    assert first_samples(tmp_path / 'run') == [12, 13, 14, 15]
+    assert (writer.written, writer.lost) == (4, 12)
+    listed = yaml.safe_load((tmp_path / 'run' / 'metadata.yaml').read_text())
+    assert listed['rosbag2_bagfile_information']['message_count'] == 4
+
+
+def test_recovery_onto_a_full_disk_leaves_nothing_and_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with RecordingWriter(tmp_path / 'run.mcap', WriterOptions(compression='none')) as writer:
+        for index in range(100):
+            put(writer, index)
+    for target in ('saved.mcap', 'saved'):
+        with file_size_limit(100_000):
+            command = ['recover', str(tmp_path / 'run.mcap'), '-o', str(tmp_path / target)]
+            assert main(command) == 1
+        said = capsys.readouterr()
+        assert 'nothing was saved' in said.err
+        assert 'run.mcap is unchanged: make room' in said.err
+        assert not (tmp_path / target).exists()
+        assert main(command) == 0
 
 
 def test_folder_whose_parent_is_gone_waits(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 from itertools import pairwise
 import os
 import random
+import re
 import resource
 import shutil
 import signal
@@ -249,12 +250,17 @@ def test_removed_folder_is_said_and_recording_goes_on(ros_domain: int, tmp_path:
         source.publish_for(1.0)
         shutil.rmtree(bag)
         source.publish_until(lambda: bag.exists())
-        source.publish_for(1.0)
+        source.publish_for(2.5)
         source.settle()
+        status = source.statuses[RECORDING]
         assert nodes.end('recorder') == 0
-    assert 'was removed while it was written' in (tmp_path / 'logs' / 'recorder.log').read_text()
+    log = (tmp_path / 'logs' / 'recorder.log').read_text()
+    assert 'was removed while it was written' in log
     found = numbers(bag)
     assert found == list(range(found[0], len(source.sent)))
+    # What was in the removed file is counted, on /diagnostics for good.
+    assert re.search(r'messages, [0-9.]+ MB, [1-9][0-9]* lost', log)
+    assert 'messages were lost by the disk' in status.message
 
 
 def test_nothing_is_overwritten_and_unfinished_ones_are_offered(

@@ -8,14 +8,19 @@ import fcntl
 import os
 import random
 import shutil
+import time
 from typing import TYPE_CHECKING
 
+from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording import outfile
 from bearing_twin.recording.foreign import read_signal
+from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.mcapfile import UnfinishedRecording
+from bearing_twin.recording.player import Player
 from bearing_twin.recording.reader import read_messages, recording_info
-from bearing_twin.recording.recover import find_unfinished, recover
-from bearing_twin.recording.writer import RecordingWriter
+from bearing_twin.recording.recover import find_unfinished, recover, RecoveryReport
+from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from mcap.reader import make_reader
 import pytest
 from recording_samples import START, TEMPERATURE, temperature_cdr, VIBRATION, write_blocks
@@ -88,6 +93,161 @@ def test_a_damaged_chunk_costs_that_chunk_only(tmp_path: Path) -> None:
     assert 'CRC' in report.losses[0] or 'unpack' in report.losses[0]
     found = [m.cdr for m in read_messages(tmp_path / 'saved.mcap', topics=['/vibration'])]
     assert found == written[:20] + written[30:]
+
+
+def flipped(content: bytes, at: int, bit: int = 0) -> bytes:
+    damaged = bytearray(content)
+    damaged[at] ^= 1 << bit
+    return bytes(damaged)
+
+
+def kept_of(content: bytes, folder: Path) -> tuple[int, RecoveryReport]:
+    """Recover a file; return the number of its messages and the report."""
+    torn, saved = folder / 'torn.mcap', folder / 'saved.mcap'
+    torn.write_bytes(content)
+    saved.unlink(missing_ok=True)
+    report = recover(torn, saved)
+    found = len(list(read_messages(saved)))
+    assert found == report.kept
+    return found, report
+
+
+@pytest.mark.parametrize('finished', [True, False])
+@pytest.mark.parametrize('compression', ['zstd', 'lz4', 'none'])
+def test_one_flipped_bit_costs_one_chunk(tmp_path: Path, finished: bool, compression: str) -> None:
+    path = tmp_path / 'run.mcap'
+    write_blocks(path, 60, WriterOptions(compression=compression))
+    content = path.read_bytes()
+    begin, end, _ = chunks(path)[0]
+    last = chunks(path)[-1][1]
+    if not finished:
+        content = content[: last + 10]
+    rng = random.Random(9)
+    # The head of the first chunk byte for byte, then anywhere in it and anywhere at all.
+    places = [*range(8, begin + 60), *(rng.randrange(begin, end) for _ in range(10))]
+    places += [rng.randrange(8, last) for _ in range(20)]
+    for at in places:
+        kept, report = kept_of(flipped(content, at, rng.randrange(8)), tmp_path)
+        assert kept >= 100, at
+        lost = 120 - kept
+        assert report.lost_messages == (lost if finished else 0), at
+        if lost:
+            assert report.losses, at
+            assert 0.9 * (end - begin) < report.lost_bytes < 2 * (end - begin), at
+
+
+def test_a_description_that_is_nowhere_else_is_found_in_the_summary(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # As recordings were before descriptions were repeated.
+    monkeypatch.setattr(outfile._RepeatingWriter, 'repeat', lambda self: None)
+    path = tmp_path / 'old.mcap'
+    write_blocks(path, 60)
+    begin, end, _ = chunks(path)[0]
+    kept, report = kept_of(flipped(path.read_bytes(), (begin + end) // 2), tmp_path)
+    assert (kept, report.lost_messages) == (100, 20)
+
+
+def test_a_description_is_taken_from_another_file_of_the_bag_or_found_by_content(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(outfile._RepeatingWriter, 'repeat', lambda self: None)
+    path = tmp_path / 'old.mcap'
+    write_blocks(path, 60)
+    begin, end, _ = chunks(path)[0]
+    torn = flipped(path.read_bytes()[: chunks(path)[-1][1] + 5], (begin + end) // 2)
+    kept, report = kept_of(torn, tmp_path)
+    assert kept == 100
+    assert set(report.topics) == {'/vibration', '/temperature'}
+    assert any('known by its content alone' in loss for loss in report.losses)
+    bag = tmp_path / 'bag'
+    bag.mkdir()
+    (bag / 'bag_0.mcap').write_bytes(torn)
+    with RecordingWriter(bag / 'bag_1.mcap') as writer:
+        for time, cdr in enumerate(read_messages(path, topics=['/vibration'])):
+            writer.write('/pump/vib', VIBRATION, cdr.cdr, log_time=time, publish_time=time)
+            writer.write(
+                '/pump/t', TEMPERATURE, temperature_cdr(START, 2.0), log_time=time, publish_time=1
+            )
+    report = recover(bag, tmp_path / 'saved')
+    assert report.topics == {'/pump/vib': 50 + 60, '/pump/t': 50 + 60}
+
+
+def test_messages_that_fit_several_topics_are_counted_as_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(outfile._RepeatingWriter, 'repeat', lambda self: None)
+    path = tmp_path / 'old.mcap'
+    with RecordingWriter(path) as writer:
+        for time in range(20):
+            writer.write(
+                '/a', TEMPERATURE, temperature_cdr(START, 2.0), log_time=time, publish_time=1
+            )
+            writer.write('/b', 'std_msgs/msg/Empty', b'\0\1\0\0\0', log_time=time, publish_time=1)
+            if time % 10 == 9:
+                writer.flush()
+    begin, end, _ = chunks(path)[0]
+    torn = flipped(path.read_bytes()[: chunks(path)[-1][1]], (begin + end) // 2)
+    kept, report = kept_of(torn, tmp_path)
+    assert kept == 10
+    assert any('10 messages of channel 2, whose description is lost' in x for x in report.losses)
+    assert report.lost_bytes > 10 * (22 + 5)
+
+
+@pytest.mark.parametrize('length', [0, 5, 8, 4096, 3_000_000])
+@pytest.mark.parametrize('place', [0, 1, 2])
+def test_an_empty_or_zeroed_file_blocks_no_bag(
+    tmp_path: Path, length: int, place: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_blocks(tmp_path / 'bag', 60, WriterOptions(split_size=300_000))
+    files = sorted((tmp_path / 'bag').glob('*.mcap'))
+    assert len(files) == 3 - (len(files) == 2)
+    place = min(place, len(files) - 1)
+    held = recording_info(files[place]).count
+    files[place].write_bytes(bytes(length))
+    bag = tmp_path / 'bag'
+    info = recording_info(bag)
+    assert info.count == 120 - held
+    assert any(files[place].name in problem for problem in info.problems)
+    assert any(files[place].name in problem for problem in recording_health(bag).problems)
+    problems: list[str] = []
+    assert len(list(read_messages(bag, problems=problems))) == 120 - held
+    assert len(problems) == 1
+    assert files[place].name in problems[0]
+    report = recover(bag, tmp_path / 'saved')
+    assert (report.kept, report.lost_bytes) == (120 - held, length)
+    assert any(files[place].name in loss for loss in report.losses)
+    assert Player(bag).info.problems
+    signal = read_signal(bag)
+    assert files[place].name in signal.source
+    assert main(['info', str(bag)]) == 1
+    assert main(['report', str(bag), '-o', str(tmp_path / 'page.html')]) == 0
+    assert files[place].name in (tmp_path / 'page.html').read_text()
+    rrd = tmp_path / 'picture.rrd'
+    assert main(['view', str(bag), '--save', str(rrd)]) == 0
+    assert files[place].name in capsys.readouterr().err
+
+
+def test_a_bag_without_a_sound_file_says_so(tmp_path: Path) -> None:
+    (tmp_path / 'bag').mkdir()
+    for name in 'ab':
+        (tmp_path / 'bag' / f'{name}.mcap').write_bytes(bytes(100))
+    for command in ('info', 'verify', 'report', 'recover'):
+        assert main([command, str(tmp_path / 'bag')]) == 1
+    assert not (tmp_path / 'bag_recovered').exists()
+
+
+def test_a_tail_of_zeros_is_searched_in_no_time(tmp_path: Path) -> None:
+    path = tmp_path / 'run.mcap'
+    write_blocks(path, 20)
+    end = chunks(path)[-1][1]
+    with path.open('r+b') as file:
+        file.truncate(end)
+        file.truncate(end + 100_000_000)
+    began = time.process_time()
+    report = recover(path, tmp_path / 'saved.mcap')
+    assert time.process_time() - began < 3.0
+    assert (report.kept, report.lost_bytes) == (40, 100_000_000)
 
 
 def test_torn_files_say_how_to_mend_them(tmp_path: Path) -> None:

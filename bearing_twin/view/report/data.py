@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from bearing_twin.recording.messages import RecordedMessage
+    from bearing_twin.recording.catalogue import RecordedMessage
     from numpy.typing import NDArray
 
 __all__ = ['Machine', 'Strip', 'collect']
@@ -97,7 +97,7 @@ def collect(path: Path) -> dict[str, Machine]:
     """
     start = recording_info(path).start
     machines: dict[str, _Collector] = {}
-    for message in read_messages(path, recover=True):
+    for message in read_messages(path, recover=True, problems=[]):
         namespace, _, _ = message.topic.rpartition('/')
         collector = machines.setdefault(namespace, _Collector(Machine(namespace)))
         collector.take(message, (message.log_time - start) / NANO)

@@ -154,9 +154,9 @@ def _draw(
     *,
     leave_out: Collection[str] = (),
 ) -> dict[str, str]:
-    unread: dict[str, str] = {}
+    unread = {str(info.path): '; '.join(info.problems)} if info.problems else {}
     span = max(1, info.end - info.start)
-    for count, message in enumerate(read_messages(info.path, recover=True)):
+    for count, message in enumerate(read_messages(info.path, recover=True, problems=[])):
         if message.topic in unread or message.topic in leave_out:
             continue
         try:

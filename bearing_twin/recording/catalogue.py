@@ -1,0 +1,251 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Channels and messages of a recording, and how a channel is found whose description is lost."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, BinaryIO, TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.mcapfile import (
+    BrokenRecording,
+    chunk_records,
+    content,
+    parse,
+)
+from bearing_twin.recording.salvage import sound_records
+from bearing_twin.recording.schema import canonical_cdr, store_from_text
+from bearing_twin.recording.summary import summary_records
+from mcap.opcode import Opcode
+from mcap.records import Channel, Schema
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+__all__ = [
+    'DEFINITIONS',
+    'Catalogue',
+    'RecordedChannel',
+    'RecordedMessage',
+    'known_fields',
+    'own_definitions',
+]
+
+DEFINITIONS = (Opcode.SCHEMA, Opcode.CHANNEL)
+MOST_TRIED = 100
+"""Most channels whose description is lost that are looked for by their content."""
+
+
+@dataclass(frozen=True)
+class RecordedChannel:
+    """A topic as one file describes it."""
+
+    topic: str
+    type_name: str
+    """``pkg/msg/Type``."""
+    encoding: str
+    """Of the messages: ``cdr`` in ROS 2."""
+    schema_encoding: str
+    """Of the schema: ``ros2msg`` in ROS 2."""
+    schema: str
+    qos: str
+    """Offered QoS profiles as rosbag2 writes them, YAML; '' where the file has none."""
+    type_hash: str
+    """``RIHS01_...``; '' where the file has none."""
+
+
+@dataclass(frozen=True)
+class RecordedMessage:
+    """One message; times in ns."""
+
+    channel: RecordedChannel
+    log_time: int
+    """When it was received."""
+    publish_time: int
+    """When it was sent."""
+    cdr: bytes
+
+    @property
+    def topic(self) -> str:
+        """Topic it was recorded on."""
+        return self.channel.topic
+
+    @property
+    def type_name(self) -> str:
+        """Type, ``pkg/msg/Type``."""
+        return self.channel.type_name
+
+    def decode(self) -> Any:
+        """
+        Return an object with the fields of the ROS message, number arrays as numpy arrays.
+
+        Raises
+        ------
+        BearingTwinError
+            If schema or bytes are damaged or of another encoding.
+
+        """
+        channel = self.channel
+        if channel.encoding != 'cdr' or channel.schema_encoding != 'ros2msg':
+            msg = (
+                f'{channel.topic} holds {channel.encoding or "unknown"} messages with a '
+                f'{channel.schema_encoding or "missing"} schema; cdr with ros2msg is read'
+            )
+            raise BearingTwinError(msg)
+        store = store_from_text(channel.type_name, channel.schema)
+        try:
+            return store.deserialize_cdr(self.cdr, channel.type_name)
+        except Exception as error:
+            # The bytes come from a file: rosbags raises many kinds on damaged ones.
+            msg = f'a message on {channel.topic} is damaged ({type(error).__name__}: {error})'
+            raise BearingTwinError(msg) from None
+
+
+@contextmanager
+def known_fields(topic: str, type_name: str) -> Iterator[None]:
+    """
+    Turn what goes wrong with the fields of a decoded message into a BearingTwinError.
+
+    A recording brings its own definition of a type, which may lack the fields we know, or have
+    them of other types.
+    """
+    try:
+        yield
+    except (AttributeError, TypeError, ValueError, OverflowError) as error:
+        msg = f'{topic} has another {type_name} than this version knows ({error})'
+        raise BearingTwinError(msg) from None
+
+
+class Catalogue:
+    """
+    Channels seen so far.
+
+    Parameters
+    ----------
+    elsewhere
+        Catalogues in which a channel is looked for that has not been seen, made when needed.
+    candidates
+        Channels of which one may be meant where none of the catalogues knows it, made when needed.
+
+    """
+
+    def __init__(
+        self,
+        elsewhere: Iterable[Catalogue] = (),
+        candidates: Callable[[], Iterable[RecordedChannel]] = tuple,
+    ) -> None:
+        self._schemas: dict[int, tuple[str, str, str]] = {}
+        self.channels: dict[int, RecordedChannel] = {}
+        self.guessed: dict[int, str] = {}
+        """Topics that were found by their content alone."""
+        self._elsewhere = iter(elsewhere)
+        self._others: list[Catalogue] = []
+        self._candidates = candidates
+        self._unknown: set[int] = set()
+
+    def learn(self, opcode: int, content: bytes, offset: int) -> None:
+        """
+        Take note of a schema or channel.
+
+        Raises
+        ------
+        BrokenRecording
+            If it is damaged.
+
+        """
+        record = parse(opcode, content, offset)
+        if isinstance(record, Schema):
+            text = record.data.decode('utf-8', 'replace')
+            said = (record.name, record.encoding, text)
+            if self._schemas.get(record.id) != said:
+                self._schemas[record.id] = said
+        elif isinstance(record, Channel):
+            schema = self._schemas.get(record.schema_id)
+            if schema is None and record.schema_id != 0:
+                # Nothing of it can be decoded: it may be described whole elsewhere.
+                return
+            name, encoding, text = schema or ('', '', '')
+            channel = RecordedChannel(
+                topic=record.topic,
+                type_name=name,
+                encoding=record.message_encoding,
+                schema_encoding=encoding,
+                schema=text,
+                qos=record.metadata.get('offered_qos_profiles', ''),
+                type_hash=record.metadata.get('topic_type_hash', ''),
+            )
+            # A description is repeated in a file: messages share the first one.
+            if self.channels.get(record.id) != channel:
+                self.channels[record.id] = channel
+
+    def channel(self, identity: int, cdr: bytes) -> RecordedChannel | None:
+        """Return the channel of a message, for whose content see ``candidates``."""
+        found = self.channels.get(identity)
+        if found is None and identity not in self._unknown:
+            found = self._found_elsewhere(identity) or self._found_by_content(identity, cdr)
+            if found is None:
+                self._unknown.add(identity)
+            else:
+                self.channels[identity] = found
+        return found
+
+    def _found_elsewhere(self, identity: int) -> RecordedChannel | None:
+        for other in self._others:
+            if identity in other.channels:
+                return other.channels[identity]
+        for other in self._elsewhere:
+            self._others.append(other)
+            if identity in other.channels:
+                return other.channels[identity]
+        return None
+
+    def _found_by_content(self, identity: int, cdr: bytes) -> RecordedChannel | None:
+        """Return the only candidate as whose type the message can be read to its last byte."""
+        if len(self._unknown) > MOST_TRIED:
+            return None
+        known = {channel.topic for channel in self.channels.values()}
+        fitting = [
+            channel
+            for channel in self._candidates()
+            if channel.topic not in known and _reads_whole(channel, cdr)
+        ]
+        if len(fitting) != 1:
+            return None
+        self.guessed[identity] = fitting[0].topic
+        return fitting[0]
+
+
+def own_definitions(file: BinaryIO, size: int) -> Iterator[Catalogue]:
+    """Yield what a file says of its channels: in its summary, then anywhere in it."""
+    catalogue = Catalogue()
+    try:
+        for raw in summary_records(file, size):
+            if raw.opcode in DEFINITIONS:
+                catalogue.learn(raw.opcode, content(file, raw), raw.offset)
+    except BrokenRecording:
+        # What has been read of it serves nevertheless.
+        pass
+    yield catalogue
+    catalogue = Catalogue()
+    wanted = (*DEFINITIONS, Opcode.CHUNK)
+    for raw, data in sound_records(file, size, wanted, lambda _: None):
+        if raw.opcode != Opcode.CHUNK:
+            catalogue.learn(raw.opcode, data, raw.offset)
+            continue
+        try:
+            for opcode, at, length in chunk_records(data, raw.offset):
+                if opcode in DEFINITIONS:
+                    catalogue.learn(opcode, data[at : at + length], raw.offset)
+        except BrokenRecording:
+            # It is reported when the messages are read.
+            continue
+    yield catalogue
+
+
+def _reads_whole(channel: RecordedChannel, cdr: bytes) -> bool:
+    try:
+        return len(canonical_cdr(channel.type_name, channel.schema, cdr)) == len(cdr)
+    except BearingTwinError:
+        return False

@@ -1,0 +1,252 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The sound records of one MCAP file, front to back; damage is stepped over if asked."""
+
+from __future__ import annotations
+
+from io import BytesIO
+import re
+import struct
+from typing import BinaryIO, TYPE_CHECKING
+
+from bearing_twin.recording.mcapfile import (
+    BrokenRecording,
+    CHUNK_HEAD,
+    content,
+    MAGIC,
+    MESSAGE_HEAD,
+    parse_from,
+    RawRecord,
+    read_at,
+    record_at,
+    RECORD_HEAD,
+    UnfinishedRecording,
+    unpacked_chunk,
+)
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterator
+
+__all__ = ['sound_records']
+
+BLOCK = 4 * 1024 * 1024
+"""Bytes that are searched at a time."""
+CHUNK = re.compile(rb'\x06(?=.{5}\0\0\0.{28}(?:\x04\0\0\0zstd|\x03\0\0\0lz4|\0\0\0\0))', re.DOTALL)
+"""Where a chunk may begin: its opcode, a length below 2^40, a compression that is known."""
+EITHER = re.compile(rb'[\x05\x06](?=.{5}\0\0\0)', re.DOTALL)
+"""Where a chunk or, in a file without chunks, a message may begin."""
+CHUNK_FIXED = CHUNK_HEAD.size + 8
+"""Bytes of the content of a chunk besides the name of its compression and its data."""
+LONGEST_NAME = 16
+"""Of a compression, bytes."""
+LONGEST_HEAD = RECORD_HEAD.size + CHUNK_FIXED + LONGEST_NAME
+ATTEMPT = 1024
+"""What looking at one place costs of the bytes that may be read in vain."""
+LENGTHS = {Opcode.FOOTER: 20, Opcode.DATA_END: 4, Opcode.SUMMARY_OFFSET: 17}
+"""Lengths of records that have but one."""
+TABLES = (Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
+PRIVATE = 0x80
+"""Opcodes from here on are free for anybody's use."""
+
+
+def sound_records(
+    file: BinaryIO,
+    size: int,
+    wanted: Collection[int],
+    damaged: Callable[[BrokenRecording], None] | None,
+) -> Iterator[tuple[RawRecord, bytes]]:
+    """
+    Yield the records of the wanted kinds with their content; that of a chunk is unpacked.
+
+    Parameters
+    ----------
+    file, size
+        The file and its size, bytes.
+    wanted
+        Opcodes.
+    damaged
+        Told of each stretch that is stepped over, from where a record cannot be read to the next
+        one that can; None: raise instead.
+
+    Raises
+    ------
+    BrokenRecording
+        If something is damaged and ``damaged`` is None.
+
+    """
+    search = _Search(file, size)
+    offset = len(MAGIC)
+    while offset <= size:
+        found = _record(search, offset, wanted, strict=damaged is None)
+        if isinstance(found, BrokenRecording):
+            if damaged is None:
+                raise found
+            following = search.sound_from(offset)
+            kind = BrokenRecording if following < size else type(found)
+            damaged(kind(str(found), offset, following - offset))
+            # Nothing can begin at the end.
+            offset = following if following < size else size + 1
+            continue
+        raw, data = found
+        if raw.opcode == Opcode.FOOTER:
+            return
+        if damaged is not None and raw.opcode >= PRIVATE:
+            text = f'the record at byte {offset} is of the unknown kind {raw.opcode}'
+            damaged(BrokenRecording(text, offset, raw.end - offset))
+        if data is not None:
+            yield raw, data
+        offset = raw.end
+
+
+def _record(
+    search: _Search, offset: int, wanted: Collection[int], *, strict: bool
+) -> tuple[RawRecord, bytes | None] | BrokenRecording:
+    """Return the record at a byte, with its content if it is wanted; or why it cannot be read."""
+    file, size = search.file, search.size
+    try:
+        if offset == size:
+            msg = 'the recording was not finished: its end is missing'
+            raise UnfinishedRecording(msg, size)
+        raw = record_at(file, offset, size)
+        if not (strict or search.consistent(raw)):
+            msg = (
+                f'the record at byte {offset} is damaged: kind {raw.opcode}, '
+                f'{raw.length} bytes do not fit its content'
+            )
+            raise BrokenRecording(msg, offset)
+        if raw.opcode == Opcode.FOOTER:
+            _check_end(file, raw, size)
+        search.chunked |= raw.opcode == Opcode.CHUNK
+        if raw.opcode not in wanted:
+            return raw, None
+        bulk = raw.opcode == Opcode.CHUNK
+        return raw, unpacked_chunk(file, raw) if bulk else content(file, raw)
+    except BrokenRecording as error:
+        return error
+
+
+def _check_end(file: BinaryIO, raw: RawRecord, size: int) -> None:
+    if not MAGIC.startswith(read_at(file, raw.end, len(MAGIC))):
+        msg = f'the footer at byte {raw.offset} is not followed by the magic bytes'
+        raise UnfinishedRecording(msg, raw.offset)
+    if raw.end + len(MAGIC) < size:
+        msg = f'{size - raw.end - len(MAGIC)} bytes follow the end of the recording'
+        raise UnfinishedRecording(msg, raw.offset)
+
+
+class _Search:
+    """Find where sound records begin; what it reads in vain is bounded."""
+
+    def __init__(self, file: BinaryIO, size: int) -> None:
+        self.chunked = False
+        """Whether the file has chunks."""
+        self.file = file
+        self.size = size
+        self._room = 4 * size + 64 * 1024 * 1024
+
+    def consistent(self, raw: RawRecord) -> bool:
+        """
+        Whether the length of a record agrees with the lengths inside.
+
+        A damaged one would lead over sound records to the middle of another.
+        """
+        if not (raw.opcode <= Opcode.DATA_END or raw.opcode >= PRIVATE):
+            return False
+        if raw.opcode in LENGTHS:
+            return raw.length == LENGTHS[Opcode(raw.opcode)]
+        if raw.opcode == Opcode.CHUNK:
+            head = read_at(self.file, raw.begin, CHUNK_FIXED + LONGEST_NAME)
+            return _chunk_length(head) == raw.length
+        if raw.opcode == Opcode.MESSAGE_INDEX:
+            head = read_at(self.file, raw.begin, 6)
+            return raw.length >= 6 and struct.unpack_from('<I', head, 2)[0] == raw.length - 6
+        if raw.opcode == Opcode.ATTACHMENT:
+            return self._attachment_length(raw) == raw.length
+        if raw.opcode == Opcode.MESSAGE:
+            return raw.length >= MESSAGE_HEAD.size
+        if raw.opcode in TABLES:
+            stream = ReadDataStream(BytesIO(content(self.file, raw)))
+            parse_from(stream, raw.opcode, raw.offset)
+            # Later versions of the format may have more at the end.
+            rest = raw.begin + stream.count
+            return rest == raw.end or not self._plausible(rest)
+        return True
+
+    def sound_from(self, offset: int) -> int:
+        """Return where to go on after the damaged record at ``offset``: the end, at last."""
+        try:
+            raw = record_at(self.file, offset, self.size)
+            self._room -= raw.length
+            if self.consistent(raw) and raw.opcode != Opcode.FOOTER and self._plausible(raw.end):
+                return raw.end
+        except BrokenRecording:
+            # Then it does not even say where it ends.
+            pass
+        pattern, fits = (CHUNK, self._is_chunk) if self.chunked else (EITHER, self._is_any)
+        at = offset + 1
+        while at < self.size and self._room > 0:
+            block = self._read(at)
+            for found in pattern.finditer(block, 0, BLOCK):
+                if fits(at + found.start()):
+                    return at + found.start()
+                if self._room <= 0:
+                    break
+            at += BLOCK
+        return self.size
+
+    def _read(self, at: int) -> bytes:
+        try:
+            return read_at(self.file, at, BLOCK + LONGEST_HEAD)
+        except BrokenRecording:
+            # A bad sector: nothing begins in it.
+            return b''
+
+    def _is_any(self, offset: int) -> bool:
+        return self._is_chunk(offset) or self._is_message(offset)
+
+    def _is_chunk(self, offset: int) -> bool:
+        raw = self._fitting(offset)
+        return raw is not None and raw.opcode == Opcode.CHUNK
+
+    def _is_message(self, offset: int) -> bool:
+        """Whether a message and two further records follow one another from here."""
+        for _ in range(3):
+            raw = self._fitting(offset)
+            if raw is None:
+                return False
+            offset = raw.end
+        return True
+
+    def _plausible(self, offset: int) -> bool:
+        return offset == self.size or self._fitting(offset) is not None
+
+    def _fitting(self, offset: int) -> RawRecord | None:
+        self._room -= ATTEMPT
+        try:
+            raw = record_at(self.file, offset, self.size)
+            return raw if self.consistent(raw) else None
+        except BrokenRecording:
+            return None
+
+    def _attachment_length(self, raw: RawRecord) -> int:
+        """Length by the lengths of name, media type and data; -1 if they lead out of it."""
+        at = 16
+        for size in ('<I', '<I', '<Q'):
+            head = read_at(self.file, raw.begin + at, struct.calcsize(size))
+            if at + len(head) > raw.length or len(head) < struct.calcsize(size):
+                return -1
+            at += len(head) + struct.unpack(size, head)[0]
+        return at + 4
+
+
+def _chunk_length(head: bytes) -> int:
+    """Length of a chunk by the lengths inside; -1 if there are none."""
+    if len(head) < CHUNK_FIXED:
+        return -1
+    name = CHUNK_HEAD.unpack_from(head)[-1]
+    if name > LONGEST_NAME or len(head) < CHUNK_FIXED + name:
+        return -1
+    (data,) = struct.unpack_from('<Q', head, CHUNK_HEAD.size + name)
+    return int(CHUNK_FIXED + name + data)

@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The summary section at the end of a finished MCAP file: checked by its CRC, believed in part."""
+
+from __future__ import annotations
+
+from array import array
+import struct
+from typing import BinaryIO, TYPE_CHECKING
+import zlib
+
+from bearing_twin.recording.mcapfile import (
+    BrokenRecording,
+    CHUNK_HEAD,
+    LARGEST_TABLE,
+    MAGIC,
+    read_at,
+    RECORD_HEAD,
+    UnfinishedRecording,
+    walk,
+)
+from mcap.opcode import Opcode
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from bearing_twin.recording.mcapfile import RawRecord
+    from numpy.typing import NDArray
+
+__all__ = ['chunk_index', 'summary_records']
+
+FOOTER_LENGTH = RECORD_HEAD.size + 20
+SMALLEST_CHUNK = RECORD_HEAD.size + CHUNK_HEAD.size + 8
+INDEX_HEAD = struct.Struct('<QQQQ')
+"""First and last log time, first byte and length of a chunk."""
+
+
+def summary_records(file: BinaryIO, size: int) -> Iterator[RawRecord]:
+    """
+    Step over the records of the summary section of a finished file; none where it has none.
+
+    Raises
+    ------
+    UnfinishedRecording
+        If the file has no footer.
+    BrokenRecording
+        If the summary is damaged.
+
+    """
+    end = size - FOOTER_LENGTH - len(MAGIC)
+    tail = read_at(file, end, FOOTER_LENGTH + len(MAGIC)) if end >= len(MAGIC) else b''
+    if not tail.endswith(MAGIC) or tail[:9] != RECORD_HEAD.pack(Opcode.FOOTER, 20):
+        msg = 'the recording was not finished: its end is missing'
+        raise UnfinishedRecording(msg, size)
+    start, _, crc = struct.unpack_from('<QQI', tail, 9)
+    if start == 0:
+        return
+    if not len(MAGIC) <= start <= end:
+        msg = f'the footer points to byte {start}, outside the file of {size} bytes'
+        raise BrokenRecording(msg, end)
+    if crc and _crc(file, start, end + FOOTER_LENGTH - 4) != crc:
+        msg = f'the summary at byte {start} is damaged: its CRC does not fit'
+        raise BrokenRecording(msg, start)
+    yield from walk(file, start, end)
+
+
+def chunk_index(file: BinaryIO, size: int, records: Iterator[RawRecord]) -> NDArray[np.uint64]:
+    """
+    Return the places of the chunks that a summary names.
+
+    Parameters
+    ----------
+    file, size
+        The file and its size, bytes.
+    records
+        Its chunk index records.
+
+    Returns
+    -------
+    ndarray
+        First and last log time (ns), first byte, length; shape ``(n, 4)``, in order of time.
+
+    Raises
+    ------
+    BrokenRecording
+        If they are damaged, lie outside the file, or on one another.
+
+    """
+    fields = array('Q')
+    for raw in records:
+        head = read_at(file, raw.begin, INDEX_HEAD.size)
+        if raw.length < INDEX_HEAD.size or len(fields) // 4 * SMALLEST_CHUNK > size:
+            msg = f'the chunk index record at byte {raw.offset} is damaged'
+            raise BrokenRecording(msg, raw.offset)
+        fields.extend(INDEX_HEAD.unpack(head))
+    table = np.array(fields, dtype=np.uint64).reshape(-1, 4)
+    by_place = table[np.argsort(table[:, 2], kind='stable')]
+    ends = np.append(by_place[1:, 2], np.uint64(size))
+    fits = (by_place[:, 2] <= ends) & (by_place[:, 3] <= ends - np.minimum(by_place[:, 2], ends))
+    if not fits.all():
+        offset = int(by_place[np.argmin(fits), 2])
+        msg = f'the index names a chunk at byte {offset} that does not fit between the others'
+        raise BrokenRecording(msg, offset)
+    return table[np.lexsort((table[:, 2], table[:, 0]))]
+
+
+def _crc(file: BinaryIO, start: int, stop: int) -> int:
+    crc = 0
+    for at in range(start, stop, LARGEST_TABLE):
+        crc = zlib.crc32(read_at(file, at, min(LARGEST_TABLE, stop - at)), crc)
+    return crc
