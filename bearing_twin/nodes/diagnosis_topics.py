@@ -332,4 +332,5 @@ def verdict_status(result: Diagnosis | None, bearing: str) -> Status:
         'level over baseline [dB]': result.severity.level_over_baseline,
         'reasons': '; '.join(result.reasons),
     }
-    return Status(LEVELS[result.level], result.result, values)
+    # A changed verdict is logged when it comes; a changed level as any status.
+    return Status(LEVELS[result.level], result.result, values, kind='verdict')

@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a node says of itself on /diagnostics (REP 107), once a second."""
+"""Statuses of a node on /diagnostics (REP 107), once a second; changes go to the log."""
 
 from __future__ import annotations
 
 import enum
+import re
+import time
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.ros.qos import RESULT
@@ -17,6 +19,9 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 __all__ = ['Health', 'Level', 'Status']
+
+
+NUMBER = re.compile(r'[-+]?\d[\d.e+-]*|\bnan\b|\binf\b')
 
 
 class Level(enum.Enum):
@@ -34,6 +39,17 @@ class Status(NamedTuple):
     level: Level
     message: str
     values: Mapping[str, object]
+    kind: str = ''
+    """What has to change, besides the level, for the log; '': the message without its numbers."""
+
+
+class _Spell(NamedTuple):
+    """Time for which a part has been in one state."""
+
+    key: tuple[Level, str]
+    message: str
+    began: float
+    first: bool
 
 
 class Health:
@@ -42,7 +58,8 @@ class Health:
 
     The idiom of diagnostic_updater, which is not available from PyPI: named tasks, 1 Hz,
     names ``NODE: PART``, a fresh message even where nothing has changed so that an aggregator
-    sees the node become stale when it dies.
+    sees the node become stale when it dies. A part that leaves OK, comes back or changes its
+    trouble is logged once, with the time that the state before has lasted.
 
     Parameters
     ----------
@@ -56,6 +73,7 @@ class Health:
     def __init__(self, node: Node, hardware_id: str) -> None:
         self.hardware_id = hardware_id
         self._node = node
+        self._spells: dict[str, _Spell] = {}
         self._tasks: dict[str, tuple[Callable[[], Status], str]] = {}
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', RESULT)
         # The wall clock: a paused /clock must not silence a node.
@@ -90,7 +108,9 @@ class Health:
         array.header.stamp = self._node.get_clock().now().to_msg()
         name = self._node.get_fully_qualified_name().lstrip('/')
         for part, (task, hardware_id) in self._tasks.items():
-            level, message, values = task()
+            status = task()
+            self._log(part, status)
+            level, message, values, _ = status
             array.status.append(
                 DiagnosticStatus(
                     level=level.value,
@@ -101,6 +121,29 @@ class Health:
                 )
             )
         self._publisher.publish(array)
+
+    def _log(self, part: str, status: Status) -> None:
+        key = (status.level, status.kind or NUMBER.sub('', status.message))
+        now = time.monotonic()
+        former = self._spells.get(part)
+        if former is not None and former.key == key:
+            return
+        self._spells[part] = _Spell(key, status.message, now, former is None)
+        if former is None or (status.level is Level.OK and former.first):
+            # How a node starts is no news.
+            return
+        if status.level is Level.OK and former.key[0] is Level.OK:
+            return
+        text = (
+            f'{part}: {status.message} (before, for {now - former.began:.0f} s: {former.message})'
+        )
+        logger = self._node.get_logger()
+        if status.level is Level.ERROR:
+            logger.error(text)
+        elif status.level is Level.OK:
+            logger.info(text)
+        else:
+            logger.warning(text)
 
 
 def _text(value: object) -> str:

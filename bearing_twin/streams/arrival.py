@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Times of arrival that follow the order in which messages are handed out. Knows no ROS."""
+"""Times of arrival in the order in which messages are handed out. Knows no ROS."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Door for vibration messages: what comes through can be diagnosed."""
+"""Validates incoming vibration: what passes can be diagnosed."""
 
 from __future__ import annotations
 
