@@ -155,8 +155,7 @@ class Fleet:
             at = np.array([done, done + count]) / n
             ramp = start + growth * at[:, None, None]
             advance_all(
-                lanes.w, lanes.balls, lanes.balls_in, lanes.phases, lanes.history, lanes.keys,
-                lanes.level, ramp, lanes.drift, lanes.taps, lanes.spalls_in, lanes.smooth_in,
+                lanes.groups, lanes.balls, lanes.history, ramp, lanes.drift, lanes.taps,
                 self.next_sample, self.next_sample % self._tick, lanes.oversample, lanes.step,
                 lanes.room, out, done, count,
             )  # fmt: skip
@@ -312,7 +311,7 @@ class Fleet:
             raise BearingTwinError(msg)
         *lanes, self._temperatures, self._shaft_hz, keys = loaded
         self._lanes.set_state(lanes)
-        self._lanes.keys[:] = keys
+        self._lanes.groups['seed'] = keys
         self.next_sample = next_sample
         for index in range(self._lanes.size):
             laws.evaluate(
@@ -323,7 +322,7 @@ class Fleet:
     def _state(self) -> list[Array]:
         """Arrays that a saved state consists of."""
         lanes = self._lanes
-        return [*lanes.state(), self._temperatures, self._shaft_hz, lanes.keys]
+        return [*lanes.state(), self._temperatures, self._shaft_hz, lanes.groups['seed']]
 
     def _tick_all(self, outer: FloatArray, hz: FloatArray) -> None:
         """Advance the inner rings by a thermal tick."""

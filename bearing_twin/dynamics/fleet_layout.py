@@ -1,47 +1,83 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Where what stands in the arrays of the compiled kernel of a fleet."""
+"""
+Record of a group of `vector.L` bearings of a fleet, one lane each.
+
+Every field is whole cache lines long, so that lanes are loaded and stored aligned.
+"""
 
 from __future__ import annotations
+
+from typing import Any
+
+from bearing_twin.dynamics.vector import L
+import numpy as np
+
+__all__ = ['BALL_COS', 'BALL_ROWS', 'BALL_SIN', 'CARRIED', 'GROUP', 'MAX_SPALLS', 'NUMBER']
 
 MAX_SPALLS = 4
 """Most spalls of one bearing of a fleet."""
 
-# Rows of the flat work array; each row has L lanes. First the state that is carried on: positions,
-# velocities, accelerations, jerks; the sensor along x and along y; directions of slot 0 (see
-# below) and of the shaft.
-Q, V, A, J = 0, 4, 8, 12
-SENSOR = 16
-C, S, CS, SS = 20, 21, 22, 23
-STATE_ROWS = 24
-# Constants: of the bearing; the sensor's table; balls.
-CONSTANTS = STATE_ROWS
-LIGHT, KI, CI, HEAVY, KO, CO, CB, UNBALANCE = range(CONSTANTS, CONSTANTS + 8)
-TO_Z, TO_W, READ = 32, 38, 44  # six, six and three rows
-N_BALLS, PER_BALL = 47, 48
-CONSTANT_ROWS = 25
-# What is prescribed: values at the grid point and growth per step; four rows, `TURN` below the
-# directions, of cosines and sines of one step; speeds of cage and shaft (rad/s), unbalance and
-# the random number of the cage's walk.
-KB0, KB1, DEPTH0, DEPTH1, GAP0, GAP1, FOOT0, FOOT1 = range(49, 57)
-TURN = 37
-TURNING, OMEGA, PULL, WALK = 61, 62, 63, 64
-SPALLS = 65
-"""First row of the spalls; each has `SPALL_ROWS`."""
-(
-    U_SCALE, METRES, RACE, BALL, ONLY, EVEN, ODD, HALF, FULL, KIND, U0, DU, SPEED, FIXED, LOW,
-    HIGH, SLOT, TAKEN, TAKEN_RATE,
-) = range(19)  # fmt: skip
-SPALL_ROWS = 19
-WORK_ROWS = SPALLS + MAX_SPALLS * SPALL_ROWS
+_F, _D = np.float32, np.float64
 
-# Balls stand in slots, whose numbers go 0, 1, -1, 2, -2, ... from the direction of the load to
-# both sides; slot 0 is the last ball before it. So those that may be loaded come first. Rows of a
-# slot: direction relative to slot 0, zero where a lane has no such ball; negative number.
+
+def _lanes(names: str, kind: type = _F) -> list[tuple[Any, ...]]:
+    return [(name, kind, L) for name in names.split()]
+
+
+def _rows(names: str, rows: int) -> list[tuple[Any, ...]]:
+    return [(name, _F, (rows, L)) for name in names.split()]
+
+
+SPALL = np.dtype(
+    [
+        # Phases that it follows, and where it is (turns); slots of balls or halves of a ball's
+        # turn per turn of these, their length (m); 1 on a race, 0 on a ball.
+        *_lanes('by_cage by_shaft by_spin angle', _D),
+        *_lanes('scale metres on_race'),
+        # The ball that bears it, the only ball it acts on (-1: any); half width and depth (m),
+        # profile; curvature of the path at even and odd halves of a ball's turn (1/m).
+        *_lanes('ball only half depth profile even odd'),
+        # From a grid point to the next: slots passed at it and per step, speed along it (m/s),
+        # slot of its ball, lowest and highest slot it acts on.
+        *_lanes('passed growth speed fixed low high'),
+        # At the present step: slot under which it is, what it takes from the contact (m) and at
+        # what rate (m/s).
+        *_lanes('slot taken taken_rate'),
+    ]
+)
+
+GROUP = np.dtype(
+    [
+        # Carried on: motion and sensor, directions of slot 0 and of the shaft (cos, sin, cos,
+        # sin); phases of cage, shaft and spin at the last grid point, and their speeds.
+        *_rows('q v a j sensor directions', 4),
+        *_lanes('cage shaft spin cage_hz shaft_hz spin_hz', _D),
+        # Constants, as `layout.MACHINE`.
+        *_lanes('ftf_order spin_order jitter', _D),
+        *_lanes('inner_light inner_stiffness inner_damping'),
+        *_lanes('outer_light outer_stiffness outer_damping'),
+        *_lanes('contact_damping unbalance n_balls per_ball noise'),
+        *_lanes('seed', np.uint64),
+        *_rows('to_z to_w', 6),  # rows of `filters.resonator`
+        *_rows('read', 3),
+        # Prescribed from a grid point to the next: inputs and their growth per step; directions
+        # turned by a step; speeds (rad/s), unbalance (N), random number of the cage's walk.
+        *_rows('k_b depth gap foot', 2),
+        *_rows('turned', 4),
+        *_lanes('turning omega pull walk'),
+        ('spalls', SPALL, MAX_SPALLS),
+        # Most balls and spalls of any lane.
+        ('balls_in', np.int64),
+        ('spalls_in', np.int64),
+        ('padding', np.int64, 6),
+    ]
+)
+CARRIED = slice(24 * L), slice(12 * L, 18 * L)
+"""Numbers of single precision that are carried on, and of double precision."""
+
 BALL_COS, BALL_SIN, NUMBER = range(3)
+"""Rows of a slot. Balls stand in slots, whose numbers go 0, 1, -1, 2, -2, ... from the direction
+of the load to both sides; slot 0 is the last ball before it. So those that may be loaded come
+first. Rows: direction relative to slot 0, zero where a lane has no such ball; negative number."""
 BALL_ROWS = 3
-
-# Rows of the phases (float64): cage, shaft, spin; orders of cage and spin; walk; spalls' angles
-# and which phases they follow.
-CAGE, SHAFT, SPIN, FTF_ORDER, SPIN_ORDER, JITTER, FIRST_ANGLE = range(7)
-PHASE_ROWS = 7 + 4 * MAX_SPALLS

@@ -3,7 +3,7 @@
 # Compiled functions take tuples and arrays of many shapes; the docstrings give their types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
 """
-Hermite's scheme of order 4 and the forces of the balls, for a group of a fleet.
+Integrator of a group of a fleet: Hermite's scheme of order 4 with the laws of `model`.
 
 All lanes take every branch, so the contact is written with selections. Balls that cannot be loaded
 in any lane are passed over: mostly the half on the side away from the load.
@@ -11,44 +11,15 @@ in any lane are passed over: mostly the half on the side away from the load.
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.fleet_layout import (
-    A,
-    BALL_ROWS,
-    C,
-    CB,
-    CI,
-    CO,
-    DEPTH0,
-    DEPTH1,
-    FOOT0,
-    FOOT1,
-    GAP0,
-    GAP1,
-    HEAVY,
-    J,
-    KB0,
-    KB1,
-    KI,
-    KO,
-    LIGHT,
-    OMEGA,
-    PULL,
-    Q,
-    SENSOR,
-    SLOT,
-    SPALL_ROWS,
-    SPALLS,
-    TAKEN,
-    TAKEN_RATE,
-    TURN,
-    TURNING,
-    V,
-)
+from bearing_twin.dynamics.fleet_kinematics import open_gap
+from bearing_twin.dynamics.fleet_layout import BALL_COS, BALL_ROWS, BALL_SIN, NUMBER
 from bearing_twin.dynamics.fleet_signal import sense
-from bearing_twin.dynamics.fleet_turning import spoil, spoil_smooth
 from bearing_twin.dynamics.hermite import correct, taylor, ZERO
-from bearing_twin.dynamics.vector import any_of, chosen, load, magnitude, root, splat, store
+from bearing_twin.dynamics.model import contact_force, ring_motion
+from bearing_twin.dynamics.vector import any_of, chosen, load, magnitude, splat, store
 import numpy as np
 
 __all__ = ['advance']
@@ -57,23 +28,66 @@ _F = np.float32
 _ZERO = _F(0.0)
 
 
-@compiled(inline=True, fast=FAST)
-def _at(w, row):
-    return load(w, row), load(w, row + 1), load(w, row + 2), load(w, row + 3)
+class _Machine(NamedTuple):
+    """What `model.ring_motion` takes of `layout.MACHINE`, in lanes."""
+
+    inner_light: Any
+    inner_stiffness: Any
+    inner_damping: Any
+    outer_light: Any
+    outer_stiffness: Any
+    outer_damping: Any
+
+
+class _Drive(NamedTuple):
+    """What `model.ring_motion` takes of `layout.STEP`, in lanes."""
+
+    foot: Any
+    pull_x: Any
+    pull_y: Any
+    pull_rate_x: Any
+    pull_rate_y: Any
 
 
 @compiled(inline=True, fast=FAST)
-def _keep(w, row, values):
+def _four(rows):
+    return load(rows, 0), load(rows, 1), load(rows, 2), load(rows, 3)
+
+
+@compiled(inline=True, fast=FAST)
+def _keep(rows, values):
     for d in range(4):
-        store(w, row + d, values[d])
+        store(rows, d, values[d])
 
 
 @compiled(inline=True, fast=FAST)
-def _few_are_enough(balls, few, c0, s0, x, y, gap):
+def _machine(group):
+    return _Machine(
+        load(group.inner_light, 0), load(group.inner_stiffness, 0), load(group.inner_damping, 0),
+        load(group.outer_light, 0), load(group.outer_stiffness, 0), load(group.outer_damping, 0),
+    )  # fmt: skip
+
+
+@compiled(inline=True, fast=FAST)
+def _drive(group, now, c, s):
+    """Unbalance and foot of the spring at step ``now``, with the shaft at (c, s)."""
+    omega, pull = load(group.omega, 0), load(group.pull, 0)
+    px, py = pull * c, pull * s
+    return _Drive(_at(group.foot, now), px, py, -omega * py, omega * px)
+
+
+@compiled(inline=True, fast=FAST)
+def _at(ramp, now):
+    """Return an input ``now`` steps after the grid point."""
+    return load(ramp, 0) + now * load(ramp, 1)
+
+
+@compiled(inline=True, fast=FAST)
+def _few_are_enough(slots, few, c0, s0, x, y, gap):
     """Whether no ball from slot ``few`` on touches: the next on each side are the nearest."""
     left, right = few * BALL_ROWS, (few + 1) * BALL_ROWS
-    low = s0 * load(balls, left) + c0 * load(balls, left + 1)
-    high = s0 * load(balls, right) + c0 * load(balls, right + 1)
+    low = s0 * load(slots, left) + c0 * load(slots, left + 1)
+    high = s0 * load(slots, right) + c0 * load(slots, right + 1)
     least = chosen(low > high, high, low)
     # The sine of all others is at least that, their cosine at most one.
     reach = chosen(y > _ZERO, y, y * least)
@@ -81,106 +95,80 @@ def _few_are_enough(balls, few, c0, s0, x, y, gap):
 
 
 @compiled(inline=True, fast=FAST)
-def _contact(w, balls, n_balls, spalls, c0, s0, gap, kb, turning, q, v, a):
+def _contact(group, slots, n_balls, c0, s0, gap, k_b, q, v, a):
     """Force of the balls on the outer ring, N, and its rate, N/s."""
+    turning = load(group.turning, 0)
     x, y, vx, vy = q[0] - q[2], q[1] - q[3], v[0] - v[2], v[1] - v[3]
     ax, ay = a[0] - a[2], a[1] - a[3]
     # Velocity and acceleration as seen from the cage.
     ux, uy = vx + turning * y, vy - turning * x
     bx, by = ax + turning * vy, ay - turning * vx
-    cb, three_halves = load(w, CB), _F(1.5) * kb
-    nought = splat(_ZERO)
-    fx, fy, gx, gy = nought, nought, nought, nought
+    damping = load(group.contact_damping, 0)
+    zero = splat(_ZERO)
+    fx, fy, gx, gy = zero, zero, zero, zero
     for j in range(n_balls):
-        pc, ps = load(balls, j * BALL_ROWS), load(balls, j * BALL_ROWS + 1)
-        number = load(balls, j * BALL_ROWS + 2)
+        pc, ps = load(slots, j * BALL_ROWS + BALL_COS), load(slots, j * BALL_ROWS + BALL_SIN)
+        number = load(slots, j * BALL_ROWS + NUMBER)
         c, s = c0 * pc - s0 * ps, s0 * pc + c0 * ps
         delta, closing = x * c + y * s - gap, ux * c + uy * s
-        for k in range(spalls):
-            at = SPALLS + k * SPALL_ROWS
-            under = load(w, at + SLOT) == number
-            delta = chosen(under, delta - load(w, at + TAKEN), delta)
-            closing = chosen(under, closing - load(w, at + TAKEN_RATE), closing)
-        touches = delta > nought
-        closed = chosen(touches, delta, nought)
-        deep = root(closed)
-        force = kb * deep * closed + cb * (vx * c + vy * s)
-        rate = three_halves * deep * closing + cb * (bx * c + by * s)
-        loaded = touches & (force > nought)
-        force, rate = chosen(loaded, force, nought), chosen(loaded, rate, nought)
+        for k in range(group.spalls_in):
+            spall = group.spalls[k]
+            under = load(spall.slot, 0) == number
+            delta = chosen(under, delta - load(spall.taken, 0), delta)
+            closing = chosen(under, closing - load(spall.taken_rate, 0), closing)
+        touches = delta > zero
+        force, rate = contact_force(
+            chosen(touches, delta, zero), closing, vx * c + vy * s, bx * c + by * s, k_b, damping
+        )
+        loaded = touches & (force > zero)
+        force, rate = chosen(loaded, force, zero), chosen(loaded, rate, zero)
         fx, fy, gx, gy = fx + force * c, fy + force * s, gx + rate * c, gy + rate * s
-    return fx, fy, gx - turning * fy, gy + turning * fx
-
-
-@compiled(inline=True, fast=FAST)
-def _rings(w, cs, ss, foot, fx, fy, gx, gy, q, v, a):
-    """Acceleration and jerk of both rings under the balls' force and its rate."""
-    omega, pull = load(w, OMEGA), load(w, PULL)
-    px, py = pull * cs, pull * ss
-    ki, ci, light = load(w, KI), load(w, CI), load(w, LIGHT)
-    ko, co, heavy = load(w, KO), load(w, CO), load(w, HEAVY)
-    return (
-        (
-            (px - fx - ki * q[0] - ci * v[0]) * light,
-            (py - fy - ki * (q[1] - foot) - ci * v[1]) * light,
-            (fx - ko * q[2] - co * v[2]) * heavy,
-            (fy - ko * q[3] - co * v[3]) * heavy,
-        ),
-        (
-            (-omega * py - gx - ki * v[0] - ci * a[0]) * light,
-            (omega * px - gy - ki * v[1] - ci * a[1]) * light,
-            (gx - ko * v[2] - co * a[2]) * heavy,
-            (gy - ko * v[3] - co * a[3]) * heavy,
-        ),
-    )
+    return (fx, fy), (gx - turning * fy, gy + turning * fx)
 
 
 @compiled(fast=FAST, borrows=True)
-def advance(
-    w, balls, n_balls, few, spalls, smooth, first, count, oversample, h, raw, begin, stride
-):
+def advance(group, slots, first, count, oversample, h, raw, begin, stride):
     """
     Advance a group by ``count`` output samples, from ``first`` of the chunk on.
 
     Writes the sensors to ``raw``: two rows a sample, from row ``begin`` on, the internal samples
     of an output sample ``stride`` rows apart.
     """
-    per_second = _F(1.0) / h
-    q, v, a, j = _at(w, Q), _at(w, V), _at(w, A), _at(w, J)
-    zx, wx, zy, wy = _at(w, SENSOR)
-    c, s, cs, ss = _at(w, C)
+    g, n_balls = group, group.balls_in
+    few = 2 * ((n_balls + 3) // 4)
+    q, v, a, j = _four(g.q), _four(g.v), _four(g.a), _four(g.j)
+    zx, wx, zy, wy = _four(g.sensor)
+    c, s, cs, ss = _four(g.directions)
     for sample in range(count):
         for phase in range(oversample):
             now = _F((first + sample) * oversample + phase + 1)
-            cd, sd, csd, ssd = _at(w, C + TURN)
+            cd, sd, csd, ssd = _four(g.turned)
             c, s = c * cd - s * sd, s * cd + c * sd
             cs, ss = cs * csd - ss * ssd, ss * csd + cs * ssd
-            for k in range(spalls):
-                spoil(w, k, now, load(w, DEPTH0) + now * load(w, DEPTH1))
-            if smooth:
-                for k in range(spalls):
-                    spoil_smooth(w, k, now, per_second)
+            for k in range(g.spalls_in):
+                open_gap(g, g.spalls[k], now, _at(g.depth, now))
             further, faster, ahead = taylor(h, q, v, a, j, ZERO)
-            gap = load(w, GAP0) + now * load(w, GAP1)
+            gap = _at(g.gap, now)
             enough = _few_are_enough(
-                balls, few, c, s, further[0] - further[2], further[1] - further[3], gap
+                slots, few, c, s, further[0] - further[2], further[1] - further[3], gap
             )
-            fx, fy, gx, gy = _contact(
-                w, balls, few if enough else n_balls, spalls, c, s, gap,
-                load(w, KB0) + now * load(w, KB1), load(w, TURNING), further, faster, ahead,
+            force, rate = _contact(
+                g, slots, few if enough else n_balls, c, s, gap, _at(g.k_b, now), further, faster,
+                ahead,
             )  # fmt: skip
-            foot = load(w, FOOT0) + now * load(w, FOOT1)
-            a1, j1 = _rings(w, cs, ss, foot, fx, fy, gx, gy, further, faster, ahead)
+            a1, j1 = ring_motion(
+                _machine(g), _drive(g, now, cs, ss), force, rate, further, faster, ahead
+            )
             at = begin + phase * stride + 2 * sample
-            zx, wx, felt = sense(w, zx, wx, a[2], j[2], a1[2], j1[2])
+            zx, wx, felt = sense(g, zx, wx, a[2], j[2], a1[2], j1[2])
             store(raw, at, felt)
-            zy, wy, felt = sense(w, zy, wy, a[3], j[3], a1[3], j1[3])
+            zy, wy, felt = sense(g, zy, wy, a[3], j[3], a1[3], j1[3])
             store(raw, at + 1, felt)
             q, v = correct(h, q, v, a, j, a1, j1)
             a, j = a1, j1
-    _keep(w, Q, q)
-    _keep(w, V, v)
-    _keep(w, A, a)
-    _keep(w, J, j)
-    _keep(w, SENSOR, (zx, wx, zy, wy))
-    _keep(w, C, (c, s, cs, ss))
+    _keep(g.q, q)
+    _keep(g.v, v)
+    _keep(g.a, a)
+    _keep(g.j, j)
+    _keep(g.sensor, (zx, wx, zy, wy))
+    _keep(g.directions, (c, s, cs, ss))

@@ -7,7 +7,6 @@
 from __future__ import annotations
 
 from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.fleet_layout import READ, TO_W, TO_Z
 from bearing_twin.dynamics.random import NOISE, normal_pairs
 from bearing_twin.dynamics.vector import L, load, load_words, splat, store
 import numpy as np
@@ -21,20 +20,21 @@ _ROW, _LANES = np.uint64(2 * L), np.uint64(L)
 
 
 @compiled(inline=True, fast=FAST)
-def _weigh(w, row, z, v, a, j, a1, j1):
+def _weigh(row, z, v, a, j, a1, j1):
     """One row of the sensor's table; see `filters.resonator`."""
     return (
-        (load(w, row) * z + load(w, row + 1) * v)
-        + (load(w, row + 2) * a + load(w, row + 3) * j)
-        + (load(w, row + 4) * a1 + load(w, row + 5) * j1)
+        (load(row, 0) * z + load(row, 1) * v)
+        + (load(row, 2) * a + load(row, 3) * j)
+        + (load(row, 4) * a1 + load(row, 5) * j1)
     )
 
 
 @compiled(inline=True, fast=FAST)
-def sense(w, z, v, a, j, a1, j1):
+def sense(group, z, v, a, j, a1, j1):
     """Sensor along one axis of the housing: both states at the end of a step, what it reads."""
-    z, v = _weigh(w, TO_Z, z, v, a, j, a1, j1), _weigh(w, TO_W, z, v, a, j, a1, j1)
-    return z, v, load(w, READ) * z + load(w, READ + 1) * v + load(w, READ + 2) * a1
+    z, v = _weigh(group.to_z, z, v, a, j, a1, j1), _weigh(group.to_w, z, v, a, j, a1, j1)
+    read = group.read
+    return z, v, load(read, 0) * z + load(read, 1) * v + load(read, 2) * a1
 
 
 @compiled(fast=FAST, borrows=True)
@@ -54,8 +54,8 @@ def _some_taps(tile, raw, begin, taps, first, rows):
 
 
 @compiled(fast=FAST, borrows=True)
-def _noise(tile, level, keys, first, count):
-    strength, seeds = load(level, 0), load_words(keys)
+def _noise(tile, group, first, count):
+    strength, seeds = load(group.noise, 0), load_words(group.seed)
     for k in range(count):
         x, y = normal_pairs(first + k, NOISE, seeds)
         store(tile, 2 * k, strength * x)
@@ -81,14 +81,14 @@ def hand_out(tile, out, lane, begin, count):
 
 
 @compiled()
-def decimate(tile, raw, taps, oversample, level, keys, first, count):
+def decimate(tile, raw, taps, oversample, group, first, count):
     """
     Fill ``tile`` with ``count`` output samples: the sensors' noise and the decimated signal.
 
     ``raw`` holds the internal samples by their place within an output sample (polyphase), so that
     a tap is the same shift for all output samples.
     """
-    _noise(tile, level, keys, first, count)
+    _noise(tile, group, first, count)
     stride = raw.shape[0] // oversample // L
     each = taps.shape[0] // oversample
     for phase in range(oversample):
