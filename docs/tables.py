@@ -75,7 +75,7 @@ diagnosis whose twin is not hosted listens to `ASSET/vibration` and `ASSET/tempe
 The twins of a fleet share one running sample index. `reset` and `load_state` of an asset set its
 motion and keep the index. Its noise is drawn by index and therefore differs from the first run,
 and its filter against aliasing settles again for a few milliseconds. A run of a fleet is repeated
-to the bit from `~/checkpoint`.
+to the bit from `~/checkpoint`; `bearing-twin verify` does so.
 
 At the first start, and after an update, twin and fleet compile their kernel, which takes about 20
 s of one core. Meanwhile they are visible, answer services and stay *unconfigured*; the log and

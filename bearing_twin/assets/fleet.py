@@ -55,7 +55,7 @@ def read_assets(path: str, names: list[str]) -> list[Asset]:
     Raises
     ------
     BearingTwinError
-        If there is none, the file cannot be read, or a name is no ROS namespace.
+        If there are no assets, the file cannot be read, or a name is not a ROS namespace.
 
     """
     if not path:

@@ -159,7 +159,7 @@ class Twin(TwinChannel):
         return self.simulator.save()
 
     def load(self, state: bytes) -> None:
-        """Go on from a saved state; BearingTwinError if it is none."""
+        """Go on from a saved state; an invalid one raises BearingTwinError."""
         self.simulator.load(state)
         self.ask_checkpoint()
 

@@ -213,7 +213,7 @@ class ReplayNode(ManagedNode):
                 self._fail(error)
 
     def _fail(self, error: Exception) -> None:
-        """Say that the recording cannot be played on, and end with an error."""
+        """Report why the recording cannot be played on; end with an error."""
         if isinstance(error, BearingTwinError):
             self.get_logger().error(str(error))
         else:

@@ -31,7 +31,7 @@ class TwinServices:
     parameters : ParameterSet
         The twin's parameters.
     reset, save, load
-        What is done to the simulator; ``load`` raises BearingTwinError for a state that is none.
+        Act on the simulator; ``load`` raises BearingTwinError for an invalid state.
     path
         Name under which the services lie: ``~`` or ``ASSET/twin``.
     prefix

@@ -115,7 +115,7 @@ class TwinTopics:
 
 
 def clearance_problem(condition: Condition) -> str:
-    """Say that the ring temperatures left the clearance that the model holds for, or ''."""
+    """Report a clearance outside the range of the model; '' if it is inside."""
     left, used = condition.thermal_clearance, condition.radial_clearance
     if left == used:
         return ''
