@@ -86,8 +86,11 @@ SPECS = (
     replace(GEOMETRY, running=False, implied=True),
     Spec(
         name='preset',
-        default='incipient',
-        description='Named and cited set of masses, load, clearance and defect size.',
+        default='paper',
+        description=(
+            'Named and cited set of masses, dampings, load and defect size. With paper, hotter '
+            'impacts are weaker, as in the paper; with all others stronger, the reverse of it.'
+        ),
         choices=tuple(PRESETS),
     ),
     Spec(

@@ -40,7 +40,7 @@ _JUDGED = (
     ('incipient', 'inner'),
     ('incipient', 'outer'),
     ('incipient', 'ball'),
-    ('extended', 'inner'),
+    ('paper', 'inner'),
 )
 """Presets and defects of which the worst error counts, all at 25.4 Hz and 20 degC."""
 _HARDER = (('inner', 50.0, 500.0), ('outer', 100.0, 500.0), ('inner', 25.4, 5000.0))
@@ -56,7 +56,7 @@ def measure() -> dict[str, float]:
     dict
         ``kernel_rtf``: simulated over processor time of one bearing in blocks of 1024.
         ``kernel_error``, ``fleet_error``: relative L2 over a second against DOP853 at rtol 1e-8,
-        the worst of a fresh spall on either race or a ball and an extended one.
+        the worst of a fresh spall on either race or a ball and the wide one of the paper's preset.
         ``kernel_error_harder``, ``fleet_error_harder``: the same over half a second at 50 and
         100 Hz and under 5 kN.
         ``ratio_to_lsoda``, ``ratio_to_bdf``: their processor time over the kernel's, at rtol 1e-6.

@@ -58,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
     if not SLOWEST <= args.rate <= FASTEST:
         msg = f'--rate {args.rate:g} is not within {SLOWEST:g}..{FASTEST:g}'
         raise BearingTwinError(msg)
-    preset('incipient', defect=args.defect)
+    preset('paper', defect=args.defect)
     say = (lambda *_: None) if args.json else print
     with _choose_domain(args.domain_id) as domain:
         folder = make_folder(args.out)

@@ -158,7 +158,8 @@ class TwinParameters:
     bearing: Bearing
     thermal_mode: ThermalMode = quantity(
         'paper',
-        'Temperature law: beta0 of tables 1-3, or ring temperatures and clearance.',
+        'Temperature law: paper (beta0 of tables 1-3; the preset decides whether impacts fall or '
+        'rise) or physical (ring temperatures and clearance; impacts fall).',
         choices=THERMAL_MODES,
     )
     defects: tuple[Defect, ...] = ()

@@ -30,17 +30,20 @@ class _Preset:
 
 
 _PRESETS = {
+    'paper': _Preset(
+        "a 2.45 mm spall under 3.2 kN: impacts fall with beta0, all the paper's trends hold",
+        2.45e-3,
+        80e-6,
+        # The paper names the dampings of contact and shaft (C_rin) and gives neither. With these,
+        # the ringing of one impact has died away at the next; see docs/paper.md.
+        {'load': 3200.0, 'contact_damping': 1200.0, 'inner_damping': 4000.0},
+    ),
     'incipient': _Preset(
-        "a 0.8 mm spall under 500 N: impacts grow with beta0, against the paper's trends",
+        "a 0.8 mm spall under 500 N, the opposite case: impacts rise with beta0, all the paper's "
+        'trends are reversed',
         0.8e-3,
         15e-6,
         {'load': 500.0},
-    ),
-    'extended': _Preset(
-        "a 2.8 mm spall under 2 kN: impacts fall with beta0, all the paper's trends hold",
-        2.8e-3,
-        40e-6,
-        {'load': 2000.0},
     ),
     'mishra2017': _Preset(
         'Mishra, Samantaray, Chakraborty, J. Sound Vib. 2017, table 1: stiffer contact, 0.8 mm',

@@ -101,10 +101,10 @@ def circulation(*, as_printed: bool) -> float:
     """
     Skew part of the contact stiffness over its size; 0 if the forces have a potential.
 
-    Equation 7 as printed, or equation 8 as read, for `extended` at static equilibrium plus a
+    Equation 7 as printed, or equation 8 as read, for `paper` at static equilibrium plus a
     sideways displacement of 2 um, with the balls a tenth of a spacing off the load direction.
     """
-    p = preset('extended', bearing=settings.BEARING)
+    p = preset('paper', bearing=settings.BEARING)
     theta = equations.ball_angles(p.bearing.n_balls, -math.pi / 2 + 0.1 * math.tau / 8)
     law: _Law = equations.forces_as_printed if as_printed else equations.total_force
     at, step = (2e-6, static_position(p)), 1e-9
@@ -117,7 +117,7 @@ def circulation(*, as_printed: bool) -> float:
 
 
 def _geometry_claims() -> list[Claim]:
-    p = preset('extended', bearing=settings.BEARING)
+    p = preset('paper', bearing=settings.BEARING)
     y = static_position(p)
     theta = equations.ball_angles(p.bearing.n_balls, -math.pi / 2)
     delta = equations.deformation_eq8(0.0, y, theta, p.clearance)
@@ -172,7 +172,7 @@ def _geometry_claims() -> list[Claim]:
             },
             as_read={'max(delta, 0)^1.5': bool(np.all(read[delta <= 0.0] == 0.0))},
             why=(
-                'Rule: force 0 where delta <= 0, `extended` at rest. The text says so, the '
+                'Rule: force 0 where delta <= 0, `paper` at rest. The text says so, the '
                 'equations do not: delta^1.5 of a negative number is not real.'
             ),
         ),
@@ -180,7 +180,7 @@ def _geometry_claims() -> list[Claim]:
 
 
 def _dimension_claims() -> list[Claim]:
-    p = preset('extended', bearing=settings.BEARING)
+    p = preset('paper', bearing=settings.BEARING)
     y, angle = static_position(p), -math.pi / 2
 
     def bracket(y: float, clearance: float, depth: float) -> float:
@@ -242,7 +242,7 @@ def _dimension_claims() -> list[Claim]:
 
 def _resultant_claims() -> list[Claim]:
     f_x, f_y = 3.0, 4.0
-    p = preset('extended', bearing=settings.BEARING)
+    p = preset('paper', bearing=settings.BEARING)
     housing, rotor = p.outer_mass, p.inner_mass
     angles = {'pi/2': math.pi / 2, 'pi/3': math.pi / 3, '0': 0.0}
     values = {name: equations.resultant_as_printed(f_x, f_y, a) for name, a in angles.items()}
@@ -321,7 +321,7 @@ def _brackets() -> Claim:
 
 
 def _solver() -> Claim:
-    values = np.linalg.eigvals(system_matrix(preset('extended', bearing=settings.BEARING)))
+    values = np.linalg.eigvals(system_matrix(preset('paper', bearing=settings.BEARING)))
     decay = np.abs(values.real)
     radius = float(np.abs(values).max())
     largest_step = RK4_LIMIT / radius
@@ -354,7 +354,7 @@ def _absolute(study: Study) -> Claim:
         claim='amplitudes of the simulated signals',
         paper_value=stated,
         our_value={f'{name}, m/s^2': value for name, value in ours.items()},
-        verdict=within(stated, ours['extended'], 0.1 * ours['extended']),
+        verdict=within(stated, ours['paper'], 0.1 * ours['paper']),
         why=(
             'Rule: amplitude within 10 %. The text gives none, nor does it give '
             f'{", ".join(missing)}, or any equation of motion: we take cited presets.'

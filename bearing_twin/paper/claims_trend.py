@@ -314,7 +314,7 @@ def _literature(study: Study) -> Claim:
 def _clearance(study: Study) -> Claim:
     changes = {name: hot / cold - 1.0 for name, (cold, hot) in study.clearance.items()}
     holds = {name: same_direction(-1, change, RESOLUTION) for name, change in changes.items()}
-    cold, *_, hot = study.trends['extended', 'all']
+    cold, *_, hot = study.trends['paper', 'all']
     return Claim(
         id='clearance-shrinks',
         where='section 3.1, last paragraph',

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Every numbered equation, evaluated with the paper's own numbers or the preset `extended`."""
+"""Every numbered equation, evaluated with the paper's own numbers or the preset `paper`."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class EquationRow:
 def equation_table() -> list[EquationRow]:
     """Evaluate equations 1 to 25."""
     bearing, shaft = settings.BEARING, settings.SHAFT_HZ
-    p = preset('extended', bearing=bearing)
+    p = preset('paper', bearing=bearing)
     y = static_position(p)
     omega_c = equations.cage_speed(math.tau * shaft, bearing.d_ball, bearing.d_pitch)
     theta = equations.ball_angles(bearing.n_balls, -math.pi / 2)
@@ -57,7 +57,7 @@ def equation_table() -> list[EquationRow]:
         low, high = (equations.beta0(factor, t) for t in (COLD, HOT))
         return f'β = {low:.5f} at 20 °C, {high:.5f} at 110 °C'
 
-    at_rest = f'`extended` at rest, {p.load:g} N'
+    at_rest = f'`paper` at rest, {p.load:g} N'
     single = f'one ball, cos θ = sin θ, C_d0 = {ratio:g} δ, δ = {settings.APPROACH * 1e6:g} µm'
     rows = [
         ('cage speed ω_c', 'd ball, D pitch diameter', f'{omega_c:.4f} rad/s'),

@@ -41,17 +41,17 @@ def _envelope(axes: Axes, point: FrequencyPoint, title: str) -> None:
 def signal(study: Study) -> Figure:
     """Draw figure 4: signal, spectrum and envelope spectrum without temperature."""
     figure = new_figure(
-        "Figure 4. Inner-ring fault without temperature, preset 'extended'", height=7.2
+        "Figure 4. Inner-ring fault without temperature, preset 'paper'", height=7.2
     )
     first, second, third = figure.subplots(3, 1)
-    trend = study.trends['extended', 'expansion'][0]
+    trend = study.trends['paper', 'expansion'][0]
     acceleration = trend.acceleration - trend.acceleration.mean()
     first.plot(trend.time, acceleration, color=COLOURS[0], linewidth=0.5)
     first.set_xlim(0.0, settings.DURATION)
     for instant in settings.PEAK_TIMES:
         first.axvline(instant, color=COLOURS[1], linewidth=0.8, linestyle=':')
     label(first, "housing acceleration; dotted: the paper's peak times", 'time t / s', 'a / m s⁻²')
-    point = study.frequencies['extended', 'none', settings.TEMPERATURE_NODES[0]]
+    point = study.frequencies['paper', 'none', settings.TEMPERATURE_NODES[0]]
     second.plot(*point.acceleration, color=COLOURS[0], linewidth=0.8)
     second.set_xlim(0.0, 3000.0)
     second.set_ylim(bottom=0.0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What is read off a simulated record: impact amplitude, peaks, spectra and their lines."""
+"""What is read off a simulated record: peaks, spectra and their lines."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ import numpy.typing as npt
 from scipy.signal import hilbert
 
 __all__ = [
-    'amplitude',
     'envelope_spectrum',
     'line_contrast',
     'line_frequency',
@@ -20,22 +19,6 @@ __all__ = [
 ]
 
 FloatArray = npt.NDArray[np.float64]
-
-_TOP_SHARE = 0.2
-
-
-def amplitude(acceleration: FloatArray, rate: float, impact_hz: float) -> float:
-    """
-    Impact amplitude: mean of the largest 20 % of the maxima of |a - mean(a)|, m/s^2.
-
-    There is one maximum for each period of ``impact_hz``. The largest fifth are the impacts in
-    the load zone.
-    """
-    deviation = np.abs(acceleration - acceleration.mean())
-    period = rate / impact_hz
-    edges = np.round(np.arange(int(len(deviation) / period) + 1) * period).astype(int)
-    maxima = np.sort(np.maximum.reduceat(deviation[: edges[-1]], edges[:-1]))
-    return float(maxima[-max(1, round(_TOP_SHARE * len(maxima))) :].mean())
 
 
 def peak_near(

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_frequencies
+from bearing_twin.dynamics.trend import impact_amplitude
 from bearing_twin.paper import measures, settings
 from bearing_twin.paper.runs import in_parallel, RunSpec, simulate
 from bearing_twin.thermal.rings import clearance_change
@@ -56,7 +57,7 @@ class TrendPoint:
     acceleration: npt.NDArray[np.float32]
     """m/s^2."""
     amplitude: float
-    """Of the record from t = 0, m/s^2; see `measures.amplitude`."""
+    """Of the record from t = 0, m/s^2; see `impact_amplitude`."""
     by_start: FloatArray
     """Amplitude of records of 0.7 s from `STARTS` starts, m/s^2."""
     peak_times: FloatArray
@@ -196,7 +197,7 @@ def run_study(*, processes: int = 2, quiet: bool = False) -> Study:
     ]  # fmt: skip
     grid_specs = [
         RunSpec(
-            preset='extended', factor='friction', temperature=t, load=w, width=b, depth=h,
+            preset='paper', factor='friction', temperature=t, load=w, width=b, depth=h,
             clearance=c, seconds=_beat(), rate=FREQUENCY_RATE,
         )
         for w in GRID_LOADS for b in GRID_WIDTHS for h in GRID_DEPTHS for c in GRID_CLEARANCES
@@ -255,7 +256,7 @@ def trend_point(spec: RunSpec) -> TrendPoint:
     offsets = np.linspace(0, len(record.time) - size, STARTS).astype(int)
     by_start = np.array(
         [
-            measures.amplitude(record.acceleration[k : k + size], record.rate, record.bpfi)
+            impact_amplitude(record.acceleration[k : k + size], record.rate, record.bpfi)
             for k in offsets
         ]
     )
@@ -309,4 +310,4 @@ def fault_point(spec: RunSpec) -> FaultPoint:
 def only_amplitude(spec: RunSpec) -> float:
     """Simulate and return the impact amplitude, m/s^2."""
     record = simulate(spec)
-    return measures.amplitude(record.acceleration, record.rate, record.bpfi)
+    return impact_amplitude(record.acceleration, record.rate, record.bpfi)

@@ -25,7 +25,7 @@ def test_machines_at_random():
 
 
 @pytest.mark.parametrize(
-    ('fault', 'severity'), [('inner', 'incipient'), ('inner', 'extended'), ('outer', 'extended')]
+    ('fault', 'severity'), [('inner', 'incipient'), ('inner', 'paper'), ('outer', 'paper')]
 )
 def test_no_other_race_is_named_while_temperature_and_slip_change(fault, severity):
     # BPFI of the 6307 less two shaft orders meets BPFO as the slip moves within the window.

@@ -61,7 +61,7 @@ def test_no_alarm_on_the_healthy_twin(clearance, axis):
 
 
 @pytest.mark.parametrize('fault', ['inner', 'outer', 'ball', 'cage'])
-@pytest.mark.parametrize('severity', ['incipient', 'extended'])
+@pytest.mark.parametrize('severity', ['incipient', 'paper'])
 def test_faults_of_the_twin_are_named(fault, severity):
     twin = Simulator(preset(severity, defect=fault), seed=5)
     twin.advance(12_800, 40.0, 25.4)

@@ -37,7 +37,7 @@ def test_sixteen_numbers_at_once_are_those_of_each_seed(index):
 def test_fleet_is_many_simulators():
     parameters = [
         preset('incipient'),
-        preset('extended', defect='outer'),
+        preset('paper', defect='outer'),
         preset('incipient', defect='inner+ball+cage', unbalance=1e-3),
         preset('incipient', bearing='6205', thermal_mode='physical'),
         # Where all balls are loaded, or the load turns, no ball may be passed over.
@@ -79,7 +79,7 @@ def test_fleet_is_many_simulators():
 def test_fleet_splitting_and_restoring_gives_the_same_bits(mode):
     def build():
         return Fleet(
-            [preset('incipient', thermal_mode=mode), preset('extended', defect='ball+outer')] * 9
+            [preset('incipient', thermal_mode=mode), preset('paper', defect='ball+outer')] * 9
         )
 
     whole, cut = build(), build()
@@ -148,7 +148,7 @@ def test_one_bearing_of_a_fleet_is_saved_and_set_back(mode):
     # The noise is another one, and the filters begin anew.
     assert ours.y[1, 500:].std() == pytest.approx(alone.y[500:].std(), rel=0.3)
     with pytest.raises(BearingTwinError, match='other parameters'):
-        fleet.place(0, Simulator(preset('extended')))
+        fleet.place(0, Simulator(preset('paper')))
 
 
 def test_fleet_reconfigures_one_bearing_and_leaves_the_others():

@@ -32,7 +32,7 @@ def relative(got, expected):
     'parameters',
     [
         quiet(),
-        quiet('extended', defect='outer'),
+        quiet('paper', defect='outer'),
         quiet(defect='ball'),
         quiet(defect='inner+outer+ball+cage', unbalance=1e-3),
         quiet('sawalhi2008', resonance_hz=0.0),
@@ -280,8 +280,8 @@ def amplitude(parameters, temperature):
     return np.sort(maxima)[-len(maxima) // 5 :].mean()
 
 
-@pytest.mark.parametrize(('name', 'sign'), [('extended', -1.0), ('incipient', 1.0)])
-def test_trends_of_the_paper_hold_for_extended_and_reverse_for_incipient(name, sign):
+@pytest.mark.parametrize(('name', 'sign'), [('paper', -1.0), ('incipient', 1.0)])
+def test_trends_of_the_paper_hold_for_the_preset_paper_and_reverse_for_incipient(name, sign):
     change = {}
     for factor in ('expansion', 'hardness', 'friction', 'all'):
         on = {f: factor in (f, 'all') for f in ('expansion', 'hardness', 'friction')}

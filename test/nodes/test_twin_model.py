@@ -79,7 +79,7 @@ OWN = {
 
 
 def test_defaults_are_the_preset_and_take_no_room_in_a_checkpoint():
-    for name in ('incipient', 'extended', 'mishra2017', 'sawalhi2008', 'dong'):
+    for name in ('incipient', 'paper', 'mishra2017', 'sawalhi2008', 'dong'):
         values = DEFAULTS | {'preset': name, 'defect': 'inner'}
         assert build_parameters(values) == preset(name, defect='inner')
         kept = configuration(SPECS, values)
@@ -135,9 +135,9 @@ def test_what_a_preset_sets_can_be_left_to_it():
 def test_defects_of_their_own_sizes_and_places():
     values = DEFAULTS | {'defect': OWN['defect'], 'defect_width': 0.001}
     assert build_parameters(values).defects == (
-        Defect(place='inner', width=0.0006, depth=15e-6, angle=2.0),
+        Defect(place='inner', width=0.0006, depth=80e-6, angle=2.0),
         Defect(place='outer', width=0.001, depth=2e-5, angle=-math.pi / 2),
-        Defect(place='ball', width=0.001, depth=15e-6, ball=3, profile='smooth'),
+        Defect(place='ball', width=0.001, depth=80e-6, ball=3, profile='smooth'),
     )
     # A plus sign in a number joins nothing.
     [one] = build_parameters(DEFAULTS | {'defect': 'inner: width=1e-3, angle=+0.2e+1'}).defects

@@ -94,7 +94,7 @@ def test_a_change_within_the_resolution_has_no_direction():
 
 
 @pytest.mark.parametrize(
-    ('everywhere', 'verdict'), [('extended', 'reproduced'), ('incipient', 'contradicted')]
+    ('everywhere', 'verdict'), [('paper', 'reproduced'), ('incipient', 'contradicted')]
 )
 def test_trends_turn_with_the_simulation(study, everywhere, verdict):
     """Were both presets like one of them, every trend would hold, or none."""
@@ -249,7 +249,7 @@ def test_published_models_turn_with_their_grid(study):
 
 def test_vibration_frequency_follows_the_contact_mode(study, monkeypatch):
     assert verdicts(study)['friction-lowers-the-frequency'] == 'contradicted'
-    p = preset('extended')
+    p = preset('paper')
     cold, hot = (np.abs(np.linalg.eigvals(system_matrix(p, b))).max() for b in (1.0, 1.117))
     # A Hertzian contact of constant load stiffens as K^(2/3), its mode as K^(1/3).
     assert hot / cold == pytest.approx(1.117 ** (1 / 3), rel=0.02)
@@ -305,10 +305,10 @@ def test_static_formula_falls_exactly_where_its_derivative_says():
 
 
 def test_simulated_trends_have_the_known_signs_and_sizes(study):
-    extended = [100 * study.change('extended', f) for f in settings.FACTORS]
-    assert np.sign(extended).tolist() == [-1, 1, -1, -1]
+    falling = [100 * study.change('paper', f) for f in settings.FACTORS]
+    assert np.sign(falling).tolist() == [-1, 1, -1, -1]
     # Independent runs of the same model, records starting elsewhere: -2.7, 1.4, -16.0, -16.2 %.
-    starts = np.array([100 * study.changes_by_start('extended', f) for f in settings.FACTORS])
+    starts = np.array([100 * study.changes_by_start('paper', f) for f in settings.FACTORS])
     for value, row in zip((-2.7, 1.4, -16.0, -16.2), starts, strict=True):
         assert row.min() - 0.5 < value < row.max() + 0.5
     incipient = np.array([study.changes_by_start('incipient', f) for f in settings.FACTORS])
@@ -331,7 +331,7 @@ def test_equation_7_creates_energy_and_equation_8_does_not():
 
 
 def test_linearised_model_is_stable_and_symmetric():
-    matrix = system_matrix(preset('extended'))
+    matrix = system_matrix(preset('paper'))
     values = np.linalg.eigvals(matrix)
     assert (values.real < 0.0).all()
     assert np.abs(values).min() / (2 * np.pi) > 150.0
