@@ -10,6 +10,8 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.shared_specs import SUBSCRIBERS
 from bearing_twin.assets.twin import Twin
 from bearing_twin.assets.twin_parameters import build_parameters, SPECS
+from bearing_twin.dynamics.presets import PRESETS
+from bearing_twin.dynamics.trend import trend_sentence
 from bearing_twin.nodes.twin_services import TwinServices
 from bearing_twin.nodes.twin_topics import TwinTopics
 from bearing_twin.ros import realtime
@@ -49,6 +51,10 @@ class TwinNode(ManagedNode):
         p = self.parameters
         self._twin = Twin(p.values, node=self.get_fully_qualified_name())
         self._twin.warm()
+        self.get_logger().info(
+            f'preset {p["preset"]} ({PRESETS[p["preset"]]}): '
+            f'{trend_sentence(build_parameters(p.values), p["shaft_hz"])}'
+        )
         self._topics = TwinTopics(self, self._twin)
         self._cycle = BlockCycle(self, p, self._publish_block)
         self._answers = TwinServices(
