@@ -6,12 +6,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 import math
+from typing import TYPE_CHECKING
 
-from bearing_twin.dynamics.parameters import TwinParameters
 from bearing_twin.dynamics.simulator import Simulator
 from bearing_twin.thermal.gcr15 import TEMPERATURES
 import numpy as np
 import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from bearing_twin.dynamics.parameters import TwinParameters
 
 __all__ = ['amplitude_change', 'impact_amplitude', 'trend_sentence']
 

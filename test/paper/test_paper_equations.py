@@ -143,9 +143,7 @@ def test_record_starts_with_an_impact_under_the_load():
 def test_record_is_settled_from_its_first_sample():
     """D/d = 57.5/14, so 115 turns of the shaft are exactly 572 impacts, and the motion repeats."""
     period = 115 / settings.SHAFT_HZ
-    record = simulate(
-        RunSpec(preset='paper', factor=None, temperature=20.0, seconds=0.1 + period)
-    )
+    record = simulate(RunSpec(preset='paper', factor=None, temperature=20.0, seconds=0.1 + period))
     assert record.bpfi * period == pytest.approx(572)
     n = int(0.09 * record.rate)
     late = CubicSpline(record.time, record.acceleration)(record.time[:n] + period)
