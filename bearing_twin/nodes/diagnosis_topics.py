@@ -18,6 +18,7 @@ from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.statefile import StateFolder
 from bearing_twin.streams.vibration_input import GapCounter, read_vibration, SourceLock
+from bearing_twin.thermal.gate import TemperatureGate
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
 from sensor_msgs.msg import JointState, Temperature
 from std_msgs.msg import Float64MultiArray
@@ -71,7 +72,7 @@ class DiagnosisTopics:
         self._shaft = ShaftSpeed(nominal=self._core.nominal_hz, joint=p['joint'])
         self._sources = SourceLock()
         self._gaps = GapCounter()
-        self._temperature = math.nan
+        self._gate = TemperatureGate()
         self._blocks = 0
         self._refused = 0
         self._problem = ''
@@ -118,7 +119,8 @@ class DiagnosisTopics:
         self._keep_state()
 
     def destroy(self) -> None:
-        """Give up the topics."""
+        """Give up the topics and the state."""
+        self._states.release()
         for publisher in (
             self._verdict,
             self._spectrum,
@@ -142,7 +144,8 @@ class DiagnosisTopics:
         self._checkpoints.ask()
 
     def _on_temperature(self, message: Temperature, _: MessageInfo) -> None:
-        self._temperature = message.temperature
+        stamp = stamp_ns(message.header.stamp)
+        self._gate.offer(message.temperature, stamp=stamp, now=time.monotonic())
 
     def _on_joints(self, message: JointState, _: MessageInfo) -> None:
         self._shaft.offer(message.name, message.velocity, now=time.monotonic())
@@ -150,7 +153,7 @@ class DiagnosisTopics:
     def _on_vibration(self, message: Vibration, info: MessageInfo) -> None:
         # Jazzy does not tell who sent it: then all is one source.
         if self._sources.accept(info.get('publisher_gid'), time.monotonic()):
-            self.take(message, self._temperature)
+            self.take(message, self._gate.at(time.monotonic()).taken)
 
     def take(self, message: Vibration, temperature: float) -> None:
         """
@@ -222,7 +225,8 @@ class DiagnosisTopics:
             self._core.diagnoser.load(self._states.load(name))
         except BearingTwinError as error:
             # A baseline that cannot be read must not keep the machine without a diagnosis.
-            self._node.get_logger().error(f'{error}; a new baseline is learnt')
+            kept = self._states.set_aside(name)
+            self._node.get_logger().error(f'{error}; {kept}; a new baseline is learnt')
         else:
             self._node.get_logger().info(
                 f'baseline and trend loaded from {self._states.path(name)}'

@@ -259,7 +259,7 @@ class FleetNode(ManagedNode):
         if member.wait:
             member.wait -= 1
         elif member.diagnosis is not None:
-            member.diagnosis.take(messages.vibration, item.temperature.measured)
+            member.diagnosis.take(messages.vibration, item.temperature.taken)
 
     def _publish_checkpoint(self, due: Due) -> None:
         assert self._fleet is not None

@@ -203,7 +203,7 @@ class _TwinSide:
         self._now = message.log_time / NANO
         if message.type_name == TEMPERATURE:
             self._twin.take_temperature(decoded)
-            self._temperature = decoded.temperature
+            self._temperature = self._twin.inputs().temperature.taken
         else:
             self._twin.take_joints(decoded)
             self._speed.offer(decoded.name, decoded.velocity, now=self._now)

@@ -4,8 +4,11 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 from pathlib import Path
+import stat
+from typing import BinaryIO
 
 from bearing_twin.errors import BearingTwinError
 
@@ -28,6 +31,7 @@ class StateFolder:
     def __init__(self, folder: str) -> None:
         home = Path(os.environ.get('ROS_HOME', '') or Path.home() / '.ros')
         self.folder = Path(folder) if folder else home / 'bearing_twin'
+        self._locks: dict[str, BinaryIO] = {}
 
     def path(self, name: str) -> Path:
         """
@@ -71,17 +75,27 @@ class StateFolder:
         """
         Write a state that the node itself keeps up to date, atomically.
 
+        The first call makes it this object's: no other one writes it while this one exists.
+
         Raises
         ------
         BearingTwinError
-            If the name is not plain or the file cannot be written.
+            If the name is not plain, another node keeps the state, it is a link, or the file
+            cannot be written.
 
         """
         path = self.path(name)
         part = path.with_name(f'.{name}.part')
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            part.write_bytes(state)
+            self._claim(name)
+            if path.is_symlink():
+                msg = f'{path} is a link, through which no state is written; remove it'
+                raise BearingTwinError(msg)
+            # What a crash has left, or a link that somebody has laid.
+            part.unlink(missing_ok=True)
+            with part.open('xb') as file:
+                file.write(state)
             part.replace(path)
         except OSError as error:
             msg = f'{path} cannot be written: {error.strerror}'
@@ -95,15 +109,53 @@ class StateFolder:
         Raises
         ------
         BearingTwinError
-            If the name is not plain, or the file cannot be read or is too large to be a state.
+            If the name is not plain, or the file cannot be read, is a link or no plain file, or is
+            too large to be a state.
 
         """
         path = self.path(name)
         try:
-            if path.stat().st_size > LARGEST:
-                msg = f'{path} is larger than {LARGEST} bytes: not a saved state'
-                raise BearingTwinError(msg)
-            return path.read_bytes()
+            # NONBLOCK: a pipe of this name must not hold the node up.
+            fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+            with os.fdopen(fd, 'rb') as file:
+                about = os.fstat(fd)
+                if not stat.S_ISREG(about.st_mode) or about.st_size > LARGEST:
+                    msg = f'{path} is no plain file of at most {LARGEST} bytes: not a saved state'
+                    raise BearingTwinError(msg)
+                return file.read(LARGEST)
         except OSError as error:
-            msg = f'{path} cannot be read: {error.strerror}'
+            reason = 'it is a link' if path.is_symlink() else error.strerror
+            msg = f'{path} cannot be read: {reason}'
             raise BearingTwinError(msg) from None
+
+    def set_aside(self, name: str) -> str:
+        """Give a state that cannot be used another name, so that it stays; say which."""
+        path = self.path(name)
+        number = 1
+        while (aside := path.with_name(f'{name}.unreadable-{number}')).exists():
+            number += 1
+        try:
+            path.rename(aside)
+        except OSError as error:
+            return f'it cannot be renamed: {error.strerror}'
+        return f'it is kept as {aside}'
+
+    def release(self) -> None:
+        """Let another node keep the states."""
+        for lock in self._locks.values():
+            lock.close()
+        self._locks.clear()
+
+    def _claim(self, name: str) -> None:
+        if name in self._locks:
+            return
+        lock = self.folder / f'.{name}.lock'
+        fd = os.open(lock, os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o644)
+        file = os.fdopen(fd, 'wb')
+        try:
+            fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            file.close()
+            msg = f'{self.path(name)} is kept by another node; give each its own state_name'
+            raise BearingTwinError(msg) from None
+        self._locks[name] = file

@@ -42,6 +42,8 @@ class GatedTemperature:
     """Temperature for the model, degC, always finite and inside the tables."""
     measured: float
     """Last value received, degC; NaN before the first."""
+    taken: float
+    """Last valid value, degC, inside the tables or not; NaN before the first."""
     age: float
     """Age of the last valid value, s; NaN before the first."""
     status: TemperatureStatus
@@ -82,6 +84,7 @@ class TemperatureGate:
     def __init__(self, *, start: float = TABLE_LOW, timeout: float = 5.0) -> None:
         self.timeout = timeout
         self._used = _clamp(start)
+        self._taken = math.nan
         self._measured = math.nan
         self._arrived: float | None = None
         self._stamp: int | None = None
@@ -112,6 +115,7 @@ class TemperatureGate:
             self._stamp = stamp or self._stamp
             self._rejected_in_a_row = 0
             self._arrived = now
+            self._taken = value
             self._used = _clamp(value)
             inside = self._used == value
             self._status = TemperatureStatus.OK if inside else TemperatureStatus.CLAMPED
@@ -121,14 +125,14 @@ class TemperatureGate:
         """Return the temperature to use at ``now`` (receiver's clock, s)."""
         if self._arrived is None:
             status = self._status if self._status else TemperatureStatus.WAITING
-            return GatedTemperature(self._used, self._measured, math.nan, status)
+            return GatedTemperature(self._used, self._measured, self._taken, math.nan, status)
         # A receiver's clock that was set back must not make an age negative.
         self._arrived = min(self._arrived, now)
         age = now - self._arrived
         status = self._status
         if age > self.timeout:
             status = TemperatureStatus.STALE
-        return GatedTemperature(self._used, self._measured, age, status)
+        return GatedTemperature(self._used, self._measured, self._taken, age, status)
 
     def _believe(self, stamp: int) -> bool:
         """Whether a reading's stamp is in order, or the source has evidently restarted."""

@@ -3,6 +3,9 @@
 """The doors of the nodes: shaft speed, vibration blocks, saved states."""
 
 import math
+import os
+import subprocess
+import sys
 from types import SimpleNamespace
 
 from bearing_twin.errors import BearingTwinError
@@ -156,3 +159,53 @@ def test_states_are_not_overwritten(tmp_path):
     assert folder.load('a') == b'3'
     with pytest.raises(BearingTwinError, match='cannot be read'):
         folder.load('b')
+
+
+def test_a_state_is_kept_by_one_node_at_a_time(tmp_path):
+    first, second = StateFolder(str(tmp_path)), StateFolder(str(tmp_path))
+    first.replace('a', b'1')
+    with pytest.raises(BearingTwinError, match='kept by another node'):
+        second.replace('a', b'2')
+    second.replace('b', b'2')
+    first.replace('a', b'3')
+    assert second.load('a') == b'3'
+    first.release()
+    second.replace('a', b'4')
+    # A process of its own, too.
+    write = (
+        'import sys; from bearing_twin.streams.statefile import StateFolder as F\n'
+        "F(sys.argv[1]).replace('a', b'5')"
+    )
+    ran = subprocess.run([sys.executable, '-c', write, str(tmp_path)], capture_output=True)
+    assert ran.returncode
+    assert b'kept by another node' in ran.stderr
+    assert first.load('a') == b'4'
+
+
+def test_no_state_is_read_or_written_through_a_link(tmp_path):
+    outside = tmp_path / 'outside'
+    outside.write_bytes(b'precious')
+    folder = StateFolder(str(tmp_path / 'states'))
+    folder.replace('part', b'1')
+    for name in ('link', '.part.part'):
+        (tmp_path / 'states' / name).symlink_to(outside)
+    with pytest.raises(BearingTwinError, match='is a link'):
+        folder.replace('link', b'2')
+    with pytest.raises(BearingTwinError, match='it is a link'):
+        folder.load('link')
+    with pytest.raises(BearingTwinError, match='exists'):
+        folder.save('link', b'2')
+    folder.replace('part', b'2')
+    assert outside.read_bytes() == b'precious'
+    os.mkfifo(tmp_path / 'states' / 'pipe')
+    with pytest.raises(BearingTwinError, match='no plain file'):
+        folder.load('pipe')
+
+
+def test_a_state_that_cannot_be_used_is_set_aside(tmp_path):
+    folder = StateFolder(str(tmp_path))
+    for number in (1, 2):
+        folder.replace('a', b'other %d' % number)
+        assert folder.set_aside('a') == f'it is kept as {tmp_path / "a"}.unreadable-{number}'
+    assert (tmp_path / 'a.unreadable-1').read_bytes() == b'other 1'
+    assert 'cannot be renamed' in folder.set_aside('a')

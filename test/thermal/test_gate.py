@@ -112,3 +112,11 @@ def test_any_input_gives_a_usable_temperature(readings, now):
         got = gate.at(now)
         assert TABLE_LOW <= got.used <= TABLE_HIGH
         assert math.isnan(got.age) or got.age >= 0.0
+
+
+def test_what_was_taken_is_the_last_valid_value_outside_the_tables_too() -> None:
+    gate = TemperatureGate()
+    assert math.isnan(gate.at(0.0).taken)
+    for value, taken in ((-5.0, -5.0), (math.nan, -5.0), (150.0, 150.0), (1e308, 150.0)):
+        gate.offer(value, stamp=0, now=0.0)
+        assert gate.at(0.0).taken == taken
