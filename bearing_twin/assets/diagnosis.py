@@ -15,7 +15,9 @@ from bearing_twin.assets.diagnosis_parameters import (
     nominal_speed,
 )
 from bearing_twin.assets.messages import diagnosis_message, features_message, spectrum_message
+from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import samples_ns
+from bearing_twin.streams.samplerate import RateMeter
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -89,6 +91,9 @@ class DiagnosisCore:
         self.diagnoser = build_diagnoser(values)
         self.nominal_hz = nominal_speed(values)
         """Speed where nobody knows a better one, Hz; NaN if the parameters have none."""
+        self.rate_problem = ''
+        """How the declared sample rate and that of the stamps differ; '' if they do not."""
+        self._rate_meter = RateMeter()
 
     @property
     def bearing(self) -> Bearing:
@@ -99,6 +104,22 @@ class DiagnosisCore:
         """Take other parameters; the window starts anew, the baseline stays."""
         self.nominal_hz = nominal_speed(values)
         self.diagnoser.reconfigure(build_bearing(values), build_settings(values))
+
+    def admit(self, block: VibrationBlock, stamp: int) -> None:
+        """
+        Measure the sample rate at a block, before it is taken.
+
+        Raises
+        ------
+        BearingTwinError
+            If the declared sample rate is so wrong that no verdict can be trusted.
+
+        """
+        self._rate_meter.take(block.first_sample, stamp)
+        problem = self._rate_meter.problem(block.sample_rate)
+        self.rate_problem = problem.text if problem else ''
+        if problem and problem.refused:
+            raise BearingTwinError(problem.text)
 
     def take(
         self,

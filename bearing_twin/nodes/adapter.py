@@ -18,6 +18,7 @@ from bearing_twin.ros.lifecycle import ManagedNode, run
 from bearing_twin.ros.qos import OVERRIDES, own, SENSOR, STREAM
 from bearing_twin.ros.subscribing import subscribe
 from bearing_twin.stamps import samples_ns, stamp_ns
+from bearing_twin.streams.samplerate import RateMeter
 from bearing_twin.streams.sampling import (
     BlockBuilder,
     SequenceTracker,
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
 __all__ = ['SPECS', 'AdapterNode', 'check_adapter', 'main']
 
 SILENT_AFTER = 2.0
-RATE_TOLERANCE = 0.01
 ARRAY = 'float32_multi_array'
 IMU = 'imu'
 
@@ -147,6 +147,8 @@ class AdapterNode(ManagedNode):
         self._sequence = SequenceTracker()
         self._stamps = StampTracker(p['sample_rate'])
         self._builder = BlockBuilder(p['block_size'])
+        self._meter = RateMeter()
+        self._heard = 0
         self._frame = p['frame_id']
         self._lost = 0
         self._restarts = 0
@@ -200,6 +202,7 @@ class AdapterNode(ManagedNode):
         )
         if missing:
             self._gap(missing * count)
+        self._measure(count * (1 + max(0, missing)), published)
         stamp = published - samples_ns(count, rate)
         self._publish(self._builder.push(samples, stamp=stamp, rate=rate), rate)
 
@@ -213,6 +216,7 @@ class AdapterNode(ManagedNode):
         if not stamp:
             self._untimed += 1
             return
+        self._measure(1, stamp)
         missing = self._stamps.missing(stamp)
         rate = self._stamps.rate
         if not rate:
@@ -228,6 +232,11 @@ class AdapterNode(ManagedNode):
         simulated = self.get_parameter('use_sim_time').value
         known = 0 if simulated else info['source_timestamp']
         return int(known or self.get_clock().now().nanoseconds)
+
+    def _measure(self, count: int, stamp: int) -> None:
+        """Count samples, the last of which has a stamp."""
+        self._heard += count
+        self._meter.take(self._heard, stamp)
 
     def _gap(self, missing: int) -> None:
         self._lost += max(0, missing)
@@ -261,7 +270,8 @@ class AdapterNode(ManagedNode):
 
     def _input_status(self) -> Status:
         age = time.monotonic() - self._arrived
-        rate, measured = self._stamps.rate, self._stamps.measured_rate
+        rate = self._stamps.rate
+        wrong = self._meter.problem(rate) if rate else None
         if math.isnan(age):
             level, message = Level.STALE, 'no samples yet'
         elif age > SILENT_AFTER:
@@ -275,9 +285,8 @@ class AdapterNode(ManagedNode):
             message = 'samples without a stamp, and no /clock yet (use_sim_time): left out'
         elif not rate:
             level, message = Level.WARN, 'estimating the sample rate'
-        elif abs(measured - rate) > RATE_TOLERANCE * rate:
-            level = Level.WARN
-            message = f'stamps say {measured:.6g} Hz, sample_rate is {rate:.6g} Hz'
+        elif wrong:
+            level, message = Level.ERROR if wrong.refused else Level.WARN, wrong.text
         else:
             level, message = Level.OK, 'samples are fresh'
         return Status(
@@ -286,7 +295,7 @@ class AdapterNode(ManagedNode):
             {
                 'age [s]': age,
                 'sample rate [Hz]': rate,
-                'sample rate of the stamps [Hz]': measured,
+                'sample rate measured [Hz]': self._meter.rate,
                 'samples published': self._builder.next_sample,
                 'samples lost': self._lost,
                 'samples before /clock': self._untimed,

@@ -170,6 +170,8 @@ class DiagnosisTopics:
         self._arrived = time.monotonic()
         try:
             block = read_vibration(message, self.parameters['axis'])
+            stamp = stamp_ns(message.header.stamp)
+            self._core.admit(block, stamp)
         except BearingTwinError as error:
             self._refused += 1
             self._problem = str(error)
@@ -179,7 +181,6 @@ class DiagnosisTopics:
         if self._gaps.count(block.first_sample, block.samples.size):
             self._checkpoints.ask()
         self._problem = ''
-        stamp = stamp_ns(message.header.stamp)
         if self._checkpoints.is_due(block.first_sample):
             self._publish_checkpoint(block, stamp)
         for due in self._core.take(
@@ -252,6 +253,7 @@ class DiagnosisTopics:
             ignored=self._sources.ignored,
             contested=self._sources.contested(now),
             gaps=self._gaps,
+            rate_problem=self._core.rate_problem,
             shaft_problem=self._shaft.problem(now),
         )
 
@@ -269,6 +271,7 @@ def input_status(
     ignored: int,
     contested: bool,
     gaps: GapCounter,
+    rate_problem: str,
     shaft_problem: str,
 ) -> Status:
     """
@@ -288,6 +291,8 @@ def input_status(
         Whether one of them came just now.
     gaps
         Samples lost and restarts of the source.
+    rate_problem
+        How the sample rate is wrong; '' if it is not.
     shaft_problem
         What is wrong with the shaft speed; '' if nothing.
 
@@ -300,8 +305,8 @@ def input_status(
         level, message = Level.ERROR, f'block refused: {problem}'
     elif contested:
         level, message = Level.ERROR, 'several sources on one topic: only the first is used'
-    elif shaft_problem:
-        level, message = Level.WARN, shaft_problem
+    elif rate_problem or shaft_problem:
+        level, message = Level.WARN, rate_problem or shaft_problem
     else:
         level, message = Level.OK, 'vibration is fresh'
     return Status(

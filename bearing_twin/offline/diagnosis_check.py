@@ -105,9 +105,16 @@ class DiagnosisCheck:
         if self._verdicts:
             temperature = float(self._verdicts[0][1].temperature)
             speed = self._speed(self._run)
-        for output in self._run.push(
-            block, temperature=temperature, joint_hz=speed, measured=not math.isnan(speed)
-        ):
+        try:
+            outputs = list(
+                self._run.push(
+                    block, temperature=temperature, joint_hz=speed, measured=not math.isnan(speed)
+                )
+            )
+        except BearingTwinError as error:
+            self._note(f'a block is refused: {error}')
+            return
+        for output in outputs:
             if output.topic == '/diagnosis':
                 self._pair(output)
 

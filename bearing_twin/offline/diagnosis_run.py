@@ -131,9 +131,12 @@ class DiagnosisRun:
             If the message cannot be used.
 
         """
+        block = read_vibration(message, self.values['axis'])
+        stamp = stamp_ns(message.header.stamp)
+        self._core.admit(block, stamp)
         return self._core.take(
-            read_vibration(message, self.values['axis']),
-            stamp=stamp_ns(message.header.stamp),
+            block,
+            stamp=stamp,
             frame_id=message.header.frame_id,
             temperature=temperature,
             joint_hz=joint_hz,

@@ -90,16 +90,7 @@ class StampTracker:
         """Sample rate, Hz; 0 while it is not known."""
         self._first: list[int] = []
         self._expected: float | None = None
-        self._since: tuple[int, int] = (0, 0)
-        self._latest = 0
         self._jitter = 0.25  # until the stamps have shown theirs
-
-    @property
-    def measured_rate(self) -> float:
-        """Rate of the stamps since the last gap, Hz; NaN before the second."""
-        begin, count = self._since
-        elapsed = self._latest - begin
-        return count * NANO / elapsed if count and elapsed > 0 else math.nan
 
     def missing(self, stamp: int) -> int:
         """
@@ -125,17 +116,13 @@ class StampTracker:
         gap = 0
         if self._expected is None:
             self._expected = float(stamp)
-            self._since = (stamp, -1)
         error = stamp - self._expected
         tolerated = min(LEAST_TOLERATED + 4.0 * self._jitter, MOST_TOLERATED) * period
         if abs(error) > tolerated:
             gap = (round(error / period) or -1) if error <= LONGEST_GAP else -1
-            self._since = (stamp, -1)
             self._expected = float(stamp)
             error = 0.0
         self._jitter += FOLLOW * (abs(error) / period - self._jitter)
-        self._since = (self._since[0], self._since[1] + 1)
-        self._latest = stamp
         self._expected += period + FOLLOW * error
         return gap
 

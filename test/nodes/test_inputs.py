@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The doors of the nodes: shaft speed, vibration blocks, saved states."""
 
+from itertools import islice
 import math
 import os
 import subprocess
@@ -124,10 +125,44 @@ def test_the_reason_of_a_refusal_is_not_hidden(age, problem, contested, level, t
         ignored=3,
         contested=contested,
         gaps=GapCounter(),
+        rate_problem='',
         shaft_problem='',
     )
     assert status.level.name == level
     assert text in status.message
+
+
+def dated(seconds, rate):
+    """Blocks of a source that declares 25600 Hz and sends samples at ``rate``."""
+    signal = np.random.default_rng(0).standard_normal(round(seconds * rate)).astype(np.float32)
+    for first in range(0, signal.size - 1000, 1000):
+        ns = 10**18 + round(first / rate * 1e9)
+        stamp = SimpleNamespace(sec=ns // 10**9, nanosec=ns % 10**9)
+        header = SimpleNamespace(stamp=stamp, frame_id='')
+        block = signal[first : first + 1000]
+        yield message(first_sample=first, x=[], y=block, header=header)
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize('rate', [12000.0, 25600.0, 51200.0])
+def test_no_verdict_comes_of_samples_whose_rate_is_declared_wrong(rate):
+    from bearing_twin.assets.diagnosis_parameters import SPECS
+    from bearing_twin.offline.diagnosis_run import DiagnosisRun
+
+    run = DiagnosisRun({spec.name: spec.default for spec in SPECS})
+    blocks = dated(12.0, rate)
+    # The first seconds cannot tell.
+    verdicts = sum(
+        len(run.take(block, temperature=math.nan)) for block in islice(blocks, int(rate * 0.0029))
+    )
+    assert verdicts <= 3 * rate / 25600.0
+    if rate == 25600.0:
+        assert sum(len(run.take(block, temperature=math.nan)) for block in blocks) == 9
+        return
+    list(islice(blocks, 200))
+    for block in blocks:
+        with pytest.raises(BearingTwinError, match=f'set sample_rate to {rate:.0f}'):
+            run.take(block, temperature=math.nan)
 
 
 @pytest.mark.ros

@@ -3,6 +3,7 @@
 """From other people's samples to blocks: nothing is lost, shifted or invented unseen."""
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.streams.samplerate import RateMeter
 from bearing_twin.streams.sampling import (
     BlockBuilder,
     SequenceTracker,
@@ -64,7 +65,6 @@ def test_stamps_show_what_is_missing(given, jitter):
     off = 0 if given != 1005.0 and not jitter else 1
     assert abs(gaps[2005] - 5) <= off
     assert abs(gaps[3500] - 500) <= (3 if given == 1005.0 else off)
-    assert tracker.measured_rate == pytest.approx(1000.0, rel=2e-3)
 
 
 def test_regular_stamps_show_a_single_missing_sample():
@@ -107,3 +107,38 @@ def test_channels_are_taken_apart():
     assert split_channels(np.arange(6), 2, interleaved=False).tolist() == [[0, 1, 2], [3, 4, 5]]
     with pytest.raises(BearingTwinError, match='7 values do not divide into 2 channels'):
         split_channels(np.arange(7), 2, interleaved=True)
+
+
+def metered(rate, seconds, *, block=512, late=0.0, pause=0.0, seed=0):
+    """Meter after blocks of a source; ``late`` is the jitter of their stamps, s."""
+    rng = np.random.default_rng(seed)
+    meter = RateMeter()
+    for k in range(round(seconds * rate / block)):
+        time = k * block / rate + rng.exponential(late) + (pause if k * block / rate > 5 else 0.0)
+        meter.take(k * block, 10**18 + round(time * NANO))
+    return meter
+
+
+def test_a_rate_that_is_declared_wrong_is_told_with_the_one_that_fits():
+    problem = metered(12000.0, 5, late=0.005).problem(25600.0)
+    assert problem.refused
+    said = int(problem.text.rsplit(' ', 1)[1])
+    assert said == pytest.approx(12000, rel=0.01)
+
+
+@pytest.mark.parametrize(('rate', 'warned'), [(25600.0, False), (25200.0, False), (24900.0, True)])
+@pytest.mark.parametrize('seed', range(5))
+def test_late_stamps_and_pauses_are_no_wrong_rate(rate, warned, seed):
+    problem = metered(rate, 40, late=0.002, pause=0.7, seed=seed).problem(25600.0)
+    assert (problem is not None) == warned
+    assert not (problem and problem.refused)
+
+
+def test_undated_samples_and_restarts_have_no_measured_rate():
+    meter = RateMeter()
+    for k in range(50):
+        meter.take(25600 * k, 0)
+    assert meter.problem(25600.0) is None
+    meter = metered(12000.0, 5)
+    meter.take(0, 2 * 10**18)
+    assert meter.problem(25600.0) is None
