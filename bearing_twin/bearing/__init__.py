@@ -7,6 +7,7 @@ from bearing_twin.bearing.catalogue import (
     catalogue,
     close_bearings,
     find_bearing,
+    named_bearing,
     own_bearing,
 )
 from bearing_twin.bearing.geometry import (
@@ -59,6 +60,7 @@ __all__ = [
     'find_bearing',
     'infer_balls',
     'load_deflection_factor',
+    'named_bearing',
     'own_bearing',
     'radial_factor',
     'static_factor',

@@ -19,7 +19,14 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ['bearing_of_orders', 'catalogue', 'close_bearings', 'find_bearing', 'own_bearing']
+__all__ = [
+    'bearing_of_orders',
+    'catalogue',
+    'close_bearings',
+    'find_bearing',
+    'named_bearing',
+    'own_bearing',
+]
 
 _MAKERS = 'skf|fag|ina|nsk|ntn|snr|koyo|nachi|timken|zkl|urb|fbj|c&u|schaeffler|jtekt'
 _SUFFIX = (
@@ -137,6 +144,33 @@ def _designation(folded: str) -> str:
         return ''
     # SKF and Schaeffler write 618 and 619 for the series that others call 68 and 69.
     return re.sub(r'^61([89])(?=\d\d$)', r'6\1', found[1])
+
+
+def named_bearing(name: str) -> Bearing:
+    """
+    Return the bearing of the catalogue that a text names, as the files of data sets do.
+
+    Raises
+    ------
+    BearingTwinError
+        If it names none.
+
+    Examples
+    --------
+    >>> named_bearing('SKF 6205-2RS JEM (drive end)').name
+    '6205'
+
+    """
+    words = name.replace('/', ' ').split()
+    for candidate in (name, *(' '.join(words[:count]) for count in (3, 2, 1)), *words[1:2]):
+        if candidate and ',' not in candidate:
+            try:
+                return find_bearing(candidate)
+            except BearingTwinError:
+                continue
+    said = f'the file says {name!r}, which is not in the catalogue' if name else 'unknown bearing'
+    msg = f'{said}; give --bearing NAME or --geometry Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG'
+    raise BearingTwinError(msg)
 
 
 def own_bearing(geometry: str) -> Bearing:

@@ -25,8 +25,7 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import Bearing, find_bearing, PLACES
-from bearing_twin.cli.diagnose import named_bearing
+from bearing_twin.bearing import Bearing, find_bearing, named_bearing, PLACES
 from bearing_twin.cli.terminal import progress
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.errors import BearingTwinError

@@ -14,7 +14,8 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import Bearing, find_bearing, NEXT_STEPS, own_bearing
+from bearing_twin.bearing import Bearing, find_bearing, named_bearing, NEXT_STEPS, own_bearing
+from bearing_twin.cli.diagnose_series import run_series
 from bearing_twin.cli.diagnose_text import line, page
 from bearing_twin.cli.terminal import progress
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Iterator, Sequence
 
-__all__ = ['Task', 'configure', 'diagnose_file', 'evidence', 'named_bearing', 'run']
+__all__ = ['Task', 'configure', 'diagnose_file', 'evidence', 'run']
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,6 +79,26 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--channels', action='store_true', help='list the channels of the files, and end'
     )
+    series = parser.add_argument_group('many snapshots of one machine')
+    series.add_argument(
+        '--series',
+        action='store_true',
+        help='judge the files, or those in a folder, together and in order of time: baseline, '
+        'trend, change, alarm',
+    )
+    series.add_argument(
+        '--cycle', type=float, metavar='SECONDS', help='between files that do not say their time'
+    )
+    series.add_argument(
+        '--baseline', type=int, default=60, metavar='N', help='snapshots of it (default 60)'
+    )
+    series.add_argument(
+        '--hold',
+        type=float,
+        default=3600.0,
+        metavar='SECONDS',
+        help='how long the level must be low before an alarm ends (default 3600)',
+    )
     parser.add_argument('--unit', default='', help="'m/s^2' or 'g', for files that do not say it")
     parser.add_argument(
         '--power-group', type=int, choices=(1, 2), default=0, help='of ISO 20816-3, for the zone'
@@ -93,6 +114,8 @@ def run(args: argparse.Namespace) -> int:
     """Diagnose the files; 0 only if every file could be read."""
     if args.channels:
         return _list_channels(args)
+    if args.series:
+        return run_series(args, _shaft_hz(args))
     tasks = _tasks(args)
     unread = 0
     for done, answer in enumerate(_answers(tasks, args), start=1):
@@ -130,17 +153,14 @@ def _tasks(args: argparse.Namespace) -> list[Task]:
     if args.jobs is not None and args.jobs < 1:
         msg = f'--jobs {args.jobs}: at least one process is needed'
         raise BearingTwinError(msg)
-    shaft_hz = args.shaft_hz if args.rpm is None else args.rpm / 60.0
-    if shaft_hz is not None and not 0.0 < shaft_hz < 1e5:
-        msg = f'--shaft-hz {shaft_hz:g}: give a positive speed in Hz, or in 1/min as --rpm'
-        raise BearingTwinError(msg)
+    shaft_hz = _shaft_hz(args)
     if args.plot:
         Path(args.plot).mkdir(parents=True, exist_ok=True)
     return [
         Task(
             path=name,
             bearing=bearing,
-            shaft_hz=math.nan if shaft_hz is None else shaft_hz,
+            shaft_hz=shaft_hz,
             speed_tolerance=args.speed_tolerance,
             sample_rate=args.sample_rate,
             channel=channel,
@@ -151,6 +171,17 @@ def _tasks(args: argparse.Namespace) -> list[Task]:
         for name in args.files
         for channel in _channels_of(name, args.channel)
     ]
+
+
+def _shaft_hz(args: argparse.Namespace) -> float:
+    """Return the speed that was given, Hz; NaN if none was."""
+    shaft_hz: float | None = args.shaft_hz if args.rpm is None else args.rpm / 60.0
+    if shaft_hz is None:
+        return math.nan
+    if not 0.0 < shaft_hz < 1e5:
+        msg = f'--shaft-hz {shaft_hz:g}: give a positive speed in Hz, or in 1/min as --rpm'
+        raise BearingTwinError(msg)
+    return shaft_hz
 
 
 def _channels_of(name: str, channel: str | None) -> list[str | None]:
@@ -277,28 +308,6 @@ def evidence(diagnosis: Diagnosis) -> dict[str, Any]:
             for name, value in severity.items()
         },
     }
-
-
-def named_bearing(name: str) -> Bearing:
-    """
-    Bearing of the catalogue that a file names, e.g. ``'SKF 6205-2RS JEM (drive end)'``.
-
-    Raises
-    ------
-    BearingTwinError
-        If it names none.
-
-    """
-    words = name.replace('/', ' ').split()
-    for candidate in (name, *(' '.join(words[:count]) for count in (3, 2, 1)), *words[1:2]):
-        if candidate and ',' not in candidate:
-            try:
-                return find_bearing(candidate)
-            except BearingTwinError:
-                continue
-    said = f'the file says {name!r}, which is not in the catalogue' if name else 'unknown bearing'
-    msg = f'{said}; give --bearing NAME or --geometry Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG'
-    raise BearingTwinError(msg)
 
 
 def _unread(path: str, reason: str) -> dict[str, Any]:

@@ -1,0 +1,151 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""``bearing-twin diagnose --series``: many short files of one machine, judged together."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+import sys
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.bearing import find_bearing, named_bearing, own_bearing
+from bearing_twin.cli.terminal import by_level, progress
+from bearing_twin.diagnosis.series import SeriesMonitor, SeriesSettings
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.snapshots import read_snapshots, series_files
+
+if TYPE_CHECKING:
+    import argparse
+
+    from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis.series import SeriesReport
+
+__all__ = ['run_series']
+
+
+def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
+    """Judge the files as one series; 0 if every file could be read."""
+    files = series_files([Path(name) for name in args.files])
+    settings = SeriesSettings(
+        baseline=args.baseline,
+        hold=args.hold,
+        power_group=args.power_group,
+        mounting=args.mounting,
+    )
+    monitor = None
+    bearing: Bearing | None = None
+    said = ''
+    snapshots = read_snapshots(
+        files, channel=args.channel, sample_rate=args.sample_rate, cycle=args.cycle
+    )
+    for count, snapshot in enumerate(snapshots, start=1):
+        signal = snapshot.signal
+        if monitor is None:
+            said = signal.source
+            bearing = _bearing(args, signal.bearing or signal.bearing_name)
+            monitor = SeriesMonitor(bearing, settings)
+        hertz = signal.shaft_hz if math.isnan(shaft_hz) else shaft_hz
+        point = monitor.add(
+            snapshot.time,
+            signal.x,
+            signal.sample_rate,
+            hertz,
+            temperature=signal.temperature,
+            unit=args.unit or signal.unit,
+        )
+        if args.json and point is not None:
+            print(json.dumps(_plain(vars(point))), flush=True)
+        if count % 100 == 0:
+            progress(count, count + 1, 'snapshots')
+    if monitor is None:
+        msg = f'{files[0]}: no snapshot in it; is x the name of the samples?'
+        raise BearingTwinError(msg)
+    report = monitor.report()
+    summary = _summary(report, bearing)
+    if args.json:
+        print(json.dumps({'series': said, **summary}))
+    else:
+        print(_page(said, report, summary))
+    return 0
+
+
+def _bearing(args: argparse.Namespace, said: Bearing | str) -> Bearing | None:
+    if args.geometry:
+        return own_bearing(args.geometry)
+    if args.bearing:
+        return find_bearing(args.bearing)
+    if not isinstance(said, str):
+        return said
+    try:
+        return named_bearing(said)
+    except BearingTwinError as error:
+        print(f'bearing-twin diagnose: alarms without a place: {error}', file=sys.stderr)
+        return None
+
+
+def _plain(values: dict[str, Any]) -> dict[str, Any]:
+    """Replace what JSON has no number for by null."""
+    return {
+        name: None if isinstance(value, float) and not math.isfinite(value) else value
+        for name, value in values.items()
+    }
+
+
+def _summary(report: SeriesReport, bearing: Bearing | None) -> dict[str, Any]:
+    place = report.place
+    return _plain(
+        {
+            'level': report.level,
+            'snapshots': len(report.points),
+            'bearing': bearing.name if bearing else None,
+            'baseline_s': list(report.baseline) if report.baseline else None,
+            'scatter_dB': report.scatter,
+            'change_s': report.change,
+            'first_alarm_s': report.first_alarm,
+            'first_fault_s': report.first_fault,
+            'level_changes': report.changes,
+            'trend_dB_per_h': report.trend,
+            'warmer_K': report.warmer,
+            'place': place.place if place else None,
+            'reasons': list(report.reasons),
+        }
+    )
+
+
+def _page(said: str, report: SeriesReport, summary: dict[str, Any]) -> str:
+    def when(seconds: float) -> str:
+        return 'never' if math.isnan(seconds) else _clock(seconds - start)
+
+    points = report.points
+    start = points[0].time if points else 0.0
+    base = 'not learnt'
+    if report.baseline:
+        first, last = (_clock(time - start) for time in report.baseline)
+        base = f'{first} to {last}, scatter {report.scatter:.2g} dB'
+    length = _clock(points[-1].time - start) if points else '0 s'
+    rows = [
+        ('level', by_level(report.level, report.level)
+         + (f', place {report.place.place}' if report.place else '')),
+        ('bearing', summary['bearing'] or 'unknown'),
+        ('baseline', base),
+        ('change', when(report.change)),
+        ('alarm', f'{when(report.first_alarm)}; fault {when(report.first_fault)}; '
+         f'the level changed {report.changes} times'),
+        ('trend', 'unknown' if math.isnan(report.trend) else f'{report.trend:+.2g} dB/h'),
+        *(('why' if not index else '', text) for index, text in enumerate(report.reasons)),
+    ]  # fmt: skip
+    head = by_level(f'{said} and what follows: {len(points)} snapshots in {length}', 'bold')
+    return '\n'.join([head, *(f'{name:<9} {text}' for name, text in rows)])
+
+
+def _clock(seconds: float) -> str:
+    """Return a time as days, hours, minutes and seconds, the two largest that are not zero."""
+    left = round(seconds)
+    parts: list[str] = []
+    for size, name in ((86400, 'd'), (3600, 'h'), (60, 'min'), (1, 's')):
+        count, left = divmod(left, size)
+        if count or (name == 's' and not parts):
+            parts.append(f'{count} {name}')
+    return ' '.join(parts[:2])

@@ -1,0 +1,165 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Envelope spectra of many short snapshots, averaged over orders.
+
+The power of the squared envelope is averaged, noise and all, and its local floor is taken off the
+average: the floor of one short snapshot is known too badly, and its median, log 2 of its mean,
+would bias what is left. The average of N floors scatters by 1/sqrt(N).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from bearing_twin.bearing import fault_orders, PLACES
+import numpy as np
+from scipy import fft
+from scipy.ndimage import median_filter
+
+if TYPE_CHECKING:
+    from bearing_twin.bearing import Bearing
+    from numpy.typing import NDArray
+
+__all__ = ['AveragedEnvelope', 'Comb']
+
+STEP = 0.05
+"""Orders a bin; snapshots of up to 20 turns resolve no more, and longer ones are blurred to it."""
+HIGHEST = 40.0
+"""Highest order."""
+BANDS = ((1000.0, 5000.0), (5000.0, 20000.0))
+"""Bands that are demodulated, Hz; a band above 0.45 of the sample rate is cut there."""
+HARMONICS = 3
+SLIP = 0.03
+"""Largest slip of a race or ball looked for."""
+Z_PLACE, RIVAL = 5.0, 1.4
+"""Significance from which a place is named, and lead over the next it needs: those of a record."""
+LEAST = 20
+"""Snapshots without which an average names nothing."""
+
+
+@dataclass(frozen=True)
+class Comb:
+    """A fault whose impacts stand out of an averaged envelope."""
+
+    place: str
+    order: float
+    z: float
+    """Standard deviations over the combs at orders that no part of the bearing has."""
+    snapshots: int
+
+    def __str__(self) -> str:
+        """Return the comb in words."""
+        return (
+            f'{self.place}: comb at {self.order:.2f} orders, z {self.z:.1f}, in the average of '
+            f'{self.snapshots} snapshots'
+        )
+
+
+class AveragedEnvelope:
+    """
+    Mean power of the squared envelope over orders, band by band.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(0)
+    >>> average = AveragedEnvelope()
+    >>> for _ in range(100):
+    ...     average.add(rng.standard_normal(2560), 25600.0, 30.0)
+    >>> bool(abs(average.excess().mean()) < 0.05)
+    True
+
+    """
+
+    def __init__(self) -> None:
+        self._orders = STEP * np.arange(1, round(HIGHEST / STEP) + 1)
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget all snapshots."""
+        self._power = np.zeros((len(BANDS), len(self._orders)))
+        self._turns = 0.0
+        self._count = 0
+
+    def add(self, x: NDArray[np.float64], sample_rate: float, shaft_hz: float) -> None:
+        """Add a snapshot: samples without their mean, shape (n,), their rate and speed in Hz."""
+        spectrum = fft.rfft(x)
+        for row, (low, high) in enumerate(BANDS):
+            first, last = (
+                round(min(edge, 0.45 * sample_rate) * len(x) / sample_rate) for edge in (low, high)
+            )
+            if last - first < 16:
+                continue
+            # One-sided and shifted to zero: the analytic signal of the band, decimated.
+            envelope = np.abs(fft.ifft(spectrum[first:last])) ** 2
+            envelope = envelope / envelope.mean() - 1.0
+            # Zeros behind: the spectrum between the lines of so short a piece.
+            padded = max(4 * len(envelope), 1)
+            power = np.abs(fft.rfft(envelope, padded)) ** 2 / len(envelope) ** 2
+            rate = sample_rate * len(envelope) / len(x)
+            hertz = rate / padded * np.arange(len(power))
+            self._power[row] += np.interp(self._orders * shaft_hz, hertz, power, right=0.0)
+        self._turns += len(x) / sample_rate * shaft_hz
+        self._count += 1
+
+    def excess(self) -> NDArray[np.float64]:
+        """Power over its local floor less one, (bands, K): zero on average where is only noise."""
+        mean = self._power / max(self._count, 1)
+        turns = self._turns / max(self._count, 1)
+        # Wide against a line of this resolution, narrow against the slope of the floor.
+        width = 2 * round(max(4.0 / max(turns, 1e-9), 1.5) / STEP) + 1
+        floor = median_filter(mean, size=(1, min(width, len(self._orders) | 1)), mode='nearest')
+        return np.where(floor > 0.0, mean / np.maximum(floor, 1e-30) - 1.0, 0.0)
+
+    def place(self, bearing: Bearing, before: AveragedEnvelope) -> Comb | None:
+        """
+        Return the fault that stands out of this average and not of the one ``before``.
+
+        None where too few snapshots are there, no comb is significant, or two families cannot be
+        told apart at this resolution.
+        """
+        if self._count < LEAST:
+            return None
+        excess = self.excess()
+        if before._count >= LEAST:
+            # What the machine always did, its shaft and its neighbours, says nothing of damage.
+            excess = excess - np.maximum(before.excess(), 0.0)
+        resolution = self._count / self._turns
+        grid = np.arange(1.5 * resolution, HIGHEST / HARMONICS, STEP)
+        scores = np.zeros((len(BANDS), len(grid)))
+        for harmonic in range(1, HARMONICS + 1):
+            rows = np.clip(np.rint(harmonic * grid / STEP).astype(int) - 1, 0, excess.shape[1] - 1)
+            scores += np.log1p(np.maximum(excess[:, rows], -0.9))
+        shaft = np.abs(grid - np.rint(grid)) < 0.5 * min(resolution, 0.3)
+        orders = fault_orders(bearing)
+        windows = {
+            place: np.abs(grid / order - 1.0) <= max(SLIP, 0.5 * STEP / order)
+            for place in PLACES[:3]
+            if (order := orders.impacts(place)) > 1.5 * resolution
+        }
+        own = np.zeros(len(grid), dtype=bool)
+        for place in windows:
+            own |= np.abs(grid - orders.impacts(place)) < resolution
+        null = scores[:, ~(own | shaft)]
+        if null.shape[1] < 20:
+            return None
+        center = np.median(null, axis=1, keepdims=True)
+        spread = np.quantile(null, 0.8413, axis=1, keepdims=True) - center
+        z = ((scores - center) / np.maximum(spread, 1e-3)).max(axis=0)
+        best = sorted(
+            (
+                (float(z[window].max()), place, float(grid[window][z[window].argmax()]))
+                for place, window in windows.items()
+                if window.any()
+            ),
+            reverse=True,
+        )
+        if not best or best[0][0] < Z_PLACE:
+            return None
+        top, place, order = best[0]
+        for rival, other, at in best[1:]:
+            close = abs(orders.impacts(other) - orders.impacts(place)) < resolution
+            if rival * RIVAL > top and (close or abs(at - order) > STEP):
+                return None
+        return Comb(place, order, top, self._count)

@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Snapshots of one machine in order of time, out of many files or out of tables in few."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+import math
+import re
+from typing import TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.foreign import read_signal, Signal
+from bearing_twin.recording.npz import read_npz
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+__all__ = ['Snapshot', 'read_snapshots', 'series_files']
+
+ENDINGS = ('.npz', '.mat', '.csv', '.txt', '.tsv', '.wav', '.mcap')
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """One short signal and when it was taken."""
+
+    time: float
+    """s, from wherever the files count."""
+    signal: Signal
+
+
+@dataclass(frozen=True)
+class _Temperatures:
+    times: NDArray[np.float64]
+    values: NDArray[np.float64]
+
+    def at(self, time: float) -> float:
+        """Temperature at a time within the recorded ones, degC; NaN outside or without any."""
+        if not len(self.times) or not self.times[0] <= time <= self.times[-1]:
+            return math.nan
+        return float(np.interp(time, self.times, self.values))
+
+
+def series_files(paths: Sequence[Path]) -> list[Path]:
+    """
+    Return the files of a series: those named, and those in the folders named, in natural order.
+
+    Raises
+    ------
+    BearingTwinError
+        If there is none.
+
+    """
+    files: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            inside = (item for item in path.iterdir() if item.suffix.lower() in ENDINGS)
+            files += sorted(inside, key=_natural)
+        else:
+            files.append(path)
+    if not files:
+        msg = f'{", ".join(map(str, paths))}: no file ends in {", ".join(ENDINGS)}'
+        raise BearingTwinError(msg)
+    return files
+
+
+def _natural(path: Path) -> list[tuple[int, str]]:
+    """Order of names in which 2 comes before 10."""
+    return [(int(part or 0), '') if part.isdecimal() else (0, part)
+            for part in re.split(r'(\d+)', path.name)]  # fmt: skip
+
+
+def read_snapshots(
+    files: Sequence[Path],
+    *,
+    channel: str | None = None,
+    sample_rate: float | None = None,
+    cycle: float | None = None,
+) -> Iterator[Snapshot]:
+    """
+    Yield the snapshots of one machine, one file in memory at a time.
+
+    An ``.npz`` file may hold many: ``x`` with one in each row, and their times ``t_s``. A file
+    with ``temp_t_s`` and ``temp_C`` gives the temperature of all. Any other file is one snapshot;
+    its time is ``time_s`` in it, or its place in the order times ``cycle``.
+
+    Parameters
+    ----------
+    files
+        In order of time; see :func:`series_files`.
+    channel, sample_rate
+        See :func:`bearing_twin.recording.foreign.read_signal`.
+    cycle
+        Seconds from one snapshot to the next, where the files do not say their times.
+
+    Raises
+    ------
+    BearingTwinError
+        If a file cannot be read, or no time of a snapshot is known.
+
+    """
+    times, values = [], []
+    tables: dict[Path, NDArray[np.float64]] = {}
+    for path in files:
+        if path.suffix.lower() == '.npz':
+            said = read_npz(path, ('temp_t_s', 'temp_C', 't_s', 'time_s'))
+            if 'temp_t_s' in said and 'temp_C' in said:
+                times.append(np.asarray(said['temp_t_s'], dtype=np.float64))
+                values.append(np.asarray(said['temp_C'], dtype=np.float64))
+            stamps = said.get('t_s', said.get('time_s'))
+            if stamps is not None:
+                tables[path] = np.atleast_1d(np.asarray(stamps, dtype=np.float64))
+    heat = _Temperatures(*_merged(times, values))
+    number = 0
+    for path in files:
+        for signal, stamp in _of_file(path, tables.get(path), channel, sample_rate):
+            if stamp is None and cycle is None:
+                msg = f'{path} does not say when it was taken; give --cycle SECONDS'
+                raise BearingTwinError(msg)
+            time = number * (cycle or 0.0) if stamp is None else stamp
+            number += 1
+            known = signal.temperature
+            yield Snapshot(
+                time,
+                signal if math.isfinite(known) else replace(signal, temperature=heat.at(time)),
+            )
+
+
+def _of_file(
+    path: Path, stamps: NDArray[np.float64] | None, channel: str | None, sample_rate: float | None
+) -> Iterator[tuple[Signal, float | None]]:
+    if path.suffix.lower() == '.npz':
+        arrays = read_npz(path)
+        table = arrays.get(channel or 'x')
+        if table is None and 'temp_C' in arrays:
+            return
+        if table is not None and table.ndim == 2 and stamps is not None:
+            if len(stamps) != len(table):
+                msg = f'{path}: {len(table)} snapshots and {len(stamps)} times (t_s); one each'
+                raise BearingTwinError(msg)
+            first = read_signal(path, channel=f'{channel or "x"}:0', sample_rate=sample_rate)
+            for row, stamp in zip(table, stamps, strict=True):
+                yield replace(first, x=np.asarray(row, dtype=np.float64)), float(stamp)
+            return
+    signal = read_signal(path, channel=channel, sample_rate=sample_rate)
+    yield signal, float(stamps[0]) if stamps is not None and len(stamps) == 1 else None
+
+
+def _merged(
+    times: list[NDArray[np.float64]], values: list[NDArray[np.float64]]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    if not times:
+        return np.zeros(0), np.zeros(0)
+    when, what = np.concatenate(times), np.concatenate(values)
+    order = np.argsort(when, kind='stable')
+    return when[order], what[order]
