@@ -1,17 +1,21 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
+# PYTHON_ARGCOMPLETE_OK
 """
 The ``bearing-twin`` command: one module a sub-command.
 
 A sub-command NAME lives in ``bearing_twin/cli/NAME.py`` and offers ``configure(parser)``, which
 adds its arguments, and ``run(args) -> int``, which does the work and returns the exit status.
 Only the module of the command that is called is imported, so that none pays for another.
+
+Words are completed in a shell that has run ``eval "$(register-python-argcomplete bearing-twin)"``.
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib
+import os
 import sys
 from typing import TYPE_CHECKING
 
@@ -46,11 +50,15 @@ COMMANDS = {
 def main(argv: Sequence[str] | None = None) -> int:
     """Run ``bearing-twin``; return the exit status: 0 only if it did what was asked."""
     arguments = list(sys.argv[1:] if argv is None else argv)
+    completing = '_ARGCOMPLETE' in os.environ
+    if completing:
+        # A shell asks what may follow: the line so far is in the environment.
+        arguments = os.environ.get('COMP_LINE', '').split()[1:]
     parser = argparse.ArgumentParser(
         prog='bearing-twin', description='Temperature-aware bearing twin and diagnosis.'
     )
     parser.add_argument('--version', action='version', version=f'%(prog)s {__version__}')
-    commands = parser.add_subparsers(dest='command', metavar='COMMAND', required=True)
+    commands = parser.add_subparsers(dest='command', metavar='COMMAND')
     chosen = next((word for word in arguments if not word.startswith('-')), None)
     for name, text in COMMANDS.items():
         sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + '.')
@@ -63,7 +71,14 @@ def main(argv: Sequence[str] | None = None) -> int:
                 return 1
             module.configure(sub)
             sub.set_defaults(run=module.run)
+    if completing:
+        import argcomplete
+
+        argcomplete.autocomplete(parser)
     args = parser.parse_args(arguments)
+    if args.command is None:
+        parser.print_help()
+        return 0
     keep_freed_memory()
     try:
         status: int = args.run(args)

@@ -12,6 +12,8 @@ import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin import __version__
+from bearing_twin.bench.figures import Figure, FIGURES
+from bearing_twin.cli.terminal import by_level
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
@@ -60,8 +62,8 @@ def run(args: argparse.Namespace) -> int:
         raise BearingTwinError(msg)
     figures: dict[str, float] = {}
     names = args.names or ([] if args.live else list(BENCHES))
-    for name in names:
-        _say(args, f'{name}: {BENCHES[name]} ...')
+    for done, name in enumerate(names, start=1):
+        _say(args, f'{by_level(name, "bold")} ({done} of {len(names)}): {BENCHES[name]} ...')
         figures |= importlib.import_module(f'bearing_twin.bench.{name}').measure()
     if args.live:
         _say(args, f'live run of {args.seconds:g} s ...')
@@ -69,23 +71,22 @@ def run(args: argparse.Namespace) -> int:
 
         figures |= live_run(
             args.seconds,
-            progress=lambda passed: print(
-                f'{passed:.0f} of {args.seconds:g} s', file=sys.stderr, flush=True
-            ),
+            progress=lambda passed: _say(args, f'{passed:.0f} of {args.seconds:g} s'),
         )
     if args.json:
         print(json.dumps({**figures, **_machine()}))
         return 0
     width = max(map(len, figures), default=0)
+    print(f'{"figure":<{width}} {"value":>11} {"unit":<9}{"target":<9} meaning')
     for name, value in figures.items():
-        print(f'{name:<{width}}  {value:.6g}')
+        unit, meaning, target = FIGURES.get(name, Figure('', ''))
+        print(f'{name:<{width}} {value:11.5g} {unit:<9}{target:<9} {meaning}'.rstrip())
     print(', '.join(f'{key} {value}' for key, value in _machine().items()))
     return 0
 
 
 def _say(args: argparse.Namespace, text: str) -> None:
-    if not args.json:
-        print(text, flush=True)
+    print(text, file=sys.stderr if args.json else sys.stdout, flush=True)
 
 
 def _machine() -> dict[str, object]:

@@ -6,6 +6,14 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import inspect
+import textwrap
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.cli.terminal import by_level
+
+if TYPE_CHECKING:
+    from bearing_twin.assets.spec import Spec
 
 __all__ = ['NODES', 'configure', 'run']
 
@@ -14,7 +22,7 @@ NODES = ('adapter', 'diagnosis', 'fleet', 'recorder', 'replay', 'twin')
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument('node', choices=NODES, help='node to run')
+    parser.add_argument('node', choices=NODES, help='node to run; NODE --help: its parameters')
     parser.add_argument(
         'arguments',
         nargs=argparse.REMAINDER,
@@ -25,5 +33,40 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the node until it is told to end."""
     node = importlib.import_module(f'bearing_twin.nodes.{args.node}')
+    if {'-h', '--help'} & set(args.arguments):
+        print(_help(args.node, node))
+        return 0
     status: int = node.main(args.arguments)
     return status
+
+
+def _help(name: str, module: Any) -> str:
+    """Return what a node does and which parameters it has."""
+    specs: tuple[Spec, ...] = module.SPECS
+    if name == 'twin':
+        from bearing_twin.ros import realtime
+
+        specs = (*specs, *realtime.SPECS, module.SUBSCRIBERS)
+    lines = [
+        f'usage: bearing-twin run {name} [--ros-args -p PARAMETER:=VALUE ... -r FROM:=TO ...]',
+        '',
+        *inspect.cleandoc(module.__doc__ or '').splitlines(),
+        '',
+        'parameters (default, values, meaning):',
+    ]
+    for spec in specs:
+        default = ','.join(spec.default) if isinstance(spec.default, list) else spec.default
+        lines.append(f'  {by_level(spec.name, "bold")}  {default!r} {_values(spec)}'.rstrip())
+        lines += textwrap.wrap(
+            spec.description, 90, initial_indent=' ' * 6, subsequent_indent=' ' * 6
+        )
+    return '\n'.join(lines)
+
+
+def _values(spec: Spec) -> str:
+    """Return the unit and the values that a parameter may have, in brackets."""
+    if spec.choices:
+        return f'({", ".join(choice or repr("") for choice in spec.choices)})'
+    if spec.low is None or spec.high is None:
+        return spec.unit
+    return f'({spec.low:g} to {spec.high:g} {spec.unit}'.rstrip() + ')'

@@ -7,9 +7,11 @@ from __future__ import annotations
 from pathlib import Path
 import re
 import shutil
+import socket
 import sys
 import tempfile
 from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.rerun.blueprint import PAGES
@@ -74,7 +76,7 @@ def run(args: argparse.Namespace) -> int:
         msg = '--save keeps recordings only; a recorder keeps what is live with -p rerun_file:=RRD'
         raise BearingTwinError(msg)
     with tempfile.TemporaryDirectory(prefix='bearing_twin_view_') as folder:
-        sources = [live_url(args.live)] if args.live else _sources(args, Path(folder))
+        sources = [_server(args.live)] if args.live else _sources(args, Path(folder))
         if args.screenshot:
             return _screenshot(args, sources)
         if args.web:
@@ -87,6 +89,22 @@ def run(args: argparse.Namespace) -> int:
         if args.save:
             return 0
         return show(sources)
+
+
+def _server(text: str) -> str:
+    """Return the URL of the server that is asked for, if something listens there."""
+    url = live_url(text)
+    address = urlsplit(url.replace('rerun+http', 'http').replace('rerun:', 'http:'))
+    host, port = address.hostname or '127.0.0.1', address.port or 9876
+    try:
+        socket.create_connection((host, port), timeout=2.0).close()
+    except OSError as error:
+        msg = (
+            f'no Rerun server at {host}:{port} ({error.strerror or error}); start a recorder with '
+            f"'-p rerun_port:={port}', or name the address of one: --live ADDRESS:PORT"
+        )
+        raise BearingTwinError(msg) from None
+    return url
 
 
 def _sources(args: argparse.Namespace, folder: Path) -> list[str]:

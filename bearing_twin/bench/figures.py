@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What every figure of ``bearing-twin bench`` is: unit, meaning, and what it should be."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+__all__ = ['FIGURES', 'Figure']
+
+
+class Figure(NamedTuple):
+    """Meaning of one figure."""
+
+    unit: str
+    meaning: str
+    target: str = ''
+    """What it should be; ratios hold on every machine, the others on one of today's cores."""
+
+
+FIGURES = {
+    'kernel_rtf': Figure('s/s', 'simulated seconds of one bearing in a second of a core', '> 1'),
+    'kernel_error': Figure('', 'relative L2 error of one bearing against DOP853', '< 0.005'),
+    'kernel_error_harder': Figure('', 'the same at 50 and 100 Hz and under 5 kN', '< 0.02'),
+    'fleet_error': Figure('', 'the same of a fleet', '< 0.01'),
+    'fleet_error_harder': Figure('', 'the same of a fleet at 50 and 100 Hz and under 5 kN'),
+    'ratio_to_lsoda': Figure('', 'time of LSODA at rtol 1e-6 over that of the kernel', '> 1'),
+    'ratio_to_bdf': Figure('', 'time of BDF at rtol 1e-6 over that of the kernel', '> 1'),
+    'fleet_bearings_per_core': Figure('bearings', 'simulated in real time, all of them unlike'),
+    'alike_bearings_per_core': Figure('bearings', 'the same with one defect and one speed'),
+    'diagnosis_ms': Figure('ms', 'verdict on one second at 25.6 kHz', '< 1000'),
+    'kurtogram_ms': Figure('ms', 'fast kurtogram of PySDKit of the same second'),
+    'kurtogram_ratio': Figure('', 'time of a verdict over that of a kurtogram', '< 1'),
+    'offline_rtf': Figure('s/s', 'recorded seconds a second, twin, diagnosis and MCAP', '> 1'),
+    'verify_rtf': Figure('s/s', 'recorded seconds that are re-run and compared a second', '> 1'),
+    'view_load': Figure('cores', 'share of a core that drawing for live viewers takes', '< 0.15'),
+    'view_file_load': Figure('cores', 'share of a core that drawing to a file takes', '< 0.15'),
+    'view_bytes_per_second': Figure('B/s', 'size of a Rerun file by recorded second'),
+    'view_longest_ms': Figure('ms', 'longest that the recorder waited for drawing', '< 40'),
+    'live_bearings_per_core': Figure('bearings', 'twins published over DDS and recorded'),
+    'live_bearings_per_core_with_diagnosis': Figure('bearings', 'the same with a diagnosis each'),
+    'live_bearings_per_core_without_dds': Figure('bearings', 'equations of motion alone'),
+    'live_share_per_bearing': Figure('cores', 'share of a core for each live bearing'),
+    'live_share_of_the_process': Figure('cores', 'share of a core for the process as such'),
+    'core_share': Figure('cores', 'twin, diagnosis and recorder together', '< 1'),
+    'blocks': Figure('', 'blocks published in the live run'),
+    'late_blocks': Figure('', 'blocks that came more than a period late', '0'),
+    'dropped_blocks': Figure('', 'blocks never published', '0'),
+    'lost_blocks': Figure('', 'blocks published and not recorded', '0'),
+    'lateness_max_ms': Figure('ms', 'largest lateness of a block', '< 40'),
+    'delivery_max_ms': Figure('ms', 'longest from publishing to recording', '< 40'),
+}

@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The command as a person types it: help, completion, colours, and what fails at once."""
+
+import os
+import pty
+import re
+import socket
+import subprocess
+import sys
+import time
+
+from bearing_twin.bench.figures import FIGURES
+from bearing_twin.cli import COMMANDS, main
+from bearing_twin.cli.run import NODES
+import numpy as np
+import pytest
+
+COMMAND = [sys.executable, '-m', 'bearing_twin']
+
+
+def test_the_command_alone_prints_help(capsys):
+    assert main([]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith('usage: bearing-twin')
+    listed = re.findall(r'^    ([a-z]+)(?: |$)', out, re.MULTILINE)
+    assert listed == list(COMMANDS)
+
+
+def test_help_loads_no_library():
+    """The promise of 0.3 s holds by loading nothing: times say what else the machine does."""
+    script = """
+import sys
+from bearing_twin.cli import main
+try:
+    main(['--help'])
+except SystemExit:
+    pass
+heavy = {'numpy', 'scipy', 'numba', 'rclpy', 'rerun', 'mcap', 'matplotlib', 'argcomplete'}
+sys.exit(', '.join(sorted(heavy & sys.modules.keys())) or 0)
+"""
+    ran = subprocess.run(
+        [sys.executable, '-c', script], capture_output=True, text=True, check=False
+    )
+    assert ran.returncode == 0, ran.stderr
+
+
+@pytest.mark.parametrize('node', NODES)
+def test_help_of_a_node_lists_its_parameters(node, capsys):
+    assert main(['run', node, '--help']) == 0
+    out = capsys.readouterr().out
+    assert f'usage: bearing-twin run {node} --ros-args' in out.replace('[', '').replace(']', '')
+    names = re.findall(r'^  ([a-z0-9_.]+)  ', out, re.MULTILINE)
+    assert len(names) == len(set(names)) >= 5
+    expected = {'twin': 'defect', 'diagnosis': 'bearing', 'recorder': 'output', 'replay': 'loop',
+                'fleet': 'assets_file', 'adapter': 'sample_rate'}  # fmt: skip
+    assert expected[node] in names
+
+
+def test_a_shell_completes_commands_options_and_choices(tmp_path):
+    def complete(line):
+        answer = tmp_path / 'answer'
+        answer.unlink(missing_ok=True)
+        environment = os.environ | {
+            '_ARGCOMPLETE': '1', '_ARGCOMPLETE_STDOUT_FILENAME': str(answer),
+            '_ARGCOMPLETE_IFS': '\n', '_ARGCOMPLETE_SHELL': 'bash',
+            'COMP_LINE': line, 'COMP_POINT': str(len(line)), 'COMP_TYPE': '9',
+        }  # fmt: skip
+        subprocess.run([sys.executable, '-c', 'from bearing_twin.cli import main; main()'],
+                       env=environment, check=True, timeout=60)  # fmt: skip
+        return {word.strip() for word in answer.read_text().split('\n')}
+
+    assert {'bench', 'benchmark', 'bearings'} == complete('bearing-twin be')
+    assert complete('bearing-twin run tw') == {'twin'}
+    assert '--bearing' in complete('bearing-twin diagnose --be')
+
+
+def run_in_terminal(words, **environment):
+    """Return what a command writes to a terminal."""
+    ours, theirs = pty.openpty()
+    ran = subprocess.Popen(
+        [*COMMAND, *words], stdout=theirs, stderr=theirs, env=os.environ | environment
+    )
+    os.close(theirs)
+    text = b''
+    while True:
+        try:
+            part = os.read(ours, 65536)
+        except OSError:
+            break
+        if not part:
+            break
+        text += part
+    ran.wait(60)
+    os.close(ours)
+    return text.decode()
+
+
+def test_colours_in_a_terminal_and_nowhere_else(tmp_path):
+    from bearing_twin.bench.diagnosis import fault_signal, RATE, SHAFT_HZ
+
+    path = tmp_path / 'inner.npz'
+    np.savez(path, x=fault_signal(2.0), fs=RATE, rpm=60.0 * SHAFT_HZ)
+    words = ['diagnose', str(path), '--bearing', '6307']
+    assert '\x1b[1;31minner [fault]\x1b[0m' in run_in_terminal(words, NO_COLOR='', TERM='xterm')
+    assert '\x1b' not in run_in_terminal(words, NO_COLOR='1', TERM='xterm')
+    piped = subprocess.run([*COMMAND, *words], capture_output=True, text=True, check=True)
+    assert '\x1b' not in piped.stdout
+    assert 'inner [fault]' in piped.stdout
+
+
+def test_live_view_without_a_server_fails_at_once(capsys):
+    with socket.socket() as free:
+        free.bind(('127.0.0.1', 0))
+        port = free.getsockname()[1]
+    began = time.monotonic()
+    assert main(['view', '--live', str(port)]) == 1
+    # Two seconds wait for an address that does not answer; a closed port answers at once.
+    assert time.monotonic() - began < 15.0
+    error = capsys.readouterr().err
+    assert f'no Rerun server at 127.0.0.1:{port}' in error
+    assert f'rerun_port:={port}' in error
+
+
+def test_bench_says_what_a_figure_is(capsys, monkeypatch):
+    monkeypatch.setenv('NO_COLOR', '1')
+    assert main(['bench', 'diagnosis']) == 0
+    out = capsys.readouterr().out
+    assert 'diagnosis (1 of 1): time per verdict' in out
+    (row,) = [line for line in out.splitlines() if line.startswith('diagnosis_ms ')]
+    assert row.split()[2] == 'ms'
+    assert FIGURES['diagnosis_ms'].meaning in row and '< 1000' in row
