@@ -42,7 +42,7 @@ _JUDGED = (
     ('incipient', 'ball'),
     ('paper', 'inner'),
 )
-"""Presets and defects of which the worst error counts, all at 25.4 Hz and 20 degC."""
+"""Presets and defects, all at 25.4 Hz and 20 degC; the worst error counts."""
 _HARDER = (('inner', 50.0, 500.0), ('outer', 100.0, 500.0), ('inner', 25.4, 5000.0))
 """Defects, shaft speeds in Hz and loads in N at which the error is taken as well."""
 

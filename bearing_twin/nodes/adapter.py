@@ -234,7 +234,7 @@ class AdapterNode(ManagedNode):
         return int(known or self.get_clock().now().nanoseconds)
 
     def _measure(self, count: int, stamp: int) -> None:
-        """Count samples, the last of which has a stamp."""
+        """Count samples; the last one has a stamp."""
         self._heard += count
         self._meter.take(self._heard, stamp)
 

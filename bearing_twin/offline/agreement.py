@@ -58,7 +58,7 @@ class Reproduction:
 
     @property
     def uncompared(self) -> list[str]:
-        """Topics of which not one message could be compared."""
+        """Topics without a single message that could be compared."""
         return sorted(n for n, a in self.topics.items() if not a.identical + a.different)
 
     @property

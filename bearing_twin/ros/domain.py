@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A ROS domain in which nobody else is, for runs that must hear only themselves."""
+"""An unused ROS domain, for runs that must receive nothing from others."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ HIGHEST_DOMAIN = 232
 DOMAINS = 100
 """Domains 1 to 100 keep clear of the ports that Linux hands out by itself."""
 LISTEN = 1.5
-"""Time in which whoever is there has announced itself, s."""
+"""Time after which every participant of a domain has announced itself, s."""
 LISTEN_FOR_NAMES = 10.0
-"""Longest time to hear who holds a port of the domain, s."""
+"""Longest time to wait for the announcement of who holds a port of the domain, s."""
 
 # RTPS 2.5, section 9.6.2.3: where the ports of a domain begin, and that of its k-th participant.
 FIRST_PORT, PORTS_A_DOMAIN = 7400, 250
 PARTICIPANTS = range(10, 42, 2)
 CLAIM = 5
-"""A port of the domain that RTPS leaves free: who holds it has the domain for its run."""
+"""A port of the domain that RTPS leaves free; the holder has claimed the domain for its run."""
 
 
 def inhabitants(domain: int, listen: float = LISTEN) -> list[str]:
@@ -44,7 +44,7 @@ def inhabitants(domain: int, listen: float = LISTEN) -> list[str]:
     domain
         The domain.
     listen
-        Longest time to listen, s; whoever is heard earlier ends it.
+        Longest time to listen, s; the first participant found ends it.
 
     """
     ensure_log_folder()
@@ -60,7 +60,7 @@ def inhabitants(domain: int, listen: float = LISTEN) -> list[str]:
                 for name, namespace in node.get_node_names_and_namespaces()
                 if (name, namespace) != own
             ]
-            # Publishers that are no ROS nodes, such as a bridge, are nobody's in the list.
+            # Publishers that are no ROS nodes, such as a bridge, are missing in that list.
             if not others and node.count_publishers('/twin_state'):
                 others = ['a publisher of /twin_state']
             if others or time.monotonic() > end:
@@ -72,11 +72,11 @@ def inhabitants(domain: int, listen: float = LISTEN) -> list[str]:
 
 
 def check_domain(domain: int) -> None:
-    """Raise BearingTwinError unless ``domain`` can be used and nobody is in it."""
+    """Raise BearingTwinError unless ``domain`` can be used and is empty."""
     if not 0 <= domain <= HIGHEST_DOMAIN:
         msg = f'ROS domain {domain} is not within 0..{HIGHEST_DOMAIN}'
         raise BearingTwinError(msg)
-    # Above domain 100 anybody may hold a port of it by chance: who is there must be heard.
+    # Above domain 100 a process may hold a port of it by chance: only announcements count.
     others = inhabitants(domain, LISTEN_FOR_NAMES if _ports_are_held(domain) else LISTEN)
     if others:
         msg = f'in ROS domain {domain} there is {others[0]} already; name another, or none'
@@ -86,10 +86,10 @@ def check_domain(domain: int) -> None:
 @contextmanager
 def own_domain(first: int, listen: float = LISTEN) -> Iterator[int]:
     """
-    Give a domain in which nobody is, and into which no other caller comes meanwhile.
+    Give an empty domain that no other caller takes meanwhile.
 
-    Whoever is there holds one of the domain's ports, even if it has not announced itself yet.
-    Listening finds those, too, who talk in another way than by UDP.
+    A participant holds one of the domain's ports even before it has announced itself. Listening
+    also finds participants that do not use UDP.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Door for the measured temperature: whatever arrives, the ODE sees a value inside the tables."""
+"""Validates the measured temperature: the ODE only sees values inside the tables."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ def inner_ring_step(
 @dataclass(frozen=True, kw_only=True)
 class ThermalNetwork:
     """
-    Two nodes, inner and outer ring, of which the outer is measured.
+    Two nodes, inner and outer ring; the outer one is measured.
 
     ::
 
