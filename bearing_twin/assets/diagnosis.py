@@ -89,6 +89,7 @@ class DiagnosisCore:
 
     def __init__(self, values: Mapping[str, object]) -> None:
         self.diagnoser = build_diagnoser(values)
+        self._axis = values['axis']
         self.nominal_hz = nominal_speed(values)
         """Speed where nobody knows a better one, Hz; NaN if the parameters have none."""
         self.rate_problem = ''
@@ -165,6 +166,7 @@ class DiagnosisCore:
             speed_measured=carried or measured,
             temperature=temperature,
             unit=block.unit,
+            sensor=f'{frame_id} {self._axis}'.strip(),
         )
         return [
             DueVerdict(

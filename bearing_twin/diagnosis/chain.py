@@ -53,6 +53,8 @@ class Excerpt:
     first_sample: int = 0
     temperature: float = math.nan
     unit: str = ''
+    sensor: str = ''
+    """Frame and axis."""
     notes: tuple[str, ...] = ()
     """What happened to the stream since the excerpt before."""
     run: int = 0

@@ -13,7 +13,7 @@ from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.comb import OrderSpectra
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.state import pack, unpack
-from bearing_twin.diagnosis.trend import Trend
+from bearing_twin.diagnosis.trend import Source, Trend
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ['StreamingDiagnoser']
 
-_VERSION = 2
+_VERSION = 3
 
 
 class StreamingDiagnoser:
@@ -37,6 +37,10 @@ class StreamingDiagnoser:
     in ``first_sample``, an index that runs backwards (the source was restarted) or another sample
     rate starts a new window; the next diagnosis says so in its reasons. The ``level`` of the
     diagnoses is held: it follows the verdicts only after ``settings.hold_updates`` equal ones.
+
+    Baseline and trend belong to the source that they were learnt from: sensor, bearing, unit and
+    sample rate. Windows of another source have a baseline of their own and say so; the first is
+    kept for when its source comes back.
 
     Parameters
     ----------
@@ -59,7 +63,9 @@ class StreamingDiagnoser:
         self._settings = settings or DiagnosisSettings()
         self._earlier: deque[tuple[int, OrderSpectra]] = deque()
         self._judged = self._run = 0
-        self._trend = Trend()
+        self.other_source = ''
+        """Why the last window is not of the source of baseline and trend; '' if it is."""
+        self._trend, self._guest = Trend(), Trend()
         self._notes: list[str] = []
         self._rate = math.nan
         self._clear(0)
@@ -92,6 +98,7 @@ class StreamingDiagnoser:
         speed_measured: bool = False,
         temperature: float = math.nan,
         unit: str = '',
+        sensor: str = '',
     ) -> list[Diagnosis]:
         """
         Take a block and return the diagnoses that fall due within it, oldest first.
@@ -106,6 +113,7 @@ class StreamingDiagnoser:
             speed_measured=speed_measured,
             temperature=temperature,
             unit=unit,
+            sensor=sensor,
         )
         return [self.judge(excerpt.analyse()) for excerpt in excerpts]
 
@@ -119,6 +127,7 @@ class StreamingDiagnoser:
         speed_measured: bool = False,
         temperature: float = math.nan,
         unit: str = '',
+        sensor: str = '',
     ) -> list[Excerpt]:
         """
         Take a block and return the windows that fall due within it, oldest first.
@@ -144,6 +153,8 @@ class StreamingDiagnoser:
             Bearing temperature, degC; NaN if unknown.
         unit
             Unit of x.
+        sensor
+            Whose samples they are, e.g. frame and axis.
 
         Raises
         ------
@@ -179,7 +190,7 @@ class StreamingDiagnoser:
             self._next += len(part)
             if self._next == due:
                 self._updates += 1
-                due_now.append(self._excerpt(speed_measured, temperature, unit))
+                due_now.append(self._excerpt(speed_measured, temperature, unit, sensor))
         return due_now
 
     def judge(self, analysis: Analysis) -> Diagnosis:
@@ -191,13 +202,24 @@ class StreamingDiagnoser:
         if excerpt.run != self._judged:
             self._judged = excerpt.run
             self._earlier.clear()
+        source = Source(excerpt.sensor, excerpt.bearing.name, excerpt.unit, excerpt.sample_rate)
+        self.other_source = ''
+        if not self._trend.takes(source):
+            self.other_source = f'baseline and trend are of {self._trend.source}, this is {source}'
         if analysis.window is None:
             return analysis.conclude()
         earlier = self._before(excerpt, wanted)
         if full and settings.averages:
             self._earlier.append((excerpt.end, analysis.window.orders))
-        return self._trend.update(
-            analysis.conclude(earlier),
+        found, trend = analysis.conclude(earlier), self._trend
+        if self.other_source:
+            found = replace(found, reasons=(*found.reasons, self.other_source))
+            if not self._guest.takes(source):
+                self._guest = Trend()
+            trend = self._guest
+        return trend.update(
+            found,
+            source,
             wanted=settings.baseline_windows,
             hold=settings.hold_updates,
             full=full,
@@ -213,6 +235,7 @@ class StreamingDiagnoser:
             arrays[f'carrier{number}'] = orders.carrier
         values = {
             'trend': self._trend.values(),
+            'guest': self._guest.values(),
             'sample_rate': self._rate if math.isfinite(self._rate) else None,
             'start': self._start,
             'next': self._next,
@@ -250,7 +273,7 @@ class StreamingDiagnoser:
                 for n, (end, step, given) in enumerate(values['earlier'])
             )
             start, following = int(values['start']), int(values['next'])
-            trend = Trend.of(values['trend'])
+            trend, guest = Trend.of(values['trend']), Trend.of(values['guest'])
             if rate is not None and not 0.0 < float(rate) < math.inf:
                 raise ValueError(f'sample rate {rate}')
         except (KeyError, TypeError, ValueError) as error:
@@ -263,7 +286,7 @@ class StreamingDiagnoser:
             self._rate = math.nan if rate is None else float(rate)
             self._clear(following)
         self._judged, self._earlier = self._run, earlier
-        self._trend = trend
+        self._trend, self._guest = trend, guest
 
     @property
     def _interval(self) -> int:
@@ -280,7 +303,9 @@ class StreamingDiagnoser:
         self._start = self._next = first_sample
         self._updates = 0
 
-    def _excerpt(self, speed_measured: bool, temperature: float, unit: str) -> Excerpt:
+    def _excerpt(
+        self, speed_measured: bool, temperature: float, unit: str, sensor: str
+    ) -> Excerpt:
         settings = self._settings
         if speed_measured:
             settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
@@ -302,6 +327,7 @@ class StreamingDiagnoser:
             first_sample=self._next - len(samples),
             temperature=temperature,
             unit=unit,
+            sensor=sensor,
             notes=notes,
             run=self._run,
         )

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 import math
-from typing import Any, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.power import expected_level
@@ -15,10 +15,42 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis
 
-__all__ = ['Trend', 'fault_stage']
+__all__ = ['Source', 'Trend', 'fault_stage']
 
 _RISE_DB, _HIGH_DB = 6.0, 12.0
 _DEEP = 1.0
+_SAME_RATE = 0.05
+
+
+class Source(NamedTuple):
+    """
+    What a baseline is learnt from: levels of different sources are not compared.
+
+    >>> machine = Source('imu y', '6205', 'm/s^2', 12000.0)
+    >>> machine.same(machine._replace(sample_rate=12003.2)), machine.same(Source())
+    (True, False)
+    >>> print(machine)
+    sensor 'imu y', bearing '6205', 'm/s^2', 12000 Hz
+
+    """
+
+    sensor: str = ''
+    """Frame and axis."""
+    bearing: str = ''
+    unit: str = ''
+    """Of the samples."""
+    sample_rate: float = 0.0
+    """Hz. One that is estimated from stamps differs a little from start to start."""
+
+    def same(self, other: Source) -> bool:
+        """Whether levels of both are comparable."""
+        near = abs(self.sample_rate - other.sample_rate) <= _SAME_RATE * self.sample_rate
+        return near and self[:3] == other[:3]
+
+    def __str__(self) -> str:
+        """Return it for a message."""
+        rate = f'{self.sample_rate:.5g} Hz'
+        return f'sensor {self.sensor!r}, bearing {self.bearing!r}, {self.unit!r}, {rate}'
 
 
 def fault_stage(index: float, level_over_baseline: float, iso_zone: str) -> int:
@@ -48,8 +80,10 @@ class Trend:
     """Healthy windows learnt from so far."""
     mean: float = 0.0
     """Their mean level, dB, corrected to the expected level of the twin."""
+    sensor: str = ''
+    bearing: str = ''
     unit: str = ''
-    """Unit of the samples they came in; another unit starts the baseline anew."""
+    sample_rate: float = 0.0
     level: str = ''
     """Level that is held; empty before the first statement."""
     pending: str = ''
@@ -57,7 +91,18 @@ class Trend:
     pending_count: int = 0
     """Verdicts in a row that asked for it."""
 
-    def update(self, diagnosis: Diagnosis, *, wanted: int, hold: int, full: bool) -> Diagnosis:
+    @property
+    def source(self) -> Source:
+        """What it is learnt from; its sample rate is 0 before the first statement."""
+        return Source(self.sensor, self.bearing, self.unit, self.sample_rate)
+
+    def takes(self, source: Source) -> bool:
+        """Whether windows of ``source`` belong to it."""
+        return not self.sample_rate or self.source.same(source)
+
+    def update(
+        self, diagnosis: Diagnosis, source: Source, *, wanted: int, hold: int, full: bool
+    ) -> Diagnosis:
         """
         Take a diagnosis in; return it with level over baseline, stage and held level.
 
@@ -65,6 +110,8 @@ class Trend:
         ----------
         diagnosis
             Fresh verdict.
+        source
+            What it was made from, which the trend :meth:`takes`.
         wanted
             Healthy windows that make a baseline; it is then kept as it is.
         hold
@@ -78,8 +125,8 @@ class Trend:
             return diagnosis
         level = 20.0 * math.log10(severity.rms)
         level -= expected_level(diagnosis.shaft_hz, diagnosis.temperature)
-        if severity.unit != self.unit:
-            self.count, self.mean, self.unit = 0, 0.0, severity.unit
+        if not self.sample_rate:
+            self.sensor, self.bearing, self.unit, self.sample_rate = source
         if diagnosis.level == 'ok' and self.count < wanted:
             self.count += 1
             self.mean += (level - self.mean) / self.count
@@ -136,6 +183,7 @@ class Trend:
             setattr(trend, name, value)
         known = ('', *LEVELS)
         sound = trend.level in known and trend.pending in known and math.isfinite(trend.mean)
+        sound &= 0.0 <= trend.sample_rate < math.inf
         if not sound or trend.count < 0 or trend.pending_count < 0:
             msg = f'saved trend is out of range: {values}; use what save() returned'
             raise BearingTwinError(msg)

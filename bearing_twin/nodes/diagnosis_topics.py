@@ -235,7 +235,14 @@ class DiagnosisTopics:
 
     def _keep_state(self) -> None:
         name = self.parameters['state_name']
-        if not name:
+        if not name or self._latest is None:
+            return
+        if other := self._core.diagnoser.other_source:
+            self._node.get_logger().error(
+                f'{self._states.path(name)} stays as it is: {other}; choose another state_name, '
+                f'or call ~/reset to learn anew',
+                throttle_duration_sec=60.0,
+            )
             return
         try:
             self._states.replace(name, self._core.diagnoser.save())

@@ -131,6 +131,44 @@ def test_baseline_is_learnt_kept_and_corrected():
     assert faster[-1].severity.level_over_baseline < -3.0
 
 
+@pytest.mark.parametrize(
+    'change',
+    [
+        {'sensor': 'bearing_housing y'},
+        {'unit': 'g'},
+        {'rate': RATE / 2},
+        {'bearing': find_bearing('6205')},
+    ],
+    ids=lambda change: next(iter(change)),
+)
+def test_a_baseline_takes_no_other_source(change):
+    """Simulated windows, another unit, rate or bearing: the machine then reads as before."""
+    machine = {'sensor': 'imu y', 'unit': 'm/s^2', 'rate': RATE}
+    quiet = np.random.default_rng(4).standard_normal(int(6 * RATE))
+    diagnoser = StreamingDiagnoser(BEARING, SHORT)
+
+    def said(x, first, *, rate, bearing=BEARING, **source):
+        if bearing is not diagnoser.bearing:
+            diagnoser.reconfigure(bearing)
+        return diagnoser.push(first, x, rate, SHAFT_HZ, **source)[-1]
+
+    assert said(quiet, 0, **machine).severity.level_over_baseline == pytest.approx(0.0, abs=0.2)
+    learnt = StreamingDiagnoser(BEARING, SHORT)
+    learnt.load(diagnoser.save())
+    other = {**machine, **change}
+    stray = said(quiet / 7.0, 10**7, **other)
+    assert [r for r in stray.reasons if r.startswith("baseline and trend are of sensor 'imu y'")]
+    assert diagnoser.other_source
+    # Not the machine's 17 dB less, and nothing of it is left behind.
+    assert not stray.severity.level_over_baseline < -1.0
+    back = said(quiet, 0, **machine)
+    assert back.severity.level_over_baseline == pytest.approx(0.0, abs=0.2)
+    assert not diagnoser.other_source
+    # A state over a restart refuses the same.
+    diagnoser = learnt
+    assert said(quiet / 7.0, 10**7, **other).reasons[-1] == stray.reasons[-1]
+
+
 @pytest.mark.parametrize('hold', [1, 2, 4])
 def test_the_level_follows_after_as_many_equal_verdicts_as_it_is_held(hold):
     quiet = np.random.default_rng(4).standard_normal(int(4 * RATE))

@@ -78,8 +78,16 @@ def test_killed_twin_and_killed_diagnosis(nodes, probe, tmp_path):
     probe.until(lambda: len(verdicts) > count, 'verdicts of the new diagnosis')
     log = (tmp_path / 'logs' / 'diagnosis.log').read_text()
     assert f'baseline and trend loaded from {state}' in log
-    assert nodes.end('twin') == 0
+
+    # The state is of a 6307: another bearing neither uses nor changes it.
     assert nodes.end('diagnosis') == 0
+    learnt = state.read_bytes()
+    nodes.start('diagnosis', {**diagnosis, 'bearing': '6205'})
+    log = tmp_path / 'logs' / 'diagnosis.log'
+    probe.until(lambda: f'{state} stays as it is' in log.read_text(), 'the refusal by name')
+    assert nodes.end('diagnosis') == 0
+    assert state.read_bytes() == learnt
+    assert nodes.end('twin') == 0
     assert nodes.end('recorder') == 0
 
 
