@@ -4,7 +4,7 @@
 What a window could have shown, and how the level of a healthy bearing moves with its speed.
 
 Both come from simulations with the twin, kept as a data file beside this module; the command
-``python -m bearing_twin.studies.detection_power`` writes it anew.
+``python -m bearing_twin.studies.detection_power OUT.json`` makes it.
 """
 
 from __future__ import annotations

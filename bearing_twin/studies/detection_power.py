@@ -3,24 +3,26 @@
 """
 The smallest fault that the chain shows, and the healthy level, simulated with the twin.
 
-``python -m bearing_twin.studies.detection_power`` writes ``detection_power.json`` of
-``bearing_twin/diagnosis`` anew (some minutes) and prints it as a table.
+``python -m bearing_twin.studies.detection_power OUT.json`` writes what the diagnosis reads as
+``bearing_twin/diagnosis/detection_power.json`` (some minutes) and prints it as a table.
 """
 
 from __future__ import annotations
 
 from itertools import product
-import json
-from pathlib import Path
-from typing import Any
+import sys
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import find_bearing
-import bearing_twin.diagnosis
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.simulator import Simulator
 from bearing_twin.memory import keep_freed_memory
+from bearing_twin.studies.output import arguments, print_table, write_table
 import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 __all__ = ['main', 'simulate_table']
 
@@ -116,18 +118,21 @@ def simulate_table() -> dict[str, Any]:
     }
 
 
-def main() -> None:
+def main(argv: Sequence[str] | None = None) -> None:
     """Write the data file and print the table."""
+    args = arguments(sys.modules[__name__], writes=True).parse_args(argv)
     keep_freed_memory()
     table = simulate_table()
-    path = Path(bearing_twin.diagnosis.__file__).with_name('detection_power.json')
-    path.write_text(json.dumps(table, indent=1) + '\n', encoding='utf-8')
-    print(f'| fault | shaft Hz | degC | noise m/s^2 | {" | ".join(f"{w:g} s" for w in WINDOWS)} |')
-    print('|---' * (4 + len(WINDOWS)) + '|')
-    for defect, rows in table['smallest_mm'].items():
-        for i, j, k in np.ndindex(len(SPEEDS), len(TEMPERATURES), len(NOISES)):
-            cells = ' | '.join('-' if mm is None else f'{mm:g}' for mm in rows[i][j][k])
-            print(f'| {defect} | {SPEEDS[i]:g} | {TEMPERATURES[j]:g} | {NOISES[k]:g} | {cells} |')
+    write_table(args.output, table)
+    print_table(
+        ('fault', 'shaft Hz', 'degC', 'noise m/s^2', *(f'{w:g} s' for w in WINDOWS)),
+        (
+            (defect, f'{SPEEDS[i]:g}', f'{TEMPERATURES[j]:g}', f'{NOISES[k]:g}',
+             *('-' if mm is None else f'{mm:g}' for mm in rows[i][j][k]))
+            for defect, rows in table['smallest_mm'].items()
+            for i, j, k in np.ndindex(len(SPEEDS), len(TEMPERATURES), len(NOISES))
+        ),
+    )  # fmt: skip
 
 
 if __name__ == '__main__':

@@ -24,9 +24,10 @@ from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies import impact_machines, twin_machines
 from bearing_twin.studies.disturbances import CONDITIONS
+from bearing_twin.studies.output import arguments, print_table
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis import Diagnosis
@@ -88,22 +89,29 @@ def study(cases: Iterable[int], model: str = 'twin') -> list[tuple[Machine, Diag
     return [judge_case(model, number) for number in cases]
 
 
-def main() -> None:
+def main(argv: Sequence[str] | None = None) -> None:
     """Print the answers by condition and by machine."""
+    parser = arguments(sys.modules[__name__])
+    parser.add_argument('cases', type=int, nargs='?', default=600)
+    parser.add_argument('model', choices=MODELS, nargs='?', default='twin')
+    parser.add_argument('first', type=int, nargs='?', default=0)
+    args = parser.parse_args(argv)
     keep_freed_memory()
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 600
-    model = sys.argv[2] if len(sys.argv) > 2 else 'twin'
-    first = int(sys.argv[3]) if len(sys.argv) > 3 else 0
-    found = study(range(first, first + count), model)
+    found = study(range(args.first, args.first + args.cases), args.model)
     answers = ('right', 'wrong', 'suspect', 'ambiguous', 'insufficient', 'healthy')
     machines = sorted({case.machine for case, _ in found})
     for kind, names in (('condition', CONDITIONS), ('machine', machines)):
-        print(f'| {kind} | cases | {" | ".join(answers)} |')
-        print('|---' * (2 + len(answers)) + '|')
-        for name in names:
-            told = Counter(outcome(c, said) for c, said in found if getattr(c, kind) == name)
-            cells = ' | '.join(str(told[answer] or '') for answer in answers)
-            print(f'| {name} | {told.total()} | {cells} |')
+        told = {
+            name: Counter(outcome(c, said) for c, said in found if getattr(c, kind) == name)
+            for name in names
+        }
+        print_table(
+            (kind, 'cases', *answers),
+            (
+                (name, count.total(), *(count[answer] or '' for answer in answers))
+                for name, count in told.items()
+            ),
+        )
         print()
     for case, said in found:
         if outcome(case, said) == 'wrong':

@@ -3,31 +3,31 @@
 """
 How often the answers of the diagnosis are right, by their score: what its confidence rests on.
 
-``python -m bearing_twin.studies.reliability [TWINS IMPACTS [FIRST]]`` diagnoses machines drawn at
-random, from number FIRST (300000) on, with both models of
-:mod:`bearing_twin.studies.generalisation`, writes ``reliability.json`` of
-``bearing_twin/diagnosis`` anew from those of even number, and prints how far the confidence so
-gained holds on those of odd number. No real record takes part.
+``python -m bearing_twin.studies.reliability OUT.json [TWINS IMPACTS [FIRST]]`` diagnoses machines
+drawn at random, from number FIRST (300000) on, with both models of
+:mod:`bearing_twin.studies.generalisation`, writes what the diagnosis reads as
+``bearing_twin/diagnosis/reliability.json`` from those of even number, and prints how far the
+confidence so gained holds on those of odd number. No real record takes part.
 """
 
 from __future__ import annotations
 
 from concurrent.futures import ProcessPoolExecutor
 from itertools import pairwise
-import json
 import os
-from pathlib import Path
 import sys
 from typing import TYPE_CHECKING
 
-import bearing_twin.diagnosis
 from bearing_twin.diagnosis.confidence import KINDS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies.generalisation import judge_case
+from bearing_twin.studies.output import arguments, print_table, write_table
 import numpy as np
 from scipy import optimize
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
     from bearing_twin.diagnosis import Diagnosis
     from bearing_twin.studies.generalisation import Machine
 
@@ -93,26 +93,28 @@ def _one(task: tuple[str, int]) -> tuple[int, tuple[str, float, bool, float]] | 
     return None if said.level == 'none' else (number, tell(case, said))
 
 
-def main() -> None:
+def main(argv: Sequence[str] | None = None) -> None:
     """Write the data file and print the check."""
-    twins, impacts = (int(a) for a in sys.argv[1:3]) if len(sys.argv) > 2 else (600, 1150)
-    first = int(sys.argv[3]) if len(sys.argv) > 3 else 300_000
-    tasks = [('twin', first + n) for n in range(twins)]
-    tasks += [('impacts', first + n) for n in range(impacts)]
+    parser = arguments(sys.modules[__name__], writes=True)
+    parser.add_argument('twins', type=int, nargs='?', default=600)
+    parser.add_argument('impacts', type=int, nargs='?', default=1150)
+    parser.add_argument('first', type=int, nargs='?', default=300_000)
+    args = parser.parse_args(argv)
+    tasks = [('twin', args.first + n) for n in range(args.twins)]
+    tasks += [('impacts', args.first + n) for n in range(args.impacts)]
     with ProcessPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         found = [said for said in pool.map(_one, tasks, chunksize=8) if said is not None]
-    _write(found)
-
-
-def _write(found: list[tuple[int, tuple[str, float, bool, float]]]) -> None:
-    """Count the answers of even number, check on those of odd number."""
     table = _count([told for number, told in found if number % 2 == 0])
     about = 'written by python -m bearing_twin.studies.reliability'
-    path = Path(bearing_twin.diagnosis.__file__).with_name('reliability.json')
-    path.write_text(json.dumps({'about': about, **table}, indent=1) + '\n', encoding='utf-8')
-    print('| answer | confidence | answers | said on average | right |')
-    print('|---|---|---|---|---|')
+    write_table(args.output, {'about': about, **table})
     checked = [(told, _read(table, *told[:2])) for number, told in found if number % 2]
+    print_table(('answer', 'confidence', 'answers', 'said on average', 'right'), _checks(checked))
+
+
+def _checks(
+    checked: list[tuple[tuple[str, float, bool, float], float]],
+) -> Iterator[tuple[object, ...]]:
+    """Yield per kind and range of confidence how often the answers were right."""
     for kind in KINDS:
         for low, high in pairwise(BINS):
             rows = [(p, t[2], t[3]) for t, p in checked if t[0] == kind and low <= p < high]
@@ -120,8 +122,8 @@ def _write(found: list[tuple[int, tuple[str, float, bool, float]]]) -> None:
                 said, right, weight = np.array(rows, dtype=float).T
                 share = (right * weight).sum() / weight.sum()
                 mean = (said * weight).sum() / weight.sum()
-                print(f'| {kind} | {low:g} to {min(high, 1):g} | {len(rows)} | ', end='')
-                print(f'{mean:.2f} | {share:.2f} |')
+                among = f'{low:g} to {min(high, 1):g}'
+                yield kind, among, len(rows), f'{mean:.2f}', f'{share:.2f}'
 
 
 def _read(table: dict[str, dict[str, list[float]]], kind: str, score: float) -> float:

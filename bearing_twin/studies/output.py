@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What the studies share: their arguments, the file that the caller names, tables in Markdown."""
+
+from __future__ import annotations
+
+import argparse
+import inspect
+import json
+from pathlib import Path
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+    from types import ModuleType
+
+__all__ = ['arguments', 'print_table', 'write_table']
+
+
+def arguments(module: ModuleType, *, writes: bool = False) -> argparse.ArgumentParser:
+    """Return a parser that says what a study does, with the file to write if it writes one."""
+    parser = argparse.ArgumentParser(
+        prog=f'python -m {module.__spec__.name if module.__spec__ else module.__name__}',
+        description=inspect.cleandoc(module.__doc__ or ''),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    if writes:
+        parser.add_argument('output', type=_new_file, help='JSON file to write')
+    return parser
+
+
+def _new_file(name: str) -> Path:
+    """Return a file whose folder is there: a study of an hour must not end without a place."""
+    path = Path(name)
+    if not path.absolute().parent.is_dir():
+        raise argparse.ArgumentTypeError(f'{path.absolute().parent} is no folder; make it first')
+    return path
+
+
+def write_table(path: Path, values: Mapping[str, Any]) -> None:
+    """
+    Write what a study found.
+
+    Raises
+    ------
+    BearingTwinError
+        If the file cannot be written.
+
+    """
+    try:
+        path.write_text(json.dumps(values, indent=1) + '\n', encoding='utf-8')
+    except OSError as error:
+        msg = f'{path} cannot be written ({error.strerror}); name another file'
+        raise BearingTwinError(msg) from None
+
+
+def print_table(heading: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Print a table in Markdown."""
+    print(f'| {" | ".join(heading)} |')
+    print('|---' * len(heading) + '|')
+    for row in rows:
+        print(f'| {" | ".join(map(str, row))} |')

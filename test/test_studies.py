@@ -1,0 +1,44 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Studies write where they are told, and never into the package."""
+
+import json
+from pathlib import Path
+
+import bearing_twin.diagnosis
+from bearing_twin.studies import detection_power, generalisation, reliability
+import pytest
+
+PACKAGE = Path(bearing_twin.diagnosis.__file__).parent
+
+
+@pytest.mark.slow
+def test_detection_power_writes_the_file_that_is_named(tmp_path, monkeypatch, capsys):
+    for name in ('SPEEDS', 'TEMPERATURES', 'NOISES', 'WIDTHS', 'SEEDS', 'LEVEL_SPEEDS',
+                 'LEVEL_TEMPERATURES'):  # fmt: skip
+        monkeypatch.setattr(detection_power, name, getattr(detection_power, name)[-1:])
+    before = {path: path.read_bytes() for path in PACKAGE.glob('*.json')}
+    detection_power.main([str(tmp_path / 'power.json')])
+    table = json.loads((tmp_path / 'power.json').read_text())
+    assert set(table) == set(json.loads((PACKAGE / 'detection_power.json').read_text()))
+    # A spall of 2 mm at 50 Hz shows in every window from 2 s on.
+    assert table['smallest_mm']['outer'][0][0][0][1:] == [2.0, 2.0, 2.0]
+    assert '| outer | 50 | 90 | 5 |' in capsys.readouterr().out
+    assert {path: path.read_bytes() for path in PACKAGE.glob('*.json')} == before
+
+
+@pytest.mark.parametrize('study', [detection_power, reliability])
+def test_a_study_without_a_place_to_write_ends_before_it_begins(study, tmp_path, capsys):
+    for words in ([], [str(tmp_path / 'no folder' / 'out.json')]):
+        with pytest.raises(SystemExit) as ended:
+            study.main(words)
+        assert ended.value.code == 2
+    assert 'is no folder' in capsys.readouterr().err
+
+
+def test_generalisation_prints_tables(capsys):
+    generalisation.main(['4', 'impacts', '300000'])
+    out = capsys.readouterr().out
+    assert '| condition | cases | right | wrong | suspect | ambiguous |' in out
+    counts = [int(line.split('|')[2]) for line in out.splitlines() if line.startswith('| none |')]
+    assert sum(counts) <= 4
