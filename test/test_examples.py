@@ -9,7 +9,7 @@ import pkgutil
 
 import pytest
 
-ROOMS = ('bearing', 'diagnosis')
+ROOMS = ('bearing', 'thermal', 'diagnosis')
 """Rooms whose every public function and class has an example."""
 
 

@@ -45,7 +45,16 @@ _SECTION = 3.3
 
 
 def section_height(bearing: Bearing) -> float:
-    """Outside less bore diameter, m; estimated from the ball where they are not published."""
+    """
+    Outside less bore diameter, m; estimated from the ball where they are not published.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> round(section_height(find_bearing('6307')), 4)
+    0.045
+
+    """
     if bearing.bore is None or bearing.outside is None:
         return _SECTION * bearing.d_ball
     return bearing.outside - bearing.bore
@@ -54,7 +63,15 @@ def section_height(bearing: Bearing) -> float:
 def sliding_friction(
     speed_rpm: float, nu: float, mean_diameter: float, boundary: float, film: float
 ) -> float:
-    """Sliding friction coefficient mu_sl between metallic contact and full film."""
+    """
+    Sliding friction coefficient mu_sl between metallic contact and full film.
+
+    Examples
+    --------
+    >>> round(sliding_friction(1500.0, 20e-6, 57.5e-3, 0.12, 0.05), 4)
+    0.0544
+
+    """
     product = speed_rpm * nu * 1e6
     weight = math.exp(-2.6e-8 * product**1.4 * mean_diameter * 1e3)
     return weight * boundary + (1.0 - weight) * film
@@ -91,6 +108,17 @@ def friction_moment(
     mu
         Sliding friction coefficient.
 
+    Examples
+    --------
+    A 6307 under 500 N at 1500 1/min in an oil of 20 mm^2/s:
+
+    >>> rolling, sliding = SERIES['63']
+    >>> moment = friction_moment(
+    ...     1500.0, 20e-6, 500.0, 57.5e-3, 45e-3, rolling, sliding, 3e-8, 0.05
+    ... )
+    >>> round(moment, 4)
+    0.0154
+
     """
     dm = mean_diameter * 1e3
     product = nu * 1e6 * speed_rpm
@@ -102,5 +130,13 @@ def friction_moment(
 
 
 def power_loss(moment: float, speed_rpm: float) -> float:
-    """Heat of friction, W; SKF's 1.05e-4 M n with M in N mm is this."""
+    """
+    Heat of friction, W; SKF's 1.05e-4 M n with M in N mm is this.
+
+    Examples
+    --------
+    >>> round(power_loss(0.03, 1500.0), 2)
+    4.71
+
+    """
     return moment * speed_rpm * math.pi / 30.0

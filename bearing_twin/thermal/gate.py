@@ -79,6 +79,12 @@ class TemperatureGate:
     timeout
         Age above which a reading is stale, s.
 
+    Examples
+    --------
+    >>> gate = TemperatureGate(start=20.0, timeout=5.0)
+    >>> gate.offer(300.0, stamp=1, now=0.0).name
+    'CLAMPED'
+
     """
 
     def __init__(self, *, start: float = TABLE_LOW, timeout: float = 5.0) -> None:

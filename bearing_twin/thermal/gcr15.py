@@ -65,6 +65,11 @@ def check_temperature(temperature: float) -> float:
     BearingTwinError
         Otherwise: the friction table jumps threefold in 10 K, so nothing is extrapolated.
 
+    Examples
+    --------
+    >>> check_temperature(60.0)
+    60.0
+
     """
     low, high = TEMPERATURES[0], TEMPERATURES[-1]
     if not low <= temperature <= high:
@@ -88,17 +93,38 @@ def alpha(temperature: float, unit: float = 1e-5) -> float:
         Unit of table 1, 1/K. Printed is '10^5 K^-1'. ``1e-5`` repairs the lost minus sign and
         keeps the paper's numbers; ``1e-6`` is the magnitude of real steel (12e-6/K).
 
+    Examples
+    --------
+    >>> alpha(20.0)
+    5e-05
+
     """
     return float(np.interp(check_temperature(temperature), TEMPERATURES, EXPANSION_TABLE)) * unit
 
 
 def hardness(temperature: float) -> float:
-    """Rockwell hardness, HRC, at 20 to 110 degC, by linear interpolation of table 2."""
+    """
+    Rockwell hardness, HRC, at 20 to 110 degC, by linear interpolation of table 2.
+
+    Examples
+    --------
+    >>> hardness(110.0)
+    62.4
+
+    """
     return float(np.interp(check_temperature(temperature), TEMPERATURES, HARDNESS_TABLE))
 
 
 def friction(temperature: float) -> float:
-    """Average friction coefficient at 20 to 110 degC, by linear interpolation of table 3."""
+    """
+    Average friction coefficient at 20 to 110 degC, by linear interpolation of table 3.
+
+    Examples
+    --------
+    >>> friction(110.0)
+    0.103
+
+    """
     return float(np.interp(check_temperature(temperature), TEMPERATURES, FRICTION_TABLE))
 
 
@@ -117,6 +143,11 @@ def beta0(
     weights
         Weight of expansion (0 or 1), of hardness and friction over their reference values, and
         these reference values.
+
+    Examples
+    --------
+    >>> beta0(90.0, alpha(110.0), hardness(110.0), friction(110.0), (1.0, 0.0, 0.0, 63.6, 0.015))
+    1.0144
 
     """
     expansion, delta_h, delta_mu, h0, mu0 = weights
@@ -141,6 +172,11 @@ class Beta0:
     Symmetry 2023, 15, 2166, section 3.4. Its friction term carries the hardness symbol by
     mistake; here each term has its own weight. ``alpha(T) (T - T0)`` is kept literally, although
     the strain would be the integral of alpha.
+
+    Examples
+    --------
+    >>> round(Beta0().at(20.0), 4)
+    1.0055
 
     """
 

@@ -24,6 +24,13 @@ def viscosity(temperature: float, a: float, b: float) -> float:
     Kinematic viscosity, m^2/s, at ``temperature`` in degC.
 
     ASTM D341: ``log10(log10(nu + 0.7)) = a - b log10(T)`` with nu in mm^2/s, T in kelvin.
+
+    Examples
+    --------
+    >>> a, b = Lubricant().astm_constants
+    >>> round(viscosity(100.0, a, b) * 1e6, 2)
+    8.7
+
     """
     exponent: float = 10.0 ** (a - b * math.log10(temperature + _KELVIN))
     return float((10.0**exponent - 0.7) * 1e-6)
@@ -34,6 +41,12 @@ def rated_viscosity(speed_rpm: float, mean_diameter: float) -> float:
     Viscosity nu_1 that separates the surfaces, m^2/s; kappa = nu / nu_1.
 
     ISO 281:2007, 9.3.3.2, with the mean diameter in m. At rest there is none: infinite.
+
+    Examples
+    --------
+    >>> round(rated_viscosity(1500.0, 57.5e-3) * 1e6, 1)
+    15.3
+
     """
     if speed_rpm <= 0.0:
         return math.inf
@@ -51,6 +64,12 @@ class Lubricant:
     The default is ISO VG 68. Sliding friction of 0.12 and 0.05 are those of mineral oil. e_C of
     ISO 281, table 13, below 100 mm pitch diameter: 1 extreme cleanliness, 0.8 to 0.6 high, 0.6 to
     0.5 normal, 0.5 to 0.3 slight, 0.3 to 0.1 typical, 0.1 to 0 severe contamination.
+
+    Examples
+    --------
+    >>> round(Lubricant(viscosity_40=100e-6, viscosity_100=11e-6).viscosity(40.0) * 1e6)
+    100
+
     """
 
     viscosity_40: float = quantity(

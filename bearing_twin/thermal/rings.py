@@ -45,19 +45,43 @@ def clearance_change(inner: float, outer: float, d_pitch: float) -> float:
     (Harris and Kotzalas, Essential Concepts of Bearing Technology, chapter 3). With the balls
     midway between the rings, T_b = (T_i + T_o)/2, ball diameter and T0 cancel:
     ``dG_r = alpha D_p (T_o - T_i)``.
+
+    Examples
+    --------
+    An inner ring 10 K warmer than the outer one takes 3.45 um off a 6307:
+
+    >>> round(clearance_change(60.0, 50.0, 57.5e-3) * 1e6, 2)
+    -3.45
+
     """
     return 0.5 * EXPANSION_STEEL * d_pitch * (outer - inner)
 
 
 def relative_modulus(temperature: float) -> float:
-    """Young's modulus of bearing steel over its value at 20 degC: it falls by 3e-4 per kelvin."""
+    """
+    Young's modulus of bearing steel over its value at 20 degC: it falls by 3e-4 per kelvin.
+
+    Examples
+    --------
+    >>> round(relative_modulus(120.0), 3)
+    0.97
+
+    """
     return 1.0 - 3e-4 * (temperature - 20.0)
 
 
 def inner_ring_target(
     outer: float, shaft: float, power: float, ring_to_ring: float, ring_to_shaft: float
 ) -> float:
-    """Inner ring temperature in the steady state, degC, for the outer ring and shaft given."""
+    """
+    Inner ring temperature in the steady state, degC, for the outer ring and shaft given.
+
+    Examples
+    --------
+    >>> inner_ring_target(60.0, 70.0, 6.0, 2.0, 8.0)
+    68.3
+
+    """
     flow = 0.5 * power + ring_to_ring * outer + ring_to_shaft * shaft
     return flow / (ring_to_ring + ring_to_shaft)
 
@@ -74,6 +98,12 @@ def inner_ring_step(
     Inner ring temperature after ``duration`` seconds towards ``target``, degC; exact.
 
     The node's balance is ``C_i dT_i/dt = P/2 - G_io (T_i - T_o) - G_is (T_i - T_sh)``.
+
+    Examples
+    --------
+    >>> round(inner_ring_step(50.0, 60.0, 8.0, 80.0, 2.0, 8.0), 2)
+    56.32
+
     """
     decay = math.exp(-duration * (ring_to_ring + ring_to_shaft) / capacity)
     return target + (inner - target) * decay
@@ -92,6 +122,12 @@ class ThermalNetwork:
     The default capacities are those of the rings of a 6307, 0.17 and 0.24 kg. ``shaft_ratio`` is
     above 1 where heat comes in along the shaft (motor, pump, turbine), below 1 where the housing
     is heated.
+
+    Examples
+    --------
+    >>> round(ThermalNetwork().inner_excess(70.0), 1)
+    4.0
+
     """
 
     inner_capacity: float = quantity(
