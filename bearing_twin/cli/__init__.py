@@ -20,6 +20,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin import __version__
+from bearing_twin.cli.terminal import shown
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
 
@@ -83,7 +84,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         status: int = args.run(args)
     except BearingTwinError as error:
-        print(f'bearing-twin {args.command}: {error}', file=sys.stderr)
+        text = shown(error, keep='\n')
+        print(f'bearing-twin {args.command}: {text}', file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130

@@ -17,7 +17,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import Bearing, find_bearing, named_bearing, NEXT_STEPS, own_bearing
 from bearing_twin.cli.diagnose_series import run_series
 from bearing_twin.cli.diagnose_text import line, page
-from bearing_twin.cli.terminal import progress
+from bearing_twin.cli.terminal import progress, shown, shown_inside
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.dataset import dataset_signals, is_dataset
@@ -121,10 +121,11 @@ def run(args: argparse.Namespace) -> int:
     for done, answer in enumerate(_answers(tasks, args), start=1):
         if 'error' in answer:
             unread += 1
-            print(f'bearing-twin diagnose: {answer["error"]}', file=sys.stderr, flush=True)
+            print(f'bearing-twin diagnose: {shown(answer["error"])}', file=sys.stderr, flush=True)
         if args.json:
             print(json.dumps(answer), flush=True)
         elif 'error' not in answer:
+            answer = shown_inside(answer)
             print(page(answer) if len(tasks) == 1 else line(answer), flush=True)
         progress(done, len(tasks), 'files')
     return 1 if unread else 0
@@ -136,7 +137,7 @@ def _list_channels(args: argparse.Namespace) -> int:
         print(json.dumps(listed))
         return 0
     for name, names in listed.items():
-        print(f'{name}:', *names, sep='\n    ')
+        print(f'{name}:', *map(shown, names), sep='\n    ')
     return 0
 
 

@@ -10,6 +10,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from bearing_twin.cli.terminal import shown
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.stamps import NANO
@@ -71,4 +72,4 @@ def _print(info: RecordingInfo, health: RecordingHealth | None, problems: list[s
     if health and not problems:
         rows.append(('health', 'sound: nothing missing, time runs forwards'))
     for key, text in rows:
-        print(f'{key:<11} {text}')
+        print(f'{key:<11} {shown(text)}')

@@ -9,6 +9,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from bearing_twin.cli.terminal import shown
 from bearing_twin.recording.recover import recover
 
 if TYPE_CHECKING:
@@ -39,11 +40,15 @@ def run(args: argparse.Namespace) -> int:
         return 0 if report.kept else 1
     print(f'kept    {report.kept} messages over {report.duration:.3f} s in {target}')
     for topic, count in sorted(report.topics.items()):
-        print(f'        {count:8d}  {topic}')
+        print(f'        {count:8d}  {shown(topic)}')
     if not report.losses:
         print('lost    nothing')
     for loss in report.losses:
-        print(f'lost    {loss}')
+        print(f'lost    {shown(loss)}')
     if report.lost_bytes:
-        print(f'        {report.lost_bytes} of {report.size} bytes after the last complete chunk')
+        print(f'        {report.lost_bytes} of {report.size} bytes cannot be read')
+    if report.unlisted_losses:
+        print(f'        and {report.unlisted_losses} further losses')
+    if report.lost_messages:
+        print(f"        {report.lost_messages} messages are missing by the files' own count")
     return 0 if report.kept else 1

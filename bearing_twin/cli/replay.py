@@ -14,6 +14,7 @@ import threading
 import time
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.cli.terminal import shown
 from bearing_twin.errors import BearingTwinError
 import yaml
 
@@ -100,7 +101,7 @@ def _offline(args: argparse.Namespace) -> int:
         print(json.dumps({**asdict(report), 'seconds': took}, default=str))
         return status
     for problem in report.problems:
-        print(f'left out: {problem}', file=sys.stderr)
+        print(f'left out: {shown(problem)}', file=sys.stderr)
     verdicts = ', '.join(f'{name} {count}' for name, count in report.verdicts.items())
     covered = f'{report.covered:.1f} s'
     if report.stopped:

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import TextIO
+from typing import Any, TextIO
 
-__all__ = ['by_level', 'coloured', 'progress']
+__all__ = ['by_level', 'coloured', 'progress', 'shown', 'shown_inside']
 
 _COLOURS = {'ok': '32', 'suspect': '33', 'fault': '1;31', 'none': '36', 'bold': '1'}
 
@@ -24,6 +24,39 @@ def by_level(text: str, level: str, stream: TextIO | None = None) -> str:
     if code is None or not coloured(sys.stdout if stream is None else stream):
         return text
     return f'\x1b[{code}m{text}\x1b[0m'
+
+
+def shown(text: object, keep: str = '') -> str:
+    r"""
+    Return a text from outside with what a terminal would obey written as an escape.
+
+    Parameters
+    ----------
+    text
+        Names and messages out of a file: they may hold colours, cursor movements, titles, and
+        marks that turn the direction of the text.
+    keep
+        Characters that are left as they are, such as the newlines of an error.
+
+    Examples
+    --------
+    >>> shown('\x1b[31mred')
+    '\\x1b[31mred'
+
+    """
+    return ''.join(
+        c if c.isprintable() or c in keep else c.encode('unicode_escape').decode()
+        for c in str(text)
+    )
+
+
+def shown_inside(value: Any) -> Any:
+    """Return an answer with every text in it as :func:`shown` gives it."""
+    if isinstance(value, dict):
+        return {key: shown_inside(inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [shown_inside(inner) for inner in value]
+    return shown(value) if isinstance(value, str) else value
 
 
 def progress(done: int, total: int, what: str = '') -> None:

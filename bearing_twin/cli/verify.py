@@ -9,6 +9,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from bearing_twin.cli.terminal import shown
 from bearing_twin.offline.verify import reproduce
 
 if TYPE_CHECKING:
@@ -33,15 +34,16 @@ def run(args: argparse.Namespace) -> int:
         print(json.dumps({**asdict(result), **about}, default=str))
         return 0 if result.identical else 1
     for topic, agreement in sorted(result.topics.items()):
+        name = shown(topic)
         print(
-            f'{topic:<16} {agreement.identical} identical, {agreement.different} different, '
+            f'{name:<16} {agreement.identical} identical, {agreement.different} different, '
             f'{agreement.missing} missing, {agreement.skipped} not re-run'
         )
         if agreement.first_difference:
-            print(f'{"":<16} first difference: {agreement.first_difference}')
+            print(f'{"":<16} first difference: {shown(agreement.first_difference)}')
     for note in result.notes:
-        print(f'note             {note}')
-    print(_summary(result))
+        print(f'note             {shown(note)}')
+    print(shown(_summary(result)))
     return 0 if result.identical else 1
 
 

@@ -13,6 +13,7 @@ import tempfile
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
+from bearing_twin.cli.terminal import shown
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.rerun.blueprint import PAGES
 from bearing_twin.view.rerun.opening import draw_recordings, find_recording
@@ -124,7 +125,7 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
     progress = _progress if sys.stderr.isatty() else None
     problems = draw_recordings(paths, rrd, page=args.page, progress=progress)
     for topic, reason in problems.items():
-        print(f'{topic} is not drawn: {reason}', file=sys.stderr)
+        print(f'{shown(topic)} is not drawn: {shown(reason)}', file=sys.stderr)
     if args.save:
         _copy(rrd, args.save)
     return [str(rrd)]

@@ -16,7 +16,7 @@ from bearing_twin.recording.mcapfile import (
     parse,
 )
 from bearing_twin.recording.salvage import sound_records
-from bearing_twin.recording.schema import canonical_cdr, store_from_text
+from bearing_twin.recording.schema import canonical_cdr, store_from_text, type_conflict
 from bearing_twin.recording.summary import summary_records
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
@@ -95,6 +95,12 @@ class RecordedMessage:
             )
             raise BearingTwinError(msg)
         store = store_from_text(channel.type_name, channel.schema)
+        if conflict := type_conflict(channel.type_name, channel.schema):
+            msg = (
+                f'{channel.topic} has another {channel.type_name} than this version knows: '
+                f'{conflict}'
+            )
+            raise BearingTwinError(msg)
         try:
             return store.deserialize_cdr(self.cdr, channel.type_name)
         except Exception as error:
@@ -113,7 +119,7 @@ def known_fields(topic: str, type_name: str) -> Iterator[None]:
     """
     try:
         yield
-    except (AttributeError, TypeError, ValueError, OverflowError) as error:
+    except (AttributeError, TypeError, ValueError, OverflowError, IndexError) as error:
         msg = f'{topic} has another {type_name} than this version knows ({error})'
         raise BearingTwinError(msg) from None
 

@@ -9,7 +9,7 @@ from functools import cache, lru_cache
 import os
 from pathlib import Path
 import sys
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from rosbags.interfaces import Nodetype
@@ -21,11 +21,17 @@ if TYPE_CHECKING:
 
     from rosbags.interfaces.typing import Typesdict
 
-__all__ = ['MessageSchema', 'canonical_cdr', 'message_schema', 'store_from_text']
+__all__ = [
+    'MessageSchema',
+    'canonical_cdr',
+    'message_schema',
+    'store_from_text',
+    'type_conflict',
+]
 
 SEPARATOR = '=' * 80 + '\n'
 
-LONGEST_SCHEMA = 1_000_000
+LONGEST_SCHEMA = 250_000
 """Longest schema text that is parsed, characters."""
 
 LONGEST_SEQUENCE = 64 * 1024 * 1024
@@ -92,6 +98,36 @@ def store_from_text(type_name: str, text: str) -> Typestore:
         msg = f'the schema of {type_name} cannot be read ({type(error).__name__}: {error})'
         raise BearingTwinError(msg) from None
     return store
+
+
+@lru_cache(maxsize=256)
+def type_conflict(type_name: str, text: str) -> str:
+    """
+    Say in which field an embedded schema differs in kind from the type that this version knows.
+
+    Whoever reads a field relies on a number, a text, a list or a message being one. Fields that
+    are missing or new are no conflict, nor are other widths of numbers; '' where there is none.
+    """
+    try:
+        known = store_from_text(type_name, message_schema(type_name).text).fielddefs
+    except BearingTwinError:
+        return ''
+    found = store_from_text(type_name, text).fielddefs
+    for name in known.keys() & found.keys():
+        ours = {field: _kind(about) for field, about in known[name][1]}
+        for field, about in found[name][1]:
+            if ours.get(field, _kind(about)) != _kind(about):
+                return f'{field} of {name} is {_kind(about)} instead of {ours[field]}'
+    return ''
+
+
+def _kind(about: Any) -> str:
+    node, inside = about
+    if node == Nodetype.NAME:
+        return str(inside)
+    if node == Nodetype.BASE:
+        return 'a text' if inside[0] in ('string', 'wstring') else 'a number'
+    return f'a list of {_kind(inside[0])}'
 
 
 def canonical_cdr(type_name: str, text: str, cdr: bytes) -> bytes:

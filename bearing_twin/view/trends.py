@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_FAULT
@@ -51,7 +52,11 @@ def _per_family(field: str) -> tuple[Trend, ...]:
     """Return the elements of a field with one element a fault family."""
 
     def element(k: int) -> Callable[[Any], float]:
-        return lambda diagnosis: getattr(diagnosis, field)[k]
+        def value(diagnosis: Any) -> float:
+            values = getattr(diagnosis, field)
+            return float(values[k]) if k < len(values) else math.nan
+
+        return value
 
     return tuple(
         Trend(family.key, family.label, family.colour, element(k))

@@ -11,7 +11,7 @@ import sys
 from typing import TYPE_CHECKING
 import zipfile
 
-from mcap.writer import CompressionType, Writer
+from mcap.writer import CompressionType, IndexType, Writer
 import pytest
 from test_foreign import npy
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 MIB = 2**20
-ROOM = 768 * MIB
+ROOM = 512 * MIB
 """Address space that a reader gets beyond what it has when it begins, bytes."""
 
 READER = """
@@ -47,10 +47,10 @@ for attempt in attempts:
 """
 
 
-def read(path: Path) -> str:
+def read(path: Path, room: int = ROOM) -> str:
     """Read a file in a process that has little memory; return the errors."""
     ran = subprocess.run(
-        [sys.executable, '-c', READER, str(path), str(ROOM)],
+        [sys.executable, '-c', READER, str(path), str(room)],
         capture_output=True,
         text=True,
         cwd=Path(__file__).parents[2],
@@ -80,6 +80,43 @@ def chunk(path: Path, compression: CompressionType) -> None:
         channel = writer.register_channel('/t', 'cdr', schema)
         writer.add_message(channel, 5, bytes(400 * MIB), 5)
         writer.finish()
+
+
+def many_messages(path: Path) -> None:
+    """400 000 messages of no content in one chunk of some kB."""
+    with path.open('wb') as file:
+        writer = Writer(file, chunk_size=2**30, index_types=IndexType.CHUNK)
+        writer.start(profile='ros2')
+        schema = writer.register_schema('std_msgs/msg/Empty', 'ros2msg', b'')
+        channel = writer.register_channel('/x', 'cdr', schema)
+        for _ in range(400_000):
+            writer.add_message(channel, 0, b'', 0)
+        writer.finish()
+
+
+def many_entries(path: Path) -> None:
+    """Name one chunk in 20 000 entries of the index."""
+    with path.open('wb') as file:
+        writer = Writer(file)
+        writer.start(profile='ros2')
+        schema = writer.register_schema('std_msgs/msg/Empty', 'ros2msg', b'')
+        channel = writer.register_channel('/x', 'cdr', schema)
+        for _ in range(10_000):
+            writer.add_message(channel, 0, bytes(100), 0)
+        writer.flush()
+        writer._Writer__chunk_indices *= 20_000
+        writer.finish()
+
+
+def test_messages_are_counted_and_not_only_their_bytes(tmp_path: Path) -> None:
+    many_messages(tmp_path / 'many.mcap')
+    assert (tmp_path / 'many.mcap').stat().st_size < 200_000
+    read(tmp_path / 'many.mcap', 128 * MIB)
+
+
+def test_a_chunk_is_named_once(tmp_path: Path) -> None:
+    many_entries(tmp_path / 'index.mcap')
+    assert 'does not fit between the others' in read(tmp_path / 'index.mcap')
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,15 @@ from __future__ import annotations
 import random
 from typing import TYPE_CHECKING
 
-from fuzzing import fuzz, KINDS
+from absurd import absurd, ROOM
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.recover import recover
+from bearing_twin.recording.writer import WriterOptions
+from fuzzing import clean, fuzz, KINDS, mutate
 import pytest
+from recording_samples import write_blocks
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -39,3 +46,59 @@ def test_mutated_files(kind: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize('kind', KINDS)
 def test_ten_thousand_mutated_files(kind: str, tmp_path: Path) -> None:
     check(kind, 10_000, random.SystemRandom().randrange(2**32), tmp_path)
+
+
+def test_absurd_recordings_end_no_command(tmp_path: Path) -> None:
+    found = absurd(8, 1, tmp_path)
+    assert found['failures'] == []
+
+
+@pytest.mark.fuzz
+def test_absurd_recordings_at_length(tmp_path: Path) -> None:
+    seed = random.SystemRandom().randrange(10**6)
+    found = absurd(500, seed, tmp_path)
+    print(f'seed {seed}: longest {found["longest"]}, memory +{found["memory"] / 1e6:.0f} MB')
+    assert found['failures'] == []
+    assert found['memory'] < ROOM
+
+
+def damage_bags(count: int, seed: int, folder: Path) -> None:
+    """Damage some files of a bag, in each of ``count`` copies; the others must be saved whole."""
+    write_blocks(folder / 'bag', 60, WriterOptions(split_size=120_000, compression='none'))
+    sound = {path.name: path.read_bytes() for path in sorted((folder / 'bag').glob('*.mcap'))}
+    held = {name: recording_info(folder / 'bag' / name).count for name in sound}
+    bag, out = folder / 'damaged', folder / 'out'
+    for case in range(count):
+        rng = random.Random(seed * 1_000_003 + case)
+        for path in (bag, out):
+            path.mkdir(exist_ok=True)
+            clean(path)
+        bad = rng.sample(sorted(sound), rng.randrange(len(sound)))
+        for name, content in sound.items():
+            kinds = [
+                b'', bytes(rng.randrange(100_000)), content[: rng.randrange(len(content))],
+                content[: rng.randrange(len(content))] + bytes(rng.randrange(100_000)),
+                mutate(content, rng), rng.randbytes(1000),
+            ]  # fmt: skip
+            (bag / name).write_bytes(rng.choice(kinds) if name in bad else content)
+        untouched = sum(number for name, number in held.items() if name not in bad)
+        assert recording_info(bag).count >= untouched, case
+        assert bool(recording_health(bag).topics), case
+        report = recover(bag, out / 'saved')
+        assert report.kept >= untouched, case
+        assert len(list(read_messages(out / 'saved'))) == report.kept
+        try:
+            assert len(list(read_messages(bag, problems=[]))) >= untouched, case
+        except BearingTwinError:
+            assert len(bad) == len(sound), case
+
+
+def test_damaged_bags(tmp_path: Path) -> None:
+    damage_bags(15, 1, tmp_path)
+
+
+@pytest.mark.fuzz
+def test_a_thousand_damaged_bags(tmp_path: Path) -> None:
+    seed = random.SystemRandom().randrange(10**6)
+    print(f'seed {seed}')
+    damage_bags(1000, seed, tmp_path)

@@ -9,8 +9,9 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 from bearing_twin.stamps import NANO
+from bearing_twin.streams.vibration_input import HIGHEST_RATE
 from bearing_twin.view.verdict import Headline
 import numpy as np
 
@@ -152,11 +153,10 @@ class _Collector:
         if taker is None:
             return
         try:
-            content = message.decode()
+            with known_fields(message.topic, message.type_name):
+                taker(time, message.decode())
         except BearingTwinError:
             self.machine.undecodable += 1
-            return
-        taker(time, content)
 
     def _diagnosis(self, time: float, message: Any) -> None:
         self.machine.diagnoses.append((time, message))
@@ -183,7 +183,7 @@ class _Collector:
     def _vibration(self, time: float, message: Any) -> None:
         samples = np.asarray(message.y if len(message.y) else message.x, dtype=np.float32)
         machine = self.machine
-        if not samples.size or not message.sample_rate > 0.0:
+        if not samples.size or not 0.0 < message.sample_rate <= HIGHEST_RATE:
             return
         machine.unit = str(message.unit)
         machine.sample_rate = float(message.sample_rate)

@@ -61,11 +61,21 @@ def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
     # The style is that of the figure being made, never that of the program around it.
     with mpl.rc_context(STYLE):
         for number, plot in enumerate(plots):
-            made = plot(machine)
-            if made is not None:
-                caption, figure = made
-                found.append((caption, svg_element(figure, f'{prefix}{number}-')))
+            found += _drawn(plot, machine, f'{prefix}{number}-')
     return found
+
+
+def _drawn(
+    plot: Callable[[Machine], tuple[str, Figure] | None], machine: Machine, prefix: str
+) -> list[tuple[str, str]]:
+    """Draw one picture; one that absurd numbers make impossible costs no other."""
+    try:
+        made = plot(machine)
+        return [(made[0], svg_element(made[1], prefix))] if made is not None else []
+    except Exception as error:
+        # Matplotlib raises many kinds where numbers come near the largest of their type.
+        name = plot.__name__.strip('_').replace('_', ' ')
+        return [(f'The {name} cannot be drawn ({type(error).__name__}: {error})', '')]
 
 
 def _columns(pairs: Sequence[tuple[float, ...]]) -> NDArray[np.float64]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import io
 import re
 from typing import Any, TYPE_CHECKING
+import warnings
 
 from bearing_twin.view.style import FAMILIES, VERDICTS
 import matplotlib as mpl
@@ -54,6 +55,8 @@ STYLE: dict[Any, Any] = {
     'axes.titlelocation': 'left',
     'legend.frameon': False,
     'legend.fontsize': 8.0,
+    # Units and names come out of recordings: a dollar sign is one.
+    'text.parse_math': False,
 }
 WIDTH = 7.4
 """Of every picture, inches: fits a printed A4 page."""
@@ -62,7 +65,9 @@ WIDTH = 7.4
 def svg_element(figure: Figure, prefix: str) -> str:
     """Return a figure as an SVG element whose ids all start with ``prefix``."""
     buffer = io.StringIO()
-    with mpl.rc_context({'svg.hashsalt': prefix}):
+    with mpl.rc_context({'svg.hashsalt': prefix}), warnings.catch_warnings():
+        # Of characters that no font has, and of numbers near the largest of their type.
+        warnings.simplefilter('ignore')
         figure.savefig(buffer, format='svg', metadata={'Date': None, 'Creator': None})
     text = buffer.getvalue()
     text = text[text.index('<svg') :]
