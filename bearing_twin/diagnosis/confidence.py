@@ -10,10 +10,14 @@ import json
 
 import numpy as np
 
-__all__ = ['KINDS', 'confidence']
+__all__ = ['KINDS', 'LEAST_CONFIDENCE', 'confidence']
 
 KINDS = ('fault', 'suspect', 'ambiguous', 'healthy')
 """Kinds of answers that have a confidence; ``'fault'`` stands for every named fault."""
+
+
+LEAST_CONFIDENCE = 0.5
+"""Confidence below which a bearing is not called healthy."""
 
 
 @functools.cache

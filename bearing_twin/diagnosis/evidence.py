@@ -7,7 +7,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.bearing import PLACES
+from bearing_twin.bearing import find_bearing, PLACES
 from bearing_twin.diagnosis.search import Candidate
 from bearing_twin.diagnosis.thresholds import (
     BLURRED,
@@ -23,6 +23,7 @@ from bearing_twin.diagnosis.thresholds import (
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.comb import OrderSpectra
     from bearing_twin.diagnosis.search import CombSearch
 
@@ -89,6 +90,7 @@ class Evidence:
         undisturbed: dict[str, Any] = {
             'turns': turns,
             'shaft_hz': 25.0,
+            'bearing': find_bearing('6205'),
             'cage_turns': 0.4 * turns,
             'steady': True,
             'step': 0.005,
@@ -105,6 +107,10 @@ class Evidence:
             'cage_series_order': 0.0,
             'shaft_sidebands_dominate': False,
             'others': (),
+            'elsewhere': Candidate('elsewhere', 1.5, 0.0, 0.0, 0.0),
+            'elsewhere_explains': False,
+            'cage_sideband_ratio': 0.4,
+            'turning_sideband_ratio': 0.3,
         }
         unknown = quantities.keys() - undisturbed.keys()
         if unknown:
@@ -123,6 +129,11 @@ class Evidence:
     def shaft_hz(self) -> float:
         """Shaft speed, Hz."""
         return self._combs.shaft_hz
+
+    @cached_property
+    def bearing(self) -> Bearing:
+        """Geometry."""
+        return self._combs.bearing
 
     @cached_property
     def cage_turns(self) -> float:
@@ -350,6 +361,41 @@ class Evidence:
     def shaft_sidebands_dominate(self) -> bool:
         """Whether a leading ball's comb has higher sidebands of the shaft than of the cage."""
         return self._combs.shaft_sidebands_dominate(self.leading)
+
+    @cached_property
+    def cage_sideband_ratio(self) -> float:
+        """Sidebands of the cage over the harmonics of a leading ball."""
+        return self._combs.cage_sideband(self.leading)[1]
+
+    @cached_property
+    def turning_sideband_ratio(self) -> float:
+        """
+        Sidebands over the harmonics of the leading comb, at about one turn of the shaft.
+
+        The shaft may turn at another speed than was said.
+        """
+        return self._combs.turning_sideband(self.leading)[1]
+
+    @cached_property
+    def elsewhere(self) -> Candidate:
+        """Best comb at any order off the multiples of the shaft, whatever makes it."""
+        return self._combs.strongest_anywhere(beyond=not self.remaining)
+
+    @cached_property
+    def elsewhere_explains(self) -> bool:
+        """Whether a more significant comb at another order makes the lines of the leading one."""
+        comb, leading = self.elsewhere, self.leading
+        ratio = leading.order / comb.order
+        multiple = max(round(ratio), 1)
+        shares_lines = abs(ratio / multiple - 1.0) <= SLIP_COST
+        # A ball that strikes one race only has its highest lines at the spin.
+        if shares_lines and (multiple == 1 or (multiple, leading.place) == (2, 'ball')):
+            return False
+        return (
+            comb.index >= INDEX_FAULT
+            and comb.z > (RIVAL if shares_lines else 1.0) * leading.z
+            and self._combs.left_without(comb, leading) < Z_FAULT
+        )
 
     @cached_property
     def others(self) -> tuple[Candidate, ...]:

@@ -12,15 +12,21 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import NamedTuple, TYPE_CHECKING
 
+from bearing_twin.diagnosis.confidence import confidence, LEAST_CONFIDENCE
+from bearing_twin.diagnosis.fits import fitting_bearings, fitting_speeds
 from bearing_twin.diagnosis.gate import CAGE_TURNS, HEALTHY_TURNS
 from bearing_twin.diagnosis.thresholds import (
     INDEX_FAULT,
     INDEX_STRIKE,
     INDEX_SUSPECT,
     RIVAL,
+    SLIP_COST,
+    SWAY,
+    UNLIKELY_SLIP,
+    Z_ELSEWHERE,
     Z_FAULT,
 )
-from bearing_twin.diagnosis.verdict import Verdict
+from bearing_twin.diagnosis.verdict import highest_comb, Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -129,6 +135,34 @@ def _masked_candidate(e: Evidence) -> Verdict | None:
     )
 
 
+@_rule('suspect', 'Impacts stand at an order that no part of this bearing makes.')
+def _impacts_elsewhere(e: Evidence) -> Verdict | None:
+    comb = e.elsewhere
+    if e.remaining or comb.z < Z_ELSEWHERE or comb.index < INDEX_FAULT:
+        return None
+    return _elsewhere(e, 'fit no part of')
+
+
+@_rule('insufficient', 'A comb may be too weak for a remark and too high for a healthy bearing.')
+def _uncertain_health(e: Evidence) -> Verdict | None:
+    highest = highest_comb(e.candidates.values())
+    if e.remaining or highest is None:
+        return None
+    if confidence('healthy', highest.z) >= LEAST_CONFIDENCE:
+        return None
+    text = (
+        f'not known: the comb of the {highest.place} is too high for a healthy bearing and too '
+        'weak for a fault; a longer window, a measured speed, or a sensor nearer to the bearing '
+        'may tell'
+    )
+    return Verdict(
+        result='insufficient',
+        level='none',
+        reasons=(str(highest), text),
+        candidates=e.candidates,
+    )
+
+
 @_rule(
     'insufficient', 'A short window shows strong faults only, so it cannot call a bearing healthy.'
 )
@@ -218,6 +252,40 @@ def _shaft_sideband_dominated(e: Evidence) -> Verdict | None:
     return _ambiguous(e, ('inner', 'ball'), e.leading, text)
 
 
+@_rule('suspect', 'A comb may be part of stronger impacts at an order of no part of the bearing.')
+def _elsewhere_explains(e: Evidence) -> Verdict | None:
+    return _elsewhere(e, 'explain it, and fit no part of') if e.elsewhere_explains else None
+
+
+@_rule('suspect', 'A ball passes the load zone with the cage, so its comb has cage sidebands.')
+def _ball_without_cage_sidebands(e: Evidence) -> Verdict | None:
+    least = max(SWAY, e.turning_sideband_ratio)
+    if e.leading.place != 'ball' or e.cage_sideband_ratio >= least:
+        return None
+    text = (
+        f'its sidebands at the turns of the cage are {e.cage_sideband_ratio:.2f} of its height, '
+        f'at those of the shaft {e.turning_sideband_ratio:.2f}, and a ball moves with the cage: '
+        'impacts of another part, another bearing or another speed? check bearing and speed'
+    )
+    return _suspect(e, e.leading, text)
+
+
+@_rule('suspect', 'With a large slip a race needs sidebands that fit: shaft ones if it turns.')
+def _slipping_race(e: Evidence) -> Verdict | None:
+    leading = e.leading
+    if leading.place == 'ball' or leading.slip <= SLIP_COST:
+        return None
+    turns = leading.shaft_sideband_ratio >= SWAY
+    if turns == (leading.place == 'inner'):
+        return None
+    text = (
+        f'it needs a slip of {leading.slip:.1%}, and its shaft sidebands of '
+        f'{leading.shaft_sideband_ratio:.2f} of its height are those of a part that '
+        f'{"turns" if turns else "stands still"}: check bearing and speed'
+    )
+    return _suspect(e, leading, text)
+
+
 @_rule(
     'ambiguous',
     'An impact once a turn has lines at all multiples of the shaft.',
@@ -301,7 +369,14 @@ def _weak_modulation(e: Evidence) -> Verdict | None:
 def _fault(e: Evidence) -> Verdict | None:
     places = tuple(c.place for c in (e.leading, *_certain(e)) if c.index >= INDEX_FAULT)
     texts = (*map(str, _in_order(e)[1:]), *((_GIVE_SPEED,) if _doubtful(e) else ()))
-    return _alarm(e, places, e.leading, *texts)
+    verdict = _alarm(e, places, e.leading, *texts)
+    if e.leading.slip <= UNLIKELY_SLIP:
+        return verdict
+    text = (
+        f'it needs a slip of {e.leading.slip:.1%}: no alarm, as a bearing under load slips by '
+        'less; check bearing and speed'
+    )
+    return replace(verdict, level='suspect', reasons=(*verdict.reasons, text))
 
 
 def decide(evidence: Evidence) -> Verdict:
@@ -378,6 +453,26 @@ def _ambiguous(
         reasons=(str(strongest), *texts),
         candidates=candidates or e.candidates,
         strongest=strongest,
+    )
+
+
+def _elsewhere(e: Evidence, what: str) -> Verdict:
+    """Verdict on impacts that no part of the bearing makes, with what would explain them."""
+    comb = e.elsewhere
+    if abs(comb.order - 1.0) < 0.1:
+        text = f'the shaft seems to turn at {comb.order * e.shaft_hz:.4g} Hz: check the speed'
+    else:
+        text = f'periodic impacts at {comb.order:.3f} orders {what} a {e.bearing.name}: check '
+        text += 'bearing and speed'
+        speeds = fitting_speeds(comb.order, e.shaft_hz, e.bearing)
+        bearings = fitting_bearings(comb.order, 2.0 * e.step, e.bearing)
+        text += f'; a speed of {" or ".join(speeds)} would fit' if speeds else ''
+        text += f'; in the catalogue {", ".join(bearings)} would fit' if bearings else ''
+    found = (
+        f'impacts at {comb.order:.3f} orders, z {comb.z:.1f}, modulation index {comb.index:.2f}'
+    )
+    return Verdict(
+        result='suspect', level='suspect', reasons=(found, text), candidates=e.candidates
     )
 
 

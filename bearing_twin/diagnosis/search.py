@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import TYPE_CHECKING
 
@@ -30,6 +30,7 @@ from bearing_twin.diagnosis.thresholds import (
     SLIP_COST,
     SLOW_CAGE,
     STEADY,
+    Z_ELSEWHERE,
     Z_FAULT,
 )
 import numpy as np
@@ -105,6 +106,7 @@ class CombSearch:
     """
 
     def __init__(self, spectra: OrderSpectra, bearing: Bearing, speed: ShaftSpeed) -> None:
+        self.bearing = bearing
         self.orders = fault_orders(bearing)
         self._slipped = fault_orders(bearing, SLIP[1])
         self._n_balls = bearing.n_balls
@@ -150,6 +152,45 @@ class CombSearch:
         return Candidate(
             place, found, float(slip[at]), float(z[at]), index, band, alive, sidebands
         )
+
+    def strongest_anywhere(self, *, beyond: bool = False) -> Candidate:
+        """
+        Best comb at any order off the multiples of the shaft, whatever makes it.
+
+        Parameters
+        ----------
+        beyond
+            Whether to look beyond the orders of this bearing as well, where none below them is
+            significant: as far as three harmonics reach.
+
+        """
+        found = self._off_shaft(self._scores.grid, self._scores.z)
+        if beyond and found.z < Z_ELSEWHERE:
+            step = 2.0 * (self._scores.grid[1] - self._scores.grid[0])
+            grid = np.arange(self._scores.grid[-1], self.top / 3.0, step)
+            farther = self._off_shaft(grid, self._scores.judge(self.spectra, grid)[0])
+            found = max(found, farther, key=lambda c: c.z)
+        # Of impacts beyond the orders looked at a fraction shows, without its first harmonics.
+        multiple = missing_harmonics(self._all, found.order, self._columns(found), self._silent)
+        return replace(found, order=multiple * found.order)
+
+    def _off_shaft(self, grid: NDArray[np.float64], z: NDArray[np.float64]) -> Candidate:
+        """Best comb of a grid off the multiples of the shaft."""
+        away = np.abs(grid - np.maximum(np.rint(grid), 1.0))
+        off = away > self._uncertainty * grid + 1.25 * self.spectra.step
+        at = int(np.argmax(np.where(off, z, -math.inf)))
+        order = float(grid[at])
+        _, bands = self._scores.judge(self.spectra, grid[at : at + 1])
+        index, band = modulation_index(self.spectra, order, bands[0, 0], 'inner')
+        return Candidate('elsewhere', order, 0.0, float(z[at]), index, band)
+
+    def left_without(self, cause: Candidate, other: Candidate) -> float:
+        """Score of a comb of a place without the lines of another, whatever makes that one."""
+        gap = self.turning_sideband(cause)[0]
+        sides = np.concatenate([g * np.arange(-_SIDEBANDS, _SIDEBANDS + 1) for g in (1.0, gap)])
+        lines = cause.order * np.arange(1, int(self.top / cause.order) + 2)[:, None] + sides
+        rest = self.spectra.silenced(lines.ravel(), 2.0 * self.spectra.step)
+        return self.best(other.place, rest).z
 
     def capped_index(self, candidate: Candidate) -> float:
         """Modulation index of a comb in its band with lines capped."""
@@ -228,6 +269,10 @@ class CombSearch:
         slope = (self._slipped.ftf - self.orders.ftf) / SLIP[1]
         ends = self.orders.ftf + slope * (candidate.slip + np.array([JOINT_SLIP, -JOINT_SLIP]))
         return self._highest_sideband(candidate, ends[0], ends[1])
+
+    def turning_sideband(self, candidate: Candidate) -> tuple[float, float]:
+        """Order near one turn of the shaft with the highest sidebands, and their ratio."""
+        return self._highest_sideband(candidate, 0.9, 1.1)
 
     def _highest_sideband(
         self, candidate: Candidate, low: float, high: float

@@ -8,6 +8,7 @@ __all__ = [
     'BLURRED',
     'CARRIER',
     'INDEX_FAULT',
+    'INDEX_NOISE',
     'INDEX_STRIKE',
     'INDEX_SUSPECT',
     'JOINT_SLIP',
@@ -18,7 +19,10 @@ __all__ = [
     'SLIP_COST',
     'SLOW_CAGE',
     'STEADY',
+    'SWAY',
+    'UNLIKELY_SLIP',
     'Z_CAGE',
+    'Z_ELSEWHERE',
     'Z_FAULT',
 ]
 
@@ -28,11 +32,17 @@ Z_FAULT = 5.5
 Z_CAGE = 8.0
 """The same for the cage, whose low orders have a wider null."""
 
+Z_ELSEWHERE = 8.0
+"""The same for a comb at any order: the best of some thousand orders and not of a few."""
+
 INDEX_FAULT = 0.6
 """Modulation index above which a significant comb is a fault."""
 
 INDEX_SUSPECT = 0.3
 """Modulation index above which a significant comb is worth a remark."""
+
+INDEX_NOISE = 0.13
+"""Modulation index that noise alone reaches in 4 s (95 %)."""
 
 SLIP = (-0.015, 0.06)
 """Cage slip looked for. Below zero: a contact angle that the geometry does not know of."""
@@ -60,6 +70,13 @@ LOAD_ZONE = 0.5
 """Sidebands over harmonics above which impacts pass through a load zone. A force that varies as
 1 + cos, the most that a rotating load does to a fixed place, makes shaft sidebands of 0.49 in the
 squared envelope. A damaged outer race stands still; an inner race passes through the load zone."""
+
+SWAY = 0.2
+"""Sidebands over harmonics from which a part is seen to move through the load. A load that varies
+as 1 + 0.3 cos makes 0.20 in the squared envelope, one that varies as 1 + cos 0.49."""
+
+UNLIKELY_SLIP = 0.025
+"""Slip above which a name needs a reason, such as a bearing without load."""
 
 SLIP_COST = 0.02
 """Slip that costs one standard deviation of score; twice as much costs four."""

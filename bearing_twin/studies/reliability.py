@@ -19,6 +19,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.confidence import KINDS
+from bearing_twin.diagnosis.thresholds import INDEX_NOISE
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies.generalisation import judge_case
 from bearing_twin.studies.output import arguments, print_table, write_table
@@ -50,9 +51,15 @@ def tell(case: Machine, said: Diagnosis) -> tuple[str, float, bool, float]:
     healthy = case.condition == 'none'
     weight = (1.0 - HEALTHY_SHARE) / HEALTHY_SHARE if healthy else 1.0
     kind = said.result if said.result in KINDS else 'fault'
-    if kind == 'healthy':
-        return kind, max(said.score.values()), healthy, weight
-    score = max(said.score[family] for family in said.faults)
+    if kind == 'healthy' or said.rule == 'uncertain_health' or not said.faults:
+        score = max(
+            (z for place, z in said.score.items() if said.modulation_index[place] >= INDEX_NOISE),
+            default=0.0,
+        )
+        # What is not called healthy for its score counts: the table says from which score on.
+        quiet = kind in ('healthy', 'fault')
+        return 'healthy' if quiet else kind, score, healthy == quiet, weight
+    score = max(said.score[place] for place in said.faults)
     if kind == 'fault':
         return kind, score, said.faults == (case.condition,), weight
     return kind, score, case.condition in said.faults, weight

@@ -161,3 +161,25 @@ def test_of_unreadable_samples_no_smallest_fault_is_named():
     x = np.full(25600, np.nan)
     said = diagnose_record(x, RATE, find_bearing('6307'), 25.0)
     assert len(said.reasons) == 1
+
+
+def test_another_bearing_is_said_and_no_fault_is_named(rng):
+    """The inner race of a 6205, diagnosed with the geometry of a 6307."""
+    order = fault_orders(find_bearing('6205')).bpfi
+    times = np.arange(0.0, SECONDS, 1.0 / (order * SHAFT_HZ))
+    x = _strikes(times, 8.0 * (1.0 + 0.6 * np.cos(2.0 * np.pi * SHAFT_HZ * times)))
+    x += rng.standard_normal(N)
+    assert diagnose_record(x, RATE, find_bearing('6205'), SHAFT_HZ).faults == ('inner',)
+    said = diagnose_record(x, RATE, find_bearing('6307'), SHAFT_HZ)
+    assert (said.rule, said.level) == ('impacts_elsewhere', 'suspect')
+    assert f'{order:.1f}' in said.reasons[-1]
+
+
+@pytest.mark.parametrize('off', [0.95, 1.05])
+def test_another_speed_is_said_and_no_other_fault_is_named(rng, off):
+    bearing = find_bearing('6205')
+    times = np.arange(0.0, SECONDS, 1.0 / (fault_orders(bearing, 0.005).bpfo * SHAFT_HZ))
+    x = _strikes(times, 8.0) + rng.standard_normal(N)
+    said = diagnose_record(x, RATE, bearing, SHAFT_HZ * off)
+    assert said.level == 'suspect', said.reasons
+    assert f'{SHAFT_HZ:.3g} Hz (outer)' in said.reasons[-1] or said.faults in (('outer',), ())

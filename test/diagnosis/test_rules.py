@@ -51,6 +51,18 @@ CASES = {
         'suspect',
         ('ball',),
     ),
+    'impacts_elsewhere': (
+        Evidence.of(elsewhere=comb('elsewhere', order=3.76, z=8.1, index=0.7)),
+        'suspect',
+        'suspect',
+        (),
+    ),
+    'uncertain_health': (
+        Evidence.of(comb('inner', z=12.0, index=0.2)),
+        'insufficient',
+        'none',
+        (),
+    ),
     'few_shaft_turns': (Evidence.of(turns=49.0), 'insufficient', 'none', ()),
     'no_comb': (Evidence.of(turns=50.0), 'healthy', 'ok', ()),
     'same_lines': (
@@ -77,6 +89,24 @@ CASES = {
         'ambiguous',
         'suspect',
         ('inner', 'ball'),
+    ),
+    'elsewhere_explains': (
+        Evidence.of(INNER, elsewhere_explains=True),
+        'suspect',
+        'suspect',
+        (),
+    ),
+    'ball_without_cage_sidebands': (
+        Evidence.of(BALL, cage_sideband_ratio=0.1),
+        'suspect',
+        'suspect',
+        ('ball',),
+    ),
+    'slipping_race': (
+        Evidence.of(comb('outer', slip=0.021, shaft_sideband_ratio=0.4)),
+        'suspect',
+        'suspect',
+        ('outer',),
     ),
     'masked_by_shaft': (
         Evidence.of(OUTER, masked_by_shaft={'outer'}),
@@ -171,6 +201,45 @@ def test_a_doubtful_second_fault_that_is_much_weaker_leaves_the_first():
 def test_cage_does_not_lead_where_a_stronger_fault_is_off_its_harmonics():
     said = decide(Evidence.of(comb('outer', order=3.2), CAGE, capped_cage_index=3.0))
     assert said.faults == ('outer',)
+
+
+def test_impacts_elsewhere_say_which_speed_and_which_bearings_would_fit():
+    # 5 % above the outer race of the 6205 that hand-made evidence is about, at 25 Hz.
+    said = decide(Evidence.of(elsewhere=comb('elsewhere', order=3.585 * 1.05, z=9.0)))
+    assert 'a speed of 26.3 Hz (outer) would fit' in said.reasons[-1]
+    said = decide(Evidence.of(elsewhere=comb('elsewhere', order=5.41, z=9.0)))
+    assert 'in the catalogue inner of 6205' in said.reasons[-1]
+    said = decide(Evidence.of(elsewhere=comb('elsewhere', order=1.05, z=9.0)))
+    assert said.reasons[-1] == 'the shaft seems to turn at 26.25 Hz: check the speed'
+
+
+@pytest.mark.parametrize(('z', 'index'), [(7.9, 2.0), (20.0, 0.59)])
+def test_faint_impacts_elsewhere_are_no_suspicion(z, index):
+    impacts = comb('elsewhere', order=3.7, z=z, index=index)
+    assert decide(Evidence.of(elsewhere=impacts)).rule == 'no_comb'
+
+
+def test_a_comb_without_effect_does_not_make_health_uncertain():
+    """Variable compliance: a healthy bearing forces its housing at the outer race's order."""
+    assert decide(Evidence.of(comb('outer', z=20.0, index=0.1))).result == 'healthy'
+
+
+def test_a_name_that_needs_an_unlikely_slip_is_no_alarm():
+    steady = {'slip': 0.028, 'shaft_sideband_ratio': 0.1}
+    said = decide(Evidence.of(comb('outer', **steady)))
+    assert (said.result, said.level) == ('outer', 'suspect')
+    assert 'slip of 2.8%' in said.reasons[-1]
+    sure = decide(Evidence.of(comb('outer', **steady | {'slip': 0.024})))
+    assert (sure.result, sure.level) == ('outer', 'fault')
+    assert said.confidence < sure.confidence
+    # An inner race turns through the load: with a large slip and no sidebands it is doubted.
+    assert decide(Evidence.of(comb('inner', **steady))).rule == 'slipping_race'
+
+
+def test_a_ball_needs_higher_sidebands_of_the_cage_than_of_the_shaft():
+    said = decide(Evidence.of(BALL, cage_sideband_ratio=0.4, turning_sideband_ratio=0.5))
+    assert said.rule == 'ball_without_cage_sidebands'
+    assert decide(Evidence.of(BALL, cage_sideband_ratio=0.4)).result == 'ball'
 
 
 def test_a_quantity_is_computed_once():
