@@ -77,12 +77,12 @@ def test_the_common_series_are_complete_from_10_to_100_mm_bore():
 def test_inferred_balls_are_what_the_ratings_give(row):
     bearing = find_bearing(row['name'])
     # ISO 15: bore code of the designation.
-    code = row['name'].rpartition('/')[2][-2:]
-    assert bearing.bore == pytest.approx(
-        float(code) / 1e3
-        if '/' in row['name']
-        else {'00': 0.01, '01': 0.012, '02': 0.015, '03': 0.017}.get(code, 0.005 * int(code))
-    )
+    name, _, code = row['name'].rpartition('/')
+    if not name:
+        code = code[-1] if len(code) == 3 else code[-2:]
+        special = {'00': 10, '01': 12, '02': 15, '03': 17}
+        code = special.get(code, int(code) * (1 if len(code) == 1 else 5))
+    assert bearing.bore == pytest.approx(float(code) / 1e3)
     balls = infer_balls(
         bearing.bore, bearing.outside, bearing.dynamic_rating, bearing.static_rating,
         float(row['f_0']),
