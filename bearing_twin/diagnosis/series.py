@@ -17,8 +17,10 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.averaging import AveragedEnvelope
+from bearing_twin.diagnosis.baseline import Baseline, Level, settled, SETTLED_DB, SETTLED_K
 from bearing_twin.diagnosis.onset import rise_begins, slope
 from bearing_twin.diagnosis.severity import BANDS_HZ, measure_severity
+from bearing_twin.diagnosis.trend import FAULT_DB, SUSPECT_DB
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 from scipy import fft
@@ -34,22 +36,15 @@ MEASURES = ('whole band', *(f'{low:g} to {high:g} Hz' for low, high in BANDS_HZ[
 """Levels that are watched: of the whole signal, and of the bands in which bearings ring. Below
 1 kHz the shaft, its neighbours and the foundation decide."""
 
-SUSPECT_DB, FAULT_DB = 6.0, 12.0
-"""Level over baseline from which a machine is suspect, and from which it is at fault: twice and
-four times the acceleration, as the stages of a single record. A level that wanders by up to 1.2 dB
-(standard deviation, memory of 20 snapshots) stays below it for 10 000 snapshots in 99 of 100
-simulated lives."""
 FALL_DB = 2.0
 """The level falls this far below the threshold it rose over before it is taken back."""
 SCATTER_FACTOR = 6.0
 """A machine that scatters more is suspect from this many standard deviations of its baseline, and
 at fault from twice as many. A level with a memory of 10 snapshots exceeds it within 10 000 of them
-in 7 of 100 simulated lives: 60 snapshots do not tell the scatter better."""
+in 7 of 100 simulated lives: 60 snapshots do not tell the scatter better. Where a level wanders by
+up to 1.2 dB (memory of 20 snapshots) it stays below 6 dB in 99 of 100 such lives."""
 CONFIRMING = 5
 """Snapshots whose median is judged: two of five may be disturbed."""
-SETTLED_DB, SETTLED_K = 1.0, 1.5
-"""Change over the window of the baseline up to which level and temperature count as settled. Film
-and clearance, and with them the vibration, move as long as a bearing warms up."""
 SAME_SPEED = 0.05
 """Relative difference of speed up to which levels are compared: 1 dB where level goes with the
 square of the speed."""
@@ -135,15 +130,6 @@ class SeriesReport:
     reasons: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class _Baseline:
-    levels: NDArray[np.float64]
-    scatter: NDArray[np.float64]
-    temperature: float
-    shaft_hz: float
-    times: tuple[float, float]
-
-
 class SeriesMonitor:
     """
     Takes snapshots of one sensor in order of time and knows the machine better with each.
@@ -179,7 +165,7 @@ class SeriesMonitor:
             maxlen=self._settings.baseline
         )
         self._recent: deque[NDArray[np.float64]] = deque(maxlen=CONFIRMING)
-        self._baseline: _Baseline | None = None
+        self._baseline: Baseline | None = None
         self._points: list[SeriesPoint] = []
         self._levels: list[NDArray[np.float64]] = []
         self._held = 'none'
@@ -275,34 +261,14 @@ class SeriesMonitor:
 
     def _learn(self, shaft_hz: float) -> None:
         """Take the window as the baseline if the machine has settled, lower than before."""
-        if len(self._window) < self._settings.baseline:
+        if len(self._window) < self._settings.baseline or self._held in ('suspect', 'fault'):
             return
-        times = np.array([time for time, _, _ in self._window])
-        levels = np.array([levels for _, levels, _ in self._window])
-        heat = np.array([temperature for _, _, temperature in self._window])
-        middle = np.median(levels, axis=0)
+        found = settled([Level(*item) for item in self._window], shaft_hz)
         base = self._baseline
-        if base is not None:
-            # A machine that has run in, or was repaired, is compared with what it is now.
-            lower = base.levels - middle
-            if self._held in ('suspect', 'fault') or lower[0] < max(1.0, 2.0 * base.scatter[0]):
-                return
-        halves = np.array_split(levels, 2)
-        moved = np.abs(np.median(halves[1], axis=0) - np.median(halves[0], axis=0))
-        # Between the medians of both halves lies half of what a steady drift moves in the window.
-        if np.any(2.0 * moved[:1] > SETTLED_DB):
-            return
-        known = heat[np.isfinite(heat)]
-        if len(known) > len(heat) // 2:
-            early, late = np.array_split(known, 2)
-            if 2.0 * abs(np.median(late) - np.median(early)) > SETTLED_K:
-                return
-        scatter = 1.4826 * np.median(np.abs(levels - middle), axis=0)
-        temperature = float(np.median(known)) if len(known) else math.nan
-        self._baseline = _Baseline(
-            middle, scatter, temperature, shaft_hz, (float(times[0]), float(times[-1]))
-        )
-        self._quiet.clear()
+        # A machine that has run in, or was repaired, is compared with what it is now.
+        if found and (base is None or found.lower_than(base)):
+            self._baseline = found
+            self._quiet.clear()
 
     def _over(self) -> tuple[float, int]:
         """Median of the last levels over the baseline, dB, and the measure it is of."""

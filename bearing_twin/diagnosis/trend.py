@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = ['Source', 'Trend', 'fault_stage']
 
-_RISE_DB, _HIGH_DB = 6.0, 12.0
+SUSPECT_DB, FAULT_DB = 6.0, 12.0
+"""Level over the baseline of a machine that is doubtful, and of one that is damaged: twice and
+four times the acceleration."""
 _DEEP = 1.0
 _SAME_RATE = 0.05
 
@@ -65,9 +67,9 @@ def fault_stage(index: float, level_over_baseline: float, iso_zone: str) -> int:
     (1, 4)
 
     """
-    if level_over_baseline >= _HIGH_DB or iso_zone == 'D':
+    if level_over_baseline >= FAULT_DB or iso_zone == 'D':
         return 4
-    if level_over_baseline >= _RISE_DB or iso_zone == 'C':
+    if level_over_baseline >= SUSPECT_DB or iso_zone == 'C':
         return 3
     return 2 if index >= _DEEP else 1
 
