@@ -8,6 +8,7 @@ What is not given as an argument comes from the parameter file, if there is one.
 
 from bearing_twin.ros.launchfile import Argument, launch_description, shared
 from launch import LaunchDescription
+from launch.substitutions import IfElseSubstitution, LaunchConfiguration
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -18,6 +19,12 @@ def generate_launch_description() -> LaunchDescription:
             Argument('namespace', 'namespace of all nodes'),
             Argument('params_file', 'parameter file for fleet and recorder; empty: none'),
             Argument('record', 'record to MCAP', 'false', bool),
+            Argument(
+                'wait_for_subscribers',
+                'subscribers of each vibration for which the first block waits: the recorder',
+                IfElseSubstitution(LaunchConfiguration('record'), '1', '0'),
+                int,
+            ),
             Argument('output', 'bag folder; empty: bearing_twin_DATE-TIME here'),
             Argument(
                 'rerun_port',
@@ -26,6 +33,9 @@ def generate_launch_description() -> LaunchDescription:
             ),
             Argument('use_sim_time', 'true: follow /clock', kind=bool),
         ],
-        nodes={'recorder': ('output', 'rerun_port'), 'fleet': ('assets_file',)},
+        nodes={
+            'recorder': ('output', 'rerun_port'),
+            'fleet': ('assets_file', 'wait_for_subscribers'),
+        },
         conditions={'recorder': 'record'},
     )

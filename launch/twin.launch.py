@@ -8,7 +8,9 @@ What is not given as an argument comes from the parameter file.
 
 from bearing_twin.ros.launchfile import Argument, launch_description, shared
 from launch import LaunchDescription
+from launch.substitutions import IfElseSubstitution, LaunchConfiguration
 
+WAIT = 'wait_for_subscribers'
 FILE = 'empty: from the parameter file'
 
 
@@ -24,6 +26,12 @@ def generate_launch_description() -> LaunchDescription:
             Argument('thermal_mode', f'paper or physical; {FILE}'),
             Argument('shaft_hz', f'shaft speed while no joint tells it, Hz; {FILE}', kind=float),
             Argument('record', 'record everything to MCAP', 'true', bool),
+            Argument(
+                WAIT,
+                'subscribers of vibration for which the twin waits: recorder and diagnosis',
+                IfElseSubstitution(LaunchConfiguration('record'), '2', '1'),
+                int,
+            ),
             Argument('output', f'bag folder; {FILE}, or bearing_twin_DATE-TIME here'),
             Argument(
                 'rerun_port',
@@ -35,7 +43,7 @@ def generate_launch_description() -> LaunchDescription:
         nodes={
             'recorder': ('output', 'rerun_port'),
             'diagnosis': ('bearing',),
-            'twin': ('bearing', 'preset', 'defect', 'thermal_mode', 'shaft_hz'),
+            'twin': ('bearing', 'preset', 'defect', 'thermal_mode', 'shaft_hz', WAIT),
         },
         conditions={'recorder': 'record'},
     )

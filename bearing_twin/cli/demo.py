@@ -145,7 +145,9 @@ def _run_nodes(
             compiling.look()
 
         watcher.wait_for_vibration(check, START_TIMEOUT)
-        nodes.start('replay', {'recording': str(recording), 'rate': args.rate})
+        replay = {'recording': str(recording), 'rate': args.rate}
+        heard = {'wait_for_nodes': ['recorder', 'twin'], 'wait_for_subscribers': 10.0}
+        nodes.start('replay', {**replay, **heard})
         deadline = time.monotonic() + info.duration / args.rate + START_TIMEOUT
         while nodes.running('replay'):
             if time.monotonic() > deadline:

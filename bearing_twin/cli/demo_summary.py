@@ -16,6 +16,7 @@ from typing import Any
 
 from bearing_twin.bearing import FaultFrequencies, PLACES
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.health import sent_before
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.streams.vibration_input import GapCounter
 
@@ -48,6 +49,8 @@ class Summary:
     blocks_dropped: int
     samples_lost_by_diagnosis: int
     samples_lost_by_recorder: int
+    sent_before_recorder: int
+    """Messages that the recorder was too late for."""
     lateness_max_ms: float
     files: dict[str, int]
     open_with: str
@@ -57,6 +60,7 @@ class Summary:
         """Whether the fault was named and no sample was lost on the way."""
         wanted = 'healthy' if self.defect == 'none' else self.defect
         lost = self.samples_lost_by_diagnosis + self.samples_lost_by_recorder
+        lost += self.sent_before_recorder
         clean = lost == 0 and self.blocks_dropped == 0 and self.false_alarms == 0
         return clean and self.result in wanted.split('+')
 
@@ -87,6 +91,7 @@ class Summary:
                 f'{self.blocks_published} published, {self.blocks_late} late, {missing} lost',
             ),
             ('samples lost', lost),
+            ('sent too early', f'{self.sent_before_recorder} messages before the recorder heard'),
             ('lateness', f'{self.lateness_max_ms:.1f} ms at most'),
             *(('file', f'{name} ({size / 1e6:.1f} MB)') for name, size in self.files.items()),
             ('open with', self.open_with),
@@ -119,6 +124,7 @@ def summarise(folder: Path, defect: str) -> Summary:
     recorded = false_alarms = 0
     gaps = GapCounter()
     lost_by_diagnosis = 0
+    early: dict[str, int] = {}
     for message in read_messages(folder / 'bag'):
         if message.topic == '/vibration':
             block = message.decode()
@@ -135,7 +141,9 @@ def summarise(folder: Path, defect: str) -> Summary:
             alarm = verdict.level == LEVEL_FAULT and verdict.result_name in PLACES
             false_alarms += alarm and verdict.result_name not in defect.split('+')
         elif message.topic == '/diagnostics':
-            for status in message.decode().status:
+            diagnostics = message.decode()
+            early |= sent_before(diagnostics)
+            for status in diagnostics.status:
                 for item in status.values:
                     if item.key == 'samples lost':
                         lost_by_diagnosis = int(item.value)
@@ -165,6 +173,7 @@ def summarise(folder: Path, defect: str) -> Summary:
         blocks_dropped=state.blocks_dropped,
         samples_lost_by_diagnosis=lost_by_diagnosis,
         samples_lost_by_recorder=gaps.lost,
+        sent_before_recorder=sum(early.values()),
         lateness_max_ms=worst * 1e3,
         files=files,
         open_with=f'{_command()} view {shlex.quote(str(folder))}',

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
 from datetime import datetime
 from pathlib import Path
 import sys
@@ -14,6 +14,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.spec import Spec
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.recorder_watch import RecordingWatch
+from bearing_twin.recording.health import SENT_BEFORE
 from bearing_twin.recording.recover import find_unfinished
 from bearing_twin.recording.snapshot import SnapshotWriter
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
@@ -39,6 +40,8 @@ __all__ = ['SPECS', 'RecorderNode', 'main']
 DISCOVERY_PERIOD = 0.25
 LOGGER = 'bearing_twin.recorder'
 MIB = 1024 * 1024
+ABOUT_NODES = ('diagnostic_msgs/', 'lifecycle_msgs/', 'rcl_interfaces/')
+"""Types in which nodes speak of themselves, as they do before anybody can listen."""
 
 EXPECTED: dict[str, tuple[str, QoSProfile]] = {
     'temperature': ('sensor_msgs/msg/Temperature', RESULT),
@@ -250,6 +253,8 @@ class RecorderNode(ManagedNode):
         self._qos: dict[str, str] = {}
         self._early: deque[tuple[str, str, bytes, MessageInfo]] = deque(maxlen=SUBSCRIPTION_DEPTH)
         self._lost = 0
+        self._heard: set[tuple[str, str]] = set()
+        self._sent_before: Counter[str] = Counter()
         self._longest_wait = 0
         self._answers = [
             self.offer('~/split', self._split),
@@ -299,6 +304,8 @@ class RecorderNode(ManagedNode):
         if info['received_timestamp']:
             waited = time.time_ns() - info['received_timestamp']
             self._longest_wait = max(self._longest_wait, waited)
+        if not type_name.startswith(ABOUT_NODES):
+            self._count_missed(topic, info)
         received = self._log_time(topic, info)
         if not received:
             self._lost += len(self._early) == self._early.maxlen
@@ -308,6 +315,15 @@ class RecorderNode(ManagedNode):
             early = self._early.popleft()
             self._write(*early, received)
         self._write(topic, type_name, cdr, info, received)
+
+    def _count_missed(self, topic: str, info: MessageInfo) -> None:
+        """Count what a publisher sent before it was heard: Jazzy does not tell who sent what."""
+        source, number = info.get('publisher_gid'), info['publication_sequence_number']
+        if source is None or number is None or (key := (topic, str(source))) in self._heard:
+            return
+        self._heard.add(key)
+        if number > 1:
+            self._sent_before[topic] += number - 1
 
     def _log_time(self, topic: str, info: MessageInfo) -> int:
         """Return when a message was received, ns; 0 while /clock has not been heard of."""
@@ -374,6 +390,7 @@ class RecorderNode(ManagedNode):
             'size [MB]': writer.size / 1e6,
             'topics': len(self._topics),
             **{f'not recorded: {topic}': reason for topic, reason in left_out.items()},
+            **{f'{SENT_BEFORE}{topic}': count for topic, count in self._sent_before.items()},
             **{f'unfinished {i}': path for i, path in enumerate(self._unfinished)},
         }
         self._longest_wait = 0

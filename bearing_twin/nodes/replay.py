@@ -101,6 +101,12 @@ SPECS = (
         running=False,
     ),
     Spec(
+        name='wait_for_nodes',
+        default=[''],
+        description='Nodes, such as recorder, that have to subscribe to every topic by then too.',
+        running=False,
+    ),
+    Spec(
         name='exit_at_end',
         default=True,
         description='End the process when everything has been replayed.',
@@ -255,10 +261,23 @@ class ReplayNode(ManagedNode):
 
     def _await_subscribers(self) -> None:
         deadline = time.monotonic() + self.parameters['wait_for_subscribers']
+        wanted = {name for name in self.parameters['wait_for_nodes'] if name}
         while self._playing and time.monotonic() < deadline:
-            if all(p.get_subscription_count() for p in self._topics.values()):
+            if all(self._is_heard(p, wanted) for p in self._topics.values()):
                 return
             time.sleep(0.02)
+        if self._playing and wanted:
+            self.get_logger().warning(
+                f'{", ".join(sorted(wanted))}: not subscribed to every topic after '
+                f'{self.parameters["wait_for_subscribers"]:g} s; what is sent now may be missing'
+            )
+
+    def _is_heard(self, publisher: Publisher[Any], wanted: set[str]) -> bool:
+        matched = publisher.get_subscription_count()
+        if not matched or not wanted:
+            return matched > 0
+        known = self.get_subscriptions_info_by_topic(publisher.topic_name)
+        return matched >= len(known) and wanted <= {each.node_name for each in known}
 
     def _publish(self, message: RecordedMessage) -> None:
         publisher = self._topics.get(message.topic)

@@ -17,6 +17,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.agreement import Agreement, Reproduction
 from bearing_twin.offline.diagnosis_check import DiagnosisCheck, HORIZON
 from bearing_twin.offline.twin_check import FleetCheck, TwinCheck
+from bearing_twin.recording.health import sent_before
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 
 if TYPE_CHECKING:
@@ -28,8 +29,10 @@ if TYPE_CHECKING:
 __all__ = ['reproduce']
 
 CHECKPOINT = 'bearing_twin_msgs/msg/Checkpoint'
+DIAGNOSTICS = 'diagnostic_msgs/msg/DiagnosticArray'
 TYPES = {
     CHECKPOINT,
+    DIAGNOSTICS,
     'bearing_twin_msgs/msg/Vibration',
     'bearing_twin_msgs/msg/TwinState',
     'bearing_twin_msgs/msg/Diagnosis',
@@ -52,6 +55,7 @@ def reproduce(path: Path) -> Reproduction:
         msg = f'{path} holds no checkpoint of a twin or a diagnosis: there is nothing to re-run'
         raise BearingTwinError(msg)
     result = Reproduction(path)
+    early: dict[str, int] = {}
     twins: dict[str, TwinCheck] = {}
     fleets: dict[str, FleetCheck] = {}
     diagnoses: dict[str, DiagnosisCheck] = {}
@@ -60,6 +64,9 @@ def reproduce(path: Path) -> Reproduction:
         return twins.setdefault(namespace, TwinCheck(namespace, result))
 
     for message in _in_order_of_sending(read_messages(path, topics=topics, problems=result.notes)):
+        if message.type_name == DIAGNOSTICS:
+            early |= sent_before(message.decode())
+            continue
         namespace, _, name = message.topic.rpartition('/')
         twin = twin_of(namespace)
         diagnosis = diagnoses.setdefault(namespace, DiagnosisCheck(namespace, result))
@@ -80,6 +87,8 @@ def reproduce(path: Path) -> Reproduction:
                 node = str(checkpoint.node)
                 fleet = fleets.setdefault(node, FleetCheck(node, result))
                 fleet.checkpoint(checkpoint, twin_of)
+    for topic, count in sorted(early.items()):
+        result.notes.append(f'{topic}: {count} messages were sent before the recording')
     for fleet in fleets.values():
         fleet.advance()
     for twin in twins.values():

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.catalogue import known_fields
@@ -19,9 +19,11 @@ if TYPE_CHECKING:
 
     from bearing_twin.recording.catalogue import RecordedMessage
 
-__all__ = ['RecordingHealth', 'TopicHealth', 'recording_health']
+__all__ = ['SENT_BEFORE', 'RecordingHealth', 'TopicHealth', 'recording_health', 'sent_before']
 
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'
+SENT_BEFORE = 'sent before the recording: '
+"""What a recorder puts on /diagnostics before the name of a topic."""
 
 
 @dataclass
@@ -104,6 +106,16 @@ def recording_health(path: Path) -> RecordingHealth:
                     health.topics[message.topic] = check.health
                 check.look(message)
     return health
+
+
+def sent_before(diagnostics: Any) -> dict[str, int]:
+    """Return how many messages of each topic a recorder says were sent before it heard them."""
+    return {
+        item.key.removeprefix(SENT_BEFORE): int(item.value)
+        for status in diagnostics.status
+        for item in status.values
+        if item.key.startswith(SENT_BEFORE) and item.value.isdecimal()
+    }
 
 
 class _TopicCheck:

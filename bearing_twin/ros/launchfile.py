@@ -20,7 +20,7 @@ from launch_ros.substitutions import FindPackageShare
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from launch import LaunchContext
+    from launch import LaunchContext, Substitution
 
 __all__ = ['Argument', 'launch_description', 'shared']
 
@@ -33,7 +33,7 @@ class Argument:
 
     name: str
     text: str
-    default: str | PathJoinSubstitution = ''
+    default: str | Substitution = ''
     """If it ends up empty, the parameter is that of the file, or the node's default."""
     kind: type = str
 

@@ -26,6 +26,7 @@ SUMMARY = Summary(
     blocks_dropped=3,
     samples_lost_by_diagnosis=0,
     samples_lost_by_recorder=0,
+    sent_before_recorder=0,
     lateness_max_ms=1.0,
     files={},
     open_with='bearing-twin view x',

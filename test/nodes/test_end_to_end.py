@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 
+from bearing_twin.recording.reader import recording_info
 import pytest
 
 
@@ -45,6 +46,9 @@ def test_demo_on_the_warm_up_of_a_real_machine(tmp_path, data_dir):
     given_up = 1024 * result['blocks_dropped']
     assert result['samples_lost_by_recorder'] == given_up
     assert result['samples_lost_by_diagnosis'] <= given_up
+    [folder] = (tmp_path / 'runs').iterdir()
+    recorded = recording_info(folder / 'bag').topics['/temperature'].count
+    assert (recorded, result['sent_before_recorder']) == (recording_info(recording).count, 0)
     if not given_up:
         assert result['good']
         assert result['result'] == 'inner'

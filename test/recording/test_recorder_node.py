@@ -16,7 +16,7 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.health import recording_health, sent_before
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover
 from bearing_twin.ros.launching import NodeProcesses
@@ -76,6 +76,22 @@ def test_what_arrives_is_what_is_written(ros_domain: int, tmp_path: Path) -> Non
         assert before <= message.publish_time <= after
         # Received after it was sent.
         assert message.log_time >= message.publish_time
+
+
+def test_what_was_sent_before_it_was_heard_is_counted(ros_domain: int, tmp_path: Path) -> None:
+    bag = tmp_path / 'bag'
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        source.publish_for(0.4)
+        before = len(source.sent)
+        nodes.start('recorder', {'output': str(bag)})
+        source.wait_for_recorder()
+        source.publish_for(2.5)
+        source.settle()
+        assert nodes.end('recorder') == 0
+    told = [sent_before(m.decode()) for m in read_messages(bag, topics=['/diagnostics'])]
+    assert before > 0
+    assert told[-1] == {'/vibration': before}
+    assert numbers(bag) == list(range(before, len(source.sent)))
 
 
 def test_simulated_time_is_the_time_of_the_recording(ros_domain: int, tmp_path: Path) -> None:
