@@ -8,6 +8,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing.vocabulary import TITLES
+from bearing_twin.recording.wholefile import whole_file
 from bearing_twin.view.report.spectra import CAPTION, draw_envelope_spectrum, draw_spectrum
 from bearing_twin.view.report.svg import STYLE
 from bearing_twin.view.spectrum import SpectrumPicture
@@ -36,7 +37,8 @@ def draw(diagnosis: Diagnosis, path: Path, *, title: str) -> None:
         if spectrum is not None:
             band = envelope.band if envelope is not None else (0.0, 0.0)
             draw_spectrum(lower.subplots(), spectrum, band)
-        figure.savefig(path, dpi=110)
+        with whole_file(path) as file:
+            figure.savefig(file, format='png', dpi=110)
 
 
 def _picture(spectrum: Spectrum, diagnosis: Diagnosis) -> SpectrumPicture | None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.wholefile import whole_file
 
 if TYPE_CHECKING:
     import argparse
@@ -36,7 +37,8 @@ def run(args: argparse.Namespace) -> int:
 
     page = report_page(args.recording)
     try:
-        output.write_text(page, encoding='utf-8')
+        with whole_file(output) as file:
+            file.write(page.encode())
     except OSError as error:
         msg = f'{output} cannot be written: {error.strerror}'
         raise BearingTwinError(msg) from None

@@ -15,6 +15,7 @@ from urllib.parse import urlsplit
 
 from bearing_twin.cli.terminal import shown
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.wholefile import whole_file
 from bearing_twin.view.rerun.blueprint import PAGES
 from bearing_twin.view.rerun.opening import draw_recordings, find_recording
 from bearing_twin.view.rerun.viewer import HeadlessViewer, live_url, show, show_in_browser
@@ -123,7 +124,12 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
         return [str(pictures[0])]
     rrd = folder / f'{paths[0].resolve().stem}.rrd'
     progress = _progress if sys.stderr.isatty() else None
-    problems = draw_recordings(paths, rrd, page=args.page, progress=progress)
+    try:
+        problems = draw_recordings(paths, rrd, page=args.page, progress=progress)
+    except RuntimeError as error:
+        # Rerun's writer has given up: the disk of the temporary folder took no more.
+        msg = f'the picture cannot be drawn to {folder}: {error}; is that disk full?'
+        raise BearingTwinError(msg) from None
     for topic, reason in problems.items():
         print(f'{shown(topic)} is not drawn: {shown(reason)}', file=sys.stderr)
     if args.save:
@@ -133,7 +139,8 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
 
 def _copy(source: Path, target: Path) -> None:
     try:
-        shutil.copyfile(source, target)
+        with source.open('rb') as drawn, whole_file(target) as file:
+            shutil.copyfileobj(drawn, file)
     except OSError as error:
         msg = f'{target} cannot be written ({error.strerror}); name another file'
         raise BearingTwinError(msg) from None

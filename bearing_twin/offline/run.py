@@ -19,7 +19,7 @@ from bearing_twin.offline.diagnosis_run import DiagnosisRun
 from bearing_twin.offline.output import Output, output
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
-from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from bearing_twin.recording.writer import RecordingWriter, whole_recording, WriterOptions
 from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.streams.ahead import ahead
 from bearing_twin.streams.pacer import Due
@@ -127,7 +127,7 @@ def run_offline(
     threads = workers()
     twin_side = _TwinSide(twin_values, diagnosis_values['joint'], info.start)
     with (
-        RecordingWriter(target, options) as writer,
+        whole_recording(target, options) as writer,
         ThreadPoolExecutor(threads, thread_name_prefix='analysis') as pool,
     ):
         writer.metadata('bearing_twin.source', {'source': source.name, 'mode': 'offline'})

@@ -14,6 +14,7 @@ import os
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.recording.qos import read_qos
+from bearing_twin.recording.wholefile import whole_file
 import yaml
 
 if TYPE_CHECKING:
@@ -60,10 +61,9 @@ def metadata_record(files: Sequence[BagFile]) -> tuple[str, dict[str, str]]:
 def write_metadata_file(folder: Path, files: Sequence[BagFile]) -> str:
     """Write ``metadata.yaml`` as a whole; return what went wrong, '' if nothing."""
     text = _dump({'rosbag2_bagfile_information': _information(files)})
-    part = folder / '.metadata.yaml.part'
     try:
-        part.write_text(text, encoding='utf-8')
-        part.replace(folder / 'metadata.yaml')
+        with whole_file(folder / 'metadata.yaml') as file:
+            file.write(text.encode())
     except OSError as error:
         return f'{folder / "metadata.yaml"}: {error.strerror}'
     return ''

@@ -27,13 +27,15 @@ from bearing_twin.recording.salvage import sound_records
 from bearing_twin.recording.schema import message_schema
 from bearing_twin.recording.summary import summary_records
 from bearing_twin.recording.topics import OWN_TOPICS
-from bearing_twin.recording.writer import RecordingWriter
+from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import NANO
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Header, Metadata, Statistics
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from bearing_twin.recording.writer import RecordingWriter
 
 __all__ = ['RecoveryReport', 'find_unfinished', 'recover']
 
@@ -116,20 +118,9 @@ def recover(source: Path, target: Path) -> RecoveryReport:
     if not sound:
         msg = f'{source} holds no MCAP file with content: {"; ".join(report.losses)}'
         raise BearingTwinError(msg)
-    writer = RecordingWriter(target)
-    try:
-        with writer:
-            for path in sound:
-                _copy(path, writer, report, [other for other in files if other != path])
-    except BaseException as error:
-        writer.discard()
-        if writer.problem and isinstance(error, BearingTwinError):
-            msg = (
-                f'nothing was saved: {writer.problem}; {source} is unchanged: make room for its '
-                f'{report.size} bytes, or choose another disk, and recover it again'
-            )
-            raise BearingTwinError(msg) from None
-        raise
+    with whole_recording(target) as writer:
+        for path in sound:
+            _copy(path, writer, report, [other for other in files if other != path])
     return report
 
 
@@ -140,7 +131,10 @@ def find_unfinished(folder: Path) -> list[Path]:
     Looked at are the MCAP files in the folder and in the bag folders in it.
     """
     found = []
-    candidates = [*folder.glob('*.mcap'), *folder.glob('*/*.mcap')]
+    candidates: list[Path] = []
+    # A folder that cannot be listed (no descriptor left, no right) must not keep a recorder.
+    with contextlib.suppress(OSError):
+        candidates += [*folder.glob('*.mcap'), *folder.glob('*/*.mcap')]
     for path in sorted(candidates)[:MOST_LOOKED_AT]:
         # A file that is not readable or no MCAP file offers nothing to recover.
         with contextlib.suppress(BearingTwinError, OSError):

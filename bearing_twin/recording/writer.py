@@ -18,9 +18,10 @@ from bearing_twin.recording.sink import MessageSink, Written
 from bearing_twin.stamps import NANO
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ['RecordingWriter', 'WriterOptions']
+__all__ = ['RecordingWriter', 'WriterOptions', 'whole_recording']
 
 LONGEST_SYNC = 10.0
 """Longest time that the end of a recording waits for the disk, s."""
@@ -331,3 +332,30 @@ class RecordingWriter(MessageSink):
                 if problem:
                     return problem
         return ''
+
+
+@contextlib.contextmanager
+def whole_recording(path: Path, options: WriterOptions | None = None) -> Iterator[RecordingWriter]:
+    """
+    Write a recording that is there as a whole or, after an error, not at all.
+
+    Raises
+    ------
+    BearingTwinError
+        As a RecordingWriter, and where the disk did not take everything.
+
+    """
+    writer = RecordingWriter(path, options)
+    try:
+        with writer:
+            yield writer
+        if writer.lost:
+            msg = f'{writer.lost} messages found no room in memory while the disk was full'
+            raise BearingTwinError(msg)
+    except BearingTwinError as error:
+        writer.discard()
+        if writer.problem or writer.lost:
+            reason = writer.problem or error
+            msg = f'{path} was not written: {reason}; make room, or choose another disk'
+            raise BearingTwinError(msg) from None
+        raise

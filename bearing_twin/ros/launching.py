@@ -119,7 +119,8 @@ class NodeProcesses:
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
-                env=self._environment,
+                # Nothing is imported from the working directory, whatever lies there.
+                env={**self._environment, 'PYTHONSAFEPATH': '1'},
             )
 
     def running(self, name: str) -> bool:

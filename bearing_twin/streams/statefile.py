@@ -11,6 +11,7 @@ import stat
 from typing import BinaryIO
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.wholefile import whole_file
 
 __all__ = ['StateFolder']
 
@@ -85,18 +86,14 @@ class StateFolder:
 
         """
         path = self.path(name)
-        part = path.with_name(f'.{name}.part')
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             self._claim(name)
             if path.is_symlink():
                 msg = f'{path} is a link, through which no state is written; remove it'
                 raise BearingTwinError(msg)
-            # What a crash has left, or a link that somebody has laid.
-            part.unlink(missing_ok=True)
-            with part.open('xb') as file:
+            with whole_file(path) as file:
                 file.write(state)
-            part.replace(path)
         except OSError as error:
             msg = f'{path} cannot be written: {error.strerror}'
             raise BearingTwinError(msg) from None

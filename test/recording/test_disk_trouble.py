@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+import os
 import resource
 import shutil
 from typing import TYPE_CHECKING
@@ -12,8 +13,10 @@ from typing import TYPE_CHECKING
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages, recording_info
-from bearing_twin.recording.recover import recover
+from bearing_twin.recording.recover import find_unfinished, recover
+from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from bearing_twin.ros.launching import NodeProcesses
 import pytest
 from recording_samples import START, VIBRATION, vibration_cdr
 import yaml
@@ -148,8 +151,8 @@ def test_recovery_onto_a_full_disk_leaves_nothing_and_says_so(
             command = ['recover', str(tmp_path / 'run.mcap'), '-o', str(tmp_path / target)]
             assert main(command) == 1
         said = capsys.readouterr()
-        assert 'nothing was saved' in said.err
-        assert 'run.mcap is unchanged: make room' in said.err
+        assert f'{target} was not written: ' in said.err
+        assert 'make room, or choose another disk' in said.err
         assert not (tmp_path / target).exists()
         assert main(command) == 0
 
@@ -175,3 +178,50 @@ def test_place_that_cannot_be_written_is_refused_at_once(tmp_path: Path) -> None
         RecordingWriter(tmp_path / 'file' / 'run')
     with pytest.raises(BearingTwinError, match='cannot be made'):
         RecordingWriter(tmp_path / ('x' * 300))
+
+
+def test_a_result_on_a_full_disk_is_whole_or_absent(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    times, temperatures = paper_schedule(8.0)
+    schedule = tmp_path / 'schedule.mcap'
+    write_temperature_recording(schedule, times, temperatures, source='test')
+    page, run = tmp_path / 'page.html', tmp_path / 'run'
+    page.write_text('a page of before')
+    with file_size_limit(20_000):
+        assert main(['replay', '--offline', str(schedule), '-o', str(run)]) == 1
+    assert 'was not written' in capsys.readouterr().err
+    assert not run.exists()
+    assert main(['replay', '--offline', str(schedule), '-o', str(run)]) == 0
+    with file_size_limit(20_000):
+        assert main(['report', str(run), '-o', str(page)]) == 1
+        assert main(['view', str(run), '--save', str(tmp_path / 'a.rrd')]) == 1
+    assert page.read_text() == 'a page of before'
+    assert sorted(p.name for p in tmp_path.iterdir()) == ['page.html', 'run', 'schedule.mcap']
+
+
+def test_no_descriptor_left_keeps_no_recorder_from_its_search(tmp_path: Path) -> None:
+    (tmp_path / 'bag').mkdir()
+    held = []
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (256, hard))
+    try:
+        with suppress(OSError):
+            while True:
+                held.append(open('/dev/null'))  # noqa: PTH123, SIM115
+        assert find_unfinished(tmp_path) == []
+    finally:
+        for file in held:
+            file.close()
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+
+
+def test_nodes_import_nothing_from_the_working_directory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / 'numpy.py').write_text('raise SystemExit(7)')
+    monkeypatch.chdir(tmp_path)
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes:
+        nodes.start('recorder', {'output': str(tmp_path / 'run'), 'compression': 'no such'})
+        assert nodes.wait('recorder', 60.0) == 1
+    assert 'is not one of zstd, lz4, none' in (tmp_path / 'logs' / 'recorder.log').read_text()

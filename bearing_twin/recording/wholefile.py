@@ -1,0 +1,41 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Files that are there as a whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import BinaryIO, TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+__all__ = ['whole_file']
+
+
+@contextlib.contextmanager
+def whole_file(path: Path) -> Iterator[BinaryIO]:
+    """
+    Open a file to be written beside ``path``, which takes its place when all is written.
+
+    A full disk, or an error in between, leaves what was at ``path`` before, and nothing else. A
+    link is replaced, not followed.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+
+    """
+    part = path.with_name(f'.{path.name}.part')
+    # What a crash has left, or a link that somebody has laid.
+    part.unlink(missing_ok=True)
+    try:
+        with part.open('xb') as file:
+            yield file
+        part.replace(path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
