@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ['configure', 'run']
 
+PRESET = 'paper'
 SLOWEST, FASTEST = 0.001, 1e6
 START_TIMEOUT = 300.0
 """Longest time to come up: a slow machine that is busy compiles the kernel for minutes, s."""
@@ -58,14 +59,14 @@ def run(args: argparse.Namespace) -> int:
     if not SLOWEST <= args.rate <= FASTEST:
         msg = f'--rate {args.rate:g} is not within {SLOWEST:g}..{FASTEST:g}'
         raise BearingTwinError(msg)
-    preset('paper', defect=args.defect)
+    preset(PRESET, defect=args.defect)
     say = (lambda *_: None) if args.json else print
     with _choose_domain(args.domain_id) as domain:
         folder = make_folder(args.out)
         say(f'recording  {recording} ({info.duration:.0f} s at pace {args.rate:g})')
         say(f'nodes      twin, diagnosis, recorder, replay in ROS domain {domain}')
         _run_nodes(args, recording, info, folder, domain)
-    summary = summarise(folder, defect_places(args.defect))
+    summary = summarise(folder, defect_places(args.defect), PRESET)
     say()
     print(summary.to_json() if args.json else summary.to_text())
     return 0 if summary.good else 1
@@ -136,7 +137,8 @@ def _run_nodes(
         nodes.start('diagnosis', {'bearing': '6307'})
         watcher.wait_for_listeners(2, nodes.check, START_TIMEOUT)
         # The recorder and the diagnosis: so that nothing is published before they hear it.
-        twin = {'bearing': '6307', 'defect': args.defect, 'wait_for_subscribers': 2}
+        twin = {'bearing': '6307', 'preset': PRESET, 'defect': args.defect}
+        twin['wait_for_subscribers'] = 2
         nodes.start('twin', twin)
         compiling = _CompilingNote(folder / 'logs' / 'twin.log', quiet=args.json)
 

@@ -15,6 +15,8 @@ import sys
 from typing import Any
 
 from bearing_twin.bearing import FaultFrequencies, PLACES
+from bearing_twin.cli.demo_amplitude import AmplitudeByTemperature
+from bearing_twin.dynamics.presets import PRESETS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.health import sent_before
 from bearing_twin.recording.reader import read_messages
@@ -33,6 +35,11 @@ class Summary:
     temperature_low: float
     temperature_high: float
     defect: str
+    preset: str
+    amplitude_by_temperature: dict[float, float]
+    """Impact amplitude, m/s^2, by temperature, degC."""
+    amplitude_change: float
+    """From the coldest to the hottest third; the paper states that it falls."""
     result: str
     verdicts: dict[str, int]
     false_alarms: int
@@ -64,6 +71,15 @@ class Summary:
         clean = lost == 0 and self.blocks_dropped == 0 and self.false_alarms == 0
         return clean and self.result in wanted.split('+')
 
+    def _amplitude(self) -> str:
+        bars = ', '.join(f'{t:g}: {a:.0f}' for t, a in self.amplitude_by_temperature.items())
+        text = f'{bars} (degC: m/s^2)'
+        if not math.isnan(self.amplitude_change):
+            text += (
+                f'; {100.0 * self.amplitude_change:+.1f} % from the coldest to the hottest third'
+            )
+        return f'{text}; the paper states a decrease'
+
     def to_json(self) -> str:
         """Return one JSON object."""
         return json.dumps({**asdict(self), 'good': self.good})
@@ -84,6 +100,8 @@ class Summary:
         rows = [
             ('temperature', f'{self.temperature_low:.1f} .. {self.temperature_high:.1f} degC'),
             ('defect of the twin', self.defect),
+            ('preset of the twin', f'{self.preset}: {PRESETS[self.preset]}'),
+            ('impact amplitude', self._amplitude()),
             ('fault found', found),
             ('verdicts', verdicts),
             (
@@ -100,7 +118,7 @@ class Summary:
         return '\n'.join(f'{name:<{width}}  {text}' for name, text in rows)
 
 
-def summarise(folder: Path, defect: str) -> Summary:
+def summarise(folder: Path, defect: str, preset: str) -> Summary:
     """
     Read the run back.
 
@@ -108,7 +126,7 @@ def summarise(folder: Path, defect: str) -> Summary:
     ----------
     folder
         Folder of the run, with the recording in ``bag``.
-    defect
+    defect, preset
         What the twin was given.
 
     Raises
@@ -123,15 +141,18 @@ def summarise(folder: Path, defect: str) -> Summary:
     verdicts: Counter[str] = Counter()
     recorded = false_alarms = 0
     gaps = GapCounter()
+    amplitude = AmplitudeByTemperature()
     lost_by_diagnosis = 0
     early: dict[str, int] = {}
     for message in read_messages(folder / 'bag'):
         if message.topic == '/vibration':
             block = message.decode()
             gaps.count(block.first_sample, block.y.size)
+            amplitude.add_vibration(block)
             recorded += 1
         elif message.topic == '/twin_state':
             state = message.decode()
+            amplitude.add_state(state)
             low = min(low, state.temperature_used)
             high = max(high, state.temperature_used)
             worst = max(worst, state.lateness)
@@ -151,15 +172,19 @@ def summarise(folder: Path, defect: str) -> Summary:
         missing = 'twin state' if state is None else 'verdict'
         msg = f'the recording in {folder / "bag"} holds no {missing}; see {folder / "logs"}'
         raise BearingTwinError(msg)
+    amplitude.draw(folder / 'amplitude.png', preset)
     files = {
         str(path): path.stat().st_size
         for path in sorted(folder.rglob('*'))
-        if path.suffix in ('.mcap', '.rrd')
+        if path.suffix in ('.mcap', '.rrd', '.png')
     }
     return Summary(
         temperature_low=low,
         temperature_high=high,
         defect=defect,
+        preset=preset,
+        amplitude_by_temperature=amplitude.by_temperature(),
+        amplitude_change=amplitude.change(),
         result=verdict.result_name,
         verdicts=dict(verdicts),
         false_alarms=false_alarms,

@@ -159,7 +159,8 @@ class TwinParameters:
     thermal_mode: ThermalMode = quantity(
         'paper',
         'Temperature law: paper (beta0 of tables 1-3; the preset decides whether impacts fall or '
-        'rise) or physical (ring temperatures and clearance; impacts fall).',
+        'rise) or physical (ring temperatures and clearance; impacts fall once the rings have '
+        'settled).',
         choices=THERMAL_MODES,
     )
     defects: tuple[Defect, ...] = ()

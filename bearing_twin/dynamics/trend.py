@@ -16,7 +16,7 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['amplitude_change', 'impact_amplitude', 'trend_sentence']
+__all__ = ['amplitude_change', 'impact_amplitude', 'mean_of_largest', 'trend_sentence']
 
 TOP_SHARE = 0.2
 SETTLING, RECORD = 0.4, 3.0
@@ -55,8 +55,21 @@ def impact_amplitude(
     deviation = np.abs(acceleration - acceleration.mean())
     period = rate / impact_hz
     edges = np.round(np.arange(int(len(deviation) / period) + 1) * period).astype(int)
-    maxima = np.sort(np.maximum.reduceat(deviation[: edges[-1]], edges[:-1]))
-    return float(maxima[-max(1, round(TOP_SHARE * len(maxima))) :].mean())
+    return mean_of_largest(np.maximum.reduceat(deviation[: edges[-1]], edges[:-1]))
+
+
+def mean_of_largest(maxima: npt.NDArray[np.floating]) -> float:
+    """
+    Mean of the largest 20 % of ``maxima``, in their unit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> mean_of_largest(np.arange(1.0, 11.0))
+    9.5
+
+    """
+    return float(np.sort(maxima)[-max(1, round(TOP_SHARE * len(maxima))) :].mean())
 
 
 def amplitude_change(parameters: TwinParameters, shaft_hz: float) -> float:
@@ -106,5 +119,5 @@ def trend_sentence(parameters: TwinParameters, shaft_hz: float) -> str:
     word = 'falls' if change < -NO_CHANGE else 'rises' if change > NO_CHANGE else 'does not move'
     return (
         f'{lead} at {shaft_hz:g} Hz: {100.0 * change:+.1f} %, it {word}, {way} '
-        '(computed without jitter, noise and slip)'
+        '(computed at held temperatures, without jitter, noise and slip)'
     )
