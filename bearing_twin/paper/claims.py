@@ -9,7 +9,14 @@ from dataclasses import dataclass
 import math
 from typing import Any
 
-from bearing_twin.paper.verdicts import all_settings, NOT_CHECKABLE, Verdict
+from bearing_twin.paper.verdicts import (
+    all_settings,
+    CONTRADICTED,
+    MISPRINT,
+    NOT_CHECKABLE,
+    REPRODUCED,
+    Verdict,
+)
 import numpy as np
 
 __all__ = ['Claim', 'percent', 'percents', 'rounded']
@@ -36,7 +43,8 @@ class Claim:
     as_printed: Mapping[str, bool] | None = None
     """Whether the claim holds as it is printed, under each setting that the paper leaves open."""
     as_read: Mapping[str, bool] | None = None
-    """Whether it holds under readings or additions of ours. They never lift the verdict."""
+    """Whether it holds under the natural reading of a misprint. Only a claim that fails as
+    printed under every setting, and holds under every reading, becomes a misprint."""
 
     def __post_init__(self) -> None:
         if self.as_printed is not None:
@@ -50,6 +58,8 @@ class Claim:
                 msg = f'{self.id}: a reading needs what is printed beside it'
                 raise ValueError(msg)
             object.__setattr__(self, 'why', self.why + _outcome('As read ', self.as_read))
+            if self.verdict == CONTRADICTED and all_settings(self.as_read) == REPRODUCED:
+                object.__setattr__(self, 'verdict', MISPRINT)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields, numbers rounded to 6 digits, ready for JSON."""

@@ -57,16 +57,14 @@ def peak_claims(study: Study) -> list[Claim]:
         ]
         for preset in settings.PRESET_NAMES
     }
-    hits = {
-        preset: [abs(lag) <= TIME_DIGIT / 2 for lag in lags] for preset, lags in delays.items()
-    }
+    spread = {preset: max(lags) - min(lags) for preset, lags in delays.items()}
     holds = {
         'impact instants k/f_in': all(
             abs(i - t) <= TIME_DIGIT / 2 for i, t in zip(instants, times, strict=True)
         )
     }
-    for preset, hit in hits.items():
-        holds[f'peaks of {preset}'] = all(hit)
+    for preset, extent in spread.items():
+        holds[f'peaks of {preset}'] = extent <= TIME_DIGIT
     interval = frequency_interval(times, numbers)
     slipping = study.frequencies['incipient', 'mu_proportional', HOT].prescribed
     rigid = study.frequencies['incipient', 'none', HOT].prescribed
@@ -80,9 +78,10 @@ def peak_claims(study: Study) -> list[Claim]:
             as_printed=holds,
             why=(
                 'Rule: with t0 = 0 at an impact in the load direction, impacts '
-                f'{numbers}, and the simulated peaks at 20 degC, round to the quoted times. The '
-                'peaks do in '
-                + ', '.join(f'{sum(hit)} of {len(hit)} ({name})' for name, hit in hits.items())
+                f'{numbers} round to the quoted times, and the simulated peaks at 20 degC do so '
+                'after one common delay, which lets the delays differ by 1 ms, the digit printed. '
+                'Spread of the delays '
+                + ', '.join(f'{1e3 * extent:.2f} ms ({name})' for name, extent in spread.items())
                 + '. At the impacts the shaft has made '
                 f'{", ".join(f"{t:.2f}" for t in turns)} turns: the defect is under the load.'
             ),

@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearing_twin.paper.figures_style import label, new_figure
-from bearing_twin.paper.study import GRID_CLEARANCES, GRID_DEPTHS, GRID_LOADS, GRID_WIDTHS
+from bearing_twin.paper.space import SPACE
 import numpy as np
 
 if TYPE_CHECKING:
@@ -16,34 +16,28 @@ if TYPE_CHECKING:
 
 __all__ = ['grid_map']
 
+_PATHS = {'ball': 'path of a ball', 'rect': "equation 8's window"}
+
 
 def grid_map(study: Study) -> Figure:
-    """Draw d ln A / d ln beta0 over load and width for the largest depth and clearance."""
+    """Draw, over load and width, in which share of speeds, depths and clearances A falls."""
     figure = new_figure(
-        'Map. Change of the impact amplitude A with β₀: blue falls (as the paper states), red '
-        'rises',
-        width=13.0,
+        'Map. Share of speeds, depths and clearances in which all four stated trends hold',
+        width=12.0,
     )
-    shape = (len(GRID_LOADS), len(GRID_WIDTHS), len(GRID_DEPTHS), len(GRID_CLEARANCES))
-    slopes = study.grid.slopes.reshape(shape)
-    panels = figure.subplots(1, len(GRID_DEPTHS))
-    for k, (axes, depth) in enumerate(zip(panels, GRID_DEPTHS, strict=True)):
-        values = slopes[:, :, k, -1]
-        image = axes.imshow(values, cmap='RdBu_r', vmin=-2.0, vmax=2.0, aspect='auto')
+    panels = figure.subplots(1, len(SPACE.profiles))
+    for axes, profile, falls in zip(panels, SPACE.profiles, study.grid.falls, strict=True):
+        values = 100.0 * falls.mean(axis=(0, 3, 4))
+        image = axes.imshow(values, cmap='RdBu', vmin=0.0, vmax=100.0, aspect='auto')
         for row, column in np.ndindex(values.shape):
             value = values[row, column]
             axes.text(
-                column, row, f'{value:+.1f}', ha='center', va='center', fontsize=7,
-                color='white' if abs(value) > 1.3 else 'black',
+                column, row, f'{value:.0f}', ha='center', va='center', fontsize=8,
+                color='white' if abs(value - 50.0) > 35.0 else 'black',
             )  # fmt: skip
-        label(
-            axes,
-            f'depth {depth * 1e6:g} µm, clearance {GRID_CLEARANCES[-1] * 1e6:g} µm',
-            'width of the spall / mm',
-            'load W / N',
-        )
+        label(axes, _PATHS[profile], 'width of the spall / mm', 'load W / N')
         axes.grid(visible=False)
-        axes.set_xticks(range(len(GRID_WIDTHS)), [f'{1e3 * w:g}' for w in GRID_WIDTHS])
-        axes.set_yticks(range(len(GRID_LOADS)), [f'{w:g}' for w in GRID_LOADS])
-    figure.colorbar(image, ax=panels, label='d ln A / d ln β₀ / 1', shrink=0.9)
+        axes.set_xticks(range(len(SPACE.widths)), [f'{1e3 * w:g}' for w in SPACE.widths])
+        axes.set_yticks(range(len(SPACE.loads)), [f'{w:g}' for w in SPACE.loads])
+    figure.colorbar(image, ax=panels, label='share of settings / %', shrink=0.9)
     return figure

@@ -67,9 +67,9 @@ def spectrum(study: Study, *, number: int, temperature: float) -> Figure:
         f'Figure {number}. Envelope spectrum at {temperature:g} °C, all factors', width=12.0
     )
     wide, close = figure.subplots(1, 2, width_ratios=(1.5, 1.0))
-    rigid = study.frequencies['incipient', 'none', temperature]
-    slipping = study.frequencies['incipient', 'mu_proportional', temperature]
-    _envelope(wide, rigid, "preset 'incipient', the paper's equations")
+    rigid = study.frequencies['paper', 'none', temperature]
+    slipping = study.frequencies['paper', 'mu_proportional', temperature]
+    _envelope(wide, rigid, "preset 'paper', the paper's equations")
     for point, name, colour in (
         (rigid, "the paper's equations", COLOURS[0]),
         (slipping, 'with cage slip s₀ µ(T)/µ₀', COLOURS[2]),

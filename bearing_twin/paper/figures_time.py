@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.paper import settings
 from bearing_twin.paper.figures_style import (
@@ -18,6 +18,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.paper.study import Study
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     import numpy.typing as npt
 
@@ -37,44 +38,77 @@ def _outline(
 
 
 def waterfall(study: Study, *, number: int, factor: settings.Factor) -> Figure:
-    """Draw the time signals at the ten temperatures."""
+    """Draw the time signals at the ten temperatures, the four peak times and what they do."""
     figure = new_figure(
         f'Figure {number}. Time-domain waterfall: {settings.FACTOR_TEXT[factor]}',
         width=13.0,
-        height=5.4,
+        height=8.6,
         automatic=False,  # it would leave half of a 3-D panel empty
     )
-    figure.subplots_adjust(left=0.0, right=0.97, bottom=0.02, top=0.9, wspace=0.06)
-    nodes = settings.TEMPERATURE_NODES
-    for column, name in enumerate(settings.PRESET_NAMES, start=1):
-        axes = figure.add_subplot(1, 2, column, projection='3d')
-        top = 0.0
-        for temperature, point in reversed(
-            list(zip(nodes, study.trends[name, factor], strict=True))
-        ):
-            time, values = _outline(point.time, point.acceleration - point.acceleration.mean())
-            fraction = (temperature - nodes[0]) / (nodes[-1] - nodes[0])
-            axes.plot(
-                time, np.full(len(time), temperature), values,
-                color=temperature_colour(fraction), linewidth=0.35,
-            )  # fmt: skip
-            top = max(top, float(np.abs(values).max()))
-        axes.set_xlim(0.0, settings.DURATION)
-        axes.set_ylim(nodes[0], nodes[-1])
-        axes.set_zlim(-1.25 * top, 1.25 * top)
-        axes.set_yticks(nodes[::3])
-        axes.set_xlabel('time t / s', labelpad=9)
-        axes.set_ylabel(TEMPERATURE_LABEL, labelpad=9)
-        axes.set_zlabel('acceleration a / m s⁻²', labelpad=7)
-        axes.view_init(elev=32, azim=-66)
-        axes.set_box_aspect((1.7, 1.5, 0.62), zoom=1.12)
-        change = 100.0 * study.change(name, factor)
-        axes.set_title(
-            f'{name}: impact amplitude {change:+.1f} % from 20 to 110 °C', fontsize=10, pad=0
-        )
-        for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-            axis.pane.set_facecolor((0.97, 0.97, 0.97, 1.0))
+    for column, name in enumerate(settings.PRESET_NAMES):
+        _signals(figure, study, name, factor, left=0.475 * column)
+        axes = figure.add_axes((0.07 + 0.49 * column, 0.07, 0.41, 0.24))
+        _ratios(axes, study, name, factor)
     return figure
+
+
+def _signals(
+    figure: Figure, study: Study, name: str, factor: settings.Factor, left: float
+) -> None:
+    """Draw the waterfall of one preset, with a line through the peaks at each peak time."""
+    axes: Any = figure.add_axes((left, 0.33, 0.475, 0.6), projection='3d')
+    nodes = settings.TEMPERATURE_NODES
+    points = study.trends[name, factor]
+    top = 0.0
+    for temperature, point in reversed(list(zip(nodes, points, strict=True))):
+        time, values = _outline(point.time, point.acceleration - point.acceleration.mean())
+        fraction = (temperature - nodes[0]) / (nodes[-1] - nodes[0])
+        axes.plot(
+            time, np.full(len(time), temperature), values,
+            color=temperature_colour(fraction), linewidth=0.35,
+        )  # fmt: skip
+        top = max(top, float(np.abs(values).max()))
+    for k, instant in enumerate(settings.PEAK_TIMES):
+        heights = [point.peak_heights[k] for point in points]
+        axes.plot(
+            np.full(len(nodes), instant), nodes, heights, 'o-',
+            color=COLOURS[k], linewidth=1.2, markersize=2.5, zorder=10,
+        )  # fmt: skip
+    axes.set_xlim(0.0, settings.DURATION)
+    axes.set_ylim(nodes[0], nodes[-1])
+    axes.set_zlim(-1.25 * top, 1.25 * top)
+    axes.set_yticks(nodes[::3])
+    axes.set_xlabel('time t / s', labelpad=9)
+    axes.set_ylabel(TEMPERATURE_LABEL, labelpad=9)
+    axes.set_zlabel('acceleration a / m s⁻²', labelpad=7)
+    axes.view_init(elev=32, azim=-66)
+    axes.set_box_aspect((1.7, 1.5, 0.62), zoom=1.12)
+    change = 100.0 * study.change(name, factor)
+    axes.set_title(
+        f'{name}: impact amplitude {change:+.1f} % from 20 to 110 °C', fontsize=10, pad=0
+    )
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.pane.set_facecolor((0.97, 0.97, 0.97, 1.0))
+
+
+def _ratios(axes: Axes, study: Study, name: str, factor: settings.Factor) -> None:
+    """Draw the four peaks and the amplitude over those at 20 degC: 10 % fill the panel."""
+    nodes = settings.TEMPERATURE_NODES
+    heights = np.array([point.peak_heights for point in study.trends[name, factor]])
+    for k, instant in enumerate(settings.PEAK_TIMES):
+        axes.plot(
+            nodes, 100.0 * (heights[:, k] / heights[0, k] - 1.0), 'o-', color=COLOURS[k],
+            markersize=3.5, linewidth=1.2, label=f'peak at {instant} s',
+        )  # fmt: skip
+    amplitudes = study.amplitudes(name, factor)
+    axes.plot(
+        nodes, 100.0 * (amplitudes / amplitudes[0] - 1.0), 's--', color='black', markersize=3.5,
+        linewidth=1.2, label='impact amplitude A',
+    )  # fmt: skip
+    axes.axhline(0.0, color='black', linewidth=0.6)
+    label(axes, 'ratio to 20 °C', TEMPERATURE_LABEL, 'change of the peak / %')
+    axes.set_xticks(nodes)
+    axes.legend(fontsize=7, ncols=2, frameon=False)
 
 
 def peaks(study: Study, *, number: int, factor: settings.Factor) -> Figure:

@@ -7,6 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearing_twin.paper.claims_frequency import frequency_claims
+from bearing_twin.paper.claims_general import general_claims
 from bearing_twin.paper.claims_material import material_claims
 from bearing_twin.paper.claims_model import model_claims
 from bearing_twin.paper.claims_peaks import peak_claims
@@ -27,6 +28,7 @@ def judge(study: Study) -> list[Claim]:
         *shift_claims(study),
         *peak_claims(study),
         *trend_claims(study),
+        *general_claims(study),
         *material_claims(),
         *model_claims(study),
     ]

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from bearing_twin.dynamics import TwinParameters
+    from bearing_twin.dynamics.parameters import Profile, ThermalMode
 
 __all__ = ['Record', 'RunSpec', 'in_parallel', 'simulate']
 
@@ -36,7 +37,7 @@ _SETTLING_IMPACTS = 50
 @dataclass(frozen=True, kw_only=True)
 class RunSpec:
     """
-    One simulation at a held temperature, free of jitter and noise.
+    One simulation, free of jitter and noise.
 
     Parameters
     ----------
@@ -48,8 +49,19 @@ class RunSpec:
         degC.
     defect
         Place of the defect.
+    profile
+        Path of a ball over it: ``'ball'``, or ``'rect'``, equation 8 with b = 0 or 1.
     slip_model
         ``'none'`` as in the paper, or ``'mu_proportional'``.
+    thermal_mode
+        ``'paper'``, or the twin's ``'physical'``.
+    shaft_hz
+        Shaft speed, Hz.
+    was
+        Temperature before t = 0, degC; None: `temperature`.
+    ramp
+        Whether the temperature goes from `was` in proportion to time over the record; else at
+        once, and the motion settles a second time before t = 0.
     seconds
         Length of the record.
     rate
@@ -65,7 +77,12 @@ class RunSpec:
     factor: settings.Factor | None
     temperature: float
     defect: str = 'inner'
+    profile: Profile = 'ball'
     slip_model: str = 'none'
+    thermal_mode: ThermalMode = 'paper'
+    shaft_hz: float = settings.SHAFT_HZ
+    was: float | None = None
+    ramp: bool = False
     seconds: float = settings.DURATION
     rate: float = 51200.0
     delta_mu: float = settings.DELTA_MU
@@ -87,6 +104,8 @@ class RunSpec:
             defect=self.defect,
             width=self.width,
             depth=self.depth,
+            profile=self.profile,
+            thermal_mode=self.thermal_mode,
             slip_model=self.slip_model,
             jitter=0.0,
             noise=0.0,
@@ -120,27 +139,35 @@ def simulate(spec: RunSpec) -> Record:
     which the defect is back in the load direction at t = 0, so that the transient is gone by then.
     """
     parameters = spec.parameters()
-    probe = Simulator(parameters, temperature=spec.temperature, shaft_hz=settings.SHAFT_HZ)
+    cold = spec.temperature if spec.was is None else spec.was
+    probe = Simulator(parameters, temperature=cold, shaft_hz=spec.shaft_hz)
     bpfi = probe.condition().bpfi
-    lead = _SETTLING_IMPACTS / bpfi
-    turned = 2.0 * math.pi * settings.SHAFT_HZ * lead
+    settling = _SETTLING_IMPACTS / bpfi
+    twice = spec.was is not None and not spec.ramp
+    lead = 2.0 * settling if twice else settling
+    turned = 2.0 * math.pi * spec.shaft_hz * lead
     start = math.remainder(parameters.start_angle - turned, 2.0 * math.pi)
     simulator = Simulator(
         dataclasses.replace(parameters, start_angle=start),
         sample_rate=spec.rate,
-        temperature=spec.temperature,
-        shaft_hz=settings.SHAFT_HZ,
+        temperature=cold,
+        shaft_hz=spec.shaft_hz,
     )
     n = math.ceil((lead + simulator.delay + spec.seconds) * spec.rate) + 2
-    block = simulator.advance(n, spec.temperature, settings.SHAFT_HZ)
+    settled = round(settling * spec.rate)
+    begun = cold if spec.ramp else spec.temperature
+    parts = [
+        simulator.advance(count, degrees, spec.shaft_hz)
+        for count, degrees in ((settled, cold), (1, begun), (n - settled - 1, spec.temperature))
+    ]
     time = np.arange(n) / spec.rate - simulator.delay - lead
     kept = (time >= 0.0) & (time < spec.seconds)
     return Record(
         time=time[kept],
-        acceleration=block.y[kept].astype(float),
+        acceleration=np.concatenate([part.y for part in parts])[kept].astype(float),
         rate=spec.rate,
         bpfi=bpfi,
-        clearance=block.condition.radial_clearance,
+        clearance=parts[-1].condition.radial_clearance,
     )
 
 

@@ -28,7 +28,6 @@ __all__ = [
     'DELTA_MU',
     'DISCLOSED',
     'DURATION',
-    'EQUATION_25',
     'EXPERIMENT',
     'FACTORS',
     'FACTOR_TEXT',
@@ -98,14 +97,8 @@ FACTOR_TEXT: Mapping[Factor, str] = MappingProxyType(
 )
 C_D_UNIT = 'N s/m'
 """Unit of a damping, which section 3 calls C_d ('friction damping')."""
-AMPLITUDE_UNIT = 'V'
-"""On the axis of the waterfalls, figures 9, 16, 23 and 28 ('amplitude V')."""
-EQUATION_25 = (
-    'F_X = sum K_b0 [1 + a (T - T0) + Dh (H - H0)/H0 + h (mu - mu0)/mu0] '
-    '{[(x_in - x_out) cos t + (y_in - y_out) sin t - c_r - b C_d0 x '
-    '[1 + a (T - T0) + Dh (H - H0)/H0 + h (mu - mu0)/mu0] }^1.5 cos t'
-)
-"""F_X of equation 25, section 3.4, brackets as printed."""
+AMPLITUDE_UNIT: str | None = None
+"""Unit of the axis 'amplitude V' of the waterfalls: none is given; V is a symbol, as t and T."""
 EXPERIMENT = None
 """The record behind figure 31: 'the data are not disclosed'."""
 AMPLITUDE_AT_20 = None

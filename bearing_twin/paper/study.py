@@ -5,25 +5,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+import math
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.dynamics.trend import impact_amplitude
 from bearing_twin.paper import measures, settings
 from bearing_twin.paper.runs import in_parallel, RunSpec, simulate
-from bearing_twin.thermal.rings import clearance_change
+from bearing_twin.paper.space import Grid, SPACE, STATES
 import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterator, Mapping
+
 
 __all__ = [
     'FaultPoint',
     'FrequencyPoint',
-    'Grid',
     'Study',
     'TrendPoint',
+    'Warming',
     'run_study',
 ]
 
@@ -34,18 +36,13 @@ STARTS = 8
 FREQUENCY_SECONDS = 12.0
 """Long enough to separate f_in from 5 f_r, 0.66 Hz away without and 0.18 Hz with slip."""
 FREQUENCY_RATE = 25600.0
+WINDOW_WIDTH = 2.0e-3
+"""Width of equation 8's own window at which the ball spends the falling flank in it, m."""
 SMALL_DELTA_MU = 0.001
 """A weight of friction that the paper allows just as well as `settings.DELTA_MU`."""
-CLEARANCE_COLD = 5e-6
-CLEARANCE_HOT = CLEARANCE_COLD + clearance_change(29.0, 20.0, settings.BEARING.d_pitch)
-"""Radial clearance with rings of one temperature, and with the inner ring 9 K hotter, m."""
 LITERATURE_LOADS = (500.0, 2000.0)
 LITERATURE_WIDTHS = (0.8e-3, 1.6e-3, 2.8e-3)
 LITERATURE_DEPTHS = (15e-6, 40e-6)
-GRID_LOADS = (500.0, 1000.0, 2000.0, 4000.0)
-GRID_WIDTHS = (0.4e-3, 0.8e-3, 1.2e-3, 1.6e-3, 2.0e-3, 2.4e-3, 2.8e-3, 3.2e-3, 4.0e-3, 4.8e-3)
-GRID_DEPTHS = (15e-6, 40e-6, 60e-6)
-GRID_CLEARANCES = (0.0, 5e-6)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,18 +92,18 @@ class FaultPoint:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Grid:
-    """d ln(amplitude) / d ln(beta0) over loads, widths, depths and clearances."""
+class Warming:
+    """Two amplitudes of one preset, m/s^2, and what went with them."""
 
-    specs: tuple[RunSpec, ...]
-    """The cold run of each point."""
-    slopes: FloatArray
-    """Shape (points,)."""
+    amplitudes: tuple[float, float]
+    """At 20 and at 110 degC."""
+    clearances: tuple[float, float]
+    """Radial clearance, m."""
 
     @property
-    def falling(self) -> float:
-        """Fraction of the points in which the amplitude falls with beta0."""
-        return float(np.mean(self.slopes < 0.0))
+    def change(self) -> float:
+        """Relative change of the amplitude."""
+        return self.amplitudes[1] / self.amplitudes[0] - 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,8 +116,17 @@ class Study:
     """By preset, slip model and temperature."""
     faults: Mapping[str, FaultPoint]
     """By place of the defect."""
-    clearance: Mapping[str, tuple[float, float]]
-    """Amplitude with the cold and the hot clearance, by preset, m/s^2."""
+    physical: Mapping[str, Warming]
+    """In the twin's thermal mode ``'physical'``, by preset."""
+    window: Mapping[settings.Factor, float]
+    """Relative change of the amplitude from 20 to 110 degC by factor, in `paper` with equation
+    8's own window, `WINDOW_WIDTH` wide."""
+    ramp: Mapping[str, FloatArray]
+    """Amplitude in each tenth of a run in which the temperature goes from 20 to 110 degC in
+    proportion to time over ten beats of f_in against 5 f_r, by preset, m/s^2, shape (10,)."""
+    forgotten: Mapping[str, float]
+    """Relative difference of the amplitude at 20 degC between a run that was at 20 and one that
+    was at 110 degC before t = 0, by preset."""
     literature: Mapping[str, FloatArray]
     """Relative change of the amplitude from 20 to 110 degC, all factors, by published preset; one
     for each of `LITERATURE_LOADS`, `LITERATURE_WIDTHS` and `LITERATURE_DEPTHS`."""
@@ -175,10 +181,31 @@ def run_study(*, processes: int = 2, quiet: bool = False) -> Study:
         )
         for place in fault_keys
     ]  # fmt: skip
-    clearance_specs = [
-        RunSpec(preset=p, factor=None, temperature=cold, clearance=c)
+    physical_specs = [
+        RunSpec(preset=p, factor=None, temperature=t, thermal_mode='physical')
         for p in names
-        for c in (CLEARANCE_COLD, CLEARANCE_HOT)
+        for t in (cold, hot)
+    ]
+    window_specs = [
+        RunSpec(preset='paper', factor=f, temperature=t, profile='rect', width=WINDOW_WIDTH)
+        for f in factors
+        for t in (cold, hot)
+    ]
+    ramp_specs = [
+        RunSpec(
+            preset=p,
+            factor='all',
+            temperature=hot,
+            was=cold,
+            ramp=True,
+            seconds=len(nodes) * _beat(),
+        )
+        for p in names
+    ]
+    other_specs = [
+        RunSpec(preset=p, factor='all', temperature=cold, was=was)
+        for p in names
+        for was in (cold, hot)
     ]
     mu_keys = [(p, f) for p in names for f in factors[:3]]
     mu_specs = [
@@ -195,52 +222,61 @@ def run_study(*, processes: int = 2, quiet: bool = False) -> Study:
         for w in LITERATURE_LOADS for b in LITERATURE_WIDTHS for h in LITERATURE_DEPTHS
         for t in (cold, hot)
     ]  # fmt: skip
-    grid_specs = [
-        RunSpec(
-            preset='paper', factor='friction', temperature=t, load=w, width=b, depth=h,
-            clearance=c, seconds=_beat(), rate=FREQUENCY_RATE,
-        )
-        for w in GRID_LOADS for b in GRID_WIDTHS for h in GRID_DEPTHS for c in GRID_CLEARANCES
-        for t in (cold, hot)
-    ]  # fmt: skip
     groups: list[tuple[Callable[[RunSpec], object], list[RunSpec]]] = [
         (trend_point, trend_specs),
         (frequency_point, frequency_specs),
         (fault_point, fault_specs),
-        (only_amplitude, clearance_specs + mu_specs + literature_specs + grid_specs),
+        (warm_point, physical_specs),
+        (ramp_point, ramp_specs),
+        (
+            only_amplitude,
+            window_specs + other_specs + mu_specs + literature_specs + SPACE.specs(),
+        ),
     ]
     jobs = [(work, spec) for work, specs in groups for spec in specs]
     done = iter(in_parallel(_do, jobs, processes=processes, text='simulations', quiet=quiet))
     trend = {key: next(done) for key in trend_keys}
     frequency = {key: next(done) for key in frequency_keys}
     fault = {key: next(done) for key in fault_keys}
-    clearance = {name: (float(next(done)), float(next(done))) for name in names}
-    small: dict[tuple[str, str], float] = {}
-    for mu_key in mu_keys:
-        first, last = float(next(done)), float(next(done))
-        small[mu_key] = last / first - 1.0
+    warm = {name: (next(done), next(done)) for name in names}
+    ramp = {name: next(done) for name in names}
+    window = {factor: _change(done) for factor in factors}
+    forgotten = {name: _change(done) for name in names}
+    small: dict[tuple[str, str], float] = {key: _change(done) for key in mu_keys}
     literature = {}
     for name in settings.LITERATURE_PRESETS:
         size = 2 * len(LITERATURE_LOADS) * len(LITERATURE_WIDTHS) * len(LITERATURE_DEPTHS)
         cold_hot = np.array([float(next(done)) for _ in range(size)]).reshape(-1, 2)
         literature[name] = cold_hot[:, 1] / cold_hot[:, 0] - 1.0
-    pairs = np.array([float(value) for value in done]).reshape(-1, 2)
-    beta_hot = settings.factor_of('friction').at(hot)
-    slopes = np.log(pairs[:, 1] / pairs[:, 0]) / np.log(beta_hot)
+    found = np.log(np.array(list(done)).reshape(*SPACE.shape, len(STATES)))
+    rise = [math.log(settings.factor_of(factor).at(t)) for factor, t in STATES]
+    slopes = (found[..., 1:] - found[..., :1]) / np.array(rise[1:])
     return Study(
         trends={(p, f): tuple(trend[p, f, t] for t in nodes) for p in names for f in factors},
         frequencies=frequency,
         faults=fault,
-        clearance=clearance,
+        physical={
+            name: Warming(amplitudes=(first[0], last[0]), clearances=(first[1], last[1]))
+            for name, (first, last) in warm.items()
+        },
+        window=window,
+        ramp=ramp,
+        forgotten=forgotten,
         literature=literature,
         small_mu=small,
-        grid=Grid(specs=tuple(grid_specs[::2]), slopes=slopes),
+        grid=Grid(small=slopes[..., 0], large=slopes[..., 1]),
     )
 
 
 def _do(job):  # type: ignore[no-untyped-def]
     work, spec = job
     return work(spec)
+
+
+def _change(done: Iterator[Any]) -> float:
+    """Relative change between the next two amplitudes."""
+    first, last = float(next(done)), float(next(done))
+    return last / first - 1.0
 
 
 def _beat() -> float:
@@ -311,3 +347,17 @@ def only_amplitude(spec: RunSpec) -> float:
     """Simulate and return the impact amplitude, m/s^2."""
     record = simulate(spec)
     return impact_amplitude(record.acceleration, record.rate, record.bpfi)
+
+
+def warm_point(spec: RunSpec) -> tuple[float, float]:
+    """Simulate and return impact amplitude, m/s^2, and radial clearance, m."""
+    record = simulate(spec)
+    amplitude = impact_amplitude(record.acceleration, record.rate, record.bpfi)
+    return amplitude, record.clearance
+
+
+def ramp_point(spec: RunSpec) -> FloatArray:
+    """Simulate and return the impact amplitude of each tenth of the record, m/s^2."""
+    record = simulate(spec)
+    tenths = np.array_split(record.acceleration, len(settings.TEMPERATURE_NODES))
+    return np.array([impact_amplitude(part, record.rate, record.bpfi) for part in tenths])

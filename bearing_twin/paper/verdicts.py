@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     'CONTRADICTED',
+    'MISPRINT',
     'NOT_CHECKABLE',
     'REPRODUCED',
     'UNDER_SETTINGS',
@@ -24,13 +25,18 @@ __all__ = [
 ]
 
 Verdict = Literal[
-    'reproduced', 'reproduced_only_under_stated_settings', 'contradicted', 'not_checkable'
+    'reproduced',
+    'reproduced_only_under_stated_settings',
+    'misprint_holds_as_read',
+    'contradicted',
+    'not_checkable',
 ]
 REPRODUCED: Verdict = 'reproduced'
 UNDER_SETTINGS: Verdict = 'reproduced_only_under_stated_settings'
+MISPRINT: Verdict = 'misprint_holds_as_read'
 CONTRADICTED: Verdict = 'contradicted'
 NOT_CHECKABLE: Verdict = 'not_checkable'
-VERDICTS: tuple[Verdict, ...] = (REPRODUCED, UNDER_SETTINGS, CONTRADICTED, NOT_CHECKABLE)
+VERDICTS: tuple[Verdict, ...] = (REPRODUCED, UNDER_SETTINGS, MISPRINT, CONTRADICTED, NOT_CHECKABLE)
 
 
 def within(paper: float | None, ours: float | None, tolerance: float) -> Verdict:

@@ -9,7 +9,7 @@ import dataclasses
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import claims_model, equations, settings
 from bearing_twin.paper.claims import Claim
-from bearing_twin.paper.claims_model import circulation, system_matrix, unclosed
+from bearing_twin.paper.claims_model import circulation, system_matrix
 from bearing_twin.paper.claims_peaks import frequency_interval
 from bearing_twin.paper.claims_shift import shift_claims, slip_needed
 from bearing_twin.paper.claims_trend import falling_window, formula_change
@@ -47,7 +47,7 @@ def test_claims_are_well_formed(claims, study):
             assert claim.paper_value is None or claim.our_value is None, claim.id
 
 
-def test_all_four_verdicts_occur(claims):
+def test_all_verdicts_occur(claims):
     assert {claim.verdict for claim in claims.values()} == set(VERDICTS)
 
 
@@ -103,7 +103,8 @@ def test_trends_turn_with_the_simulation(study, everywhere, verdict):
         for name in settings.PRESET_NAMES
         for factor in settings.FACTORS
     }
-    found = verdicts(dataclasses.replace(study, trends=trends))
+    window = {factor: study.change(everywhere, factor) for factor in settings.FACTORS}
+    found = verdicts(dataclasses.replace(study, trends=trends, window=window))
     for factor in settings.FACTORS:
         assert found[f'trend-{factor}-simulation'] == verdict
         assert found[f'trend-{factor}-peaks'] == verdict
@@ -115,8 +116,10 @@ def test_frequency_verdicts_turn_with_the_lines(study):
             key: dataclasses.replace(point, line=line) for key, point in study.frequencies.items()
         }
 
-    assert verdicts(study)['f-in-simulated-fig4'] == 'contradicted'
-    found = verdicts(dataclasses.replace(study, frequencies=moved(126.463)))
+    # The record of 0.7 s tells 126.3 from 126.8 Hz no better than its bin of 1.43 Hz.
+    for figure in ('fig4', 'fig30', 'fig32'):
+        assert verdicts(study)[f'f-in-simulated-{figure}'] == 'reproduced'
+    found = verdicts(dataclasses.replace(study, frequencies=moved(125.2)))
     assert found['f-in-simulated-fig4'] == 'reproduced'
     assert found['f-in-simulated-fig32'] == 'contradicted'
     assert found['f-in-rises-with-temperature'] == 'contradicted'
@@ -136,11 +139,13 @@ def test_fault_places_turn_with_the_lines(study):
     assert found['frequencies-locate-the-fault'] == 'reproduced'
 
 
-def test_generality_turns_with_the_grid(study):
-    size = study.grid.slopes.size
+def test_generality_turns_with_the_space(study):
     for slope, verdict in ((-1.0, 'reproduced'), (1.0, 'contradicted')):
-        grid = dataclasses.replace(study.grid, slopes=np.full(size, slope))
+        slopes = np.full_like(study.grid.small, slope)
+        grid = dataclasses.replace(study.grid, small=slopes, large=slopes)
         assert verdicts(dataclasses.replace(study, grid=grid))['trend-is-general'] == verdict
+    one = dataclasses.replace(study.grid, small=np.full_like(study.grid.small, 1.0))
+    assert not one.falls.any(), 'both changes have to fall'
 
 
 def test_the_experiment_would_be_judged_if_it_were_disclosed(study, monkeypatch):
@@ -151,7 +156,7 @@ def test_the_experiment_would_be_judged_if_it_were_disclosed(study, monkeypatch)
 
 
 def test_peak_times_turn_with_the_quoted_times(study, monkeypatch):
-    assert verdicts(study)['peak-times'] == 'reproduced_only_under_stated_settings'
+    assert verdicts(study)['peak-times'] == 'reproduced'
     monkeypatch.setattr(settings, 'PEAK_TIMES', (0.083, 0.272, 0.441, 0.629))
     assert verdicts(study)['peak-times'] == 'contradicted'
 
@@ -164,28 +169,40 @@ def test_peak_times_turn_with_the_peaks(study):
         }
         return verdicts(dataclasses.replace(study, trends=trends))['peak-times']
 
-    late = [time + 0.0006 for time in settings.PEAK_TIMES]
-    assert at([time + 0.0004 for time in settings.PEAK_TIMES]) == 'reproduced'
+    late = [time + 0.0011 for time in settings.PEAK_TIMES]
+    assert at(late) == 'reproduced', 'one common delay'
     assert at([*settings.PEAK_TIMES[:3], late[3]]) == 'reproduced_only_under_stated_settings'
-    assert at(late) == 'reproduced_only_under_stated_settings'
 
 
-PRINTED_FALSE = {
-    'symbols-d-and-D', 'f-b-is-the-ball-fault', 'table-1-unit', 'angle-convention',
-    'projection-of-forces', 'unloaded-balls', 'c-d-is-a-depth', 'amplitude-in-volts',
-    'resultant-angle', 'friction-equation',
+MISPRINTS = {
+    'symbols-d-and-D', 'angle-convention', 'projection-of-forces', 'c-d-is-a-depth',
+    'resultant-angle', 'friction-equation', 'hardness-increases', 'table-3-called-hardness',
 }  # fmt: skip
+GENUINE = {
+    'f-in-quoted-twice', 'friction-lowers-the-frequency', 'peak-times-at-every-temperature',
+    'formula-verifies-simulation', 'table-1-magnitude', 'expansion-is-a-strain',
+    'stiffness-rises',
+}  # fmt: skip
+"""What an audit of the paper by hand found contradicted; f_in is within what 0.7 s resolve."""
 
 
-def test_a_reading_is_named_and_does_not_lift_the_verdict(claims):
-    for name in PRINTED_FALSE:
+def test_misprints_and_contradictions_are_those_that_an_audit_found(claims):
+    found = {name: claim.verdict for name, claim in claims.items()}
+    assert {n for n, verdict in found.items() if verdict == 'misprint_holds_as_read'} >= MISPRINTS
+    assert {n for n, verdict in found.items() if verdict == 'contradicted'} >= GENUINE
+
+
+def test_a_reading_lifts_only_what_fails_everywhere_as_printed(claims):
+    for name in MISPRINTS:
         claim = claims[name]
-        assert claim.verdict == 'contradicted'
-        assert any(claim.as_read.values()), f'{name}: a reading under which it makes sense'
+        assert not any(claim.as_printed.values()), name
+        assert all(claim.as_read.values()), name
     fields = {'id': 'x', 'where': 'y', 'claim': 'z', 'paper_value': 1, 'our_value': 2}
     claim = Claim(**fields, why='Rule: r.', as_printed={'a': False}, as_read={'b': True})
-    assert claim.verdict == 'contradicted'
+    assert claim.verdict == 'misprint_holds_as_read'
     assert claim.why == 'Rule: r. As read holds: b.'
+    claim = Claim(**fields, why='Rule: r.', as_printed={'a': False}, as_read={'b': False})
+    assert claim.verdict == 'contradicted'
     claim = Claim(**fields, why='Rule: r.', as_printed={'a': True}, as_read={'b': False})
     assert claim.verdict == 'reproduced'
     with pytest.raises(ValueError, match='printed'):
@@ -193,18 +210,18 @@ def test_a_reading_is_named_and_does_not_lift_the_verdict(claims):
 
 
 @pytest.mark.parametrize(
-    ('name', 'quoted', 'claim'),
+    ('name', 'quoted', 'claim', 'verdict'),
     [
-        ('C_D_UNIT', 'm', 'c-d-is-a-depth'),
-        ('AMPLITUDE_UNIT', 'm/s^2', 'amplitude-in-volts'),
-        ('AMPLITUDE_UNIT', 'N/kg', 'amplitude-in-volts'),
-        ('EQUATION_25', 'F = K {[x + (y)]^1.5}', 'brackets-of-equation-25'),
+        ('C_D_UNIT', 'm', 'c-d-is-a-depth', 'reproduced'),
+        ('AMPLITUDE_UNIT', 'm/s^2', 'amplitude-in-volts', 'reproduced'),
+        ('AMPLITUDE_UNIT', 'N/kg', 'amplitude-in-volts', 'reproduced'),
+        ('AMPLITUDE_UNIT', 'V', 'amplitude-in-volts', 'contradicted'),
     ],
 )
-def test_misprints_turn_with_what_is_quoted(study, monkeypatch, name, quoted, claim):
-    assert verdicts(study)[claim] == 'contradicted'
+def test_units_turn_with_what_is_quoted(study, monkeypatch, name, quoted, claim, verdict):
+    assert verdicts(study)[claim] != verdict
     monkeypatch.setattr(settings, name, quoted)
-    assert verdicts(study)[claim] == 'reproduced'
+    assert verdicts(study)[claim] == verdict
 
 
 def test_dimension_verdicts_turn_with_the_terms(study, monkeypatch):
@@ -334,13 +351,6 @@ def test_linearised_model_is_stable_and_symmetric():
     assert np.abs(values).max() / (2 * np.pi) < 1500.0
 
 
-@pytest.mark.parametrize(
-    ('text', 'count'), [('', 0), ('{[()]}', 0), ('{[()}', 1), (')(', 2), ('[[x]', 1)]
-)
-def test_unclosed_brackets(text, count):
-    assert unclosed(text) == count
-
-
 def test_claims_that_depend_on_settings_name_them(claims):
     for claim in claims.values():
         if claim.verdict == 'reproduced_only_under_stated_settings' and claim.as_printed:
@@ -349,4 +359,6 @@ def test_claims_that_depend_on_settings_name_them(claims):
         for name in claim.as_read or ():
             assert name in claim.why, claim.id
         if claim.as_printed is not None:
-            assert claim.verdict == all_settings(claim.as_printed)
+            expected = all_settings(claim.as_printed)
+            misprint = expected == 'contradicted' and claim.as_read and all(claim.as_read.values())
+            assert claim.verdict == ('misprint_holds_as_read' if misprint else expected)

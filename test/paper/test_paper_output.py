@@ -27,6 +27,7 @@ FORCE_FIGURES = {
     'friction': (20, 21, 22),
     'all': (27,),
 }
+WATERFALLS = {'expansion': 9, 'hardness': 16, 'friction': 23, 'all': 28}
 KEYS = ['id', 'where', 'claim', 'paper_value', 'our_value', 'verdict', 'why']
 
 
@@ -90,10 +91,17 @@ def test_force_panels_say_what_their_curves_do(study, number):
         assert ('falls' if rising else 'rises') not in axes.get_title()
 
 
-def test_waterfalls_are_three_dimensional(study):
+def test_waterfalls_mark_the_peak_times_and_show_their_ratio_to_20_degc(study):
     for number in (9, 16, 23, 28):
         axes = FIGURES[str(number)].draw(study).axes
-        assert all(one.name == '3d' and len(one.lines) == 10 for one in axes)
+        for one in (one for one in axes if one.name == '3d'):
+            assert len(one.lines) == 10 + len(settings.PEAK_TIMES)
+        flat = [one for one in axes if one.name != '3d']
+        assert len(flat) == len(settings.PRESET_NAMES) == len(axes) / 2
+        for one, name in zip(flat, settings.PRESET_NAMES, strict=True):
+            factor = next(f for f, numbers in WATERFALLS.items() if number == numbers)
+            shown = one.lines[len(settings.PEAK_TIMES)].get_ydata()[-1]
+            assert shown == pytest.approx(100.0 * study.change(name, factor))
 
 
 def test_documentation_has_the_table_of_the_command(claims):
