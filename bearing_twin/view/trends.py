@@ -6,15 +6,34 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple
 
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_FAULT
 from bearing_twin.view.style import Colour, FAMILIES, LINE
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
+__all__ = ['DIAGNOSIS', 'TWIN_STATE', 'Limit', 'Panel', 'Trend', 'recorded']
 
-__all__ = ['DIAGNOSIS', 'TWIN_STATE', 'Limit', 'Panel', 'Trend']
+
+def recorded(message: Any, field: str, index: int | None = None) -> float:
+    """
+    Return a number of a message, or an element of a list of numbers.
+
+    NaN where the message has no such field, element or number: a recording brings its own
+    definition of a type, which may be older or newer than this version's.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> state = SimpleNamespace(beta0=1.02, score=[7.0])
+    >>> recorded(state, 'beta0'), recorded(state, 'score', 0), recorded(state, 'kappa')
+    (1.02, 7.0, nan)
+
+    """
+    try:
+        value = getattr(message, field)
+        return float(value if index is None else value[index])
+    except (AttributeError, IndexError, TypeError, ValueError):
+        return math.nan
 
 
 class Trend(NamedTuple):
@@ -25,8 +44,16 @@ class Trend(NamedTuple):
     label: str
     """Name and unit."""
     colour: Colour
-    value: Callable[[Any], float]
-    """From a message; NaN where the quantity does not exist."""
+    field: str
+    """Of the message."""
+    scale: float = 1.0
+    """Unit of the message in the unit of the label."""
+    element: int | None = None
+    """Element of a field that is a list."""
+
+    def value(self, message: Any) -> float:
+        """Return what is plotted of a message; NaN where the quantity does not exist."""
+        return self.scale * recorded(message, self.field, self.element)
 
 
 class Limit(NamedTuple):
@@ -50,16 +77,8 @@ class Panel:
 
 def _per_family(field: str) -> tuple[Trend, ...]:
     """Return the elements of a field with one element a fault family."""
-
-    def element(k: int) -> Callable[[Any], float]:
-        def value(diagnosis: Any) -> float:
-            values = getattr(diagnosis, field)
-            return float(values[k]) if k < len(values) else math.nan
-
-        return value
-
     return tuple(
-        Trend(family.key, family.label, family.colour, element(k))
+        Trend(family.key, family.label, family.colour, field, element=k)
         for k, family in enumerate(FAMILIES)
     )
 
@@ -69,38 +88,38 @@ TWIN_STATE = (
         'temperature',
         'Temperature [°C]',
         (
-            Trend('used', 'used by the twin', LINE['used'], lambda s: s.temperature_used),
-            Trend('inner_ring', 'inner ring', LINE['fourth'], lambda s: s.inner_ring_temperature),
+            Trend('used', 'used by the twin', LINE['used'], 'temperature_used'),
+            Trend('inner_ring', 'inner ring', LINE['fourth'], 'inner_ring_temperature'),
         ),
     ),
     Panel(
         'beta0',
         'beta0, on stiffness and defect depth [1]',
-        (Trend('beta0', 'beta0', LINE['first'], lambda s: s.beta0),),
+        (Trend('beta0', 'beta0', LINE['first'], 'beta0'),),
     ),
     Panel(
         'stiffness',
         'Contact stiffness K_b [1e9 N/m^1.5]',
-        (Trend('k_b', 'K_b', LINE['second'], lambda s: 1e-9 * s.k_b),),
+        (Trend('k_b', 'K_b', LINE['second'], 'k_b', 1e-9),),
     ),
     Panel(
         'depth',
         'Defect depth C_d [µm]',
-        (Trend('c_d', 'C_d', LINE['third'], lambda s: 1e6 * s.c_d),),
+        (Trend('c_d', 'C_d', LINE['third'], 'c_d', 1e6),),
     ),
     Panel(
         'kappa',
         'Viscosity ratio kappa [1]',
-        (Trend('kappa', 'kappa', LINE['fourth'], lambda s: s.kappa),),
+        (Trend('kappa', 'kappa', LINE['fourth'], 'kappa'),),
     ),
     Panel(
         'real_time',
         'Real time [ms], blocks',
         (
-            Trend('lateness', 'late [ms]', LINE['third'], lambda s: 1e3 * s.lateness),
-            Trend('execution', 'computing [ms]', LINE['first'], lambda s: 1e3 * s.execution_time),
-            Trend('late', 'late blocks', LINE['fourth'], lambda s: s.blocks_late),
-            Trend('dropped', 'dropped blocks', LINE['measured'], lambda s: s.blocks_dropped),
+            Trend('lateness', 'late [ms]', LINE['third'], 'lateness', 1e3),
+            Trend('execution', 'computing [ms]', LINE['first'], 'execution_time', 1e3),
+            Trend('late', 'late blocks', LINE['fourth'], 'blocks_late'),
+            Trend('dropped', 'dropped blocks', LINE['measured'], 'blocks_dropped'),
         ),
     ),
 )
@@ -123,26 +142,26 @@ DIAGNOSIS = (
     Panel(
         'level',
         'Vibration level, rms',
-        (Trend('rms', 'rms [unit]', LINE['first'], lambda d: d.rms),),
+        (Trend('rms', 'rms [unit]', LINE['first'], 'rms'),),
         from_zero=True,
     ),
     Panel(
         'velocity',
         'Velocity 10 to 1000 Hz [mm/s rms]',
-        (Trend('velocity_rms', 'velocity', LINE['second'], lambda d: d.velocity_rms),),
+        (Trend('velocity_rms', 'velocity', LINE['second'], 'velocity_rms'),),
         from_zero=True,
     ),
     Panel(
         'baseline',
         'Level over its own baseline [dB]',
-        (Trend('baseline', 'over baseline', LINE['third'], lambda d: d.level_over_baseline),),
+        (Trend('baseline', 'over baseline', LINE['third'], 'level_over_baseline'),),
     ),
     Panel(
         'shape',
         'Kurtosis, crest factor [1]',
         (
-            Trend('kurtosis', 'kurtosis', LINE['fourth'], lambda d: d.kurtosis),
-            Trend('crest_factor', 'crest factor', LINE['second'], lambda d: d.crest_factor),
+            Trend('kurtosis', 'kurtosis', LINE['fourth'], 'kurtosis'),
+            Trend('crest_factor', 'crest factor', LINE['second'], 'crest_factor'),
         ),
     ),
 )

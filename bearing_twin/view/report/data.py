@@ -12,6 +12,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.vibration_input import HIGHEST_RATE
+from bearing_twin.view.trends import recorded
 from bearing_twin.view.verdict import Headline
 import numpy as np
 
@@ -173,9 +174,10 @@ class _Collector:
 
     def _state(self, time: float, message: Any) -> None:
         machine = self.machine
-        self._temperature = float(message.temperature_used)
+        self._temperature = recorded(message, 'temperature_used')
         machine.last_state = message
-        machine.worst_lateness = float(np.fmax(machine.worst_lateness, message.lateness))
+        lateness = recorded(message, 'lateness')
+        machine.worst_lateness = float(np.fmax(machine.worst_lateness, lateness))
         if time >= self._next_state:
             self._next_state = time + self.STATE_PERIOD
             machine.states.append((time, message))

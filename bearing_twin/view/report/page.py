@@ -177,8 +177,9 @@ def _recording(
         rows.append(
             (
                 f'Twin {machine.name}',
-                f'{last.blocks_published} blocks published, {last.blocks_late} late, '
-                f'{last.blocks_dropped} dropped; worst lateness '
+                f'{getattr(last, "blocks_published", "?")} blocks published, '
+                f'{getattr(last, "blocks_late", "?")} late, '
+                f'{getattr(last, "blocks_dropped", "?")} dropped; worst lateness '
                 f'{number(1e3 * machine.worst_lateness, "ms")}',
             )
         )

@@ -17,7 +17,7 @@ from bearing_twin.view.report.svg import (
     WIDTH,
 )
 from bearing_twin.view.spectrum import ENVELOPE, SpectrumPicture
-from bearing_twin.view.trends import DIAGNOSIS, TWIN_STATE
+from bearing_twin.view.trends import DIAGNOSIS, recorded, TWIN_STATE
 from bearing_twin.view.verdict import pretty
 import matplotlib as mpl
 from matplotlib.collections import LineCollection
@@ -84,7 +84,7 @@ def _columns(pairs: Sequence[tuple[float, ...]]) -> NDArray[np.float64]:
 
 
 def _values(items: Sequence[tuple[float, Any]], name: str) -> NDArray[np.float64]:
-    return np.array([getattr(message, name) for _, message in items], dtype=np.float64)
+    return np.array([recorded(message, name) for _, message in items], dtype=np.float64)
 
 
 def _times(items: Sequence[tuple[float, Any]]) -> NDArray[np.float64]:

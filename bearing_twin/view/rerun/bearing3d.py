@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
+from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.defect_text import read_defects
+from bearing_twin.dynamics.model import contact_law
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.rerun import shapes
 from bearing_twin.view.style import LINE
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
     from numpy.typing import NDArray
 
-__all__ = ['MAGNIFIED', 'SLOWED', 'Bearing3D', 'contact_forces']
+__all__ = ['MAGNIFIED', 'SLOWED', 'Bearing3D', 'check_pose', 'contact_forces']
 
 SLOWED = 40.0
 """The bearing is drawn turning this many times slower than it does."""
@@ -35,6 +37,34 @@ STEEL, BRIGHT, BRASS = (150, 156, 164), (176, 182, 190), (176, 141, 66)
 DEFECT = (255, 23, 68)
 AROUND = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
 """Angles of the load zone's spikes, rad."""
+POSE = (
+    'shaft_angle', 'shaft_hz', 'cage_angle', 'ftf', 'ball_angle', 'bsf', 'inner_x', 'inner_y',
+    'radial_clearance', 'k_b', 'defect',
+)  # fmt: skip
+"""Fields of a TwinState that are drawn here."""
+
+
+def check_pose(state: Any) -> None:
+    """
+    Refuse a TwinState of another version that does not say how the bearing stands.
+
+    Raises
+    ------
+    BearingTwinError
+        With the fields that it lacks.
+
+    """
+    if lacking := [field for field in POSE if not hasattr(state, field)]:
+        msg = f'recorded with another TwinState, without {", ".join(lacking)}: no bearing is drawn'
+        raise BearingTwinError(msg)
+
+
+@compiled()
+def _law(
+    delta: NDArray[np.float64], stiffness: NDArray[np.float64], force: NDArray[np.float64]
+) -> None:
+    for k in range(delta.size):
+        force[k] = contact_law(max(delta[k], 0.0), stiffness[k])[0]
 
 
 def contact_forces(
@@ -56,16 +86,19 @@ def contact_forces(
     clearance
         Half the radial internal clearance, m.
     stiffness
-        Hertz coefficient, N/m^1.5.
+        K_b of the contact law, N/m^1.5.
 
     Notes
     -----
-    Zhang et al., Symmetry 2023, 15, 2166, equations of the contact deformation and force, without
-    the defect's depth.
+    The law is `dynamics.model.contact_law`. Zhang et al., Symmetry 2023, 15, 2166, equation of the
+    contact deformation, without the defect's depth.
 
     """
     deformation = x * np.cos(angles) + y * np.sin(angles) - clearance
-    return np.asarray(stiffness * np.maximum(deformation, 0.0) ** 1.5)
+    delta, stiff = np.broadcast_arrays(deformation, stiffness)
+    force = np.empty(delta.shape)
+    _law(delta.ravel(), stiff.ravel(), force.reshape(-1))
+    return force
 
 
 @dataclass

@@ -8,11 +8,11 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.view.rerun.bearing3d import Bearing3D
+from bearing_twin.view.rerun.bearing3d import Bearing3D, check_pose
 from bearing_twin.view.rerun.lanes import Lane
 from bearing_twin.view.rerun.picture import Asset, Picture, Trends
 from bearing_twin.view.style import TEMPERATURE_STATES
-from bearing_twin.view.trends import TWIN_STATE
+from bearing_twin.view.trends import recorded, TWIN_STATE
 import rerun as rr
 
 if TYPE_CHECKING:
@@ -29,17 +29,17 @@ class TwinPicture(Picture):
     def __init__(self, canvas: Canvas, asset: Asset) -> None:
         super().__init__(canvas, asset)
         self._solid: Bearing3D | None = None
-        self._unknown = ''
+        self._unknown: str | None = None
         self._lane = Lane(canvas, 'temperature_status', TEMPERATURE_STATES)
         self._trends = Trends(canvas, asset, TWIN_STATE)
 
     def draw(self, message: Any, time: int) -> bool:
         """Draw a state at ``time`` in ns."""
         self.asset.twin = True
-        self.asset.temperature = float(message.temperature_used)
-        self._lane.set(int(message.temperature_status), time)
+        self.asset.temperature = recorded(message, 'temperature_used')
         self._trends.hold(message, time)
-        solid = self._solid_of(str(message.bearing))
+        self._lane.set(int(getattr(message, 'temperature_status', -1)), time)
+        solid = self._solid_of(message)
         if solid is not None:
             solid.draw(message, time)
         return True
@@ -52,15 +52,16 @@ class TwinPicture(Picture):
             self._trends.flush()
         super().flush(slow=slow)
 
-    def _solid_of(self, name: str) -> Bearing3D | None:
+    def _solid_of(self, message: Any) -> Bearing3D | None:
+        """Return the bearing; None, and why, where geometry or pose is not known."""
+        name = str(getattr(message, 'bearing', ''))
         if self._solid is None and name != self._unknown:
-            bearing = self.asset.bearing
-            if bearing is None:
-                try:
-                    bearing = find_bearing(name)
-                except BearingTwinError as error:
-                    self._unknown = name
-                    self.canvas.once('bearing', rr.TextDocument(str(error)))
-                    return None
+            try:
+                check_pose(message)
+                bearing = self.asset.bearing or find_bearing(name)
+            except BearingTwinError as error:
+                self._unknown = name
+                self.canvas.once('bearing', rr.TextDocument(str(error)))
+                return None
             self._solid = Bearing3D(self.canvas, 'bearing', bearing)
         return self._solid
