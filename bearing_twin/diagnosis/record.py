@@ -9,6 +9,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.chain import Excerpt
+from bearing_twin.diagnosis.level import raised
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -109,4 +110,4 @@ def diagnose_record(
         unit=unit,
         longest=_WINDOW_TURNS,
     )
-    return excerpt.analyse().conclude()
+    return raised(excerpt.analyse().conclude())

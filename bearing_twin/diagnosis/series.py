@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING
 from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.baseline import Baseline, Level, settled, SETTLED_DB, SETTLED_K
+from bearing_twin.diagnosis.level import FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.onset import rise_begins, slope
 from bearing_twin.diagnosis.severity import BANDS_HZ, measure_severity
-from bearing_twin.diagnosis.trend import FAULT_DB, SUSPECT_DB
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 from scipy import fft

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ['StreamingDiagnoser']
 
-_VERSION = 3
+_VERSION = 4
 
 
 class StreamingDiagnoser:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Memory of one asset: its baseline, learnt while healthy, and a level that does not chatter."""
+"""Memory of one asset: its baseline, learnt while healthy, and an answer that does not chatter."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.bearing import LEVELS
+from bearing_twin.bearing import FAULT_CODES, LEVELS, PLACES, RESULTS
+from bearing_twin.diagnosis.level import FAULT_DB, raised, SUSPECT_DB
 from bearing_twin.diagnosis.power import expected_level
 from bearing_twin.errors import BearingTwinError
 
@@ -17,9 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ['Source', 'Trend', 'fault_stage']
 
-SUSPECT_DB, FAULT_DB = 6.0, 12.0
-"""Level over the baseline of a machine that is doubtful, and of one that is damaged: twice and
-four times the acceleration."""
 _DEEP = 1.0
 _SAME_RATE = 0.05
 
@@ -76,7 +74,7 @@ def fault_stage(index: float, level_over_baseline: float, iso_zone: str) -> int:
 
 @dataclass
 class Trend:
-    """Baseline and held level; plain numbers, so that they can be saved."""
+    """Baseline and held answer; plain values, so that they can be saved."""
 
     count: int = 0
     """Healthy windows learnt from so far."""
@@ -92,6 +90,14 @@ class Trend:
     """Level that wants to take over."""
     pending_count: int = 0
     """Verdicts in a row that asked for it."""
+    answer: str = ''
+    """Answer that is held at that level, with its faults: ``'ambiguous ball cage'``."""
+    confidence: float = 0.0
+    """Confidence of that answer."""
+    other: str = ''
+    """Answer of the same level that wants to take over."""
+    other_count: int = 0
+    """Verdicts in a row that gave it."""
 
     @property
     def source(self) -> Source:
@@ -106,7 +112,7 @@ class Trend:
         self, diagnosis: Diagnosis, source: Source, *, wanted: int, hold: int, full: bool
     ) -> Diagnosis:
         """
-        Take a diagnosis in; return it with level over baseline, stage and held level.
+        Take a diagnosis in; return it with level over baseline, stage and the held answer.
 
         Parameters
         ----------
@@ -117,40 +123,69 @@ class Trend:
         wanted
             Healthy windows that make a baseline; it is then kept as it is.
         hold
-            Verdicts in a row before the level changes.
+            Verdicts in a row before level or answer change.
         full
             Whether the window was full. The first full one sets the level at once.
 
         """
         severity = diagnosis.severity
-        if diagnosis.level == 'none' or not severity.rms > 0.0:
+        if not severity.rms > 0.0:
             return diagnosis
         level = 20.0 * math.log10(severity.rms)
         level -= expected_level(diagnosis.shaft_hz, diagnosis.temperature)
         if not self.sample_rate:
             self.sensor, self.bearing, self.unit, self.sample_rate = source
-        if diagnosis.level == 'ok' and self.count < wanted:
+        if raised(diagnosis).level == 'ok' and self.count < wanted:
             self.count += 1
             self.mean += (level - self.mean) / self.count
         over = level - self.mean if self.count >= wanted else math.nan
+        severity = replace(severity, level_over_baseline=over)
+        own = raised(replace(diagnosis, severity=severity))
         stage = 0
-        if diagnosis.level == 'fault' and diagnosis.faults:
-            index = diagnosis.modulation_index[diagnosis.faults[0]]
+        if own.level == 'fault':
+            index = own.modulation_index[own.faults[0]] if own.faults else 0.0
             stage = fault_stage(index, over, severity.iso_zone)
-        severity = replace(severity, level_over_baseline=over, stage=stage)
-        held = self._hold(diagnosis.level, hold, full)
-        reasons = diagnosis.reasons
-        if held != diagnosis.level:
-            text = f'level {held} held: {self.pending_count} of {hold} verdicts say {self.pending}'
-            reasons = (*reasons, text)
-        return replace(diagnosis, severity=severity, level=held, reasons=reasons)
+        own = replace(own, severity=replace(severity, stage=stage))
+        return own if own.level == 'none' else self._held(own, hold, full)
 
-    def _hold(self, level: str, hold: int, full: bool) -> str:
+    def _held(self, own: Diagnosis, hold: int, full: bool) -> Diagnosis:
+        """Return a window's own diagnosis with the level and the answer that are held."""
+        if not self.level and not full:
+            # The first full window sets the level; before it none is known.
+            return replace(own, level='none')
+        said = ' '.join((own.result, *own.faults))
+        before, level = self.level, self._hold(own.level, hold)
+        if own.level != level:
+            self.other, self.other_count = '', 0
+        elif level != before or said == self.answer or self._another(said, hold):
+            self.answer, self.confidence = said, own.confidence
+            self.other, self.other_count = '', 0
+        if (own.level, said) == (level, self.answer):
+            return own
+        result, *faults = self.answer.split()
+        count, words = self.other_count, said
+        if own.level != level:
+            count, words = self.pending_count, f'{said}, {own.level}'
+        text = f'{self.answer}, {level} held: {count} of {hold} verdicts say {words}'
+        return replace(
+            own,
+            result=result,
+            level=level,
+            faults=tuple(faults),
+            fault_code=FAULT_CODES[result],
+            confidence=self.confidence,
+            reasons=(*own.reasons, text),
+        )
+
+    def _another(self, said: str, hold: int) -> bool:
+        """Whether another answer of the held level takes over."""
+        self.other_count = self.other_count + 1 if said == self.other else 1
+        self.other = said
+        return self.other_count >= hold
+
+    def _hold(self, level: str, hold: int) -> str:
         if not self.level:
-            if full:
-                self.level = level
-                return level
-            self.level = 'ok'
+            self.level = level
         if level == self.level:
             self.pending, self.pending_count = '', 0
             return level
@@ -186,7 +221,10 @@ class Trend:
         known = ('', *LEVELS)
         sound = trend.level in known and trend.pending in known and math.isfinite(trend.mean)
         sound &= 0.0 <= trend.sample_rate < math.inf
-        if not sound or trend.count < 0 or trend.pending_count < 0:
+        words = f'{trend.answer} {trend.other}'.split()
+        sound &= set(words) <= {*RESULTS, *PLACES} and 0.0 <= trend.confidence <= 1.0
+        sound &= bool(trend.level) == bool(trend.answer)
+        if not sound or min(trend.count, trend.pending_count, trend.other_count) < 0:
             msg = f'saved trend is out of range: {values}; use what save() returned'
             raise BearingTwinError(msg)
         return trend

@@ -172,16 +172,24 @@ def test_a_baseline_takes_no_other_source(change):
 @pytest.mark.parametrize('hold', [1, 2, 4])
 def test_the_level_follows_after_as_many_equal_verdicts_as_it_is_held(hold):
     quiet = np.random.default_rng(4).standard_normal(int(4 * RATE))
-    diagnoser = StreamingDiagnoser(BEARING, replace(SHORT, window=4.0, hold_updates=hold))
-    assert _push(diagnoser, quiet)[-1].level == 'ok'
-    # After a gap, so that no window holds both.
-    said = _push(diagnoser, fault_signal(9.0), first=len(quiet) + 1)
-    begin = next(n for n, d in enumerate(said) if d.result == 'inner')
-    assert {d.result for d in said[begin:]} == {'inner'}
-    levels = [d.level for d in said[begin:]]
-    assert levels == ['ok'] * (hold - 1) + ['fault'] * (len(levels) - hold + 1)
-    held = said[begin].reasons[-1]
-    assert (held == f'level ok held: 1 of {hold} verdicts say fault') == (hold > 1)
+    # As loud as the noise, so that the combs alone decide.
+    fault = fault_signal(9.0)
+    fault *= quiet.std() / fault.std()
+    published = {}
+    for updates in (1, hold):
+        settings = replace(SHORT, window=4.0, hold_updates=updates)
+        diagnoser = StreamingDiagnoser(BEARING, settings)
+        assert _push(diagnoser, quiet)[-1].level == 'ok'
+        published[updates] = _push(diagnoser, fault, first=len(quiet) + 1)
+    # Held for one update the answer is each window's own.
+    begin = next(n for n, d in enumerate(published[1]) if d.result == 'inner')
+    assert {(d.result, d.level) for d in published[1][begin:]} == {('inner', 'fault')}
+    said = published[hold][begin:]
+    waits = [('healthy', 'ok')] * (hold - 1)
+    expected = waits + [('inner', 'fault')] * (len(said) - len(waits))
+    assert [(d.result, d.level) for d in said] == expected
+    text = f'healthy, ok held: 1 of {hold} verdicts say inner inner, fault'
+    assert (said[0].reasons[-1] == text) == (hold > 1)
 
 
 def test_windows_may_be_analysed_in_any_order_and_are_judged_in_theirs():

@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The level of a diagnosis, from everything that is known: combs, own baseline and ISO zone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from bearing_twin.bearing import FAULT_CODES, LEVELS
+
+if TYPE_CHECKING:
+    from bearing_twin.diagnosis.result import Diagnosis, Severity
+
+__all__ = ['FAULT_DB', 'SUSPECT_DB', 'raised']
+
+SUSPECT_DB, FAULT_DB = 6.0, 12.0
+"""Level over the baseline of a machine that is doubtful, and of one that is damaged: twice and
+four times the acceleration."""
+
+_UNKNOWN = 0.5
+"""Confidence where the level alone speaks: no simulation says how often it is right."""
+
+
+def raised(diagnosis: Diagnosis) -> Diagnosis:
+    """
+    Raise the level to what the severity of the vibration asks for, and say why.
+
+    Zone C of ISO 20816-3, or twice the level of the asset's own baseline, is at least suspect;
+    zone D, or four times, is a fault, of unknown place if no comb tells. *Ball or cage* is a fault
+    from twice the baseline on: the level agrees with the comb.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.diagnosis.report import insufficient
+    >>> said = insufficient(['too short'], find_bearing('6307'))
+    >>> worn = replace(said, severity=replace(said.severity, iso_zone='D'))
+    >>> raised(worn).level, raised(worn).result, raised(worn).reasons[-1]
+    ('fault', 'ambiguous', 'zone D of ISO 20816-3 is a fault; place unknown')
+
+    """
+    level, why = _asked_for(diagnosis)
+    if LEVELS.index(level) <= LEVELS.index(diagnosis.level):
+        return diagnosis
+    result, confidence = diagnosis.result, diagnosis.confidence
+    if result in ('healthy', 'insufficient'):
+        result, confidence = 'suspect', _UNKNOWN
+    if result == 'suspect' and level == 'fault':
+        result = 'ambiguous'
+    place = '' if diagnosis.faults else '; place unknown'
+    meaning = 'a fault' if level == 'fault' else 'suspect'
+    return replace(
+        diagnosis,
+        result=result,
+        level=level,
+        fault_code=FAULT_CODES[result],
+        confidence=confidence,
+        reasons=(*diagnosis.reasons, f'{why} is {meaning}{place}'),
+    )
+
+
+def _asked_for(diagnosis: Diagnosis) -> tuple[str, str]:
+    """Level that the severity asks for, and by what."""
+    severity: Severity = diagnosis.severity
+    over = f'a level {severity.level_over_baseline:.1f} dB over the baseline'
+    agrees = set(diagnosis.faults) == {'ball', 'cage'}
+    if severity.iso_zone == 'D':
+        return 'fault', 'zone D of ISO 20816-3'
+    if severity.level_over_baseline >= (SUSPECT_DB if agrees else FAULT_DB):
+        return 'fault', over
+    if severity.iso_zone == 'C':
+        return 'suspect', 'zone C of ISO 20816-3'
+    if severity.level_over_baseline >= SUSPECT_DB:
+        return 'suspect', over
+    return 'none', ''

@@ -1,0 +1,127 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The level takes everything into account that is known, and the answer does not chatter."""
+
+from dataclasses import replace
+import math
+
+from bearing_twin.bearing import find_bearing
+from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
+from bearing_twin.diagnosis.level import raised
+from bearing_twin.diagnosis.report import insufficient
+from bearing_twin.diagnosis.trend import Source, Trend
+import numpy as np
+import pytest
+
+RATE = 25_600.0
+NOTHING = insufficient(['by hand'], find_bearing('6307'))
+MACHINE = Source('imu y', '6307', 'g', RATE)
+
+
+def said(result, level, *faults, over=math.nan, zone='', rms=1.0):
+    severity = replace(NOTHING.severity, level_over_baseline=over, iso_zone=zone, rms=rms)
+    index = dict.fromkeys(faults, 1.0)
+    return replace(
+        NOTHING,
+        result=result,
+        level=level,
+        faults=faults,
+        severity=severity,
+        confidence=0.9,
+        modulation_index=index,
+        shaft_hz=25.0,
+    )
+
+
+@pytest.mark.parametrize(
+    ('fresh', 'known', 'result', 'level'),
+    [
+        (('healthy', 'ok'), {'over': 5.9}, 'healthy', 'ok'),
+        (('healthy', 'ok'), {'over': 6.0}, 'suspect', 'suspect'),
+        (('healthy', 'ok'), {'over': 12.0}, 'ambiguous', 'fault'),
+        (('healthy', 'ok'), {'zone': 'B'}, 'healthy', 'ok'),
+        (('healthy', 'ok'), {'zone': 'C'}, 'suspect', 'suspect'),
+        (('healthy', 'ok'), {'zone': 'D'}, 'ambiguous', 'fault'),
+        (('insufficient', 'none'), {'over': 26.0}, 'ambiguous', 'fault'),
+        (('insufficient', 'none'), {'over': 5.0}, 'insufficient', 'none'),
+        (('suspect', 'suspect', 'ball'), {'over': 15.0}, 'ambiguous', 'fault'),
+        (('suspect', 'suspect', 'ball'), {'over': 7.0}, 'suspect', 'suspect'),
+        (('ambiguous', 'suspect', 'ball', 'cage'), {'over': 6.5}, 'ambiguous', 'fault'),
+        (('inner', 'fault', 'inner'), {'zone': 'A', 'over': -3.0}, 'inner', 'fault'),
+        (('inner', 'suspect', 'inner'), {'zone': 'D'}, 'inner', 'fault'),
+    ],
+)
+def test_the_level_is_what_combs_baseline_and_zone_ask_for(fresh, known, result, level):
+    diagnosis = said(*fresh, **known)
+    found = raised(diagnosis)
+    assert (found.result, found.level, found.faults) == (result, level, diagnosis.faults)
+    assert (found is diagnosis) == (level == fresh[1])
+    if found is not diagnosis:
+        why = found.reasons[-1]
+        assert 'ISO 20816-3' in why or 'dB over the baseline' in why
+        assert ('place unknown' in why) == (not found.faults)
+
+
+def test_a_worn_out_machine_is_a_fault_of_unknown_place_over_its_own_baseline():
+    """Healthy noise, then the same noise 13 dB higher: no comb, but no health either."""
+    settings = DiagnosisSettings(window=2.0, memory=2.0, baseline_windows=3, hold_updates=2)
+    diagnoser = StreamingDiagnoser(find_bearing('6307'), settings)
+    quiet = np.random.default_rng(3).standard_normal(int(6 * RATE))
+    first = diagnoser.push(0, quiet, RATE, 25.0)
+    assert [d.level for d in first] == ['none'] + ['ok'] * 5
+    worn = diagnoser.push(len(quiet) + 1, 4.5 * quiet, RATE, 25.0)[-1]
+    assert (worn.result, worn.level, worn.faults) == ('ambiguous', 'fault', ())
+    assert worn.severity.stage == 4
+    assert 'place unknown' in ' '.join(worn.reasons)
+    assert worn.confidence == 0.5
+    # What is raised is not learnt from.
+    assert worn.severity.level_over_baseline == pytest.approx(13.06, abs=0.2)
+
+
+def test_the_zone_raises_the_level_of_a_record():
+    t = np.arange(int(4 * RATE)) / RATE
+    rng = np.random.default_rng(5)
+    # 5 mm/s at 40 Hz: zone D of a rigid machine of group 2.
+    x = 5e-3 * math.sqrt(2.0) * 2 * np.pi * 40.0 * np.sin(2 * np.pi * 40.0 * t)
+    x += 0.1 * rng.standard_normal(len(t))
+    machine = DiagnosisSettings(power_group=2, mounting='rigid')
+    found = diagnose_record(x, RATE, find_bearing('6307'), 25.0, unit='m/s^2', settings=machine)
+    assert (found.severity.iso_zone, found.level) == ('D', 'fault')
+    plain = diagnose_record(x, RATE, find_bearing('6307'), 25.0, unit='m/s^2')
+    assert (plain.severity.iso_zone, plain.level) == ('', 'ok')
+
+
+def _answers(verdicts, hold=3):
+    trend = Trend()
+    return [trend.update(v, MACHINE, wanted=60, hold=hold, full=True) for v in verdicts]
+
+
+def test_one_other_window_does_not_undo_a_standing_answer_and_stays_visible():
+    inner = said('inner', 'fault', 'inner')
+    other = replace(said('ambiguous', 'fault', 'inner', 'outer'), confidence=0.4)
+    published = _answers([inner, inner, other, inner, other, other, other])
+    assert [d.result for d in published] == ['inner'] * 6 + ['ambiguous']
+    assert published[2].fault_code == 'BEARING_INNER_RACE'
+    assert published[2].confidence == 0.9
+    text = 'inner inner, fault held: 1 of 3 verdicts say ambiguous inner outer'
+    assert published[2].reasons[-1] == text
+    assert published[6].faults == ('inner', 'outer')
+
+
+def test_windows_that_disagree_among_themselves_change_the_level_all_the_same():
+    healthy, fault = said('healthy', 'ok'), said('inner', 'fault', 'inner')
+    other = said('outer', 'fault', 'outer')
+    published = _answers([healthy, fault, other, fault, other, fault])
+    assert [d.level for d in published] == ['ok'] * 3 + ['fault'] * 3
+    assert [d.result for d in published] == ['healthy'] * 3 + ['inner'] * 3
+
+
+def test_no_level_is_known_before_the_first_full_window():
+    trend, fault = Trend(), said('inner', 'fault', 'inner')
+    early = trend.update(fault, MACHINE, wanted=60, hold=3, full=False)
+    assert (early.result, early.level) == ('inner', 'none')
+    assert trend.update(fault, MACHINE, wanted=60, hold=3, full=True).level == 'fault'
+    # A window that says nothing holds nothing.
+    nothing = said('insufficient', 'none')
+    assert trend.update(nothing, MACHINE, wanted=60, hold=3, full=True).result == 'insufficient'
+    assert Trend.of(trend.values()) == trend
