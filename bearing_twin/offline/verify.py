@@ -37,6 +37,10 @@ TYPES = {
     'bearing_twin_msgs/msg/TwinState',
     'bearing_twin_msgs/msg/Diagnosis',
 }
+MOST_HELD = 128 * 1024 * 1024
+"""Most bytes of messages that wait to be put in order."""
+OVERHEAD = 500
+"""Bytes that a message takes besides its content."""
 
 
 def reproduce(path: Path) -> Reproduction:
@@ -101,9 +105,13 @@ def reproduce(path: Path) -> Reproduction:
 
 def _in_order_of_sending(messages: Iterable[RecordedMessage]) -> Iterator[RecordedMessage]:
     heap: list[tuple[int, int, RecordedMessage]] = []
+    held = 0
     for position, message in enumerate(messages):
         heapq.heappush(heap, (message.publish_time, position, message))
-        while heap and heap[0][0] < message.log_time - HORIZON:
-            yield heapq.heappop(heap)[2]
+        held += len(message.cdr) + OVERHEAD
+        while heap and (heap[0][0] < message.log_time - HORIZON or held > MOST_HELD):
+            sent = heapq.heappop(heap)[2]
+            held -= len(sent.cdr) + OVERHEAD
+            yield sent
     while heap:
         yield heapq.heappop(heap)[2]

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from array import array
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -77,7 +78,7 @@ def read_vibration_topic(path: Path, channel: str | None, *, most: int) -> dict[
         if type_name == VIBRATION:
             found = _from_vibration(messages, axis, blocks, _Blocks(path, most))
         elif type_name in SINGLE:
-            found = _from_single(messages, axis, blocks, SINGLE[type_name])
+            found = _from_single(messages, axis, blocks, SINGLE[type_name], most)
         else:
             found = {}
             for message in messages:
@@ -168,15 +169,19 @@ def _from_vibration(messages: Any, axis: str, blocks: _Blocks, speeds: _Blocks) 
 
 
 def _from_single(
-    messages: Any, axis: str, blocks: _Blocks, vector: Callable[[Any], Any]
+    messages: Any, axis: str, blocks: _Blocks, vector: Callable[[Any], Any], most: int
 ) -> dict[str, Any]:
-    times, samples = [], []
+    # Eight bytes each: a Python number takes four times as many.
+    times, samples = array('q'), array('d')
     message: RecordedMessage
     for message in messages:
         decoded = message.decode()
         stamp = decoded.header.stamp
         times.append(stamp_ns(stamp))
         samples.append(float(getattr(vector(decoded), axis or 'z')))
+        if len(samples) > most:
+            msg = f'{message.topic} holds more than {most} samples; read a section of it'
+            raise BearingTwinError(msg)
     steps = np.diff(np.array(times, dtype=np.int64)) / NANO
     if steps.size < 2:
         msg = 'fewer than three samples: no sample rate can be told'
