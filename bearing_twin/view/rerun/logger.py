@@ -264,7 +264,7 @@ class RerunLogger:
         if topic not in self.problems and len(self.problems) < COMPLAINTS:
             reason = f'{type(error).__name__}: {error}'
             self.problems[topic] = reason
-            logging.getLogger(__name__).warning('%r cannot be drawn: %s', topic, reason)
+            logging.getLogger(__name__).warning('%r cannot be drawn: %r', topic, reason)
 
 
 def _check_free(address: str, port: int) -> None:
