@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.recording.reader import RecordingInfo
 
-__all__ = ['configure', 'run']
+__all__ = ['configure', 'run', 'shipped_schedule']
 
 PRESET = 'paper'
 SLOWEST, FASTEST = 0.001, 1e6
@@ -54,7 +54,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the demo; return 0 if the fault was found and no block was lost."""
-    recording = args.recording or _shipped_schedule()
+    recording = args.recording or shipped_schedule()
     info = recording_info(recording)
     if not SLOWEST <= args.rate <= FASTEST:
         msg = f'--rate {args.rate:g} is not within {SLOWEST:g}..{FASTEST:g}'
@@ -110,10 +110,13 @@ def _choose_domain(asked: int | None) -> AbstractContextManager[int]:
     return nullcontext(asked)
 
 
-def _shipped_schedule() -> Path:
+def shipped_schedule() -> Path:
     """Return the paper's schedule, from the working tree or from where it is installed."""
     here = Path(__file__).parents[2]
-    for folder in (here, Path(sys.prefix) / 'share' / 'bearing_twin'):
+    # A colcon workspace is in no Python prefix; the ament index names it.
+    prefixes = [*os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep), sys.prefix]
+    shares = [Path(prefix) / 'share' / 'bearing_twin' for prefix in prefixes if prefix]
+    for folder in (here, *shares):
         path = folder / 'recordings' / 'paper_schedule.mcap'
         if path.exists():
             return path

@@ -76,7 +76,7 @@ class DiagnosisTopics:
         self._blocks = 0
         self._refused = 0
         self._problem = ''
-        self._arrived = math.nan
+        self._arrived = self._used = math.nan
         self._latest: DiagnosisResult | None = None
         self._checkpoints = Checkpoints('diagnosis', self._path, p['checkpoint_period'])
         self._verdict = node.create_lifecycle_publisher(
@@ -178,6 +178,7 @@ class DiagnosisTopics:
             self._node.get_logger().warning(f'block refused: {error}', throttle_duration_sec=10.0)
             return
         self._blocks += 1
+        self._used = self._arrived
         if self._gaps.count(block.first_sample, block.samples.size):
             self._checkpoints.ask()
         self._problem = ''
@@ -266,7 +267,7 @@ class DiagnosisTopics:
 
     def verdict_status(self) -> Status:
         """Status of the bearing for /diagnostics."""
-        return verdict_status(self._latest, self.bearing)
+        return verdict_status(self._latest, self.bearing, time.monotonic() - self._used)
 
 
 def input_status(
@@ -330,13 +331,26 @@ def input_status(
     )
 
 
-def verdict_status(result: Diagnosis | None, bearing: str) -> Status:
-    """Status of the bearing."""
+def verdict_status(result: Diagnosis | None, bearing: str, age: float) -> Status:
+    """
+    Status of the bearing.
+
+    Parameters
+    ----------
+    result
+        The last verdict; None before the first.
+    bearing
+        Name of the bearing.
+    age
+        Time since the last block that was used, s: a verdict does not stand without vibration.
+
+    """
     if result is None:
         return Status(Level.STALE, 'no verdict yet', {'bearing': bearing})
     values: dict[str, object] = {
         'fault_code': result.fault_code,
         'bearing': bearing,
+        'age of the vibration [s]': age,
         'result': result.result,
         'faults': ', '.join(result.faults),
         'confidence': result.confidence,
@@ -348,5 +362,8 @@ def verdict_status(result: Diagnosis | None, bearing: str) -> Status:
         'level over baseline [dB]': result.severity.level_over_baseline,
         'reasons': '; '.join(result.reasons),
     }
+    if age > SILENT_AFTER:
+        text = f'no vibration used for {age:.1f} s; the last verdict was {result.result}'
+        return Status(Level.STALE, text, values)
     # A changed verdict is logged when it comes; a changed level as any status.
     return Status(LEVELS[result.level], result.result, values, kind='verdict')

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 __all__ = ['SENT_BEFORE', 'RecordingHealth', 'TopicHealth', 'recording_health', 'sent_before']
 
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'
+SEVERAL_SOURCES = 3
+"""Returns to where the index had been left that a single source, out of order, does not make."""
 SENT_BEFORE = 'sent before the recording: '
 """What a recorder puts on /diagnostics before the name of a topic."""
 
@@ -41,6 +43,8 @@ class TopicHealth:
     samples_missing: int = 0
     restarts: int = 0
     """Times the running sample index went back: the source was restarted, or there are two."""
+    alternations: int = 0
+    """Times the index went on where it had been left before a jump: several sources alternate."""
     worst_stamp_error: float = 0.0
     """Largest difference between the step of the stamps and that of the index, s."""
     undecodable: int = 0
@@ -67,6 +71,11 @@ class RecordingHealth:
                 )
             if topic.restarts:
                 found.append(f'{name}: the sample index goes back {topic.restarts} times')
+            if topic.alternations:
+                found.append(
+                    f'{name}: several sources alternate {topic.alternations} times on this topic; '
+                    'give each one of its own'
+                )
             if topic.undecodable:
                 found.append(f'{name}: {topic.undecodable} messages cannot be decoded')
         return found
@@ -125,6 +134,11 @@ class _TopicCheck:
         self.health = TopicHealth()
         self._last_time: int | None = None
         self._next_sample: int | None = None
+        self._left: int | None = None
+        self._returns = 0
+        self._jump = 0
+        self._jumps = _Jumps()
+        self._true_jumps = _Jumps()
         self._last_stamp = 0
         self._last_length = 0
 
@@ -153,15 +167,44 @@ class _TopicCheck:
         health.blocks += 1
         if self._next_sample is not None:
             missing = first - self._next_sample
-            if missing > 0:
-                health.gaps += 1
-                health.samples_missing += missing
-            elif missing < 0:
-                health.restarts += 1
-            if missing >= 0 and sample_rate > 0:
+            alternates = missing != 0 and first == self._left
+            if missing:
+                self._note_jump(missing, alternates=alternates)
+                self._left = self._next_sample
+            if missing >= 0 and not alternates and sample_rate > 0:
                 expected = (missing + self._last_length) / sample_rate
                 error = abs((stamp - self._last_stamp) / NANO - expected)
                 health.worst_stamp_error = max(health.worst_stamp_error, error)
         self._next_sample = first + length
         self._last_stamp = stamp
         self._last_length = length
+
+    def _note_jump(self, missing: int, *, alternates: bool) -> None:
+        self._jumps.count(missing)
+        if alternates:
+            self._returns += 1
+            # The jump to the other source, whose return this is, left nothing out either.
+            self._true_jumps.count(self._jump, -1)
+            self._jump = 0
+        else:
+            self._true_jumps.count(missing)
+            self._jump = missing
+        health, several = self.health, self._returns >= SEVERAL_SOURCES
+        jumps = self._true_jumps if several else self._jumps
+        health.alternations = self._returns if several else 0
+        health.gaps, health.samples_missing = jumps.gaps, jumps.missing
+        health.restarts = jumps.restarts
+
+
+@dataclass
+class _Jumps:
+    """Jumps of a sample index."""
+
+    gaps: int = 0
+    missing: int = 0
+    restarts: int = 0
+
+    def count(self, missing: int, times: int = 1) -> None:
+        self.gaps += times * (missing > 0)
+        self.missing += times * max(0, missing)
+        self.restarts += times * (missing < 0)

@@ -66,12 +66,13 @@ class Health:
     node
         The node.
     hardware_id
-        Asset or sensor that the statuses speak of.
+        Asset or sensor that the statuses speak of, such as the node's namespace; the name of the
+        node where it is empty or the root namespace.
 
     """
 
     def __init__(self, node: Node, hardware_id: str) -> None:
-        self.hardware_id = hardware_id
+        self.hardware_id = hardware_id.strip('/') or node.get_name()
         self._node = node
         self._spells: dict[str, _Spell] = {}
         self._tasks: dict[str, tuple[Callable[[], Status], str]] = {}

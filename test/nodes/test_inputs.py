@@ -5,6 +5,7 @@
 from itertools import islice
 import math
 import os
+from pathlib import Path
 import subprocess
 import sys
 from types import SimpleNamespace
@@ -244,3 +245,39 @@ def test_a_state_that_cannot_be_used_is_set_aside(tmp_path):
         assert folder.set_aside('a') == f'it is kept as {tmp_path / "a"}.unreadable-{number}'
     assert (tmp_path / 'a.unreadable-1').read_bytes() == b'other 1'
     assert 'cannot be renamed' in folder.set_aside('a')
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(('age', 'level'), [(0.5, 'OK'), (3.0, 'STALE')])
+def test_a_verdict_does_not_stand_without_vibration(age, level):
+    from bearing_twin.bearing import find_bearing
+    from bearing_twin.diagnosis import diagnose_record
+    from bearing_twin.nodes.diagnosis_topics import verdict_status
+
+    noise = np.random.default_rng(0).standard_normal(8 * 25600)
+    verdict = diagnose_record(noise, 25600.0, find_bearing('6307'), 25.0)
+    status = verdict_status(verdict, '6307', age)
+    assert status.level.name == level
+    assert ('last verdict was healthy' in status.message) == (level == 'STALE')
+
+
+@pytest.mark.ros
+def test_the_shipped_aggregator_file_names_every_status():
+    import re
+
+    import yaml
+
+    root = Path(__file__).resolve().parents[2]
+    file = yaml.safe_load((root / 'config' / 'diagnostic_aggregator.yaml').read_text())
+    wanted = [
+        text
+        for analyzer in file['/**']['ros__parameters'].values()
+        if isinstance(analyzer, dict)
+        for text in analyzer['contains']
+    ]
+    sources = [path.read_text() for path in (root / 'bearing_twin' / 'nodes').glob('*.py')]
+    parts = {part for text in sources for part in re.findall(r"_health.add\('([^']+)'", text)}
+    assert len(parts) >= 7
+    for part in parts:
+        assert any(text in f'renamed: {part}' for text in wanted), part
+    assert any(text in 'renamed: pump/left bearing' for text in wanted)

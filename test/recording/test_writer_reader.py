@@ -238,6 +238,23 @@ def test_unknown_types_and_impossible_times_are_refused(tmp_path: Path) -> None:
             writer.write('/a', TEMPERATURE, b'', log_time=-1, publish_time=0)
 
 
+def test_two_sources_on_one_topic_are_said_to_be_two(tmp_path: Path) -> None:
+    with RecordingWriter(tmp_path / 'run.mcap') as writer:
+        for count in range(20):
+            for source in (0, 858_926):
+                time = START + (2 * count + (source > 0)) * PERIOD
+                cdr = vibration_cdr(source + count + (count > 10))
+                writer.write(
+                    '/vibration', VIBRATION, cdr, log_time=time, publish_time=time, qos=QOS
+                )
+    health = recording_health(tmp_path / 'run.mcap')
+    topic = health.topics['/vibration']
+    assert topic.alternations >= 30
+    # Not the 879 million between their indices.
+    assert topic.samples_missing <= 2 * 1024
+    assert any('several sources alternate' in problem for problem in health.problems)
+
+
 def test_health_finds_what_is_missing(tmp_path: Path) -> None:
     with RecordingWriter(tmp_path / 'run.mcap') as writer:
         for index in [0, 1, 2, 5, 6, 4, 7]:
