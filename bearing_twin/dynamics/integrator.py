@@ -17,7 +17,8 @@ ball meets or leaves the races, or rolls over a kink of its path through a defec
 - in which a loaded ball passes a kink is parted there (kinks are known beforehand),
 - in which a ball becomes loaded or unloaded is parted at that instant, found on the predictor,
 - soon after the one and before the other is parted into pieces of at most half the time of
-  contact, since the force begins and ends as the power 1.5 of that time.
+  contact, since the force begins and ends as the power 1.5 of that time,
+  which is that of `model.contact_law`.
 
 Steps end at the samples of a fixed grid whatever happens between, so the result does not depend on
 the blocks.

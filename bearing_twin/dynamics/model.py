@@ -3,10 +3,21 @@
 """
 The physics: contact law, path of a ball through a defect, motion of the rings.
 
-Each law stands here once. The single bearing, the fleet, the static solver and the reference call
-these functions, with plain numbers or with `vector.FLOATS`, so they use only arithmetic and the
-operations of `vector` that take both. To change the contact law edit `contact_law`; to add a
-profile edit `defect_path`, and `path_kink` beside it.
+Each law stands here once. The single bearing, the fleet, the static solver, the reference and the
+bearing in three dimensions call these functions, with plain numbers or with `vector.FLOATS`, so
+they use only arithmetic and the operations of `vector` that take both.
+
+To change the contact law edit `contact_law`. Its power 1.5 also decides the starting value of
+`statics.spring_position`, the margin for the unbalance in `stability.check_step`, the pieces of a
+step in `integrator`, and the unit of K_b, which `bearing.hertz` computes; each says so. The tests
+compare with the power 1.5 on purpose.
+
+To add a profile:
+
+- its name: `parameters.Profile`, and what it is in the docstring of `parameters.Defect`;
+- its code: a constant below, and its place in `CODES`;
+- its path: a branch of `defect_path`, and where that path has a kink, `path_kink`;
+- its closed form: `PATHS` in test_model.py, whose tests ask for every profile.
 
 The equations (x right, y up, load along -y), one line an axis, y shown::
 
@@ -29,7 +40,7 @@ from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.vector import any_of, chosen, cosine_sine, magnitude, root
 
 __all__ = [
-    'BALL', 'COSINE_FLANKS', 'HALF_SINE', 'RECTANGLE', 'contact_force', 'contact_law',
+    'BALL', 'CODES', 'COSINE_FLANKS', 'HALF_SINE', 'RECTANGLE', 'contact_force', 'contact_law',
     'defect_path', 'path_kink', 'ring_motion',
 ]  # fmt: skip
 
@@ -39,7 +50,8 @@ Pair: TypeAlias = tuple[Value, Value]
 Four: TypeAlias = tuple[Value, Value, Value, Value]
 
 BALL, RECTANGLE, HALF_SINE, COSINE_FLANKS = 0.0, 1.0, 2.0, 3.0
-"""Codes of the profiles, in the order of `parameters.PROFILES`."""
+CODES = {'ball': BALL, 'rect': RECTANGLE, 'halfsine': HALF_SINE, 'smooth': COSINE_FLANKS}
+"""Code of each of `parameters.PROFILES`, as compiled code takes it."""
 
 
 @compiled(inline=True, fast=FAST)
@@ -94,7 +106,8 @@ def defect_path(profile: Value, half: Value, depth: Value, curvature: Value, alo
     rolls = depth > sag
     sunk, slope = chosen(rolls, sag, depth), chosen(rolls, 2.0 * edge * curvature, 0.0)
     if any_of(profile > BALL):
-        rectangle, sine, flanks = profile == RECTANGLE, profile == HALF_SINE, profile > HALF_SINE
+        rectangle, sine = profile == RECTANGLE, profile == HALF_SINE
+        flanks = profile == COSINE_FLANKS
         sunk, slope = chosen(rectangle, depth, sunk), chosen(rectangle, 0.0, slope)
         if any_of(sine):
             angle = 0.5 * math.pi * magnitude(along) / half
@@ -119,6 +132,11 @@ def path_kink(profile: float, half: float, depth: float, curvature: float) -> fl
 
     -1 for a path without one. The integrator parts its steps there.
 
+    Raises
+    ------
+    ValueError
+        If no profile has the code.
+
     Examples
     --------
     >>> path_kink(BALL, 0.5e-3, 6.25e-6, 100.0)  # where the ball touches the ground
@@ -127,7 +145,12 @@ def path_kink(profile: float, half: float, depth: float, curvature: float) -> fl
     """
     if profile == BALL:
         return max(0.0, half - math.sqrt(depth / curvature))
-    return 0.5 * half if profile == COSINE_FLANKS else -1.0
+    if profile == COSINE_FLANKS:
+        return 0.5 * half
+    if profile in (RECTANGLE, HALF_SINE):
+        return -1.0
+    msg = f'no profile has the code {profile}'
+    raise ValueError(msg)
 
 
 @compiled(inline=True, fast=FAST)

@@ -18,8 +18,7 @@ from typing import NamedTuple, TYPE_CHECKING
 from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.dynamics import filters
 from bearing_twin.dynamics.compiled import compiled
-from bearing_twin.dynamics.model import contact_force, defect_path
-from bearing_twin.dynamics.parameters import PROFILES
+from bearing_twin.dynamics.model import CODES, contact_force, defect_path
 from bearing_twin.thermal import friction, gcr15, rings
 import numpy as np
 import numpy.typing as npt
@@ -114,7 +113,7 @@ def solve(
     values = np.array(constants)
     defects = np.array(
         [
-            (PLACES.index(d.place), PROFILES.index(d.profile), d.width, d.depth, d.angle, d.ball)
+            (PLACES.index(d.place), CODES[d.profile], d.width, d.depth, d.angle, d.ball)
             for d in p.defects
         ]
     ).reshape(-1, 6)

@@ -102,7 +102,7 @@ def check_step(p: TwinParameters, h: float, *, snaps: bool = True) -> None:
     The equations are linearised at the load's equilibrium with the hottest contact stiffness, and
     without contact. The step has to resolve every mode, and to be stable even at `_OVERLOAD`
     times the contact stiffness, or at that under the unbalance of the fastest shaft, which goes
-    with the cube root of the force.
+    with the cube root of the force: the contact force goes with the power 1.5 of the approach.
 
     Raises
     ------

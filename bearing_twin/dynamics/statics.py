@@ -80,6 +80,7 @@ def spring_position(
     most of an applied force; moving its foot instead leaves the load with the bearing. Newton's
     method for the spring and all positions at once.
     """
+    # A start for Newton's method, from the power 1.5 of the contact law.
     sag = (4.4 * load / (n_balls * kb)) ** (2.0 / 3.0)
     spring = -(max(clearance, 0.0) + sag + load * compliance)
     spacing = 2.0 * math.pi / n_balls

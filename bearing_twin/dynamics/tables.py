@@ -10,8 +10,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.dynamics import filters
 from bearing_twin.dynamics.layout import CHUNK, COS, DEFECT, GAP, LANES, MACHINE, SIN
-from bearing_twin.dynamics.model import path_kink
-from bearing_twin.dynamics.parameters import PROFILES
+from bearing_twin.dynamics.model import CODES, path_kink
 import numpy as np
 import numpy.typing as npt
 
@@ -74,7 +73,7 @@ def defect_table(p: TwinParameters) -> Records:
     curvatures = radial / (d * (1.0 - g)), radial / (d * (1.0 + g))
     rows = []
     for defect in p.defects:
-        profile, half = float(PROFILES.index(defect.profile)), 0.5 * defect.width
+        profile, half = CODES[defect.profile], 0.5 * defect.width
         depth = radial * defect.depth
         kinks = (path_kink(profile, half, depth, curvature) for curvature in curvatures)
         rows.append(

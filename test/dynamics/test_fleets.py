@@ -6,6 +6,7 @@ import dataclasses
 
 from bearing_twin.dynamics import Fleet, preset, Simulator
 from bearing_twin.dynamics.compiled import compiled
+from bearing_twin.dynamics.parameters import PROFILES
 from bearing_twin.dynamics.random import NOISE, normal_pair, normal_pairs
 from bearing_twin.dynamics.vector import load_words, store
 from bearing_twin.errors import BearingTwinError
@@ -49,7 +50,9 @@ def test_fleet_is_many_simulators():
             parameters[0],
             defects=(dataclasses.replace(parameters[0].defects[0], profile=profile),),
         )
-        for profile in ('halfsine', 'smooth')
+        # The first bearing has 'ball'. 'rect' jumps, which makes a fleet's fixed step first order.
+        for profile in PROFILES
+        if profile not in ('ball', 'rect')
     ]
     temperatures = np.linspace(30.0, 80.0, len(parameters))
     speeds = np.linspace(15.0, 30.0, len(parameters))

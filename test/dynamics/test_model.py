@@ -39,9 +39,21 @@ def test_examples_hold():
     assert doctest.testmod(model) == (0, 3)
 
 
+def test_every_profile_has_a_code_of_its_own_and_no_other_code_is_one():
+    assert tuple(model.CODES) == tuple(PATHS) == PROFILES
+    assert sorted(model.CODES.values()) == list(range(len(PROFILES)))
+    unknown = float(len(PROFILES))
+    ball, other = (
+        model.defect_path(code, HALF, DEPTH, CURVATURE, 0.3e-3) for code in (model.BALL, unknown)
+    )
+    assert other == ball, 'an unknown code takes the branch of another profile'
+    with pytest.raises(ValueError, match='no profile has the code'):
+        model.path_kink(unknown, HALF, DEPTH, CURVATURE)
+
+
 @pytest.mark.parametrize('profile', PROFILES)
 def test_path_through_a_defect_is_the_stated_one(profile):
-    code = float(PROFILES.index(profile))
+    code = model.CODES[profile]
     step = 1e-9
     for along, expected in zip(ALONG, PATHS[profile], strict=True):
         sunk, slope = model.defect_path(code, HALF, DEPTH, CURVATURE, along)
@@ -54,7 +66,7 @@ def test_path_through_a_defect_is_the_stated_one(profile):
 
 @pytest.mark.parametrize('profiles', [*((p,) for p in PROFILES), PROFILES])
 def test_path_of_lanes_is_that_of_numbers(profiles):
-    codes = np.resize([PROFILES.index(p) for p in profiles], 16).astype(np.float32)
+    codes = np.resize([model.CODES[p] for p in profiles], 16).astype(np.float32)
     along = ALONG.astype(np.float32)
     sunk, slope = np.empty(64, np.float32), np.empty(64, np.float32)
     path_of_lanes(codes, along, sunk, slope)
@@ -74,8 +86,8 @@ def test_contact_law_is_that_of_hertz_and_its_derivative():
 
 
 def test_a_kink_is_where_the_slope_jumps():
-    for profile in ('ball', 'rect', 'halfsine', 'smooth'):
-        code = float(PROFILES.index(profile))
+    for profile in PROFILES:
+        code = model.CODES[profile]
         kink = model.path_kink(code, HALF, DEPTH, CURVATURE)
         inside = np.linspace(-0.99 * HALF, 0.99 * HALF, 100001)
         slopes = [model.defect_path(code, HALF, DEPTH, CURVATURE, a)[1] for a in inside[::50]]

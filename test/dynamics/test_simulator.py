@@ -5,6 +5,7 @@ import math
 
 from bearing_twin.bearing import Bearing
 from bearing_twin.dynamics import Fleet, preset, PRESETS, Simulator
+from bearing_twin.dynamics.parameters import PROFILES
 from bearing_twin.dynamics.reference import solve
 from bearing_twin.dynamics.statics import contact
 from bearing_twin.errors import BearingTwinError
@@ -336,7 +337,7 @@ def test_no_life_where_the_standard_makes_no_statement():
     assert math.isnan(slow.life_hours)
 
 
-@pytest.mark.parametrize('profile', ['rect', 'halfsine', 'smooth'])
+@pytest.mark.parametrize('profile', [p for p in PROFILES if p != 'ball'])
 def test_a_preset_takes_the_profiles_of_the_literature(profile):
     ball, other = (
         Simulator(quiet(profile=p)).advance(5120, 20.0, 25.4).y for p in ('ball', profile)
