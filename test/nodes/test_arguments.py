@@ -25,8 +25,8 @@ import pytest
         (
             ['--ros-args', '-p', 'preset:=dungs'],
             1,
-            "twin: preset='dungs' is not one of incipient, extended, mishra2017, sawalhi2008, "
-            'dong; choose one of these\n',
+            "twin: preset='dungs' is not one of paper, incipient, mishra2017, sawalhi2008, dong; "
+            'choose one of these\n',
         ),
     ],
 )
