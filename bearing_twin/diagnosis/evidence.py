@@ -18,6 +18,7 @@ from bearing_twin.diagnosis.thresholds import (
     SLIP_COST,
     Z_CAGE,
     Z_FAULT,
+    Z_SECOND_LOOK,
 )
 
 if TYPE_CHECKING:
@@ -95,6 +96,7 @@ class Evidence:
             'steady': True,
             'step': 0.005,
             'capped_cage_index': 0.0,
+            'on_second_look': (),
             'extraneous_orders': {},
             'masked_by_shaft': frozenset(),
             'claims': Claims(candidates),
@@ -153,13 +155,21 @@ class Evidence:
     @cached_property
     def significant(self) -> tuple[Candidate, ...]:
         """Combs that are neither chance nor too weak for a remark."""
-        return tuple(
+        return tuple(filter(_significant, self.candidates.values())) or self.on_second_look
+
+    @cached_property
+    def on_second_look(self) -> tuple[Candidate, ...]:
+        """
+        Combs of races and balls that are significant where their own lines are not in the null.
+
+        Used where nothing else is significant: to rank combs it would make mistakes.
+        """
+        strong = (
             c
             for c in self.candidates.values()
-            if c.z >= (Z_CAGE if c.place == 'cage' else Z_FAULT)
-            and c.index >= INDEX_SUSPECT
-            and c.harmonics >= 2
+            if c.place != 'cage' and c.z >= Z_SECOND_LOOK and c.index >= INDEX_FAULT
         )
+        return tuple(filter(_significant, map(self._combs.second_look, strong)))
 
     @cached_property
     def extraneous_orders(self) -> Mapping[str, float]:
@@ -413,6 +423,12 @@ class Evidence:
             and not combs.shaft_sidebands_dominate(c)
             and not combs.extraneous_order(c)
         )
+
+
+def _significant(c: Candidate) -> bool:
+    """Whether a comb is neither chance nor too weak for a remark."""
+    least = Z_CAGE if c.place == 'cage' else Z_FAULT
+    return c.z >= least and c.index >= INDEX_SUSPECT and c.harmonics >= 2
 
 
 def _on_harmonics(order: float, cage_order: float, step: float) -> bool:

@@ -121,8 +121,8 @@ class CombSearch:
         self._silent = spectra.near(shaft, 1.25 * spectra.step)
         self.spectra = spectra.silenced(shaft, 1.25 * spectra.step)
         self._all = spectra
-        highest = 1.08 * max(self.orders.impacts(name) for name in PLACES)
-        self._scores = comb_scores(self.spectra, highest, len(WHITENINGS))
+        self._highest = 1.08 * max(self.orders.impacts(name) for name in PLACES)
+        self._scores = comb_scores(self.spectra, self._highest, len(WHITENINGS))
 
     def best(
         self, place: str, spectra: OrderSpectra | None = None, slips: tuple[float, float] = SLIP
@@ -183,6 +183,16 @@ class CombSearch:
         _, bands = self._scores.judge(self.spectra, grid[at : at + 1])
         index, band = modulation_index(self.spectra, order, bands[0, 0], 'inner')
         return Candidate('elsewhere', order, 0.0, float(z[at]), index, band)
+
+    def second_look(self, candidate: Candidate) -> Candidate:
+        """
+        Score a comb against the null without the lines that it explains.
+
+        The sidebands of a strong comb are part of the null, and widen it.
+        """
+        scores = comb_scores(self.without(candidate), self._highest, len(WHITENINGS))
+        z, _ = scores.judge(self.spectra, np.array([candidate.order]))
+        return replace(candidate, z=float(z[0]) - (candidate.slip / SLIP_COST) ** 2)
 
     def left_without(self, cause: Candidate, other: Candidate) -> float:
         """Score of a comb of a place without the lines of another, whatever makes that one."""

@@ -24,6 +24,7 @@ __all__ = [
     'Z_CAGE',
     'Z_ELSEWHERE',
     'Z_FAULT',
+    'Z_SECOND_LOOK',
 ]
 
 Z_FAULT = 5.5
@@ -31,6 +32,9 @@ Z_FAULT = 5.5
 
 Z_CAGE = 8.0
 """The same for the cage, whose low orders have a wider null."""
+
+Z_SECOND_LOOK = 4.0
+"""Score from which a strong comb gets a second look, without its own lines in the null."""
 
 Z_ELSEWHERE = 8.0
 """The same for a comb at any order: the best of some thousand orders and not of a few."""

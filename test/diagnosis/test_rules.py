@@ -242,6 +242,15 @@ def test_a_ball_needs_higher_sidebands_of_the_cage_than_of_the_shaft():
     assert decide(Evidence.of(BALL, cage_sideband_ratio=0.4)).result == 'ball'
 
 
+def test_a_second_look_counts_only_where_nothing_else_is_significant():
+    again = comb('inner', z=6.0)
+    doubtful = comb('inner', z=5.2)
+    seen = Evidence.of(doubtful, on_second_look=(again,), claims=Claims((again,)))
+    assert decide(seen).faults == ('inner',)
+    seen = Evidence.of(doubtful, OUTER, on_second_look=(again,), claims=Claims((OUTER,)))
+    assert decide(seen).faults == ('outer',)
+
+
 def test_a_quantity_is_computed_once():
     class Counted:
         asked = 0
