@@ -8,7 +8,9 @@ What is not given as an argument comes from the parameter file, if there is one.
 
 from bearing_twin.ros.launchfile import Argument, launch_description, shared
 from launch import LaunchDescription
-from launch.substitutions import IfElseSubstitution, LaunchConfiguration
+from launch.substitutions import EqualsSubstitution, IfElseSubstitution, LaunchConfiguration
+
+RECORDED = EqualsSubstitution(LaunchConfiguration('record'), 'true')
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -22,7 +24,7 @@ def generate_launch_description() -> LaunchDescription:
             Argument(
                 'wait_for_subscribers',
                 'subscribers of each vibration for which the first block waits: the recorder',
-                IfElseSubstitution(LaunchConfiguration('record'), '1', '0'),
+                IfElseSubstitution(RECORDED, '1', '0'),
                 int,
             ),
             Argument('output', 'bag folder; empty: bearing_twin_DATE-TIME here'),

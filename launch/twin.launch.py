@@ -8,10 +8,11 @@ What is not given as an argument comes from the parameter file.
 
 from bearing_twin.ros.launchfile import Argument, launch_description, shared
 from launch import LaunchDescription
-from launch.substitutions import IfElseSubstitution, LaunchConfiguration
+from launch.substitutions import EqualsSubstitution, IfElseSubstitution, LaunchConfiguration
 
 WAIT = 'wait_for_subscribers'
 FILE = 'empty: from the parameter file'
+RECORDED = EqualsSubstitution(LaunchConfiguration('record'), 'true')
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -29,7 +30,7 @@ def generate_launch_description() -> LaunchDescription:
             Argument(
                 WAIT,
                 'subscribers of vibration for which the twin waits: recorder and diagnosis',
-                IfElseSubstitution(LaunchConfiguration('record'), '2', '1'),
+                IfElseSubstitution(RECORDED, '2', '1'),
                 int,
             ),
             Argument('output', f'bag folder; {FILE}, or bearing_twin_DATE-TIME here'),

@@ -23,7 +23,7 @@ pytest.importorskip('launch_ros', reason='launch_ros is part of an installed ROS
 
 FOLDER = Path(__file__).resolve().parents[1] / 'launch'
 PARAMETERS = {spec.name for specs in (FLEET, RECORDER, REPLAY, TWIN) for spec in specs}
-NOT_PARAMETERS = {'namespace', 'params_file', 'record', 'use_sim_time'}
+NOT_PARAMETERS = {'namespace', 'params_file', 'record', 'samples', 'twin', 'use_sim_time'}
 
 PREFIXES = [Path(prefix) for prefix in os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)]
 INSTALLED = shutil.which('ros2') and any(
@@ -31,6 +31,7 @@ INSTALLED = shutil.which('ros2') and any(
 )
 STARTS = {
     'fleet': ({'rerun_port': 0, 'record': 'true', 'output': 'bag'}, '2 twins and 3 diagnoses'),
+    'machine': ({'record': 'true', 'output': 'bag'}, 'listening to /line1/samples'),
     'replay': ({'rate': 2, 'loop': 'true', 'clock_rate': 10, 'start_offset': 1}, 'at pace 2'),
     'twin': (
         {'rerun_port': 0, 'shaft_hz': 20, 'bearing': 6205, 'defect': 'outer', 'output': 'bag'},

@@ -18,7 +18,7 @@ from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from launch import LaunchContext, Substitution
 
@@ -33,7 +33,7 @@ class Argument:
 
     name: str
     text: str
-    default: str | Substitution = ''
+    default: str | Substitution | Sequence[str | Substitution] = ''
     """If it ends up empty, the parameter is that of the file, or the node's default."""
     kind: type = str
 
@@ -47,6 +47,9 @@ def launch_description(
     arguments: Sequence[Argument],
     nodes: Mapping[str, Sequence[str]],
     conditions: Mapping[str, str] | None = None,
+    *,
+    remappings: Mapping[str, Mapping[str, str | Substitution]] | None = None,
+    respawned: Collection[str] = (),
 ) -> LaunchDescription:
     """
     Return the description of a launch file.
@@ -60,6 +63,10 @@ def launch_description(
         Executables to start, and the arguments that become parameters of each.
     conditions
         Argument that tells whether to start an executable.
+    remappings
+        Other names for topics of an executable.
+    respawned
+        Executables that are started again where they die.
 
     Raises
     ------
@@ -68,7 +75,7 @@ def launch_description(
         would warn and go on with the defaults.
 
     """
-    conditions = conditions or {}
+    conditions, remappings = conditions or {}, remappings or {}
 
     def start(context: LaunchContext) -> list[Node]:
         texts = {each.name: LaunchConfiguration(each.name).perform(context) for each in arguments}
@@ -88,6 +95,9 @@ def launch_description(
                     namespace=LaunchConfiguration('namespace'),
                     parameters=[*([file] if file else []), *([chosen] if chosen else [])],
                     condition=IfCondition(LaunchConfiguration(condition)) if condition else None,
+                    remappings=list(remappings.get(executable, {}).items()),
+                    respawn=executable in respawned,
+                    respawn_delay=2.0,
                     output='screen',
                 )
             )

@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Beside one machine: adapter and diagnosis of its accelerometer, its twin, and a recorder.
+
+The twin sends its vibration on ``twin/vibration``, so that each stream has one source. Only the
+namespace of the machine is recorded. What dies is started again, but for the recorder, which
+overwrites nothing.
+"""
+
+from bearing_twin.ros.launchfile import Argument, launch_description, shared
+from launch import LaunchDescription
+from launch.substitutions import LaunchConfiguration
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Return the description."""
+    namespace = LaunchConfiguration('namespace')
+    return launch_description(
+        [
+            Argument('namespace', "namespace of the machine, e.g. 'line3/fan_7'", 'machine'),
+            Argument('params_file', 'parameter file', shared('config', 'machine.yaml')),
+            Argument('samples', 'topic of the accelerometer', 'samples'),
+            Argument('twin', 'run the twin beside the machine', 'true', bool),
+            Argument('record', 'record to MCAP', 'true', bool),
+            Argument('regex', 'topics to record', ['/', namespace, '/.*|/diagnostics']),
+            Argument('output', 'bag folder; empty: bearing_twin_DATE-TIME here'),
+            Argument('rerun_port', 'port of the Rerun server; empty or 0: none', kind=int),
+            Argument('use_sim_time', 'true: follow /clock', kind=bool),
+        ],
+        nodes={
+            'recorder': ('output', 'rerun_port', 'regex'),
+            'diagnosis': (),
+            'adapter': (),
+            'twin': (),
+        },
+        conditions={'recorder': 'record', 'twin': 'twin'},
+        remappings={
+            'adapter': {
+                'samples': LaunchConfiguration('samples'),
+                'imu': LaunchConfiguration('samples'),
+            },
+            'twin': {'vibration': 'twin/vibration'},
+        },
+        respawned=('adapter', 'diagnosis', 'twin'),
+    )
