@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 import math
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.bearing.vocabulary import PLACES
 from bearing_twin.view.style import FAMILIES
-from bearing_twin.view.verdict import pretty
+from bearing_twin.view.verdict import impacts, pretty
 import numpy as np
 
 if TYPE_CHECKING:
@@ -80,13 +81,7 @@ def combs(spectrum: Any, diagnosis: Any = None) -> list[Comb]:
 
     """
     side = {'inner': spectrum.shaft_hz, 'ball': spectrum.ftf}
-    base = {
-        'inner': spectrum.bpfi,
-        'outer': spectrum.bpfo,
-        'ball': 2.0 * spectrum.bsf,
-        'cage': spectrum.ftf,
-        'shaft': spectrum.shaft_hz,
-    }
+    base = {place: impacts(spectrum, place) for place in PLACES} | {'shaft': spectrum.shaft_hz}
     found = [
         Comb(family, found=False, fundamental=float(hertz), sideband=float(side.get(family, 0.0)))
         for family, hertz in base.items()
@@ -160,7 +155,7 @@ class SpectrumPicture:
         same = diagnosis is not None and diagnosis.first_sample == spectrum.first_sample
         return cls(
             title=title,
-            quantity='modulation index of each line [1]',
+            quantity='modulation index [1]',
             start=start,
             spacing=spacing,
             values=2.0 * np.sqrt(values),

@@ -91,7 +91,8 @@ LINE: dict[str, Colour] = {
     'second': (102, 187, 106),
     'third': (255, 167, 38),
     'fourth': (171, 71, 188),
-    'spectrum': (96, 125, 139),
+    'spectrum': (100, 181, 246),
+    'threshold': (96, 100, 104),
     'ground': (128, 128, 128),
 }
 """Colours of lines by what they show."""

@@ -69,7 +69,7 @@ class Panel:
 
     key: str
     title: str
-    """With the unit, where all quantities share one."""
+    """With the unit, where all quantities share one; ``[unit]`` is that of the message."""
     trends: tuple[Trend, ...]
     limit: Limit | None = None
     from_zero: bool = False
@@ -141,8 +141,8 @@ DIAGNOSIS = (
     ),
     Panel(
         'level',
-        'Vibration level, rms',
-        (Trend('rms', 'rms [unit]', LINE['first'], 'rms'),),
+        'Vibration level [unit] rms',
+        (Trend('rms', 'level', LINE['first'], 'rms'),),
         from_zero=True,
     ),
     Panel(

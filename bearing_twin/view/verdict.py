@@ -8,15 +8,22 @@ from dataclasses import dataclass
 import math
 from typing import Any
 
-from bearing_twin.bearing.vocabulary import TITLES
+from bearing_twin.bearing.geometry import FaultFrequencies
+from bearing_twin.bearing.vocabulary import PLACES, TITLES
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_FAULT
+from bearing_twin.view.trends import recorded
 
 __all__ = [
+    'STAGES',
+    'STEPS',
     'Headline',
     'Tally',
     'facts',
+    'impacts',
     'next_step',
     'number',
     'pretty',
+    'rival',
     'shaft_speed',
     'title_of',
 ]
@@ -25,6 +32,10 @@ SUSTAINED = 3
 """Windows in a row from which on a verdict is no passing one."""
 URGENCY = {3: 0, 0: 1, 1: 2, 2: 3}
 """Rank of the constants ``LEVEL_...`` of a Diagnosis: none, ok, suspect, fault."""
+RIVAL = 0.7
+"""Part of the significance of the family named from which another one is a rival."""
+CLOSE = 0.02
+"""Distance from a sideband at which a line may be one, the range of slip."""
 STAGES = ('', 'incipient', 'developing', 'advanced', 'severe')
 STEPS = (
     'Confirm with a second measurement and watch the trend.',
@@ -50,6 +61,12 @@ def pretty(unit: str) -> str:
 def number(value: float, unit: str = '', otherwise: str = 'not known') -> str:
     """Return a value with its unit; never 'nan'."""
     return f'{value:.4g} {unit}'.strip() if math.isfinite(value) else otherwise
+
+
+def impacts(message: Any, place: str) -> float:
+    """Return how often a defect strikes, Hz, from a message with the four frequencies."""
+    names = ('bpfo', 'bpfi', 'bsf', 'ftf')
+    return FaultFrequencies(*(recorded(message, name) for name in names)).impacts(place)
 
 
 def shaft_speed(diagnosis: Any) -> str:
@@ -105,8 +122,48 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
         rows.append(('Velocity', number(diagnosis.velocity_rms, 'mm/s rms') + zone))
     if math.isfinite(diagnosis.temperature):
         rows.append(('Temperature', f'{diagnosis.temperature:.1f} °C'))
+    if diagnosis.band_high > diagnosis.band_low:
+        band = f'{diagnosis.band_low / 1e3:.1f} to {diagnosis.band_high / 1e3:.1f} kHz demodulated'
+        rows.append(('Band', band))
     rows.append(('Next step', next_step(diagnosis)))
     return rows
+
+
+def rival(diagnosis: Any) -> str:
+    """
+    Say why a significant family is not the one named; '' where there is none.
+
+    The lines of an outer race, say, lie within some tenths of a per cent on shaft sidebands of the
+    inner race in many bearings, since BPFO + BPFI is a multiple of the shaft speed.
+    """
+    result = str(diagnosis.result_name)
+    scores: dict[str, float] = dict(zip(PLACES, map(float, diagnosis.score), strict=True))
+    index: dict[str, float] = dict(
+        zip(PLACES, map(float, diagnosis.modulation_index), strict=True)
+    )
+    own = scores.pop(result, 0.0)
+    other = max(scores, key=lambda place: scores[place])
+    if not scores[other] >= max(Z_FAULT, RIVAL * own):
+        return ''
+    name = TITLES[other].lower().removesuffix(' fault')
+    if result == 'healthy':
+        return (
+            f'The {name} is significant ({scores[other]:.1f}), but its modulation index of '
+            f'{index[other]:.2f} is below the {INDEX_FAULT:g} of a fault: balls pass a healthy '
+            'race under load too.'
+        )
+    if result not in PLACES:
+        return ''
+    text = f'The {name} is nearly as significant ({scores[other]:.1f} against {own:.1f})'
+    fundamental, shaft = impacts(diagnosis, other), float(diagnosis.shaft_hz)
+    sidebands = [
+        k * diagnosis.fault_hz + n * shaft for k in range(1, 5) for n in range(-2, 3) if n
+    ]
+    close = min(abs(line / fundamental - 1.0) for line in sidebands)
+    if close < CLOSE:
+        own_name = TITLES[result].lower().removesuffix(' fault')
+        return f'{text}: its line is within {close:.1%} of a shaft sideband of the {own_name}.'
+    return f'{text}: modulation index {index[other]:.2f} against {index[result]:.2f}.'
 
 
 @dataclass

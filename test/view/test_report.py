@@ -26,7 +26,7 @@ def recording(tmp_path_factory):
     from bearing_twin.offline.run import run_offline
 
     target = tmp_path_factory.mktemp('report') / 'inner'
-    run_offline(SCHEDULE, target, twin={'defect': 'inner'})
+    run_offline(SCHEDULE, target, twin={'defect': 'inner', 'preset': 'incipient'})
     return target
 
 
@@ -108,7 +108,9 @@ def test_the_page_names_the_verdict_and_shows_every_picture(recording, page):
         assert html.escape(reason) in page
     # Headline, table and spectra come from one window.
     assert {s.first_sample for s in machine.spectra.values()} == {worst.first_sample}
-    assert page.count('<figure>') == 6
+    assert page.count('<figure>') == 8
+    assert 'Vibration simulated by /twin, preset incipient, inner race' in banner
+    assert 'nan' not in re.sub(r'<svg.*?</svg>|<style>.*?</style>', '', page, flags=re.DOTALL)
 
 
 def test_every_picture_draws_something(page):

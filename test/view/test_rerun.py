@@ -34,7 +34,7 @@ def recording(tmp_path_factory):
     from bearing_twin.offline.run import run_offline
 
     target = tmp_path_factory.mktemp('view') / 'inner'
-    run_offline(SCHEDULE, target, twin={'defect': 'inner'})
+    run_offline(SCHEDULE, target, twin={'defect': 'inner', 'preset': 'incipient'})
     return target
 
 
@@ -139,7 +139,10 @@ def twin_state(defect, time, **angles):
     return SimpleNamespace(
         **vars(stamp(time)),
         **pose,
-        **dict.fromkeys(('shaft_hz', 'ftf', 'bsf', 'inner_x', 'inner_y'), 0.0),
+        first_sample=0,
+        **dict.fromkeys(
+            ('shaft_hz', 'bpfo', 'bpfi', 'bsf', 'ftf', 'slip', 'inner_x', 'inner_y'), 0.0
+        ),
         **dict.fromkeys(('beta0', 'kappa', 'lateness', 'execution_time', 'c_d'), 0.0),
         **dict.fromkeys(('temperature_status', 'blocks_late', 'blocks_dropped'), 0),
         **dict.fromkeys(('temperature_used', 'inner_ring_temperature'), 20.0),
@@ -283,6 +286,7 @@ def test_a_client_that_never_reads_holds_nothing_up(recording, tmp_path):
         for _ in range(8):
             for message in messages:
                 logger.log(*message)
+    assert logger.problems == {}
     assert logger.failed == 0
 
 

@@ -17,7 +17,7 @@ from bearing_twin.recording.reader import read_messages
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings
 from bearing_twin.view.rerun.viewer import free_port, HeadlessViewer, LOOPBACK
-from bearing_twin.view.trends import DIAGNOSIS, TWIN_STATE
+from bearing_twin.view.trends import TWIN_STATE
 import matplotlib.image
 import numpy as np
 import pytest
@@ -33,10 +33,12 @@ PAGES = {
         'Verdict',
         'Reasons',
         'Bearing, 40 x slower, shift x 100',
-        'Squared envelope spectrum [over Hz]',
+        'Squared envelope spectrum: modulation index over Hz',
+        'Colours',
+        'First harmonic from near',
         'Verdict over time',
         'Significance [standard deviations over noise]',
-        'Vibration level, rms',
+        'Vibration level [m/s²] rms',
         'Temperature [°C]',
     },
     'Vibration': {
@@ -45,8 +47,23 @@ PAGES = {
         'Spectrogram of the last minute',
         'Spectrum [over Hz]',
     },
-    'Evidence': {panel.title for panel in DIAGNOSIS} - {'Level over its own baseline [dB]'},
-    'Temperature': {'Waveform over temperature', 'Temperature [°C]'},
+    'Evidence': {
+        'Significance [standard deviations over noise]',
+        'Modulation index [1]',
+        'Vibration level [m/s²] rms',
+        'Velocity 10 to 1000 Hz [mm/s rms]',
+        'Kurtosis, crest factor [1]',
+        'Colours',
+    },
+    'Temperature': {
+        'Waveform over temperature',
+        'Temperature [°C]',
+        'Amplitude, change [%]',
+        'Level, rms, change [%]',
+        'Frequency found, change [%]',
+        'Frequency, twin, change [%]',
+        'Cage slip, twin [%]',
+    },
     'Twin': {panel.title for panel in TWIN_STATE} - {'Temperature [°C]'},
 }
 COLOURED, WRITTEN = 30, 300
@@ -119,7 +136,7 @@ def test_two_recordings_fill_every_view(recordings, tmp_path):
         names, found = seen(viewer)
         assert found == []
         assert {'Verdict: none', 'Verdict: outer'} <= set(names)
-        assert names.count('Squared envelope spectrum [over Hz]') == 2
+        assert names.count('Squared envelope spectrum: modulation index over Hz') == 2
 
 
 def test_a_late_viewer_of_a_running_server_sees_the_past(recordings):

@@ -5,7 +5,7 @@
 import math
 from types import SimpleNamespace
 
-from bearing_twin.view.verdict import facts, Headline, number, shaft_speed
+from bearing_twin.view.verdict import facts, Headline, number, rival, shaft_speed
 import pytest
 
 LEVEL = {'healthy': 1, 'suspect': 2, 'insufficient': 0, 'ambiguous': 3}
@@ -23,7 +23,8 @@ def verdict(result, *, confidence=0.9, score=8.0, shaft=25.4):
         shaft_hz_given=shaft,
         unit='m/s^2',
         **dict.fromkeys(('fault_hz', 'fault_hz_expected', 'rms', 'velocity_rms'), math.nan),
-        **dict.fromkeys(('level_over_baseline', 'temperature'), math.nan),
+        **dict.fromkeys(('level_over_baseline', 'temperature', 'band_low', 'band_high'), math.nan),
+        modulation_index=[0.1, 0.1, 0.1, 0.1],
         iso_zone='',
     )
 
@@ -81,3 +82,21 @@ def test_a_shaft_at_rest_is_standing():
     assert shaft_speed(verdict('insufficient', shaft=0.0)) == 'standing'
     assert shaft_speed(verdict('healthy', shaft=25.0)) == '25.00 Hz (1500 rpm)'
     assert shaft_speed(verdict('healthy', shaft=math.nan)) == 'not known'
+
+
+def test_a_rival_is_named_with_the_reason_it_lost():
+    inner = verdict('inner')
+    inner.score, inner.modulation_index = [18.0, 15.0, 1.0, 0.5], [3.0, 2.5, 0.1, 0.1]
+    inner.bpfo, inner.bpfi, inner.bsf, inner.ftf = 76.86, 126.34, 49.07, 9.61
+    inner.fault_hz = 126.42
+    # BPFI less two turns of the shaft is 75.62 Hz, 1.6 % from BPFO.
+    assert 'outer race is nearly as significant' in rival(inner)
+    assert 'within 1.6% of a shaft sideband of the inner race' in rival(inner)
+    inner.bpfo = 90.0
+    assert rival(inner).endswith('modulation index 2.50 against 3.00.')
+    inner.score[1] = 6.0
+    assert rival(inner) == ''
+    healthy = verdict('healthy')
+    healthy.score, healthy.modulation_index = [1.0, 13.0, 2.0, 1.0], [0.0, 0.13, 0.0, 0.0]
+    assert 'modulation index of 0.13 is below the 0.6 of a fault' in rival(healthy)
+    assert rival(verdict('insufficient')) == ''

@@ -4,14 +4,18 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass, field
 import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.vibration_input import HIGHEST_RATE
+from bearing_twin.view.over_temperature import OverTemperature
+from bearing_twin.view.source import Source
 from bearing_twin.view.trends import recorded
 from bearing_twin.view.verdict import Headline
 import numpy as np
@@ -74,12 +78,22 @@ class Machine:
     """Hz."""
     strips: dict[int, Strip] = field(default_factory=dict)
     """By number of the step of temperature; of each the newest that is closest to it."""
+    source: Source = field(default_factory=Source)
+    over_temperature: OverTemperature = field(default_factory=OverTemperature)
+    parameters: dict[str, tuple[str, Any]] = field(default_factory=dict)
+    """Kind and parameters of each node."""
     undecodable: int = 0
 
     @property
     def name(self) -> str:
         """Name for a heading."""
         return self.namespace or '/'
+
+    @property
+    def hardware(self) -> str:
+        """Identity of the asset or sensor, where a node's parameters give it."""
+        named = (v.get('hardware_id') for _, v in self.parameters.values() if isinstance(v, dict))
+        return next((str(name) for name in named if name), '')
 
     @property
     def empty(self) -> bool:
@@ -143,6 +157,7 @@ class _Collector:
         self._next_sample = -1
         self._takers: dict[str, Callable[[float, Any], None]] = {
             'bearing_twin_msgs/msg/Diagnosis': self._diagnosis,
+            'bearing_twin_msgs/msg/Checkpoint': self._checkpoint,
             SPECTRUM: self._spectrum,
             'bearing_twin_msgs/msg/TwinState': self._state,
             'bearing_twin_msgs/msg/Vibration': self._vibration,
@@ -162,6 +177,14 @@ class _Collector:
     def _diagnosis(self, time: float, message: Any) -> None:
         self.machine.diagnoses.append((time, message))
         self.machine.headline.take(time, message)
+        self.machine.over_temperature.diagnosis(message)
+
+    def _checkpoint(self, _: float, message: Any) -> None:
+        node = str(message.node)
+        with contextlib.suppress(BearingTwinError):
+            values = load_plain(str(message.configuration), f'the configuration of {node}')
+            self.machine.parameters[node] = str(message.kind), values
+            self.machine.source.checkpoint(message)
 
     def _spectrum(self, _: float, message: Any) -> None:
         if np.asarray(message.values).size and message.bin_hz > 0.0:
@@ -176,6 +199,8 @@ class _Collector:
         machine = self.machine
         self._temperature = recorded(message, 'temperature_used')
         machine.last_state = message
+        machine.source.state(message)
+        machine.over_temperature.state(message)
         lateness = recorded(message, 'lateness')
         machine.worst_lateness = float(np.fmax(machine.worst_lateness, lateness))
         if time >= self._next_state:
@@ -188,11 +213,13 @@ class _Collector:
         if not samples.size or not 0.0 < message.sample_rate <= HIGHEST_RATE:
             return
         machine.unit = str(message.unit)
+        machine.source.vibration(message)
         machine.sample_rate = float(message.sample_rate)
         finite = samples[np.isfinite(samples)].astype(np.float64)
         if finite.size:
             rms = float(np.sqrt(np.mean(finite**2)))
             machine.vibration.append((time, rms, float(np.abs(finite).max())))
+            machine.over_temperature.vibration(finite, machine.unit, self._temperature)
         self._strip(samples, int(message.first_sample))
 
     def _strip(self, samples: NDArray[np.float32], first_sample: int) -> None:

@@ -34,12 +34,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-__all__ = ['figures']
+__all__ = ['appended_figures', 'figures']
+
+
+DECIDING = ('significance', 'modulation', 'level', 'baseline')
+"""Panels of the evidence that are not in the appendix."""
 
 
 def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
     """
-    Return caption and SVG of every picture that the machine has data for.
+    Return caption and SVG of the pictures that the machine has data for.
 
     Parameters
     ----------
@@ -49,14 +53,20 @@ def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
         Put before every id in the SVG, so that pictures on one page do not share them.
 
     """
-    plots: tuple[Callable[[Machine], tuple[str, Figure] | None], ...] = (
-        _history,
-        _envelope_spectrum,
-        _spectrum,
-        _evidence,
-        _waterfall,
-        _model,
-    )
+    plots = (_envelope_spectrum, _history, _over_temperature, _evidence, _waterfall)
+    return _all(machine, prefix, plots)
+
+
+def appended_figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
+    """Return the pictures of the appendix like :func:`figures`."""
+    return _all(machine, prefix, (_spectrum, _other_evidence, _model))
+
+
+def _all(
+    machine: Machine,
+    prefix: str,
+    plots: Sequence[Callable[[Machine], tuple[str, Figure] | None]],
+) -> list[tuple[str, str]]:
     found = []
     # The style is that of the figure being made, never that of the program around it.
     with mpl.rc_context(STYLE):
@@ -101,8 +111,8 @@ def _history(machine: Machine) -> tuple[str, Figure] | None:
         panels.append(lambda axes: _level(axes, machine))
     if not panels:
         return None
-    heights = [0.45 if machine.diagnoses and k == 0 else 1.0 for k in range(len(panels))]
-    figure = Figure(figsize=(WIDTH, 0.5 + 1.35 * sum(heights)), layout='constrained')
+    heights = [0.4 if machine.diagnoses and k == 0 else 1.0 for k in range(len(panels))]
+    figure = Figure(figsize=(WIDTH, 0.4 + 0.9 * sum(heights)), layout='constrained')
     rows = figure.subplots(
         len(panels), sharex=True, squeeze=False, gridspec_kw={'height_ratios': heights}
     )[:, 0]
@@ -181,7 +191,7 @@ def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
     if not strips:
         return None
     peak = max(float(np.nanmax(np.abs(strip.samples))) for strip in strips) or 1.0
-    figure = Figure(figsize=(WIDTH, 1.2 + 0.2 * len(strips)), layout='constrained')
+    figure = Figure(figsize=(WIDTH, 0.7 + 0.11 * len(strips)), layout='constrained')
     axes = figure.subplots()
     # The largest swing reaches over one and a half of its neighbours.
     scale = 1.5 / peak
@@ -195,15 +205,17 @@ def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
         part = (strip.temperature - coldest) / span if np.isfinite(coldest) else 0.0
         colours.append((0.08 + 0.7 * part, 0.35 - 0.2 * part, 0.75 - 0.6 * part))
     axes.add_collection(LineCollection(lines, colors=colours, linewidths=0.6))
-    axes.set_yticks(range(len(strips)))
+    named = range(0, len(strips), 1 + len(strips) // 8)
+    axes.set_yticks(named)
+    temperatures = [strips[k].temperature for k in named]
     axes.set_yticklabels(
-        [f'{s.temperature:.0f} °C' if np.isfinite(s.temperature) else 'unknown' for s in strips]
+        [f'{t:.0f} °C' if np.isfinite(t) else 'temperature not known' for t in temperatures]
     )
     duration = max(line[-1, 0] for line in lines)
     axes.set(xlim=(0.0, duration), ylim=(-1.6, len(strips) + 0.6), xlabel='time [ms]')
     axes.grid(axis='y', visible=False)
     caption = (
-        'Waveform over temperature, one strip every 5 K, all to one scale: the largest swing is '
+        'Waveform over temperature, one strip every 5 K, to one scale: the largest swing is '
         f'{peak:.3g} {pretty(machine.unit)}'
     )
     return caption, figure
@@ -225,7 +237,7 @@ def _envelope_spectrum(machine: Machine) -> tuple[str, Figure] | None:
     picture = _picture(machine, ENVELOPE)
     if picture is None:
         return None
-    figure = Figure(figsize=(WIDTH, 3.6), layout='constrained')
+    figure = Figure(figsize=(WIDTH, 3.1), layout='constrained')
     draw_envelope_spectrum(figure, picture)
     return CAPTION, figure
 
@@ -245,8 +257,40 @@ def _picture(machine: Machine, kind: str) -> SpectrumPicture | None:
     return SpectrumPicture.of(message, diagnosis) if message is not None else None
 
 
+def _over_temperature(machine: Machine) -> tuple[str, Figure] | None:
+    curves = [c for c in machine.over_temperature.curves if c.temperatures.size > 1]
+    if not curves:
+        return None
+    figure = Figure(figsize=(WIDTH, 1.75), layout='constrained')
+    for axes, curve in zip(figure.subplots(1, len(curves), squeeze=False)[0], curves, strict=True):
+        axes.plot(curve.temperatures, curve.values, '.-', color='#1565c0', linewidth=1.0, ms=4.0)
+        axes.set_xlabel('°C')
+        axes.ticklabel_format(useOffset=False)
+        axes.xaxis.set_major_locator(MaxNLocator(4))
+        axes.yaxis.set_major_locator(MaxNLocator(4))
+        title = wrap(curve.title, 75 // len(curves))
+        if np.isfinite(curve.base):
+            ratio = curve.values[-1] / curve.base
+            title.append(f'x {ratio:.3f} at {curve.temperatures[-1]:.0f} °C')
+            axes.axhline(curve.base, color='#9e9e9e', linewidth=0.7, dashes=(4, 2))
+        axes.set_title('\n'.join(title))
+    reference = curves[0].reference
+    caption = (
+        'Over temperature, means of 5 K: largest magnitude of a block, level, fault frequency '
+        'found by the diagnosis and expected by the twin, its cage slip. Dashed: the value at '
+        f'{reference:.0f} °C, to which the ratios refer'
+    )
+    return caption, figure
+
+
 def _evidence(machine: Machine) -> tuple[str, Figure] | None:
-    return _panels('Evidence and severity, window by window', DIAGNOSIS, machine.diagnoses)
+    panels = [panel for panel in DIAGNOSIS if panel.key in DECIDING]
+    return _panels('What decides, window by window. Dashed: limit', panels, machine.diagnoses)
+
+
+def _other_evidence(machine: Machine) -> tuple[str, Figure] | None:
+    panels = [panel for panel in DIAGNOSIS if panel.key not in DECIDING]
+    return _panels('Other quantities, window by window', panels, machine.diagnoses)
 
 
 def _model(machine: Machine) -> tuple[str, Figure] | None:
@@ -267,20 +311,23 @@ def _panels(
     if not shown:
         return None
     rows = -(-len(shown) // 3)
-    figure = Figure(figsize=(WIDTH, 0.2 + 1.7 * rows), layout='constrained')
+    figure = Figure(figsize=(WIDTH, 0.2 + 1.45 * rows), layout='constrained')
     grid = figure.subplots(rows, 3, sharex=True, squeeze=False).ravel()
+    named: dict[str, Any] = {}
     unit = str(getattr(items[-1][1], 'unit', ''))
     for axes, (panel, lines) in zip(grid, shown, strict=False):
         for trend, values in lines:
-            label = trend.label.replace('[unit]', f'[{pretty(unit)}]')
-            axes.plot(time, values, color=hex_colour(trend.colour), label=label, linewidth=1.1)
+            colour = hex_colour(trend.colour)
+            axes.plot(time, values, color=colour, label=trend.label, linewidth=1.1)
         if panel.limit is not None:
             axes.axhline(panel.limit.value, color='#616161', linewidth=0.8, dashes=(4, 2))
-        axes.set_title('\n'.join(wrap(panel.title, 30)))
+        title = panel.title.replace('[unit]', f'[{pretty(unit)}]')
+        axes.set_title('\n'.join(wrap(title, 30)))
         if panel.from_zero:
             axes.set_ylim(bottom=0.0)
-        if len(lines) > 1 or '[unit]' in lines[0][0].label:
-            axes.legend(loc='best', fontsize='x-small', handlelength=1.2)
+        if len(lines) > 1:
+            for line in axes.get_lines()[: len(lines)]:
+                named.setdefault(str(line.get_label()), line)
         axes.yaxis.set_major_locator(MaxNLocator(4))
         axes.ticklabel_format(useOffset=False)
     for axes in grid[len(shown) :]:
@@ -288,4 +335,6 @@ def _panels(
     for axes in grid[: len(shown)][-3:]:
         axes.set_xlabel('time [s]')
         axes.tick_params(axis='x', labelbottom=True)
+    if named:
+        figure.legend(named.values(), named, loc='outside upper right', ncols=len(named))
     return caption, figure

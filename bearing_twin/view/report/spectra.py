@@ -20,7 +20,8 @@ __all__ = ['CAPTION', 'draw_envelope_spectrum', 'draw_spectrum']
 
 CAPTION = (
     f'Triangles: the {HARMONICS} harmonics found; ticks: the nominal ones, without slip; dots: '
-    'sidebands. Grey: noise floor; dashed: one bin of noise in a thousand passes it'
+    'sidebands. Grey: noise floor, and dashed what one bin of noise in a thousand passes. Red: '
+    'limit of a fault, for the root of the sum of squares of its harmonics'
 )
 
 
@@ -55,11 +56,6 @@ def draw_envelope_spectrum(figure: Figure, picture: SpectrumPicture) -> None:
     for axes in grid[0]:
         axes.set_ylim(0.0, top)
         axes.axhline(INDEX_FAULT, color='#b71c1c', linewidth=0.7, dashes=(6, 3))
-    upper.annotate(
-        f'{INDEX_FAULT:g}: a fault, as root of the sum of squares of the harmonics',
-        (1.0, INDEX_FAULT), (0, 2), xycoords=('axes fraction', 'data'),
-        textcoords='offset points', ha='right', fontsize='small', color='#b71c1c',
-    )  # fmt: skip
     if near is not None:
         grid[0, 1].set_title('first harmonic from near')
 

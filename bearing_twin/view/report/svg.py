@@ -71,6 +71,10 @@ def svg_element(figure: Figure, prefix: str) -> str:
         figure.savefig(buffer, format='svg', metadata={'Date': None, 'Creator': None})
     text = buffer.getvalue()
     text = text[text.index('<svg') :]
+    # Matplotlib names shapes by a hash of coordinates that differ in the last bit from run to run.
+    hashed = dict.fromkeys(re.findall(r'\bid="([a-z][0-9a-f]{10})"', text))
+    numbers = {name: str(number) for number, name in enumerate(hashed)}
+    text = re.sub(r'\b[a-z][0-9a-f]{10}\b', lambda m: 'shape' + numbers.get(m[0], m[0]), text)
     text = re.sub(r'\bid="', f'id="{prefix}', text)
     text = text.replace('url(#', f'url(#{prefix}').replace('href="#', f'href="#{prefix}')
     return re.sub(r'<metadata>.*?</metadata>', '', text, flags=re.DOTALL)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from bearing_twin.view.over_temperature import QUANTITIES
 from bearing_twin.view.rerun.bearing3d import MAGNIFIED, SLOWED
 from bearing_twin.view.trends import DIAGNOSIS, TWIN_STATE
 import rerun.blueprint as rrb
@@ -214,17 +215,54 @@ def _waterfalls(scene: Scene) -> list[View]:
     ]
 
 
-def _spectra(scene: Scene, kind: str, name: str) -> list[View]:
+def _bars(name: str, origin: str) -> View:
+    # A legend would cover lines and names entities, not what they are.
+    return rrb.BarChartView(origin=origin, name=name, plot_legend=rrb.PlotLegend(visible=False))
+
+
+def _spectra(scene: Scene) -> list[View]:
+    return [_bars('Spectrum [over Hz]', path) for path in _of(scene, 'spectrum')]
+
+
+def _envelope_spectra(scene: Scene) -> list[View]:
+    views: list[View] = []
+    for path in _of(scene, 'envelope_spectrum'):
+        whole = _bars('Squared envelope spectrum: modulation index over Hz', f'{path}/whole')
+        near = _bars('First harmonic from near', f'{path}/near')
+        if 'near' in scene.asset.panels:
+            views.append(rrb.Vertical(whole, *_colours(scene), near, row_shares=[6, 0.55, 4]))
+        else:
+            views.append(rrb.Vertical(whole, *_colours(scene), row_shares=[10, 0.55]))
+    return views
+
+
+def _colours(scene: Scene) -> list[View]:
     return [
-        rrb.BarChartView(origin=path, name=name, plot_legend=rrb.PlotLegend(visible=False))
-        for path in _of(scene, kind)
+        rrb.Spatial2DView(origin=f'{path}/legend', name='Colours', titlebar=False)
+        for path in _of(scene, 'envelope_spectrum')
     ]
+
+
+def _over_temperature(scene: Scene) -> list[View]:
+    """Return a view for each quantity over temperature, in rows of two."""
+    views = [
+        _bars(f'{name}{"" if key == "slip" else ", change"} [%]', f'{path}/over_temperature/{key}')
+        for path in _of(scene, 'vibration')
+        for key, name in QUANTITIES.items()
+        if key in scene.asset.panels
+    ]
+    return [rrb.Grid(*views, grid_columns=2)] if views else []
 
 
 def _panels(scene: Scene, kind: str, panels: Sequence[Panel], *keys: str) -> list[View]:
     """Return a view for each panel, or for those of the names ``keys``."""
+    # The colours of families stand beside the spectrum: a legend would cover lines.
     return [
-        _lines(panel.title, [f'{path}/{panel.key}/**'], legend=len(panel.trends) > 1)
+        _lines(
+            panel.title.replace('[unit]', f'[{scene.asset.unit}]'),
+            [f'{path}/{panel.key}/**'],
+            legend=1 < len(panel.trends) < 4,
+        )
         for path in _of(scene, kind)
         for panel in panels
         if panel.key in scene.asset.panels and (not keys or panel.key in keys)
@@ -256,8 +294,7 @@ def _rows(*rows: tuple[float, Sequence[View]], name: str) -> View | None:
 
 def _pages(scene: Scene, timeline: str) -> list[View]:
     """Return the pages of a bearing: what each answers fits a laptop's screen."""
-    envelope = _spectra(scene, 'envelope_spectrum', 'Squared envelope spectrum [over Hz]')
-    amplitude = _spectra(scene, 'spectrum', 'Spectrum [over Hz]')
+    envelope, amplitude = _envelope_spectra(scene), _spectra(scene)
     waves = _waveforms(scene, timeline)
     twin = [v for v in _panels(scene, 'twin_state', TWIN_STATE) if v.name != 'Temperature [°C]']
     evidence = _panels(scene, 'diagnosis', DIAGNOSIS)
@@ -270,8 +307,12 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
     pages = (
         _rows((5, verdict), (2.5, trends), name='Verdict'),
         _rows((4, waves[:2]), (4, [*waves[2:], *amplitude]), name='Vibration'),
-        _rows((4, evidence[:3]), (4, evidence[3:]), name='Evidence'),
-        _rows((5, _waterfalls(scene)), (3, _temperatures(scene)), name='Temperature'),
+        _rows((5, evidence[:3]), (0.5, _colours(scene)), (5, evidence[3:]), name='Evidence'),
+        _rows(
+            (5, [*_waterfalls(scene), *_over_temperature(scene)]),
+            (2, _temperatures(scene)),
+            name='Temperature',
+        ),
         _rows((4, twin[:3]), (4, twin[3:]), name='Twin'),
     )
     return [page for page in pages if page is not None]
@@ -286,7 +327,7 @@ def _wide(scene: Scene, timeline: str, *, name: str | None = None) -> View:
 def _narrow(scene: Scene, title: str, timeline: str) -> View:
     if not _is_bearing(scene):
         return rrb.Vertical(*_numbers(scene), name=title)
-    envelope = _spectra(scene, 'envelope_spectrum', 'Squared envelope spectrum [over Hz]')
+    envelope = _envelope_spectra(scene)
     page = _rows(
         (3.0, [*_card(scene, title), *_solid(scene)]),
         (1.2, _lane(scene)),

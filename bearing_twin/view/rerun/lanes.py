@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
     from bearing_twin.view.style import State
 
-__all__ = ['HealthPicture', 'Lane']
+__all__ = ['AGAIN', 'HealthPicture', 'Lane']
 
 AGAIN = 10_000_000_000
-"""A state that lasts is logged again after this time, ns: servers forget, viewers come late."""
+"""What lasts is logged again after this time, ns: servers forget, viewers come late."""
 
 
 class Lane:

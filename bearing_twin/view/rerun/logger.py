@@ -201,7 +201,7 @@ class RerunLogger:
         if self._closed:
             return
         self._closed = True
-        self._flush(slow=True)
+        self._flush(slow=True, last=True)
         self._lay_out()
         try:
             if self._file is not None:
@@ -229,9 +229,9 @@ class RerunLogger:
             self._scenes[side, namespace] = scene
         return scene
 
-    def _flush(self, *, slow: bool) -> None:
+    def _flush(self, *, slow: bool, last: bool = False) -> None:
         for scene in self._scenes.values():
-            scene.flush(self._complain, slow=slow)
+            scene.flush(self._complain, slow=slow, last=last)
 
     def _count_views(self) -> int:
         return sum(len(s.contents) + len(s.asset.panels) for s in self._scenes.values())

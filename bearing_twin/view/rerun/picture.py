@@ -8,7 +8,11 @@ from dataclasses import dataclass, field
 import math
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.view.over_temperature import OverTemperature
+from bearing_twin.view.source import Source
 from bearing_twin.view.style import LINE
+from bearing_twin.view.trends import Limit
+from bearing_twin.view.verdict import pretty
 import numpy as np
 
 if TYPE_CHECKING:
@@ -35,6 +39,10 @@ class Asset:
     """Whether a twin has spoken."""
     diagnosis: Any = None
     """Latest Diagnosis message."""
+    source: Source = field(default_factory=Source)
+    over_temperature: OverTemperature = field(default_factory=OverTemperature)
+    unit: str = ''
+    """Of the vibration."""
     panels: set[str] = field(default_factory=set)
     """Keys of the panels over time that have values."""
 
@@ -67,6 +75,9 @@ class Picture:
         """Send what is held; ``slow``: the lines that can wait too."""
         self.canvas.flush(slow=slow)
 
+    def finish(self) -> None:
+        """Draw what only the end of a recording tells."""
+
 
 class Trends:
     """Draw the quantities of ``panels`` over time, a block of messages at once."""
@@ -77,11 +88,10 @@ class Trends:
         self._panels = panels
         self._times: list[int] = []
         self._rows: list[list[float]] = []
-        self._unit = ''
 
     def hold(self, message: Any, time: int) -> None:
         """Take a message at ``time`` in ns."""
-        self._unit = str(getattr(message, 'unit', ''))
+        self._asset.unit = pretty(getattr(message, 'unit', self._asset.unit))
         self._times.append(time)
         self._rows.append(
             [float(trend.value(message)) for panel in self._panels for trend in panel.trends]
@@ -105,18 +115,20 @@ class Trends:
                         f'{panel.key}/{trend.key}',
                         times[there],
                         values[there],
-                        label=trend.label.replace('[unit]', f'[{self._unit}]'),
+                        label=trend.label,
                         colour=trend.colour,
                         slow=True,
                     )
             if drawn:
                 self._asset.panels.add(panel.key)
-            if drawn and panel.limit is not None:
+            levels = [panel.limit] if panel.limit is not None else []
+            levels += [Limit('zero', 0.0)] if panel.from_zero else []
+            for level in levels if drawn else ():
                 self._canvas.line(
-                    f'{panel.key}/limit',
+                    f'{panel.key}/{"zero" if level.value == 0.0 else "limit"}',
                     times[[0, -1]],
-                    np.full(2, panel.limit.value),
-                    label=panel.limit.label,
+                    np.full(2, level.value),
+                    label=level.label,
                     colour=LINE['ground'],
                     slow=True,
                 )

@@ -93,7 +93,9 @@ class Scene:
         if picture.draw(message, self._timebase.of(message, received)):
             self.contents.setdefault(name, picture.kind)
 
-    def flush(self, complain: Callable[[str, Exception], None], *, slow: bool) -> None:
+    def flush(
+        self, complain: Callable[[str, Exception], None], *, slow: bool, last: bool = False
+    ) -> None:
         """
         Send what is held; never raises.
 
@@ -103,10 +105,14 @@ class Scene:
             Called with a topic and the reason where something cannot be drawn.
         slow
             Whether to send the slow lines too.
+        last
+            Whether the recording ends.
 
         """
         for (name, _), picture in self._pictures.items():
             try:
                 picture.flush(slow=slow)
+                if last:
+                    picture.finish()
             except Exception as error:  # noqa: PERF203 - one picture's failure spares the others
                 complain(f'{self.root}/{name}', error)

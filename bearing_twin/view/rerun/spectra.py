@@ -1,30 +1,42 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Spectrum and squared envelope spectrum as bars over Hz, lines of the combs beside them."""
+"""Spectrum and squared envelope spectrum as bars over Hz, marks of the combs below the axis."""
 
 from __future__ import annotations
 
+from functools import cache
+import io
+import math
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT
 from bearing_twin.stamps import NANO
+from bearing_twin.view.rerun.lanes import AGAIN
 from bearing_twin.view.rerun.picture import Picture
 from bearing_twin.view.spectrum import ENVELOPE, highest, SpectrumPicture
 from bearing_twin.view.style import FAMILIES, LINE
 import numpy as np
+from PIL import Image, ImageDraw, ImageFont
 import rerun as rr
 
 if TYPE_CHECKING:
+    from bearing_twin.view.rerun.canvas import Canvas
+    from bearing_twin.view.rerun.picture import Asset
+    from bearing_twin.view.spectrum import Comb
     from bearing_twin.view.style import Colour
     from numpy.typing import NDArray
 
 __all__ = ['SpectrumBars']
 
-BARS = 300
-"""Most bars drawn, of a pixel or two each; of neighbouring bins the highest is kept."""
-TICK = 0.12
-"""Length of a mark below the axis, as part of the highest bar."""
-HAIR = 1.0 / 1200.0
-"""Width of a cursor, as part of the frequencies shown."""
+BARS = 200
+"""Most bars drawn, of two pixels or more each; of neighbouring bins the highest is kept."""
+MARK = 0.1
+"""Length of the marks below the axis, as part of the axis above it."""
+MARK_WIDTH = 1.0 / 200.0
+"""Width of a mark, as part of the frequencies shown."""
+STEP = 0.25
+"""Step of the height from which marks take their length."""
+COLOURS = {family.key: family.colour for family in FAMILIES} | {'shaft': LINE['ground']}
 
 
 class SpectrumBars(Picture):
@@ -32,38 +44,94 @@ class SpectrumBars(Picture):
 
     kind = 'spectrum'
 
+    def __init__(self, canvas: Canvas, asset: Asset) -> None:
+        super().__init__(canvas, asset)
+        self._marked: dict[str, tuple[tuple[float, ...], int]] = {}
+        self._near = False
+
     def draw(self, message: Any, time: int) -> bool:
         """Draw a spectrum whose window begins at ``time`` in ns."""
         picture = SpectrumPicture.of(message, self.asset.diagnosis)
         if picture is None:
             return False
-        if message.kind == ENVELOPE:
-            self.kind = 'envelope_spectrum'
         time += round(NANO / picture.spacing)
-        picture = picture.deciding()
+        if message.kind != ENVELOPE:
+            self._part('all', time, picture, float(picture.values.max()))
+            return True
+        self.kind = 'envelope_spectrum'
+        whole, near = picture.deciding(), picture.zoom()
+        # A healthy spectrum stays low: the axis always holds the limit of a fault.
+        # In steps, so that marks stay what they are.
+        top = STEP * math.ceil(max(float(whole.values.max()), INDEX_FAULT) / STEP)
+        self._part('whole', time, whole, top)
+        width = 2.0 * MARK_WIDTH * whole.end
+        if self._changed('whole/limit', time, whole.end):
+            end = np.array([whole.end + width])
+            self._bars('whole/limit', time, end, np.array([INDEX_FAULT]), width, LINE['measured'])
+        if near is not None:
+            self._part('near', time, near, top)
+            self.asset.panels.add('near')
+        elif self._near:
+            self.canvas.put('near', time, rr.Clear(recursive=True))
+            self._marked = {k: v for k, v in self._marked.items() if not k.startswith('near/')}
+        self._near = near is not None
+        if self.canvas.is_new('legend'):
+            self.canvas.once('legend', rr.EncodedImage(contents=_legend(), media_type='image/png'))
+        return True
+
+    def _part(self, name: str, time: int, picture: SpectrumPicture, top: float) -> None:
         indices, group = highest(picture.values, BARS)
-        values = picture.values[indices]
         frequencies = picture.frequencies[indices]
-        self._bars('level', time, frequencies, values, group * picture.spacing, LINE['spectrum'])
-        top = float(values.max()) or 1.0
-        hair = (picture.end - picture.start) * HAIR
-        colours = {family.key: family.colour for family in FAMILIES} | {'shaft': LINE['ground']}
+        width = group * picture.spacing
+        if picture.threshold.size and name == 'whole':
+            self._bars(
+                f'{name}/threshold', time, frequencies, picture.threshold[indices], width,
+                LINE['threshold'],
+            )  # fmt: skip
+        self._bars(
+            f'{name}/values', time, frequencies, picture.values[indices], width, LINE['spectrum']
+        )
         for comb in picture.combs:
-            lines = comb.harmonics(picture.end)
-            sides = comb.sidebands(picture.end)
-            places = np.concatenate([lines, sides])
-            height = TICK * top * (1.6 if comb.found else 1.0)
-            heights = -np.repeat([height, 0.5 * height], [lines.size, sides.size])
-            name = f'{comb.family}_found' if comb.found else comb.family
-            self._bars(name, time, places, heights, 4.0 * hair, colours[comb.family])
+            key = f'{name}/{comb.family}_found' if comb.found else f'{name}/{comb.family}'
+            self._marks(key, time, comb, picture, MARK * (top or 1.0))
+
+    def _marks(
+        self, name: str, time: int, comb: Comb, picture: SpectrumPicture, length: float
+    ) -> None:
+        """Mark the lines of a comb: long the ones found, short the nominal, half the sidebands."""
+        lines, sides = comb.harmonics(picture.end), comb.sidebands(picture.end)
+        lines, sides = lines[lines >= picture.start], sides[sides >= picture.start]
+        length *= 2.0 if comb.found else 1.0
+        if not lines.size + sides.size:
+            if self._marked.pop(name, None) is not None:
+                self.canvas.put(name, time, rr.Clear(recursive=False))
+            return
+        if not self._changed(name, time, *lines, *sides, length, picture.start):
+            return
+        self._bars(
+            name,
+            time,
+            np.concatenate([lines, sides]),
+            -np.repeat([length, 0.5 * length], [lines.size, sides.size]),
+            MARK_WIDTH * (picture.end - picture.start),
+            COLOURS[comb.family],
+        )
+
+    def _changed(self, name: str, time: int, *places: float) -> bool:
+        """Whether a mark is to be drawn: anew, elsewhere, or again since servers forget."""
+        places = tuple(round(place, 2) for place in places)
+        before, drawn = self._marked.get(name, ((), 0))
+        if places == before and 0 <= time - drawn < AGAIN:
+            return False
+        self._marked[name] = places, time
         return True
 
     def _bars(
         self,
         name: str,
         time: int,
-        frequencies: NDArray[np.floating[Any]],
-        values: NDArray[np.floating[Any]],
+        frequencies: NDArray[np.floating],
+        values: NDArray[np.floating],
         width: float,
         colour: Colour,
     ) -> None:
@@ -71,3 +139,22 @@ class SpectrumBars(Picture):
         self.canvas.put(
             name, time, rr.BarChart(values, abscissa=frequencies, widths=widths, color=colour)
         )
+
+
+@cache
+def _legend() -> bytes:
+    """Return the names of the colours as PNG: a legend in the plot would cover lines."""
+    names = {family.label: family.colour for family in FAMILIES}
+    names |= {'shaft': LINE['ground'], 'noise threshold': LINE['threshold']}
+    names |= {'limit of a fault (far right)': LINE['measured']}
+    font = ImageFont.load_default(26)
+    image = Image.new('RGB', (1010, 44), (24, 24, 24))
+    draw = ImageDraw.Draw(image)
+    left = 10.0
+    for name, colour in names.items():
+        draw.rectangle((left, 12, left + 20, 32), fill=colour)
+        draw.text((left + 28, 4), name, (230, 230, 230), font)
+        left += 28 + draw.textlength(name, font) + 26
+    buffer = io.BytesIO()
+    image.quantize(32).save(buffer, 'PNG', optimize=True)
+    return buffer.getvalue()

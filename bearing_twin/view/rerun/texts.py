@@ -26,6 +26,7 @@ class CheckpointPicture(Picture):
 
     def draw(self, message: Any, time: int) -> bool:
         """Draw a checkpoint at ``time`` in ns."""
+        self.asset.source.checkpoint(message)
         values = load_plain(str(message.configuration), f'the configuration of {message.node}')
         lines = [f'### {message.node}: {message.kind}, bearing_twin {message.version}', '']
         for name, table in parameter_tables(values).items():

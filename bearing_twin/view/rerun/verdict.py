@@ -13,7 +13,7 @@ from bearing_twin.view.rerun.lanes import Lane
 from bearing_twin.view.rerun.picture import Asset, Picture, Trends
 from bearing_twin.view.style import VERDICTS
 from bearing_twin.view.trends import DIAGNOSIS
-from bearing_twin.view.verdict import facts, Headline, title_of
+from bearing_twin.view.verdict import facts, Headline, rival, title_of
 from PIL import Image, ImageDraw, ImageFont
 import rerun as rr
 
@@ -25,6 +25,10 @@ __all__ = ['VerdictPicture']
 CARD = (640, 150)
 """Width and height of the card, pixels."""
 MARGIN = 22
+SHORT = 44
+"""Longest text of a table cell that fits beside the bearing."""
+BELOW = 40
+"""Height of a line below the verdict."""
 
 
 class VerdictPicture(Picture):
@@ -38,6 +42,7 @@ class VerdictPicture(Picture):
         self._trends = Trends(canvas, asset, DIAGNOSIS)
         self._headline = Headline()
         self._begin: int | None = None
+        self._time = 0
 
     def draw(self, message: Any, time: int) -> bool:
         """Draw a diagnosis whose window begins at ``time`` in ns."""
@@ -47,8 +52,10 @@ class VerdictPicture(Picture):
         if message.sample_rate > 0.0:
             time += samples_ns(message.sample_count, message.sample_rate)
         self.asset.diagnosis = message
+        self.asset.over_temperature.diagnosis(message)
         self._headline.take((time - self._begin) / NANO, message)
         result = int(message.result)
+        self._time = time
         self._lane.set(result, time)
         # Every time, not only when it changes: a server forgets the oldest first.
         self.canvas.put(
@@ -65,23 +72,51 @@ class VerdictPicture(Picture):
             self._trends.flush()
         super().flush(slow=slow)
 
+    def finish(self) -> None:
+        """Show the worst sustained verdict, where the recording ends with another one."""
+        worst = self._headline.worst.best if self._headline.count else None
+        if worst is None or worst.result_name == self._headline.last.result_name:
+            return
+        end = f'at the end: {title_of(self._headline.last).lower()}'
+        card = rr.EncodedImage(contents=_card(int(worst.result), end), media_type='image/png')
+        self.canvas.put('card', self._time + 1, card)
+        lines = [f'**{title_of(worst)}** in {self._headline.span}.', '', self._words(worst)]
+        words = rr.TextDocument('\n'.join(lines), media_type=rr.MediaType.MARKDOWN)
+        self.canvas.put('words', self._time + 1, words)
+
     def _words(self, diagnosis: Any) -> str:
         """Return a diagnosis as Markdown."""
-        lines = [f'| {name} | {text} |' for name, text in facts(diagnosis)]
+        rows = facts(diagnosis)
+        if self.asset.source.text:
+            rows.insert(-1, ('Vibration', self.asset.source.text))
+        # The cells of a table do not wrap.
+        short = [row for row in rows if len(row[1]) <= SHORT]
+        lines = [f'| {name} | {text} |' for name, text in short]
         lines.insert(1, '|---|---|')
-        worst = self._headline.worst.best
-        if worst.result_name != diagnosis.result_name:
-            lines += ['', f'**{title_of(worst)}** in {self._headline.span}.']
+        for name, text in rows:
+            lines += ['', f'**{name}:** {text}'] if len(text) > SHORT else []
+        if why := rival(diagnosis):
+            lines += ['', why]
         lines += ['', *(f'- {reason}' for reason in diagnosis.reasons)]
         return '\n'.join(lines)
 
 
 @lru_cache(maxsize=len(VERDICTS) + 1)
-def _card(number: int) -> bytes:
+def _card(number: int, below: str = '') -> bytes:
     """
     Return a verdict as a coloured PNG with letters as large as fit: read from across a room.
 
+    Parameters
+    ----------
+    number
+        Of the constants of Diagnosis.
+    below
+        A line below it in smaller letters.
+
+    Notes
+    -----
     The headings of a viewer's text are of one size, a few millimetres on a screen.
+
     """
     known = 0 <= number < len(VERDICTS)
     state = VERDICTS[number] if known else VERDICTS[-1]
@@ -92,13 +127,20 @@ def _card(number: int) -> bytes:
     while True:
         font = ImageFont.load_default(size)
         left, top, right, bottom = draw.textbbox((0, 0), text, font)
-        fits = right - left <= CARD[0] - 2 * MARGIN and bottom - top <= CARD[1] - 2 * MARGIN
+        room = CARD[1] - 2 * MARGIN - (BELOW if below else 0)
+        fits = right - left <= CARD[0] - 2 * MARGIN and bottom - top <= room
         if fits or size <= 20:
             break
         size -= 4
-    place = ((CARD[0] - left - right) / 2, (CARD[1] - top - bottom) / 2)
+    height = CARD[1] - (BELOW if below else 0)
+    place = ((CARD[0] - left - right) / 2, (height - top - bottom) / 2)
     luminance = sum(w * c for w, c in zip((0.2126, 0.7152, 0.0722), state.colour, strict=True))
-    draw.text(place, text, 'black' if luminance > 140.0 else 'white', font)
+    ink = 'black' if luminance > 140.0 else 'white'
+    draw.text(place, text, ink, font)
+    if below:
+        font = ImageFont.load_default(BELOW - 8)
+        width = draw.textlength(below, font)
+        draw.text(((CARD[0] - width) / 2, height - 14), below, ink, font)
     buffer = io.BytesIO()
     image.quantize(16).save(buffer, 'PNG', optimize=True)
     return buffer.getvalue()

@@ -8,11 +8,13 @@ from dataclasses import dataclass, field
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import NANO
+from bearing_twin.view.over_temperature import STEP
 from bearing_twin.view.rerun.picture import Asset, Picture
 from bearing_twin.view.rerun.spectrogram import Spectrogram
 from bearing_twin.view.rerun.waterfall import Waterfall
 from bearing_twin.view.style import LINE
 import numpy as np
+import rerun as rr
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -69,6 +71,8 @@ class Waveform(Picture):
         self._spectrogram = Spectrogram(canvas, 'spectrogram')
         self._waterfall = Waterfall(canvas, 'waterfall')
         self._pieces: list[_Piece] = []
+        self._time = 0
+        self._step: int | None = None
 
     def draw(self, message: Any, time: int) -> bool:
         """Hold a block for the next flush; ``time`` of its first sample in ns."""
@@ -83,6 +87,10 @@ class Waveform(Picture):
         if not (self._pieces and self._pieces[-1].goes_on(axes, time, rate, unit)):
             self._pieces.append(_Piece(time, rate, unit))
         self._pieces[-1].add(axes)
+        self.asset.source.vibration(message)
+        self.asset.over_temperature.vibration(
+            next(iter(axes.values())), unit, self.asset.temperature
+        )
         return True
 
     def flush(self, *, slow: bool) -> None:
@@ -98,7 +106,34 @@ class Waveform(Picture):
             self._waterfall.add(
                 samples, piece.time, piece.rate, self.asset.temperature, piece.unit
             )
+        temperature = self.asset.temperature
+        if pieces and slow and np.isfinite(temperature):
+            step = round(temperature / STEP)
+            if step != self._step:
+                self._over_temperature(pieces[-1].time)
+                self._step = step
         super().flush(slow=slow)
+
+    def finish(self) -> None:
+        """Draw the means over temperature with what came last."""
+        if self._time:
+            self._over_temperature(self._time)
+
+    def _over_temperature(self, time: int) -> None:
+        """Draw how much each quantity changes with temperature, per cent."""
+        self._time = time
+        for curve in self.asset.over_temperature.curves:
+            values = curve.values
+            if np.isfinite(curve.base):
+                values = 100.0 * (values / curve.base - 1.0)
+            bars = rr.BarChart(
+                values,
+                abscissa=curve.temperatures,
+                widths=np.full(values.size, 0.8 * STEP, dtype=np.float32),
+                color=LINE['first'],
+            )
+            self.canvas.put(f'over_temperature/{curve.key}', time, bars)
+            self.asset.panels.add(curve.key)
 
     def _close_look(self, axis: str, samples: NDArray[np.float64], piece: _Piece) -> None:
         kept = np.arange(samples.size)

@@ -1,0 +1,142 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The appendix of a report: parameters off their defaults, health, actions, terms."""
+
+from __future__ import annotations
+
+from html import escape
+from pathlib import PurePath
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.assets import diagnosis_parameters, twin_parameters
+from bearing_twin.view.report.html import table
+from bearing_twin.view.verdict import number, STAGES, STEPS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from bearing_twin.recording.health import RecordingHealth
+    from bearing_twin.recording.reader import RecordingInfo
+    from bearing_twin.view.report.data import Machine
+
+__all__ = ['appendix', 'off_default']
+
+SPECS = {'twin': twin_parameters.SPECS, 'diagnosis': diagnosis_parameters.SPECS}
+PATHS = ('output', 'rerun_file', 'state_directory', 'recording', 'assets_file')
+"""Parameters that are paths."""
+TERMS = (
+    (
+        'BPFO, BPFI',
+        'ball pass frequency of the outer and inner race: how often a defect is struck',
+    ),
+    ('BSF', 'ball spin frequency; a defect of a ball strikes both races, so at 2 x BSF'),
+    ('FTF', 'fundamental train frequency: the speed of the cage'),
+    ('order', 'multiple of the shaft speed'),
+    ('significance', 'score of a comb of harmonics in standard deviations over that of noise'),
+    (
+        'modulation index',
+        'how strongly the envelope swings at the harmonics of a fault: m of 1 + m cos',
+    ),
+    ('squared envelope spectrum', 'how often a band of high frequency swells and fades'),
+    ('level', 'root mean square (rms) of the acceleration'),
+    ('crest factor', 'largest magnitude over rms'),
+    ('kurtosis', '3 for noise, more for impacts; falls again late, so it is no measure of damage'),
+    ('ISO 20816-3 zone', 'A new, B long operation, C limited operation, D damage is possible'),
+    ('beta0', "the paper's factor of temperature on contact stiffness and defect depth"),
+    ('K_b, C_d', 'Hertz contact stiffness and defect depth in use'),
+    ('kappa', 'viscosity of the oil over the one needed (ISO 281)'),
+    ('cage slip', 'part by which the cage lags behind pure rolling'),
+)
+
+
+def appendix(
+    info: RecordingInfo, health: RecordingHealth, machines: Iterable[Machine]
+) -> list[str]:
+    """Return the appendix."""
+    machines = list(machines)
+    return [
+        *_parameters(info, machines),
+        *_health(info, health, machines),
+        '<h2>Recommended action by stage</h2>',
+        table(
+            (f'{stage or "not known"} {STAGES[stage]}', step) for stage, step in enumerate(STEPS)
+        ),
+        '<h2>Terms</h2>',
+        table(TERMS),
+    ]
+
+
+def off_default(kind: str, values: Any) -> list[tuple[str, str]]:
+    """Return the parameters of a node that differ from their defaults, with these."""
+    rows = []
+    specs = {spec.name: spec for spec in SPECS.get(kind, ())}
+    for name, value in values.items() if isinstance(values, dict) else ():
+        spec = specs.get(name)
+        if spec is None or value != spec.default:
+            default = f' (default {spec.default!r})' if spec is not None else ''
+            rows.append((str(name), f'{_shown(str(name), value)}{default}'))
+    return rows
+
+
+def _parameters(info: RecordingInfo, machines: list[Machine]) -> list[str]:
+    parts, known = [], set()
+    for machine in machines:
+        for node, (kind, values) in sorted(machine.parameters.items()):
+            known.add(node.strip('/').replace('/', '.'))
+            parts.append(f'<h2>Parameters of {escape(node)} that differ from the defaults</h2>')
+            rows = off_default(kind, values)
+            parts.append(table(rows) if rows else '<p>None.</p>')
+    for name, values in sorted(info.metadata.items()):
+        if not name.startswith('bearing_twin.'):
+            continue
+        kind, _, node = name.removeprefix('bearing_twin.').partition('.')
+        if node not in known:
+            heading = f'{kind} of {node}' if node else kind
+            parts.append(f'<h2>{escape(heading.capitalize())}</h2>')
+            parts.append(
+                table((key, _shown(key, value)) for key, value in values.items() if value)
+            )
+    return parts
+
+
+def _health(
+    info: RecordingInfo, health: RecordingHealth, machines: Iterable[Machine]
+) -> list[str]:
+    problems = list(dict.fromkeys([*info.problems, *health.problems]))
+    parts = ['<h2>Health of the recording</h2>']
+    if problems:
+        texts = ''.join(f'<li>{escape(text)}</li>' for text in problems)
+        parts.append(f'<ul class="bad">{texts}</ul>')
+    else:
+        parts.append('<p class="good">Sound: nothing missing, time runs forwards.</p>')
+    rows = [('Finished', 'yes' if info.finished else 'no')]
+    for machine in machines:
+        last = machine.last_state
+        if last is not None:
+            text = (
+                f'{getattr(last, "blocks_published", "?")} blocks published, '
+                f'{getattr(last, "blocks_late", "?")} late, '
+                f'{getattr(last, "blocks_dropped", "?")} dropped; worst lateness '
+                f'{number(1e3 * machine.worst_lateness, "ms")}'
+            )
+            rows.append((f'Twin {machine.name}', text))
+    parts.append(table(rows))
+    cells = []
+    for name, topic in sorted(health.topics.items()):
+        missing = str(topic.samples_missing) if topic.blocks else '-'
+        kind = info.topics[name].type_name if name in info.topics else ''
+        cells.append(
+            f'<tr><td>{escape(name)}<br><small>{escape(kind)}</small></td>'
+            f'<td class="n">{topic.count}</td><td class="n">{topic.longest_gap:.2f} s</td>'
+            f'<td class="n">{missing}</td></tr>'
+        )
+    parts.append(
+        '<table><tr><th>Topic</th><th class="n">messages</th><th class="n">longest pause</th>'
+        '<th class="n">samples missing</th></tr>' + ''.join(cells) + '</table>'
+    )
+    return parts
+
+
+def _shown(key: str, value: Any) -> str:
+    """Leave out the folders of a path: whoever is sent the page need not know them."""
+    return PurePath(str(value)).name if key in PATHS else str(value)

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Means over temperature, and whether vibration is simulated or measured."""
+
+import math
+from types import SimpleNamespace
+
+from bearing_twin.view.over_temperature import OverTemperature
+from bearing_twin.view.source import Source
+import numpy as np
+import pytest
+import yaml
+
+
+def test_means_are_of_their_class_and_ratios_refer_to_20_degrees():
+    over = OverTemperature()
+    for temperature, scale in ((19.0, 1.0), (21.0, 3.0), (64.0, 4.0), (108.0, 1.0)):
+        over.vibration(scale * np.array([1.0, -2.0, 0.0, 1.0]), 'm/s^2', temperature)
+    over.vibration(np.ones(4), 'm/s^2', math.nan)
+    amplitude, level = over.curves
+    assert list(amplitude.temperatures) == [20.0, 65.0, 110.0]
+    assert list(amplitude.values) == [4.0, 8.0, 2.0]
+    assert (amplitude.base, amplitude.reference) == (4.0, 20.0)
+    # Mean squares are averaged, not roots: 1.5 (1 + 9) / 2 in the first class.
+    assert level.values == pytest.approx(np.sqrt([7.5, 24.0, 1.5]))
+    assert level.title == 'Level, rms [m/s²]'
+
+
+def test_the_frequency_found_is_of_one_place():
+    over = OverTemperature()
+    for place, hertz in (('inner', 126.0), ('ambiguous', 77.0), ('outer', 76.0), ('inner', 127.0)):
+        over.diagnosis(SimpleNamespace(result_name=place, temperature=20.0, fault_hz=hertz))
+    (found,) = over.curves
+    assert list(found.values) == [126.5]
+
+
+def block(time, first=0, frame='bearing_housing'):
+    """Return what vibration and state have in common."""
+    stamp = SimpleNamespace(sec=time, nanosec=0)
+    return SimpleNamespace(header=SimpleNamespace(stamp=stamp, frame_id=frame), first_sample=first)
+
+
+def test_vibration_is_simulated_where_a_twin_has_the_same_block():
+    source = Source()
+    assert source.text == ''
+    source.vibration(block(10))
+    assert source.text == 'measured, bearing_housing'
+    # A twin that runs beside a sensor has blocks of its own.
+    source.state(block(10, first=1024))
+    assert source.text == 'measured, bearing_housing'
+    source.vibration(block(10, first=1024))
+    assert source.text == 'simulated by a twin'
+    values = {'preset': 'incipient', 'bearing': '6307', 'defect': 'inner:width=0.0024+ball'}
+    checkpoint = SimpleNamespace(kind='twin', node='/twin', configuration='')
+    checkpoint.configuration = yaml.safe_dump(values)
+    source.checkpoint(checkpoint)
+    assert source.text.startswith('simulated by /twin, ')
