@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from bearing_twin.recording.schema import canonical_cdr
+from bearing_twin.recording.schema import canonical_cdr, other_version
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -34,6 +34,9 @@ class Agreement:
         recorded = without_padding(message)
         if recorded == again:
             self.identical += 1
+            return
+        if other := other_version(message.channel.type_name, message.channel.schema):
+            self.differ(f'{what}: {other}')
             return
         at = next(
             (i for i, (a, b) in enumerate(zip(recorded, again, strict=False)) if a != b),

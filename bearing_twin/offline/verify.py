@@ -19,6 +19,7 @@ from bearing_twin.offline.diagnosis_check import DiagnosisCheck, HORIZON
 from bearing_twin.offline.twin_check import FleetCheck, TwinCheck
 from bearing_twin.recording.health import sent_before
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
+from bearing_twin.recording.schema import other_version
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -63,6 +64,7 @@ def reproduce(path: Path) -> Reproduction:
     twins: dict[str, TwinCheck] = {}
     fleets: dict[str, FleetCheck] = {}
     diagnoses: dict[str, DiagnosisCheck] = {}
+    seen: set[str] = set()
 
     def twin_of(namespace: str) -> TwinCheck:
         return twins.setdefault(namespace, TwinCheck(namespace, result))
@@ -74,6 +76,10 @@ def reproduce(path: Path) -> Reproduction:
         namespace, _, name = message.topic.rpartition('/')
         twin = twin_of(namespace)
         diagnosis = diagnoses.setdefault(namespace, DiagnosisCheck(namespace, result))
+        if message.topic not in seen:
+            seen.add(message.topic)
+            if other := other_version(message.type_name, message.channel.schema):
+                result.notes.append(f'{message.topic}: {other}')
         with known_fields(message.topic, message.type_name):
             if name == 'vibration':
                 twin.vibration(message)

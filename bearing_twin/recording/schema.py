@@ -25,6 +25,7 @@ __all__ = [
     'MessageSchema',
     'canonical_cdr',
     'message_schema',
+    'other_version',
     'store_from_text',
     'type_conflict',
 ]
@@ -119,6 +120,29 @@ def type_conflict(type_name: str, text: str) -> str:
             if ours.get(field, _kind(about)) != _kind(about):
                 return f'{field} of {name} is {_kind(about)} instead of {ours[field]}'
     return ''
+
+
+def other_version(type_name: str, text: str) -> str:
+    """
+    Say in which fields a type was recorded with another definition than this version's.
+
+    '' where the fields are the same, or this version does not know the type.
+    """
+    try:
+        known = store_from_text(type_name, message_schema(type_name).text).fielddefs[type_name][1]
+    except BearingTwinError:
+        return ''
+    found = store_from_text(type_name, text).fielddefs[type_name][1]
+    ours, theirs = ({field: repr(about) for field, about in fields} for fields in (known, found))
+    if list(ours.items()) == list(theirs.items()):
+        return ''
+    differing = [
+        *(f'without {field}' for field in ours if field not in theirs),
+        *(f'with {field}' for field in theirs if field not in ours),
+        *(f'another {field}' for field in ours if theirs.get(field, ours[field]) != ours[field]),
+    ]
+    which = ', '.join(differing) or 'in another order'
+    return f'recorded with another {type_name.rpartition("/")[2]} (fields {which})'
 
 
 def _kind(about: Any) -> str:
