@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """diagnose, benchmark and bench on files of every kind, good and bad, alone and on a cluster."""
 
+import argparse
+from dataclasses import fields
 import json
 import os
 import signal
@@ -12,7 +14,8 @@ import time
 from bearing_twin.bearing import fault_frequencies, fault_orders, find_bearing, own_bearing
 from bearing_twin.bench.diagnosis import fault_signal, measure, RATE, SHAFT_HZ
 from bearing_twin.cli import main
-from bearing_twin.cli.diagnose import diagnose_file, Task
+from bearing_twin.cli.diagnose import configure, diagnose_file, Task
+from bearing_twin.diagnosis import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.foreign import read_signal
 import numpy as np
@@ -401,3 +404,15 @@ def test_every_file_is_answered_although_a_dask_worker_is_killed(good, tmp_path,
         for process in processes:
             process.kill()
             process.wait()
+
+
+def test_each_setting_is_an_option_or_left_out_on_purpose():
+    parser = argparse.ArgumentParser()
+    configure(parser)
+    options = set(vars(parser.parse_args(['file.npz'])))
+    # Those of a sliding window, which a whole record has not; a speed in a file has its own.
+    left_out = {
+        'window', 'update_interval', 'memory', 'hold_updates', 'baseline_windows',
+        'measured_speed_tolerance',
+    }  # fmt: skip
+    assert {quantity.name for quantity in fields(DiagnosisSettings)} - options == left_out
