@@ -25,7 +25,7 @@ __all__ = [
 ]
 
 HARMONICS = 4
-"""Teeth of a comb. Fault lines fade after a few harmonics, and each empty tooth costs power."""
+"""Harmonics of a comb. Fault lines fade after a few, and each empty harmonic costs power."""
 
 NEUTRAL = 0.5963474
 """Mean of log(1 + E) for E ~ Exp(1): e E1(1). What a bin is set to that must not speak."""
@@ -181,17 +181,17 @@ class CombScores:
 
 
 def _teeth(spectra: OrderSpectra, grid: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Sum over the teeth of each comb, (W B, G)."""
+    """Sum over the harmonics of each comb, (W B, G)."""
     first, *others = (spectra.rows(harmonic * grid) for harmonic in range(1, HARMONICS + 1))
     sums = np.empty((spectra.logs.shape[1], len(grid)), np.float32)
     # In parts that stay in the cache until they are turned over.
     for begin in range(0, len(grid), _PART):
         part = slice(begin, begin + _PART)
         total = np.take(spectra.logs, first[part], axis=0)
-        tooth = np.empty_like(total)
+        line = np.empty_like(total)
         for rows in others:
             # The rows are within bounds; the other modes would buffer what they write.
-            total += np.take(spectra.logs, rows[part], axis=0, out=tooth, mode='clip')
+            total += np.take(spectra.logs, rows[part], axis=0, out=line, mode='clip')
         sums[:, part] = total.T
     return sums
 
@@ -213,7 +213,7 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
     """
     Score every comb whose fundamental lies between 0.3 orders and ``highest_order``.
 
-    The score of a comb is the sum of log(1 + power / floor) over its teeth. Each band is
+    The score of a comb is the sum of log(1 + power / floor) over its harmonics. Each band is
     standardised over the whole grid, the best band is taken at each order, the whitenings are
     averaged, and the result is standardised again: the gain from choosing the best band is thus
     part of the null. Median and upper quantile (84 %) stand for mean and standard deviation, so

@@ -36,7 +36,7 @@ class Claims(NamedTuple):
 
     kept: tuple[Candidate, ...]
     contested: tuple[tuple[Candidate, Candidate], ...] = ()
-    """Pairs of (stronger, weaker) of which neither sidebands nor slip tell the owner."""
+    """Pairs of (stronger, weaker) where neither sidebands nor slip tell whose comb it is."""
 
 
 class LoadZone(NamedTuple):

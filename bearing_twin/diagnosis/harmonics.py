@@ -169,7 +169,7 @@ def denser_series(
 
 @functools.lru_cache(maxsize=64)
 def _between(most: int) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Lines of series 2 to ``most`` times as dense as order 1: of which series, and where."""
+    """Density (2 to ``most``) and order of each extra line of the series denser than order 1."""
     parts = np.concatenate([np.full(HARMONICS * m, m, np.intp) for m in range(2, most + 1)])
     lines = np.concatenate([np.arange(1.0, HARMONICS * m + 1) for m in range(2, most + 1)])
     between = lines % parts != 0

@@ -73,11 +73,11 @@ def report(
     if strongest is not None:
         fault_hz = strongest.order * shaft_hz
         fault_hz_expected = expected.impacts(strongest.place)
-        teeth = fault_hz * np.arange(1, HARMONICS + 1)
+        harmonics_hz = fault_hz * np.arange(1, HARMONICS + 1)
         rows = np.clip(
-            np.rint(teeth / window.envelopes.bin_hz).astype(int) - 1, 0, len(values) - 1
+            np.rint(harmonics_hz / window.envelopes.bin_hz).astype(int) - 1, 0, len(values) - 1
         )
-        line_hz = teeth.astype(np.float32)
+        line_hz = harmonics_hz.astype(np.float32)
         line_level = values[rows] / floor[rows]
     unit = window.severity.unit
     could = (shaft_hz, temperature, window.severity.rms, unit, bearing.d_ball)

@@ -35,7 +35,7 @@ class Spectrum:
 
 @dataclass(frozen=True, kw_only=True)
 class Severity:
-    """How much. Which numbers may be compared with what is said field by field."""
+    """Vibration severity. Each field says what it may be compared with."""
 
     rms: float
     """Of the signal, in ``unit``; comparable over time for one sensor at one speed and load."""

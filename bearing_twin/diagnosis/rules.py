@@ -295,7 +295,7 @@ def _masked_by_shaft(e: Evidence) -> Verdict | None:
         return None
     text = (
         f'it coincides with {round(e.leading.order)} turns of the shaft within the resolution, '
-        'and the other multiples of the shaft stand as high: a knock once a turn, or the '
+        'and the other multiples of the shaft are as high: an impact once a turn, or the '
         'fault; a longer window or an exact speed may part them'
     )
     return _ambiguous(e, (e.leading.place,), e.leading, text)
@@ -310,7 +310,7 @@ def _extraneous(e: Evidence) -> Verdict | None:
         return None
     order = e.extraneous_orders[e.leading.place]
     text = (
-        f'it shares its teeth with a comb at {order:.3f} orders, which no part '
+        f'it shares its harmonics with a comb at {order:.3f} orders, which no part '
         'of this bearing has: check geometry and speed; a gear, a belt, another bearing or a '
         'cage that slips far?'
     )

@@ -86,14 +86,14 @@ def refine_shaft_hz(
     indirect = envelopes.logs[..., :last].mean(axis=(0, 1))
 
     def comb(hertz: NDArray[np.floating]) -> NDArray[np.float64]:
-        teeth = np.empty((_HARMONICS, len(hertz)))
+        lines = np.empty((_HARMONICS, len(hertz)))
         for harmonic in range(1, _HARMONICS + 1):
             index = np.rint(harmonic * hertz / bin_hz).astype(np.intp) - 1
-            teeth[harmonic - 1] = direct[np.clip(index, 0, len(direct) - 1)]
-            teeth[harmonic - 1] += 2.0 * indirect[np.clip(index, 0, len(indirect) - 1)]
+            lines[harmonic - 1] = direct[np.clip(index, 0, len(direct) - 1)]
+            lines[harmonic - 1] += 2.0 * indirect[np.clip(index, 0, len(indirect) - 1)]
         # A fault order near an integer fakes one harmonic and its double; the shaft has more.
-        teeth.sort(axis=0)
-        return np.asarray(teeth[:-2].sum(axis=0))
+        lines.sort(axis=0)
+        return np.asarray(lines[:-2].sum(axis=0))
 
     null = comb(beside)
     center = float(np.median(null))
@@ -107,7 +107,7 @@ def refine_shaft_hz(
     if best < scores[len(near) // 2] + _MARGIN:
         shaft_hz = given_hz
     else:
-        # The teeth are bins: a run of equal scores has its middle as the best estimate.
+        # The harmonics are bins: a run of equal scores has its middle as the best estimate.
         ties = near[scores >= best - 1e-9]
         shaft_hz = float(ties[np.argmin(np.abs(ties - np.median(ties)))])
     uncertainty = bin_hz / (2.0 * shaft_hz)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a machine does beside its bearing: shaft, gears, mains, knocks, pulses, swelling noise."""
+"""What a machine does beside its bearing: shaft, gears, mains, shocks, pulses, swelling noise."""
 
 from __future__ import annotations
 
@@ -78,13 +78,13 @@ def disturbance(
         swell = 1.0 + 0.8 * np.cos(shaft + rng.uniform(0.0, 6.3))
         return np.asarray(swell * rng.standard_normal(n))
     if machine == 'impulses':
-        # Knocks that come at random, each rings at a natural frequency.
-        knocks = np.zeros(n)
+        # Single shocks at random times; each rings at a natural frequency.
+        shocks = np.zeros(n)
         count = rng.poisson(4.0 * n / sample_rate) + 1
-        knocks[rng.integers(0, n, count)] = rng.standard_normal(count)
+        shocks[rng.integers(0, n, count)] = rng.standard_normal(count)
         tail = t[: int(0.02 * sample_rate)]
         ring = np.exp(-400.0 * tail) * np.sin(2.0 * np.pi * 0.15 * sample_rate * tail)
-        return np.asarray(np.convolve(knocks, ring)[:n])
+        return np.asarray(np.convolve(shocks, ring)[:n])
     if machine == 'pulses':
         # A converter: single spikes, and pulses twice a period of the mains.
         spikes = np.zeros(n)

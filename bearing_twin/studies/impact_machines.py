@@ -198,8 +198,8 @@ def record(case: Case) -> NDArray[np.float64]:
         x += rng.uniform(0.3, 3.0) * _resonate(rng.standard_normal(n), rate, rng)
     x /= x.std()
     if case.condition != 'none':
-        struck = _resonate(_impacts(case, turns, rng), rate, rng)
-        x += case.strength * struck / struck.std()
+        impacts = _resonate(_impacts(case, turns, rng), rate, rng)
+        x += case.strength * impacts / impacts.std()
     if case.machine != 'quiet':
         other = disturbance(case.machine, turns, rate, rng)
         x += case.disturbance * x.std() / other.std() * other

@@ -29,24 +29,24 @@ def _strikes(times, heights):
     return np.convolve(x, RING)[:N]
 
 
-def test_regular_strikes_pass_and_single_knocks_are_limited(rng):
+def test_regular_strikes_pass_and_single_shocks_are_limited(rng):
     x = _strikes(np.arange(0.0, SECONDS, 0.01), 8.0) + rng.standard_normal(N)
     assert limit_impulsive_outliers(x, RATE, 10.0) is x
-    knocked = x + _strikes(np.array([0.7, 2.9]), 100.0)
-    limited = limit_impulsive_outliers(knocked, RATE, 10.0)
+    shocked = x + _strikes(np.array([0.7, 2.9]), 100.0)
+    limited = limit_impulsive_outliers(shocked, RATE, 10.0)
     assert np.abs(limited).max() < 2.5 * np.abs(x).max()
-    same = np.abs(knocked) < np.abs(x).max()
-    assert np.array_equal(limited[same], knocked[same])
-    assert limit_impulsive_outliers(knocked[:2000], RATE, 10.0).max() == knocked[:2000].max()
+    same = np.abs(shocked) < np.abs(x).max()
+    assert np.array_equal(limited[same], shocked[same])
+    assert limit_impulsive_outliers(shocked[:2000], RATE, 10.0).max() == shocked[:2000].max()
 
 
-def test_fault_shows_among_single_knocks(rng):
+def test_fault_shows_among_single_shocks(rng):
     bearing = find_bearing('6307')
     order = fault_orders(bearing, 0.01).bpfo
     gaps = (1.0 + 0.01 * rng.standard_normal(1000)) / (order * SHAFT_HZ)
     x = _strikes(np.cumsum(gaps), 6.0) + rng.standard_normal(N)
-    knocks = _strikes(rng.uniform(0.0, SECONDS, 16), 300.0 * rng.standard_normal(16))
-    said = diagnose_record(x + knocks, RATE, bearing, SHAFT_HZ)
+    shocks = _strikes(rng.uniform(0.0, SECONDS, 16), 300.0 * rng.standard_normal(16))
+    said = diagnose_record(x + shocks, RATE, bearing, SHAFT_HZ)
     assert said.faults == ('outer',), said.reasons
 
 
@@ -74,7 +74,7 @@ def test_strikes_that_swell_with_the_cage_are_no_race_fault(rng):
 
 
 def test_ball_that_strikes_unevenly_is_no_race_fault(rng):
-    """Every other strike is weaker: half harmonics, of which the third lies at the inner race."""
+    """Every other strike is weaker: the third half harmonic lies at the inner race."""
     bearing = find_bearing('ZA-2115')
     orders = fault_orders(bearing, 0.01)
     gaps = (1.0 + 0.005 * rng.standard_normal(2000)) * 0.5 / (orders.bsf * SHAFT_HZ)

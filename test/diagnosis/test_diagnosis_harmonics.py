@@ -59,17 +59,17 @@ def test_comb_without_its_odd_teeth_is_no_fault(rng, name, family, multiple):
 
 @pytest.mark.parametrize('off', [-0.018, -0.012, -0.004, 0.004, 0.012, 0.018])
 @pytest.mark.parametrize('name', ['6203', 'UER204'])
-def test_knock_once_a_turn_of_a_shaft_beside_its_nameplate_is_no_fault(rng, name, off):
+def test_impact_once_a_turn_of_a_shaft_beside_its_nameplate_is_no_fault(rng, name, off):
     x = _strikes(1.0, rng, jitter=0.001) + rng.standard_normal(N)
     said = diagnose_record(x, RATE, find_bearing(name), SHAFT_HZ * (1.0 + off))
     assert said.level != 'fault', said.reasons
 
 
 @pytest.mark.parametrize(('family', 'slip'), [('inner', 0.01), ('outer', 0.01), ('ball', 0.015)])
-@pytest.mark.parametrize('foreign', [0.83, 1.27, 0.37])
-def test_fault_among_strikes_from_elsewhere_is_named(rng, family, slip, foreign):
+@pytest.mark.parametrize('elsewhere', [0.83, 1.27, 0.37])
+def test_fault_among_strikes_from_elsewhere_is_named(rng, family, slip, elsewhere):
     x = _strikes(_order('6205', family, slip), rng, 6.0, jitter=0.01)
-    x += _strikes(foreign, rng, 6.0) + rng.standard_normal(N)
+    x += _strikes(elsewhere, rng, 6.0) + rng.standard_normal(N)
     said = diagnose_record(x, RATE, find_bearing('6205'), SHAFT_HZ, speed_tolerance=0.002)
     assert said.faults == (family,), said.reasons
 
@@ -133,9 +133,9 @@ def test_missing_harmonics_tell_the_true_order(rng):
 
 
 def test_comb_beside_the_shaft_needs_to_stand_out(rng):
-    knocks = _spectra(rng, np.arange(1.0, 21.0), 40.0)
+    impacts = _spectra(rng, np.arange(1.0, 21.0), 40.0)
     unknown = {'precision': 0.02, 'uncertainty': 0.02}
-    assert masked_by_shaft(knocks, 5.002, COLUMNS, **KNOWN)
+    assert masked_by_shaft(impacts, 5.002, COLUMNS, **KNOWN)
     fault = _spectra(rng, [1.0, 2.0, 5.03, 10.06, 15.09, 20.12], 40.0)
     assert not masked_by_shaft(fault, 5.03, COLUMNS, **unknown)
     # Lines at 1.006 and its multiples are no shaft's that is known to 0.05 %.

@@ -211,7 +211,7 @@ def test_windows_may_be_analysed_in_any_order_and_are_judged_in_theirs():
 
 @given(data=st.binary(max_size=200))
 @settings(max_examples=200, deadline=None)
-def test_foreign_bytes_are_refused(data):
+def test_bytes_of_something_else_are_refused(data):
     with pytest.raises(BearingTwinError):
         StreamingDiagnoser(BEARING).load(data)
 

@@ -267,5 +267,5 @@ def test_a_quantity_is_computed_once():
 
 
 def test_an_unknown_quantity_is_refused():
-    with pytest.raises(TypeError, match='no such quantity: knocks'):
-        Evidence.of(INNER, knocks=3)
+    with pytest.raises(TypeError, match='no such quantity: shocks'):
+        Evidence.of(INNER, shocks=3)

@@ -64,7 +64,7 @@ def test_worn_out_machine_is_alarmed_after_the_damage_began(seed, hours):
     assert report.first_alarm == pytest.approx(CYCLE * (begin + 0.3 * (end - begin)),
                                                abs=0.2 * CYCLE * (end - begin))  # fmt: skip
     assert report.first_alarm < report.first_fault
-    # The wandering level has a memory of twenty snapshots, twice of which may lead the rise.
+    # The wandering level remembers twenty snapshots; twice as many may come before the rise.
     assert begin - 40 <= report.change / CYCLE
     assert report.change <= report.first_alarm
     assert report.changes == 2
