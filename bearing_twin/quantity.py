@@ -112,6 +112,6 @@ def quantities(owner: Any) -> Mapping[str, tuple[Any, Quantity]]:
 
 
 def check_fields(instance: Any, prefix: str = '') -> None:
-    """Refuse an instance of a dataclass of which a quantity is outside its limits."""
+    """Refuse an instance of a dataclass if one of its quantities is outside its limits."""
     for name, (_, about) in quantities(cast('Any', type(instance))).items():
         about.check(prefix + name, getattr(instance, name))

@@ -3,7 +3,7 @@
 """
 Write the table of rules in ``docs/diagnosis.md`` from the rules themselves.
 
-It replaces what stands between the two markers::
+It replaces the text between the two markers::
 
     python docs/rules.py docs/diagnosis.md
 """

@@ -129,7 +129,7 @@ def close_bearings(name: str, count: int) -> list[Bearing]:
     folded = _designation(folded) or folded
 
     def unlike(bearing: Bearing) -> tuple[int, float]:
-        # A designation is read digit by digit: what stands at its place counts first.
+        # A designation is read digit by digit: equal digits at equal places count first.
         known = bearing.name.casefold()
         same = sum(one == other for one, other in zip(known, folded, strict=False))
         return -same, -difflib.SequenceMatcher(None, known, folded).ratio()

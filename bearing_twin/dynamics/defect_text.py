@@ -41,7 +41,7 @@ def read_defects(text: str, *, width: float, depth: float, profile: Profile) -> 
         Outer race and cage: at the bottom, in the direction of the load, unless an angle says
         otherwise.
     width, depth, profile
-        Of the defects of which the text does not say it.
+        Of the defects for which the text gives none.
 
     Raises
     ------

@@ -94,7 +94,7 @@ def preset(
         ``'none'``, or places joined by '+', e.g. ``'inner'`` or ``'inner+ball'``; what differs
         from place to place as in :func:`read_defects`.
     width, depth
-        Size of the defects of which `defect` does not say it, m; None: the preset's.
+        Size of the defects for which `defect` gives none, m; None: the preset's.
     profile
         Path of a ball over them, as in :class:`Defect`.
     **overrides

@@ -133,7 +133,7 @@ class Catalogue:
     elsewhere
         Catalogues in which a channel is looked for that has not been seen, made when needed.
     candidates
-        Channels of which one may be meant where none of the catalogues knows it, made when needed.
+        Channels to choose from if no catalogue knows a channel, made when needed.
 
     """
 

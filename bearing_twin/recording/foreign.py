@@ -270,7 +270,7 @@ def _candidates(numeric: Mapping[str, NDArray[Any]]) -> list[str]:
 
 
 def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[str, Any]:
-    """Pick the signal among the arrays of a file and keep the rest as what is said about it."""
+    """Pick the signal among the arrays of a file and keep the rest as its description."""
     numeric = _numeric(arrays)
     name, row = channel, ''
     if channel is not None and channel not in numeric:

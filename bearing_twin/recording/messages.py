@@ -166,7 +166,7 @@ def in_file_order(
     damaged
         Told of what is broken, which is stepped over; None: raise instead.
     candidates
-        Channels of which a message may be whose description is lost.
+        Channels to try for a message whose channel description is lost.
 
     Raises
     ------

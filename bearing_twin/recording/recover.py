@@ -237,7 +237,7 @@ def _channels(path: Path) -> list[RecordedChannel]:
 
 
 def _own_channels() -> tuple[RecordedChannel, ...]:
-    """Our own topics, of which a message may be where nothing else describes it."""
+    """Our own topics, to try for a message that nothing else describes."""
     schemas = ((f'/{name}', message_schema(type_name)) for name, type_name in OWN_TOPICS.items())
     return tuple(
         RecordedChannel(topic, s.type_name, 'cdr', s.encoding, s.text, '', s.type_hash)

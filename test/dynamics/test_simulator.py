@@ -107,7 +107,7 @@ def test_unbalance_alone_moves_the_rotor_at_shaft_speed_with_its_force():
     carrier = np.exp(-2j * np.pi * 25.0 * np.arange(samples) / RATE)
     line = 2.0 * abs(np.mean((signals[1] - signals[0]) * carrier))
     omega = 2.0 * np.pi * 25.0
-    # The balls are a third spring, of which the mean over the cage's positions counts.
+    # The balls are a third spring; its mean over the cage's positions counts.
     values = Simulator(still, shaft_hz=25.0).condition()
     stiffness = np.mean(
         [

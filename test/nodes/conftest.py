@@ -19,7 +19,7 @@ from block_streams import block_end
 import pytest
 
 TIMEOUT = 120.0
-"""After it a test gives up; nothing is said by it of how long anything may take, s."""
+"""After it a test gives up; no bound on how long anything may take, s."""
 
 
 class Probe:

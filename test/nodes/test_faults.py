@@ -64,7 +64,7 @@ def test_killed_twin_and_killed_diagnosis(nodes, probe, tmp_path):
     count = len(verdicts)
     probe.until(lambda: len(verdicts) > count + 3, 'verdicts on the new twin')
     probe.until(lambda: probe.statuses[vibration][0] == OK, 'the input well again')
-    # The restart is said, not glossed over.
+    # The verdict names the restart.
     assert any('window restarted' in r for v in verdicts[count:] for r in v.reasons)
 
     state = tmp_path / 'states' / 'line3'
@@ -138,7 +138,7 @@ def test_subscribers_that_stop_come_late_or_are_not_alone(nodes, probe, tmp_path
     verdicts = probe.collect(Diagnosis, 'diagnosis')
     probe.until(lambda: len(verdicts) > 2, 'verdicts on one of the two')
     if any(v.result == Diagnosis.OUTER for v in verdicts):
-        # The first was held up for so long that it counted as silent, and that is said.
+        # The first was held up for so long that it counted as silent; the status counts it.
         assert int(probe.statuses[name][2]['restarts of the source']) > 0
     assert nodes.end('second') == 0
     assert nodes.end('twin') == 0

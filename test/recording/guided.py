@@ -33,7 +33,7 @@ INSTRUMENTED = [
 LONGEST = 10
 """Longest time for one input, s."""
 MOST_MEMORY = 1024
-"""Most memory of the process, of which libraries take some 250, MiB."""
+"""Most memory of the process, MiB; libraries take some 250."""
 LONGEST_INPUT = 20_000
 
 

@@ -64,7 +64,7 @@ def _block(index: int, **changed: Any) -> Vibration:
 
 
 class _Node:
-    """What stands between the subscriptions and the publishers of twin and diagnosis."""
+    """The path from the subscriptions to the publishers of twin and diagnosis."""
 
     def __init__(self) -> None:
         self.diagnoser = _diagnoser()

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 BLOCK = 1024
 PERIOD = BLOCK / 25600.0
 TIMEOUT = 120.0
-"""After it a test gives up; nothing is said by it of how long anything may take, s."""
+"""After it a test gives up; no bound on how long anything may take, s."""
 KEPT = 1000
 """Blocks that a source keeps for whoever has not taken them, unless told otherwise."""
 

@@ -8,7 +8,7 @@ and their temperature sensor, listens to what they say, and keeps count of what 
 The clock runs at the pace asked for and never more than ``AHEAD`` before the slowest node, so that
 a busy machine lowers the pace that is reported and not the number of blocks.
 
-What stands in for real operation: blocks of 8192 samples instead of 1024, because a callback of
+Differences from real operation: blocks of 8192 samples instead of 1024, because a callback of
 rclpy costs the same for both, and a verdict each 10 s instead of each second. Publisher and
 diagnosis keep as many blocks as pass in two seconds of the machine, as they do every day. Rate,
 window, twin, recorder and DDS are those of every day.

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Torn and damaged recordings: what is complete is saved, what is not is said."""
+"""Torn and damaged recordings: complete chunks are saved, losses are reported."""
 
 from __future__ import annotations
 

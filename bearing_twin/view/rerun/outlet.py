@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Where drawings go: a file, or a server for live viewers, none of which holds the caller up."""
+"""Where drawings go: a file, or a server for live viewers. Neither holds the caller up."""
 
 from __future__ import annotations
 
