@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING, TypeVar
 
 from bearing_twin.bearing import find_bearing, PLACES
 from bearing_twin.diagnosis.search import Candidate
@@ -22,7 +22,7 @@ from bearing_twin.diagnosis.thresholds import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.comb import OrderSpectra
@@ -45,6 +45,22 @@ class LoadZone(NamedTuple):
     kept: tuple[Candidate, ...]
     uncertain: Candidate | None = None
     """A removed comb that is the strongest, while the inner race's does not lead clearly."""
+
+
+_T = TypeVar('_T')
+
+_UNDISTURBED: dict[str, Any] = {}
+"""Quantities where nothing disturbs the combs, by name."""
+
+
+def _measured(*, undisturbed: Any) -> Callable[[Callable[[Evidence], _T]], cached_property[_T]]:
+    """Quantity that is computed once, and its value where nothing disturbs the combs."""
+
+    def mark(compute: Callable[[Evidence], _T]) -> cached_property[_T]:
+        _UNDISTURBED[compute.__name__] = undisturbed
+        return cached_property(compute)
+
+    return mark
 
 
 class Evidence:
@@ -88,31 +104,11 @@ class Evidence:
 
         """
         evidence = cls.__new__(cls)
-        undisturbed: dict[str, Any] = {
+        undisturbed = _UNDISTURBED | {
             'turns': turns,
-            'shaft_hz': 25.0,
             'bearing': find_bearing('6205'),
             'cage_turns': 0.4 * turns,
-            'steady': True,
-            'step': 0.005,
-            'capped_cage_index': 0.0,
-            'on_second_look': (),
-            'extraneous_orders': {},
-            'masked_by_shaft': frozenset(),
             'claims': Claims(candidates),
-            'shaft_sideband_ratios': {},
-            'inner_race_ratios': {},
-            'masked_candidates': (),
-            'explained': frozenset(),
-            'mains_hz': 0.0,
-            'cage_sideband_order': 0.0,
-            'cage_series_order': 0.0,
-            'shaft_sidebands_dominate': False,
-            'others': (),
-            'elsewhere': Candidate('elsewhere', 1.5, 0.0, 0.0, 0.0),
-            'elsewhere_explains': False,
-            'cage_sideband_ratio': 0.4,
-            'turning_sideband_ratio': 0.3,
         }
         unknown = quantities.keys() - undisturbed.keys()
         if unknown:
@@ -127,7 +123,7 @@ class Evidence:
         """Best comb of each place."""
         return {place: self._combs.best(place) for place in PLACES}
 
-    @cached_property
+    @_measured(undisturbed=25.0)
     def shaft_hz(self) -> float:
         """Shaft speed, Hz."""
         return self._combs.shaft_hz
@@ -142,12 +138,12 @@ class Evidence:
         """Turns of the cage in all windows together."""
         return self.turns * self._combs.orders.ftf
 
-    @cached_property
+    @_measured(undisturbed=True)
     def steady(self) -> bool:
         """Whether the shaft speed is known well enough to compare slips and place sidebands."""
         return self._combs.steady
 
-    @cached_property
+    @_measured(undisturbed=0.005)
     def step(self) -> float:
         """Resolution, orders."""
         return self._combs.spectra.step
@@ -157,7 +153,7 @@ class Evidence:
         """Combs that are neither chance nor too weak for a remark."""
         return tuple(filter(_significant, self.candidates.values())) or self.on_second_look
 
-    @cached_property
+    @_measured(undisturbed=())
     def on_second_look(self) -> tuple[Candidate, ...]:
         """
         Combs of races and balls that are significant where their own lines are not in the null.
@@ -171,13 +167,13 @@ class Evidence:
         )
         return tuple(filter(_significant, map(self._combs.second_look, strong)))
 
-    @cached_property
+    @_measured(undisturbed={})
     def extraneous_orders(self) -> Mapping[str, float]:
         """Order of the harmonic series that the comb of a place merely shares lines with."""
         orders = {c.place: self._combs.extraneous_order(c) for c in self.significant}
         return {place: order for place, order in orders.items() if order}
 
-    @cached_property
+    @_measured(undisturbed=frozenset())
     def masked_by_shaft(self) -> frozenset[str]:
         """Places whose comb may be a multiple of the shaft, no higher than the others."""
         return frozenset(c.place for c in self.significant if self._combs.masked_by_shaft(c))
@@ -243,17 +239,17 @@ class Evidence:
             )
         )
 
-    @cached_property
+    @_measured(undisturbed=0.0)
     def capped_cage_index(self) -> float:
         """Modulation index of the cage's comb with lines capped."""
         return self._combs.capped_index(self.candidates['cage'])
 
-    @cached_property
+    @_measured(undisturbed={})
     def shaft_sideband_ratios(self) -> Mapping[str, float]:
         """Mean amplitude of the shaft sidebands of a comb over that of its harmonics."""
         return {c.place: self._combs.shaft_sideband_ratio(c) for c in self._races_and_balls}
 
-    @cached_property
+    @_measured(undisturbed={})
     def inner_race_ratios(self) -> Mapping[str, float]:
         """Amplitude of the inner race's comb over that of a comb that may be its sideband."""
         return {
@@ -288,7 +284,7 @@ class Evidence:
         """Those of them that nothing else of the machine explains."""
         return tuple(c for c in self.remaining if c in self.own)
 
-    @cached_property
+    @_measured(undisturbed=())
     def masked_candidates(self) -> tuple[Candidate, ...]:
         """Combs of races and balls that show, but coincide with harmonics of the shaft."""
         found = map(self._combs.masked_candidate, PLACES[:3])
@@ -335,7 +331,7 @@ class Evidence:
         """Whether nothing significant is left of a comb without the lines of another fault."""
         return (cause.place, other.place) in self.explained
 
-    @cached_property
+    @_measured(undisturbed=frozenset())
     def explained(self) -> frozenset[tuple[str, str]]:
         """Pairs of (cause, other) places: nothing is left of the other without the cause."""
         return frozenset(
@@ -352,32 +348,32 @@ class Evidence:
             return {}
         return {cause.place: self._combs.without(cause) for cause in self.nameable}
 
-    @cached_property
+    @_measured(undisturbed=0.0)
     def mains_hz(self) -> float:
         """Frequency of the mains whose pulses may make the leading comb, Hz; 0 if none do."""
         return self._combs.mains_hz(self.leading)
 
-    @cached_property
+    @_measured(undisturbed=0.0)
     def cage_sideband_order(self) -> float:
         """Order of the cage by which the sidebands of a leading race are spaced, else 0."""
         return self._combs.cage_sideband_order(self.leading)
 
-    @cached_property
+    @_measured(undisturbed=0.0)
     def cage_series_order(self) -> float:
         """Order of the cage whose harmonic series makes the comb of a leading ball, else 0."""
         return self._combs.cage_series_order(self.leading)
 
-    @cached_property
+    @_measured(undisturbed=False)
     def shaft_sidebands_dominate(self) -> bool:
         """Whether a leading ball's comb has higher sidebands of the shaft than of the cage."""
         return self._combs.shaft_sidebands_dominate(self.leading)
 
-    @cached_property
+    @_measured(undisturbed=0.4)
     def cage_sideband_ratio(self) -> float:
         """Sidebands of the cage over the harmonics of a leading ball."""
         return self._combs.cage_sideband(self.leading)[1]
 
-    @cached_property
+    @_measured(undisturbed=0.3)
     def turning_sideband_ratio(self) -> float:
         """
         Sidebands over the harmonics of the leading comb, at about one turn of the shaft.
@@ -386,12 +382,12 @@ class Evidence:
         """
         return self._combs.turning_sideband(self.leading)[1]
 
-    @cached_property
+    @_measured(undisturbed=Candidate('elsewhere', 1.5, 0.0, 0.0, 0.0))
     def elsewhere(self) -> Candidate:
         """Best comb at any order off the multiples of the shaft, whatever makes it."""
         return self._combs.strongest_anywhere(beyond=not self.remaining)
 
-    @cached_property
+    @_measured(undisturbed=False)
     def elsewhere_explains(self) -> bool:
         """Whether a more significant comb at another order makes the lines of the leading one."""
         comb, leading = self.elsewhere, self.leading
@@ -407,7 +403,7 @@ class Evidence:
             and self._combs.left_without(comb, leading) < Z_FAULT
         )
 
-    @cached_property
+    @_measured(undisturbed=())
     def others(self) -> tuple[Candidate, ...]:
         """Combs of other faults beside the leading one, without the lines that it explains."""
         combs, leading = self._combs, self.leading

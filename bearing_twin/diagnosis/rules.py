@@ -4,7 +4,14 @@
 From evidence to a verdict: the first rule of an ordered table that applies.
 
 A rule is a function of the evidence that returns a verdict, or None where it does not apply. The
-rules are asked in the order in which they stand here.
+rules are asked in the order of this file. A new rule touches:
+
+- this file: the function, at its place in the order;
+- ``evidence.py``: a property for each new quantity, with its value where nothing disturbs the
+  combs, and ``search.py`` if the quantity has to be measured in the spectra;
+- ``thresholds.py`` and the table of thresholds in ``docs/diagnosis.md``;
+- ``CASES`` in ``test/diagnosis/test_rules.py``: evidence that reaches the rule;
+- the table of rules: ``python docs/rules.py docs/diagnosis.md``.
 """
 
 from __future__ import annotations
@@ -135,7 +142,7 @@ def _masked_candidate(e: Evidence) -> Verdict | None:
     )
 
 
-@_rule('suspect', 'Impacts stand at an order that no part of this bearing makes.')
+@_rule('suspect', 'Impacts repeat at an order that no part of this bearing makes.')
 def _impacts_elsewhere(e: Evidence) -> Verdict | None:
     comb = e.elsewhere
     if e.remaining or comb.z < Z_ELSEWHERE or comb.index < INDEX_FAULT:
