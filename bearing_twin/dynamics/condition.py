@@ -9,7 +9,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_frequencies
-from bearing_twin.dynamics import kernel, laws
+from bearing_twin.dynamics import coefficients, kernel
 import numpy as np
 import numpy.typing as npt
 
@@ -89,26 +89,26 @@ def condition(
     defects: Records,
     balls: FloatArray,
 ) -> Condition:
-    """Put together the condition from what `laws.evaluate` gave and the state of motion."""
+    """Put together the condition from the coefficients and the state of motion."""
     state = states[0]
-    hz, slip = float(values[laws.SHAFT_HZ]), float(values[laws.SLIP])
+    hz, slip = float(values[coefficients.SHAFT_HZ]), float(values[coefficients.SLIP])
     deepest = max((defect.depth for defect in parameters.defects), default=0.0)
     return Condition(
-        alpha=float(values[laws.ALPHA]),
-        hardness=float(values[laws.HARDNESS]),
-        friction=float(values[laws.FRICTION]),
-        beta0=float(values[laws.BETA0]),
-        k_b=float(values[laws.K_B]),
-        c_d=float(values[laws.DEPTH]) * deepest,
-        radial_clearance=float(values[laws.CLEARANCE]),
-        thermal_clearance=float(values[laws.THERMAL_GAP]),
+        alpha=float(values[coefficients.ALPHA]),
+        hardness=float(values[coefficients.HARDNESS]),
+        friction=float(values[coefficients.FRICTION]),
+        beta0=float(values[coefficients.BETA0]),
+        k_b=float(values[coefficients.K_B]),
+        c_d=float(values[coefficients.DEPTH]) * deepest,
+        radial_clearance=float(values[coefficients.CLEARANCE]),
+        thermal_clearance=float(values[coefficients.THERMAL_GAP]),
         slip=slip,
-        inner_ring_temperature=float(values[laws.INNER]),
-        outer_ring_temperature=float(values[laws.OUTER]),
-        viscosity=float(values[laws.VISCOSITY]),
-        kappa=float(values[laws.KAPPA]),
-        friction_moment=float(values[laws.MOMENT]),
-        life_hours=float(values[laws.LIFE]),
+        inner_ring_temperature=float(values[coefficients.INNER]),
+        outer_ring_temperature=float(values[coefficients.OUTER]),
+        viscosity=float(values[coefficients.VISCOSITY]),
+        kappa=float(values[coefficients.KAPPA]),
+        friction_moment=float(values[coefficients.MOMENT]),
+        life_hours=float(values[coefficients.LIFE]),
         shaft_hz=hz,
         **fault_frequencies(parameters.bearing, hz, slip)._asdict(),
         shaft_angle=2.0 * math.pi * float(state['shaft'] % 1.0),

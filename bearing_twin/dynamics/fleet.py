@@ -9,7 +9,7 @@ import math
 import struct
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.dynamics import filters, inner_ring, laws
+from bearing_twin.dynamics import coefficients, filters, inner_ring
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.condition import Condition, condition
 from bearing_twin.dynamics.fleet_kernel import advance_all
@@ -143,11 +143,11 @@ class Fleet:
         lanes = self._lanes
         begin, end = lanes.values, lanes.values.copy()
         _evaluate_changed(lanes.law, was_outer, was_speed, outer, speed, end)
-        start = begin[:, : laws.INPUTS]
-        growth = end[:, : laws.INPUTS] - start
+        start = begin[:, : coefficients.INPUTS]
+        growth = end[:, : coefficients.INPUTS] - start
         out = np.empty((2, lanes.size, n), np.float32)
         first, done = self.next_sample, 0
-        ticking = bool((lanes.law[:, laws.PHYSICAL] != 0.0).any())
+        ticking = bool((lanes.law[:, coefficients.PHYSICAL] != 0.0).any())
         while done < n:
             count = n - done
             if ticking:
@@ -178,8 +178,8 @@ class Fleet:
         inner = inner_ring.temperature(
             lanes.rings[index], self.next_sample % self._tick, self._tick
         )
-        values = np.empty(laws.CONDITION_SIZE)
-        laws.evaluate(
+        values = np.empty(coefficients.CONDITION_SIZE)
+        coefficients.evaluate(
             lanes.law[index], self._temperatures[index], inner, self._shaft_hz[index], values
         )
         return condition(
@@ -314,7 +314,7 @@ class Fleet:
         self._lanes.groups['seed'] = keys
         self.next_sample = next_sample
         for index in range(self._lanes.size):
-            laws.evaluate(
+            coefficients.evaluate(
                 self._lanes.law[index], self._temperatures[index], self._temperatures[index],
                 self._shaft_hz[index], self._lanes.values[index],
             )  # fmt: skip
@@ -365,4 +365,4 @@ def _evaluate_changed(
     """Evaluate the laws where temperature or speed changed."""
     for i in range(law.shape[0]):
         if outer[i] != was_outer[i] or speed[i] != was_speed[i]:
-            laws.evaluate(law[i], outer[i], outer[i], speed[i], values[i])
+            coefficients.evaluate(law[i], outer[i], outer[i], speed[i], values[i])

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from bearing_twin.dynamics.coefficients import INPUTS
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.fleet_kinematics import grid_point, wrap_phases
 from bearing_twin.dynamics.fleet_motion import advance
@@ -42,8 +43,8 @@ def _inputs(ramp, drift, lane, n, at, since_tick, oversample):
 
     ``lane`` is its first bearing.
     """
-    inputs, growth = np.empty((6, L)), np.empty((6, L))
-    for q in range(6):
+    inputs, growth = np.empty((INPUTS, L)), np.empty((INPUTS, L))
+    for q in range(INPUTS):
         for i in range(L):
             begin, change = ramp[0, lane + i, q], drift[lane + i, 1, q]
             slope = (ramp[1, lane + i, q] - begin) / n

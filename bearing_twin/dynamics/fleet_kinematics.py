@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
+from bearing_twin.dynamics.coefficients import CLEARANCE, DEPTH, K_B, SHAFT_HZ, SLIP, SPRING
 from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.laws import CLEARANCE, DEPTH, K_B, SHAFT_HZ, SLIP, SPRING
 from bearing_twin.dynamics.model import defect_path
 from bearing_twin.dynamics.random import normal_pairs, WALK
 from bearing_twin.dynamics.vector import (

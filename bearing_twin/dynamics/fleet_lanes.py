@@ -8,7 +8,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
-from bearing_twin.dynamics import filters, laws, layout
+from bearing_twin.dynamics import coefficients, filters, layout
 from bearing_twin.dynamics import fleet_layout as fl
 from bearing_twin.dynamics.fleet_kernel import room_size
 from bearing_twin.dynamics.fleet_kinematics import first_slot
@@ -57,9 +57,9 @@ class Lanes:
         slots = self.most_balls + 2
         self.groups = aligned((groups,), fl.GROUP)
         self.balls = aligned((groups, slots, fl.BALL_ROWS, L), np.float32)
-        self.law = np.zeros((self.size, laws.LAW_SIZE))
-        self.values = np.zeros((self.size, laws.CONDITION_SIZE))
-        self.drift = np.zeros((self.size, 2, laws.INPUTS))
+        self.law = np.zeros((self.size, coefficients.LAW_SIZE))
+        self.values = np.zeros((self.size, coefficients.CONDITION_SIZE))
+        self.drift = np.zeros((self.size, 2, coefficients.INPUTS))
         self.rings = np.full((self.size, 2), math.nan)
         # The decimator by the place of an internal sample within an output sample.
         taps = filters.decimator(self.oversample)
@@ -119,7 +119,7 @@ class Lanes:
         put(group, per_ball=1.0 / n, seed=snapshot.seed, to_z=to_z, to_w=to_w, read=read)
         self.balls[number, :, :, lane] = _slots(n, self.balls.shape[1])
         since = simulator.next_sample % layout.CHUNK / simulator.sample_rate
-        hz, slip = simulator.shaft_hz, snapshot.values[laws.SLIP]
+        hz, slip = simulator.shaft_hz, snapshot.values[coefficients.SLIP]
         carried = hz * (1.0 - slip)
         speeds = m['ftf_order'] * carried, hz, m['spin_order'] * carried
         for name, speed in zip(_PHASES, speeds, strict=True):

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 
-from bearing_twin.dynamics import laws
+from bearing_twin.dynamics import coefficients
 from bearing_twin.dynamics.compiled import compiled
 import numpy as np
 import numpy.typing as npt
@@ -43,8 +43,8 @@ def temperature(rings: FloatArray, since_tick: int, tick: int) -> float:
 def settle(law: FloatArray, outer: float, hz: float, rings: FloatArray, drift: FloatArray) -> None:
     """Put the inner ring into its steady state; see the module for ``rings`` and ``drift``."""
     rings[:] = math.nan
-    if law[laws.PHYSICAL] != 0.0:
-        rings[:] = laws.inner_temperature(law, outer, outer, hz, math.inf)
+    if law[coefficients.PHYSICAL] != 0.0:
+        rings[:] = coefficients.inner_temperature(law, outer, outer, hz, math.inf)
     drift[0] = _difference(law, outer, rings[0], hz)
     drift[1] = 0.0
 
@@ -68,7 +68,7 @@ def advance(
 ) -> None:
     """One tick, of ``seconds``: the ring goes on towards its balance with outer ring and shaft."""
     rings[0] = rings[1]
-    rings[1] = laws.inner_temperature(law, outer, rings[0], hz, seconds)
+    rings[1] = coefficients.inner_temperature(law, outer, rings[0], hz, seconds)
     drift[0] += drift[1] * tick
     drift[1] = (_difference(law, outer, rings[1], hz) - drift[0]) / tick
 
@@ -76,10 +76,10 @@ def advance(
 @compiled()
 def _difference(law: FloatArray, outer: float, inner: float, hz: float) -> FloatArray:
     """Return what an inner ring of another temperature adds to the inputs."""
-    apart, alike = np.empty(laws.CONDITION_SIZE), np.empty(laws.CONDITION_SIZE)
-    laws.evaluate(law, outer, inner, hz, apart)
-    laws.evaluate(law, outer, outer, hz, alike)
-    return apart[: laws.INPUTS] - alike[: laws.INPUTS]
+    apart, alike = np.empty(coefficients.CONDITION_SIZE), np.empty(coefficients.CONDITION_SIZE)
+    coefficients.evaluate(law, outer, inner, hz, apart)
+    coefficients.evaluate(law, outer, outer, hz, alike)
+    return apart[: coefficients.INPUTS] - alike[: coefficients.INPUTS]
 
 
 _advance = compiled()(advance)
@@ -97,5 +97,5 @@ def advance_all(
 ) -> None:
     """One tick of every bearing in the physical mode; arrays with the bearing first."""
     for i in range(law.shape[0]):
-        if law[i, laws.PHYSICAL] != 0.0:
+        if law[i, coefficients.PHYSICAL] != 0.0:
             _advance(law[i], outer[i], hz[i], rings[i], drift[i], tick, seconds)

@@ -11,6 +11,7 @@ records.
 
 from __future__ import annotations
 
+from bearing_twin.dynamics.coefficients import K_B, SHAFT_HZ
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.integrator import FAR, integrate, predict, ring_rates, Scratch
 from bearing_twin.dynamics.kinematics import (
@@ -21,7 +22,6 @@ from bearing_twin.dynamics.kinematics import (
     open_gaps,
     wrap_phases,
 )
-from bearing_twin.dynamics.laws import K_B, SHAFT_HZ
 from bearing_twin.dynamics.layout import CHUNK, COS, GAP, SIN, STEP
 from bearing_twin.dynamics.model import contact_force
 from bearing_twin.dynamics.random import NOISE, normal_pair, WALK

@@ -30,7 +30,7 @@ _INNER, _BALL, _CAGE = (PLACES.index(place) for place in ('inner', 'ball', 'cage
 
 
 class Inputs(NamedTuple):
-    """Inputs of the equations of motion, or their growth per step, in the order of `laws`."""
+    """Inputs of the equations of motion, or their growth per step, as `coefficients` has them."""
 
     k_b: float
     depth: float

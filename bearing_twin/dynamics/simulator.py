@@ -9,7 +9,7 @@ import math
 import struct
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.dynamics import filters, inner_ring, kernel, laws
+from bearing_twin.dynamics import coefficients, filters, inner_ring, kernel
 from bearing_twin.dynamics.condition import Condition, condition
 from bearing_twin.dynamics.layout import STATE
 from bearing_twin.dynamics.parameters import check_speed
@@ -55,7 +55,7 @@ class Block:
 
 @dataclass(frozen=True, kw_only=True)
 class Snapshot:
-    """Tables and state of one simulator, as records of `layout` and rows of `laws`."""
+    """Tables and state of one simulator, as records of `layout` and rows of `coefficients`."""
 
     state: Records
     machine: Records
@@ -112,9 +112,9 @@ class Simulator:
         self._taps = filters.decimator(self._oversample)
         self._start = (check_temperature(float(temperature)), check_speed(shaft_hz))
         self.tick = inner_ring.tick_length(sample_rate)
-        self._drift = np.zeros((2, laws.INPUTS))
+        self._drift = np.zeros((2, coefficients.INPUTS))
         self._rings = np.full(2, math.nan)
-        self._values = np.zeros(laws.CONDITION_SIZE)
+        self._values = np.zeros(coefficients.CONDITION_SIZE)
         self._configure(parameters)
         self.reset(seed)
 
@@ -154,9 +154,9 @@ class Simulator:
         turns = p.start_angle / (2.0 * math.pi) % 1.0
         self._state['cage'] = self._state['shaft'] = turns
         compliance = 1.0 / p.inner_stiffness + 1.0 / p.outer_stiffness
-        spring = values[laws.SPRING] + self._drift[0, laws.SPRING]
-        clearance = values[laws.CLEARANCE] + self._drift[0, laws.CLEARANCE]
-        k_b = values[laws.K_B] + self._drift[0, laws.K_B]
+        spring = values[coefficients.SPRING] + self._drift[0, coefficients.SPRING]
+        clearance = values[coefficients.CLEARANCE] + self._drift[0, coefficients.CLEARANCE]
+        k_b = values[coefficients.K_B] + self._drift[0, coefficients.K_B]
         _, _, fx, fy = equilibrium(
             p.start_angle, spring, k_b, clearance, compliance, p.bearing.n_balls
         )
@@ -211,8 +211,8 @@ class Simulator:
         begin, end = self._values, self._values
         if (temperature, shaft_hz) != was:
             end = self._evaluate(temperature, temperature, shaft_hz)
-        start = begin[: laws.INPUTS]
-        growth = end[: laws.INPUTS] - start
+        start = begin[: coefficients.INPUTS]
+        growth = end[: coefficients.INPUTS] - start
         out = np.empty((2, n), dtype=np.float32)
         first, done = self.next_sample, 0
         while done < n:
@@ -354,18 +354,18 @@ class Simulator:
                 p.resonance_hz, p.resonance_damping, step, count
             )
         self._parameters = p
-        self._law = laws.law_table(p)
+        self._law = coefficients.law_table(p)
         self._defects = defect_table(p)
         self._balls = ball_table(p)
 
     def _evaluate(self, outer: float, inner: float, shaft_hz: float) -> FloatArray:
-        values = np.empty(laws.CONDITION_SIZE)
-        laws.evaluate(self._law, outer, inner, shaft_hz, values)
+        values = np.empty(coefficients.CONDITION_SIZE)
+        coefficients.evaluate(self._law, outer, inner, shaft_hz, values)
         return values
 
     def _restart_motion(self) -> None:
         """Make acceleration and jerk follow from positions, velocities and parameters."""
-        values = self._values[: laws.INPUTS] + self._drift[0]
+        values = self._values[: coefficients.INPUTS] + self._drift[0]
         values += self._drift[1] * (self.next_sample % self.tick)
         kernel.start(self._state, self._machines, self._defects, self._balls, values)
 

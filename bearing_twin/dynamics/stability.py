@@ -8,7 +8,7 @@ import contextlib
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.dynamics import filters, laws
+from bearing_twin.dynamics import coefficients, filters
 from bearing_twin.dynamics.parameters import MAX_SHAFT_HZ
 from bearing_twin.dynamics.statics import contact, equilibrium, spring_position
 from bearing_twin.errors import BearingTwinError
@@ -130,15 +130,23 @@ def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatAr
 
     With ``preloaded`` at the least clearance that ring temperatures may leave.
     """
-    row, out = laws.law_table(p), np.empty(laws.CONDITION_SIZE)
+    row, out = coefficients.law_table(p), np.empty(coefficients.CONDITION_SIZE)
     factors = []
     for temperature in TEMPERATURES:
-        laws.evaluate(row, float(temperature), float(temperature), 25.0, out)
-        factors.append((float(out[laws.K_B]), float(out[laws.CLEARANCE]), float(out[laws.SPRING])))
+        coefficients.evaluate(row, float(temperature), float(temperature), 25.0, out)
+        factors.append(
+            (
+                float(out[coefficients.K_B]),
+                float(out[coefficients.CLEARANCE]),
+                float(out[coefficients.SPRING]),
+            )
+        )
     k_b, clearance, spring = max(factors)
     if preloaded and p.thermal_mode == 'physical':
         clearance = CLEARANCE_LOW
-        spring = spring_position(p.load, k_b, clearance, row[laws.COMPLIANCE], p.bearing.n_balls)
+        spring = spring_position(
+            p.load, k_b, clearance, row[coefficients.COMPLIANCE], p.bearing.n_balls
+        )
     compliance = 1.0 / p.inner_stiffness + 1.0 / p.outer_stiffness
     n = p.bearing.n_balls
     x, y, _, _ = equilibrium(-math.pi / 2, spring, k_b, clearance, compliance, n)

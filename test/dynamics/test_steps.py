@@ -5,7 +5,7 @@
 import math
 
 from bearing_twin.bearing import fault_orders
-from bearing_twin.dynamics import laws, preset, Simulator
+from bearing_twin.dynamics import coefficients, preset, Simulator
 from bearing_twin.dynamics.kernel import FAST_HZ
 from bearing_twin.dynamics.kinematics import kinks
 from bearing_twin.dynamics.reference import solve
@@ -23,7 +23,7 @@ def quiet(**changes):
 def along_inner_race(p, values, hz, times):
     """Distance of each ball from the centre of the spall on the inner race, (balls, n), m."""
     omega, b = 2.0 * math.pi * hz, p.bearing
-    turned = omega * (1.0 - fault_orders(b, values[laws.SLIP]).ftf) * times
+    turned = omega * (1.0 - fault_orders(b, values[coefficients.SLIP]).ftf) * times
     balls = 2.0 * math.pi * np.arange(b.n_balls)[:, None] / b.n_balls
     angle = balls - turned - p.defects[0].angle
     return ((angle + math.pi) % (2.0 * math.pi) - math.pi) * 0.5 * (b.d_pitch - b.d_ball)
@@ -32,16 +32,18 @@ def along_inner_race(p, values, hz, times):
 def contact(p, values, hz, times, states):
     """By how much each ball is pressed together, m, and whether it is loaded; (balls, n)."""
     b, spall = p.bearing, p.defects[0]
-    cage = 2.0 * math.pi * hz * fault_orders(b, values[laws.SLIP]).ftf
+    cage = 2.0 * math.pi * hz * fault_orders(b, values[coefficients.SLIP]).ftf
     angles = p.start_angle + cage * times
     angles = angles + 2.0 * math.pi * np.arange(b.n_balls)[:, None] / b.n_balls
     edge = np.maximum(0.5 * spall.width - abs(along_inner_race(p, values, hz, times)), 0.0)
     path = edge**2 * (1.0 / b.d_ball + 1.0 / (b.d_pitch - b.d_ball))
-    gap = values[laws.CLEARANCE] + values[laws.DEPTH] * np.minimum(path, spall.depth)
+    gap = values[coefficients.CLEARANCE] + values[coefficients.DEPTH] * np.minimum(
+        path, spall.depth
+    )
     x, y, vx, vy = (states[i] - states[i + 2] for i in (0, 1, 4, 5))
     c, s = np.cos(angles), np.sin(angles)
     delta = x * c + y * s - gap
-    force = values[laws.K_B] * np.maximum(delta, 0.0) ** 1.5 + p.contact_damping * (
+    force = values[coefficients.K_B] * np.maximum(delta, 0.0) ** 1.5 + p.contact_damping * (
         vx * c + vy * s
     )
     return delta, (delta > 0.0) & (force > 0.0)
@@ -90,7 +92,7 @@ def test_kinks_are_where_the_path_has_them(hz):
     values, found = snapshot.values, np.empty(32)
     machine, defect, state = snapshot.machine[0], snapshot.defects[0], snapshot.state[0]
     h = machine['step']
-    orders = fault_orders(p.bearing, values[laws.SLIP])
+    orders = fault_orders(p.bearing, values[coefficients.SLIP])
     rates = hz * orders.ftf, hz, hz * orders.bsf
     edges = defect['half'], defect['inner_kink']
     begin = np.array([state[name] for name in ('cage', 'shaft', 'spin')])

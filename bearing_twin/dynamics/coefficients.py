@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-From temperatures and speed to the quantities that the equations of motion take, compiled.
+The coefficients of the equations of motion at given temperatures and speed, compiled.
 
-The laws themselves live in `bearing_twin.thermal` as plain functions; here they are put together
-for one bearing, in a form that a fleet evaluates a thousand times a block.
+Stiffness, defect depth, clearance, slip and the foot of the shaft's spring, and beside them what
+the lubricant does. The formulas live in `bearing_twin.thermal` as plain functions; here they are
+put together for one bearing, in a form that a fleet evaluates a thousand times a block. The
+equations themselves, the contact law among them, are in `model`.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.dynamics.compiled import compiled
+from bearing_twin.dynamics.parameters import SLIP_MODELS
 from bearing_twin.dynamics.statics import spring_position
 from bearing_twin.thermal import friction, gcr15, life, lubricant, rings
 import numpy as np
@@ -30,13 +33,15 @@ __all__ = [
 
 FloatArray = npt.NDArray[np.float64]
 
-# What `evaluate` gives. The first six are what the kernel ramps.
-K_B, DEPTH, CLEARANCE, SHAFT_HZ, SLIP, SPRING = range(6)
-INPUTS = 6
+# The name after the last of a list is their number.
+_ROWS = range(99)
+
+# What `evaluate` gives. The first, INPUTS of them, are what the kernel ramps.
+K_B, DEPTH, CLEARANCE, SHAFT_HZ, SLIP, SPRING, INPUTS, *_ = _ROWS
 (
     ALPHA, HARDNESS, FRICTION, BETA0, INNER, OUTER, VISCOSITY, KAPPA, MOMENT, LIFE, THERMAL_GAP,
-) = range(6, 17)  # fmt: skip
-CONDITION_SIZE = 17
+    CONDITION_SIZE, *_,
+) = _ROWS[INPUTS:]  # fmt: skip
 
 # What it takes: one row of constants a bearing.
 (
@@ -44,10 +49,8 @@ CONDITION_SIZE = 17
     DELTA_H, DELTA_MU, T0, H0, MU0, D_PITCH, D_MEAN, SECTION, ASTM_A, ASTM_B, REPLENISHMENT,
     BOUNDARY, FILM, CONTAMINATION, ROLLING, SLIDING, RATING, LIMIT, CAPACITY, RING_TO_RING,
     RING_TO_SHAFT, AMBIENT, SHAFT_RATIO,
-) = range(33)  # fmt: skip
-LAW_SIZE = 33
-
-SLIP_MODELS = ('none', 'constant', 'mu_proportional')
+    LAW_SIZE, *_,
+) = _ROWS  # fmt: skip
 
 _viscosity = compiled()(lubricant.viscosity)
 _rated_viscosity = compiled()(lubricant.rated_viscosity)
