@@ -67,7 +67,16 @@ _life_hours = compiled()(life.life_hours)
 
 
 def law_table(p: TwinParameters) -> FloatArray:
-    """Return the row of constants that :func:`evaluate` takes."""
+    """
+    Return the row of constants that :func:`evaluate` takes.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> float(law_table(preset('incipient'))[LOAD])
+    500.0
+
+    """
     row = np.zeros(LAW_SIZE)
     row[PHYSICAL] = p.thermal_mode == 'physical'
     row[K_B0], row[CLEARANCE0], row[LOAD] = p.k_b0, p.clearance, p.load
@@ -100,6 +109,15 @@ def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatA
     In the paper's mode ``inner`` is not used, the ring temperatures are NaN, and the lubricant has
     the one temperature measured. In the physical mode the clearance that the equations use is
     held inside the limits of `thermal.rings`; what the temperatures leave stands beside it.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> law, out = law_table(preset('paper')), np.empty(CONDITION_SIZE)
+    >>> evaluate(law, 110.0, 110.0, 25.0, out)
+    >>> round(float(out[BETA0]), 3)
+    1.13
+
     """
     alpha = np.interp(outer, gcr15.TEMPERATURES, gcr15.EXPANSION_TABLE) * law[ALPHA_UNIT]
     hardness = np.interp(outer, gcr15.TEMPERATURES, gcr15.HARDNESS_TABLE)
@@ -154,6 +172,16 @@ def inner_temperature(
     Inner ring temperature after ``duration`` s, degC; the steady state if it is infinite.
 
     It is held inside the limits of `thermal.rings`.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> law = law_table(preset('incipient', thermal_mode='physical'))
+    >>> round(inner_temperature(law, 60.0, 60.0, 25.0, 1.0), 1)
+    60.4
+    >>> round(inner_temperature(law, 60.0, 60.0, 25.0, math.inf), 1)
+    63.3
+
     """
     out = np.zeros(CONDITION_SIZE)
     start = inner if duration < math.inf else outer

@@ -57,6 +57,13 @@ def compiled(
     counting, into every inner loop. Where no cache can be written the function is compiled anew
     in each process.
 
+    Examples
+    --------
+    >>> from bearing_twin.thermal import rings
+    >>> change = compiled()(rings.clearance_change)
+    >>> round(1e6 * change(60.0, 40.0, 0.05735), 2)
+    -6.88
+
     """
 
     def decorate(function: F) -> F:
@@ -92,6 +99,13 @@ def cache_folder() -> Path | None:
 
     ``NUMBA_CACHE_DIR`` if it is set; otherwise beside the sources, and where these belong to
     someone else the user's cache folder (``XDG_CACHE_HOME``, by default ``~/.cache``).
+
+    Examples
+    --------
+    >>> folder = cache_folder()
+    >>> folder is None or folder.is_dir()
+    True
+
     """
     bases = [Path(__file__).parent / '__pycache__']
     if _numba.CACHE_DIR:

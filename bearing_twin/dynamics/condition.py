@@ -16,7 +16,7 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['Condition', 'condition']
+__all__ = ['Condition']
 
 FloatArray = npt.NDArray[np.float64]
 Records = npt.NDArray[Any]
@@ -24,7 +24,17 @@ Records = npt.NDArray[Any]
 
 @dataclass(frozen=True, kw_only=True)
 class Condition:
-    """State of the twin at the end of a block; NaN where the thermal mode has no such value."""
+    """
+    State of the twin at the end of a block; NaN where the thermal mode has no such value.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset, Simulator
+    >>> state = Simulator(preset('paper'), temperature=80.0).condition()
+    >>> round(state.beta0, 3), round(state.bpfi, 1)
+    (1.095, 126.7)
+
+    """
 
     alpha: float
     """Instantaneous thermal expansion coefficient of table 1, 1/K."""

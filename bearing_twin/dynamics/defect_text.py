@@ -48,6 +48,14 @@ def read_defects(text: str, *, width: float, depth: float, profile: Profile) -> 
     BearingTwinError
         If a place, a key or a value is none.
 
+    Examples
+    --------
+    >>> common = {'width': 1e-3, 'depth': 2e-5, 'profile': 'ball'}
+    >>> for defect in read_defects('inner+ball:ball=3,width=0.0005', **common):
+    ...     print(defect.place, defect.ball, defect.width)
+    inner 0 0.001
+    ball 3 0.0005
+
     """
     defects = []
     for place, given in _parts(text):
@@ -65,7 +73,15 @@ def read_defects(text: str, *, width: float, depth: float, profile: Profile) -> 
 
 
 def defect_places(text: str) -> str:
-    """Return the places alone, as ``'inner+ball'``; what they are is not checked."""
+    """
+    Return the places alone, as ``'inner+ball'``; what they are is not checked.
+
+    Examples
+    --------
+    >>> defect_places('inner:width=0.0012+ball:ball=3')
+    'inner+ball'
+
+    """
     return '+'.join(place for place, _ in _parts(text)) or 'none'
 
 

@@ -22,7 +22,18 @@ _LENGTH = 32
 
 
 def check_rate(sample_rate: float) -> float:
-    """Return the output rate in Hz if it is inside 2000..204800."""
+    """
+    Return the output rate in Hz if it is inside 2000..204800.
+
+    Examples
+    --------
+    >>> check_rate(25600)
+    25600.0
+    >>> check_rate(500.0)
+    Traceback (most recent call last):
+    bearing_twin.errors.BearingTwinError: sample_rate=500.0 is outside 2000..204800 Hz
+
+    """
     if not 2000.0 <= sample_rate <= 204800.0:
         msg = f'sample_rate={sample_rate} is outside 2000..204800 Hz'
         raise BearingTwinError(msg)
@@ -30,7 +41,15 @@ def check_rate(sample_rate: float) -> float:
 
 
 def steps(sample_rate: float) -> int:
-    """Return the least steps of the integrator per output sample: at least `STEP_RATE`."""
+    """
+    Return the least steps of the integrator per output sample: at least `STEP_RATE`.
+
+    Examples
+    --------
+    >>> steps(25600.0), steps(2000.0)
+    (1, 13)
+
+    """
     return max(1, math.ceil(STEP_RATE / sample_rate - 1e-9))
 
 
@@ -40,6 +59,12 @@ def oversampling(sample_rate: float) -> int:
 
     Less would fold more of what lies above half the output rate into it: acceleration jumps where
     contact damping begins to act.
+
+    Examples
+    --------
+    >>> oversampling(25600.0), oversampling(2000.0)
+    (3, 39)
+
     """
     return 3 * steps(sample_rate)
 
@@ -49,6 +74,13 @@ def decimator(factor: int) -> FloatArray:
     Low-pass filter for decimation by ``factor``: linear phase, Kaiser window, unit gain at 0.
 
     Its length is a multiple of ``factor`` plus one, its delay `_LENGTH` // 2 output samples.
+
+    Examples
+    --------
+    >>> taps = decimator(3)
+    >>> taps.shape, round(float(taps.sum()), 9)
+    ((97,), 1.0)
+
     """
     half = _LENGTH * factor // 2
     k = np.arange(-half, half + 1)
@@ -81,6 +113,14 @@ def resonator(frequency: float, damping: float, step: float, samples: int) -> Fl
     ndarray of shape (2 + samples, 6)
         Columns: both states ``w^2 z`` and ``w z'`` at the start, acceleration and ``step`` times
         jerk at the start, then at the end. Rows: both states at the end, then what is read.
+
+    Examples
+    --------
+    Without resonance the acceleration at the end of the step is read:
+
+    >>> table = resonator(0.0, 0.0, 1e-5, 1)
+    >>> abs(table[-1].round(9)).tolist()
+    [0.0, 0.0, 0.0, 0.0, 1.0, 0.0]
 
     """
     table = np.zeros((2 + samples, 6))

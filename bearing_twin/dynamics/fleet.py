@@ -68,6 +68,16 @@ class Fleet:
     temperatures, shaft_hz
         Values at the start, one a bearing or one for all, degC and Hz.
 
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> fleet = Fleet([preset('paper'), preset('incipient')])
+    >>> block = fleet.advance(256, temperatures=[40.0, 60.0], shaft_hz=25.0)
+    >>> block.y.shape
+    (2, 256)
+    >>> round(fleet.condition(1).beta0, 3)
+    1.011
+
     """
 
     def __init__(

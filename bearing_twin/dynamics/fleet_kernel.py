@@ -32,7 +32,15 @@ Array = npt.NDArray[Any]
 
 
 def room_size(oversample: int, memory: int) -> int:
-    """Numbers that the kernel needs to work in; ``memory`` is that of the decimator's phases."""
+    """
+    Numbers that the kernel needs to work in; ``memory`` is that of the decimator's phases.
+
+    Examples
+    --------
+    >>> room_size(1, 0) // L
+    128
+
+    """
     return CHUNK * 2 * L + oversample * (memory + CHUNK * 2 * L)
 
 

@@ -149,7 +149,18 @@ class Lanes:
 
 
 def check_defects(index: int, parameters: TwinParameters) -> None:
-    """Refuse more defects than a lane has slots for."""
+    """
+    Refuse more defects than a lane has slots for.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> several = '+'.join(f'ball:ball={i}' for i in range(5))
+    >>> check_defects(0, preset('incipient', defect=several))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    bearing_twin.errors.BearingTwinError: bearing 0 of the fleet has 5 defects, more than ...
+
+    """
     if len(parameters.defects) > fl.MAX_SPALLS:
         msg = (
             f'bearing {index} of the fleet has {len(parameters.defects)} defects, more than '

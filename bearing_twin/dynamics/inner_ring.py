@@ -31,17 +31,47 @@ _TICK = 0.1
 
 
 def tick_length(sample_rate: float) -> int:
-    """Return the output samples of a tick."""
+    """
+    Return the output samples of a tick.
+
+    Examples
+    --------
+    >>> tick_length(25600.0)
+    2560
+
+    """
     return max(1, round(_TICK * sample_rate))
 
 
 def temperature(rings: FloatArray, since_tick: int, tick: int) -> float:
-    """Temperature ``since_tick`` samples after the last tick, degC."""
+    """
+    Temperature ``since_tick`` samples after the last tick, degC.
+
+    Examples
+    --------
+    >>> temperature(np.array([60.0, 61.0]), since_tick=640, tick=2560)
+    60.25
+
+    """
     return float(rings[0] + (rings[1] - rings[0]) * (since_tick / tick))
 
 
 def settle(law: FloatArray, outer: float, hz: float, rings: FloatArray, drift: FloatArray) -> None:
-    """Put the inner ring into its steady state; see the module for ``rings`` and ``drift``."""
+    """
+    Put the inner ring into its steady state; see the module for ``rings`` and ``drift``.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> law = coefficients.law_table(preset('incipient', thermal_mode='physical'))
+    >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
+    >>> settle(law, 60.0, 25.0, rings, drift)
+    >>> rings.round(2).tolist()
+    [63.34, 63.34]
+    >>> round(1e6 * float(drift[0, coefficients.CLEARANCE]), 2)  # of the clearance, um
+    -1.15
+
+    """
     rings[:] = math.nan
     if law[coefficients.PHYSICAL] != 0.0:
         rings[:] = coefficients.inner_temperature(law, outer, outer, hz, math.inf)
@@ -52,7 +82,21 @@ def settle(law: FloatArray, outer: float, hz: float, rings: FloatArray, drift: F
 def carry(
     law: FloatArray, outer: float, hz: float, rings: FloatArray, drift: FloatArray, tick: int
 ) -> None:
-    """Go on from ``rings`` with another law."""
+    """
+    Go on from ``rings`` with another law.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> law = coefficients.law_table(preset('incipient', thermal_mode='physical'))
+    >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
+    >>> settle(law, 60.0, 25.0, rings, drift)
+    >>> heavy = preset('incipient', thermal_mode='physical', load=1000.0)
+    >>> carry(coefficients.law_table(heavy), 60.0, 25.0, rings, drift, 2560)
+    >>> rings.round(2).tolist()  # the ring goes on from where it was
+    [63.34, 63.34]
+
+    """
     drift[0] = _difference(law, outer, rings[0], hz)
     drift[1] = (_difference(law, outer, rings[1], hz) - drift[0]) / tick
 
@@ -66,7 +110,20 @@ def advance(
     tick: int,
     seconds: float,
 ) -> None:
-    """One tick, of ``seconds``: the ring goes on towards its balance with outer ring and shaft."""
+    """
+    One tick, of ``seconds``: the ring goes on towards its balance with outer ring and shaft.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> law = coefficients.law_table(preset('incipient', thermal_mode='physical'))
+    >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
+    >>> settle(law, 60.0, 25.0, rings, drift)
+    >>> advance(law, 80.0, 25.0, rings, drift, 2560, 0.1)
+    >>> rings.round(2).tolist()  # the outer ring is at 80 degC now, and the inner one follows
+    [63.34, 63.61]
+
+    """
     rings[0] = rings[1]
     rings[1] = coefficients.inner_temperature(law, outer, rings[0], hz, seconds)
     drift[0] += drift[1] * tick

@@ -48,7 +48,15 @@ _LOAD_DIRECTION = -math.pi / 2
 
 
 def check_speed(shaft_hz: float) -> float:
-    """Return the shaft speed in Hz if it is inside 0..`MAX_SHAFT_HZ`."""
+    """
+    Return the shaft speed in Hz if it is inside 0..`MAX_SHAFT_HZ`.
+
+    Examples
+    --------
+    >>> check_speed(25)
+    25.0
+
+    """
     check_range('shaft_hz', shaft_hz, 0.0, MAX_SHAFT_HZ, 'Hz')
     return float(shaft_hz)
 
@@ -78,6 +86,11 @@ class Defect:
         1/D_race))`` with s the distance to the nearer edge, + on the inner, - on the outer race.
         The literature's: ``'rect'`` (full depth at once; it makes every fixed-step scheme first
         order), ``'halfsine'``, ``'smooth'`` (raised-cosine flanks over a quarter of the width).
+
+    Examples
+    --------
+    >>> Defect(place='outer', width=1e-3, depth=2e-5, angle=-math.pi / 2).profile
+    'ball'
 
     """
 

@@ -105,6 +105,12 @@ def preset(
     BearingTwinError
         If a name is unknown or a value out of its range.
 
+    Examples
+    --------
+    >>> parameters = preset('paper', defect='outer', load=2000.0)
+    >>> parameters.load, parameters.defects[0].place, parameters.bearing.name
+    (2000.0, 'outer', '6307')
+
     """
     if name not in _PRESETS:
         msg = f'no preset {name!r}; choose one of {", ".join(_PRESETS)}'

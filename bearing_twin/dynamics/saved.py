@@ -64,7 +64,20 @@ class Envelope:
 
 
 def identity(parameters: Sequence[TwinParameters]) -> int:
-    """Checksum of what a saved state cannot change: geometries and thermal modes."""
+    """
+    Checksum of what a saved state cannot change: geometries and thermal modes.
+
+    Examples
+    --------
+    Load and preset may change, the bearing may not:
+
+    >>> from bearing_twin.dynamics import preset
+    >>> identity([preset('paper')]) == identity([preset('incipient')])
+    True
+    >>> identity([preset('paper')]) == identity([preset('paper', bearing='6205')])
+    False
+
+    """
     known = [
         (b.n_balls, b.d_ball, b.d_pitch, b.contact_angle, p.thermal_mode)
         for p in parameters

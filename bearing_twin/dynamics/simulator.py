@@ -96,6 +96,16 @@ class Simulator:
     shaft_hz
         Shaft speed at the start, Hz, 0 to 500.
 
+    Examples
+    --------
+    A tenth of a second while the outer ring warms from 20 to 30 degC:
+
+    >>> from bearing_twin.dynamics import preset
+    >>> simulator = Simulator(preset('paper'))
+    >>> block = simulator.advance(2560, temperature=30.0, shaft_hz=25.4)
+    >>> block.y.shape, round(block.condition.bpfi, 1), round(block.condition.beta0, 3)
+    ((2560,), 126.4, 1.004)
+
     """
 
     def __init__(

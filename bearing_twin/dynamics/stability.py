@@ -40,6 +40,16 @@ def system_matrices(
 
     ``contact_stiffness``, N/m, and ``contact_damping``, N s/m, both (2, 2), act between the
     rings: the sums over the loaded balls.
+
+    Examples
+    --------
+    Natural frequency of the inner ring with its shaft, without contact, Hz:
+
+    >>> from bearing_twin.dynamics import preset
+    >>> stiffness, _ = system_matrices(preset('paper'), np.zeros((2, 2)), np.zeros((2, 2)))
+    >>> round(math.sqrt(stiffness[0, 0]) / (2.0 * math.pi))
+    548
+
     """
     coupling = np.array([[1.0, -1.0], [-1.0, 1.0]])
     stiffness = np.kron(coupling, contact_stiffness)
@@ -57,6 +67,15 @@ def amplification(
     Matrix that one step of `integrator` applies to (q, v, a, j, snap) of a linear system.
 
     With ``snaps`` the predictor takes the snap.
+
+    Examples
+    --------
+    A mass on a spring, 1 krad/s, damped by 0.5 %, decays as exp(-5 t):
+
+    >>> step = amplification(np.array([[1e6]]), np.array([[10.0]]), 1e-4)
+    >>> bool(abs(abs(np.linalg.eigvals(step)).max() - math.exp(-5.0 * 1e-4)) < 1e-8)
+    True
+
     """
     n = len(stiffness)
     one, none = np.eye(n), np.zeros((n, n))
@@ -84,6 +103,12 @@ def steps(p: TwinParameters, sample_rate: float) -> int:
     BearingTwinError
         As `check_step`.
 
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> steps(preset('dong'), 25600.0), steps(preset('paper'), 25600.0)
+    (1, 3)
+
     """
     least = filters.steps(sample_rate)
     fastest = max(mode for mode, _, _ in _motions(p, preloaded=False)[:2])
@@ -108,6 +133,14 @@ def check_step(p: TwinParameters, h: float, *, snaps: bool = True) -> None:
     ------
     BearingTwinError
         With the frequency of the fastest mode and what to change.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> check_step(preset('paper'), 1e-5)
+    >>> check_step(preset('paper'), 1e-3)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    bearing_twin.errors.BearingTwinError: the fastest motion of these parameters is at 548 Hz, ...
 
     """
     for index, (fastest, stiffness, damping) in enumerate(_motions(p, preloaded=True)):

@@ -51,6 +51,16 @@ def equilibrium(
 
     Solves ``x = -F_x C``, ``y = y_i0 - F_y C`` for one cage angle, with the compliance C = 1/k_i +
     1/k_o of shaft and housing in series, by Newton's method.
+
+    Examples
+    --------
+    With ball 0 under the load the shaft sinks by 14 um, and the bearing bears 502 N:
+
+    >>> spring = spring_position(500.0, 1.2e10, 5e-6, 1e-8, 8)
+    >>> _, y, _, force = equilibrium(-math.pi / 2, spring, 1.2e10, 5e-6, 1e-8, 8)
+    >>> round(1e6 * y), round(force)
+    (-14, -502)
+
     """
     x, y = 0.0, spring
     fx = fy = 0.0
@@ -79,6 +89,12 @@ def spring_position(
     The mean is over the cage positions of one ball spacing. The grounded shaft spring would carry
     most of an applied force; moving its foot instead leaves the load with the bearing. Newton's
     method for the spring and all positions at once.
+
+    Examples
+    --------
+    >>> round(1e6 * spring_position(500.0, 1.2e10, 5e-6, 1e-8, 8))
+    -19
+
     """
     # A start for Newton's method, from the power 1.5 of the contact law.
     sag = (4.4 * load / (n_balls * kb)) ** (2.0 / 3.0)

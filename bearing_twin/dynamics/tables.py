@@ -30,6 +30,14 @@ def machine(p: TwinParameters, sample_rate: float, steps: int, *, stiff: bool = 
     The cage's walk has the variance per impact of ``(2 pi jitter / Z)^2 rad^2``, as a speed that
     is held for `layout.CHUNK` samples, over the root of the shaft speed. For ``stiff`` rings the
     predictor does not take the snap.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> record = machine(preset('paper'), 25600.0, 1)[0]
+    >>> float(record['step']) * 25600.0, int(record['n_balls'])
+    (1.0, 8)
+
     """
     orders, bearing = fault_orders(p.bearing), p.bearing
     values = {
@@ -67,6 +75,13 @@ def defect_table(p: TwinParameters) -> Records:
 
     Depths are along the contact normal. The kernel works with radial gaps: a ball that sinks in
     by s at a contact angle alpha opens one of s / cos(alpha).
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> defect_table(preset('paper'))['half'].tolist()  # half of 2.45 mm
+    [0.001225]
+
     """
     d, g = p.bearing.d_ball, p.bearing.gamma
     radial = 1.0 / math.cos(p.bearing.contact_angle)
@@ -90,6 +105,13 @@ def ball_table(p: TwinParameters) -> FloatArray:
     Return undersize and direction in the cage of each ball, float64[4, padded].
 
     The padding is undersized by a metre, so that it never touches.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> ball_table(preset('paper'))[COS].round(2).tolist()
+    [1.0, 0.71, 0.0, -0.71, -1.0, -0.71, -0.0, 0.71]
+
     """
     n = p.bearing.n_balls
     table = np.zeros((4, -(-n // LANES) * LANES))

@@ -108,7 +108,16 @@ def amplitude_change(parameters: TwinParameters, shaft_hz: float) -> float:
 
 
 def trend_sentence(parameters: TwinParameters, shaft_hz: float) -> str:
-    """Say in one line which way the impacts move with temperature, beside the paper."""
+    """
+    Say in one line which way the impacts move with temperature, beside the paper.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> trend_sentence(preset('paper', defect='none'), 25.4)
+    'no defect, so no impacts that temperature could move'
+
+    """
     if not parameters.defects:
         return 'no defect, so no impacts that temperature could move'
     change = amplitude_change(parameters, shaft_hz)

@@ -103,7 +103,15 @@ class _WordsModel(models.PrimitiveModel):
 
 
 def aligned(shape: tuple[int, ...], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
-    """Array of zeros that begins at a cache line."""
+    """
+    Array of zeros that begins at a cache line.
+
+    Examples
+    --------
+    >>> aligned((2, 16), np.float32).ctypes.data % 64
+    0
+
+    """
     size = math.prod(shape) * np.dtype(dtype).itemsize
     room = np.zeros(size + _BYTES, np.uint8)
     begin = -room.ctypes.data % _BYTES
@@ -303,7 +311,16 @@ def sines(angle):
 
 
 def cosine_sine(angle: Any) -> tuple[Any, Any]:
-    """Cosine and sine of an angle up to pi, of lanes to 5e-7 or of a number."""
+    """
+    Cosine and sine of an angle up to pi, of lanes to 5e-7 or of a number.
+
+    Examples
+    --------
+    >>> import numba
+    >>> numba.njit(lambda angle: cosine_sine(angle))(0.0)
+    (1.0, 0.0)
+
+    """
     raise NotImplementedError('called from compiled code only')
 
 

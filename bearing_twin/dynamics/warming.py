@@ -16,6 +16,11 @@ def warm_up(*, fleet: bool = False) -> None:
     Compile, or load from the cache, everything that a running simulator calls.
 
     With ``fleet`` also what a :class:`Fleet` calls.
+
+    Examples
+    --------
+    >>> warm_up()
+
     """
     parameters = preset('incipient', thermal_mode='physical')
     Simulator(parameters).advance(16, 30.0, 25.0)
