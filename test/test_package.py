@@ -57,6 +57,16 @@ def test_pins_of_the_message_build_are_those_of_the_environment():
         assert pins[name] == version, name
 
 
+def test_every_picture_is_shown_small_and_there():
+    shown = set()
+    for page in (ROOT / 'README.md', *(ROOT / 'docs').glob('*.md')):
+        for name in re.findall(r'!\[[^]]*\]\(([^)]+)\)', page.read_text(encoding='utf-8')):
+            shown.add((page.parent / name).resolve())
+    pictures = {path.resolve() for path in (ROOT / 'docs' / 'images').glob('*.png')}
+    assert pictures == shown
+    assert max(path.stat().st_size for path in pictures) < 300_000
+
+
 @pytest.mark.parametrize('name', COMMANDS)
 def test_every_command_can_be_imported(name):
     module = importlib.import_module(f'bearing_twin.cli.{name.replace("-", "_")}')

@@ -3,6 +3,7 @@
 """The viewer itself, without a display: no view reports an error and none is empty."""
 
 import io
+import json
 import os
 from pathlib import Path
 import signal
@@ -25,7 +26,9 @@ from rerun.chunk import RrdReader
 
 pytestmark = pytest.mark.vulkan
 
-SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
+ROOT = Path(__file__).resolve().parents[2]
+SCHEDULE = ROOT / 'recordings' / 'paper_schedule.mcap'
+IMAGES = ROOT / 'docs' / 'images'
 WRITING = {'TextDocument', 'TextLog'}
 LAPTOP = (1366, 768)
 PAGES = {
@@ -57,12 +60,13 @@ PAGES = {
     },
     'Temperature': {
         'Waveform over temperature',
+        'Bearing, 40 x slower, shift x 100',
         'Temperature [°C]',
-        'Amplitude, change [%]',
-        'Level, rms, change [%]',
-        'Frequency found, change [%]',
-        'Frequency, twin, change [%]',
-        'Cage slip, twin [%]',
+        'Amplitude, change [%] over °C',
+        'Level, rms, change [%] over °C',
+        'Frequency found, change [%] over °C',
+        'Frequency, twin, change [%] over °C',
+        'Cage slip, twin [%] over °C',
     },
     'Twin': {panel.title for panel in TWIN_STATE} - {'Temperature [°C]'},
 }
@@ -126,6 +130,11 @@ def test_a_recording_fills_every_view_of_every_page(recordings, tmp_path, page):
         names, found = seen(viewer)
         assert found == []
         assert set(names) == PAGES[page]
+
+
+def test_the_pictures_of_the_docs_show_the_views_of_today():
+    shown = set(json.loads((IMAGES / 'views.json').read_text(encoding='utf-8')))
+    assert shown == set().union(*PAGES.values()), 'take them again: make screenshots'
 
 
 def test_two_recordings_fill_every_view(recordings, tmp_path):

@@ -206,7 +206,7 @@ def _waterfalls(scene: Scene) -> list[View]:
             origin=f'{path}/waterfall',
             name='Waveform over temperature',
             eye_controls=rrb.EyeControls3D(
-                position=[0.5, -6.5, 6.5], look_target=[5.2, 3.6, 0.0], eye_up=[0.0, 0.0, 1.0]
+                position=[0.5, -6.5, 6.5], look_target=[5.2, 3.6, -0.7], eye_up=[0.0, 0.0, 1.0]
             ),
             line_grid=False,
         )
@@ -244,14 +244,18 @@ def _colours(scene: Scene) -> list[View]:
 
 
 def _over_temperature(scene: Scene) -> list[View]:
-    """Return a view for each quantity over temperature, in rows of two."""
+    """Return a view for each quantity over temperature and the temperature, in rows of three."""
     views = [
-        _bars(f'{name}{"" if key == "slip" else ", change"} [%]', f'{path}/over_temperature/{key}')
+        _bars(
+            f'{name}{"" if key == "slip" else ", change"} [%] over °C',
+            f'{path}/over_temperature/{key}',
+        )
         for path in _of(scene, 'vibration')
         for key, name in QUANTITIES.items()
         if key in scene.asset.panels
     ]
-    return [rrb.Grid(*views, grid_columns=2)] if views else []
+    views += _temperatures(scene)
+    return [rrb.Grid(*views, grid_columns=3)] if views else []
 
 
 def _panels(scene: Scene, kind: str, panels: Sequence[Panel], *keys: str) -> list[View]:
@@ -309,8 +313,8 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
         _rows((4, waves[:2]), (4, [*waves[2:], *amplitude]), name='Vibration'),
         _rows((5, evidence[:3]), (0.5, _colours(scene)), (5, evidence[3:]), name='Evidence'),
         _rows(
-            (5, [*_waterfalls(scene), *_over_temperature(scene)]),
-            (2, _temperatures(scene)),
+            (5.4, [*_waterfalls(scene), *_solid(scene)]),
+            (4.6, _over_temperature(scene)),
             name='Temperature',
         ),
         _rows((4, twin[:3]), (4, twin[3:]), name='Twin'),
