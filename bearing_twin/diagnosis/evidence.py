@@ -378,7 +378,7 @@ class Evidence:
         """
         Sidebands over the harmonics of the leading comb, at about one turn of the shaft.
 
-        The shaft may turn at another speed than was said.
+        The given shaft speed may be wrong.
         """
         return self._combs.turning_sideband(self.leading)[1]
 

@@ -38,7 +38,7 @@ def fitting_bearings(order: float, step: float, bearing: Bearing) -> list[str]:
     """
     Parts of catalogue bearings that strike at an order, at most four.
 
-    Those come first that are as large as the bearing that was said.
+    Bearings of the size of the given one come first.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def fitting_bearings(order: float, step: float, bearing: Bearing) -> list[str]:
     step
         Its uncertainty.
     bearing
-        The bearing that was said.
+        The given bearing.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> fitting_bearings(5.41, 0.01, find_bearing('6205'))[0]

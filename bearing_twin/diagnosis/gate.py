@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The record gate: what can be diagnosed at all, said before anything is computed."""
+"""The record gate: whether samples can be diagnosed at all, checked before any analysis."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ _UNKNOWN = 0.5
 
 def raised(diagnosis: Diagnosis) -> Diagnosis:
     """
-    Raise the level to what the severity of the vibration asks for, and say why.
+    Raise the level to the one that the vibration severity demands, with the reason.
 
     Zone C of ISO 20816-3, or twice the level of the asset's own baseline, is at least suspect;
     zone D, or four times, is a fault, of unknown place if no comb tells. *Ball or cage* is a fault
@@ -32,8 +32,8 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.report import insufficient
-    >>> said = insufficient(['too short'], find_bearing('6307'))
-    >>> worn = replace(said, severity=replace(said.severity, iso_zone='D'))
+    >>> verdict = insufficient(['too short'], find_bearing('6307'))
+    >>> worn = replace(verdict, severity=replace(verdict.severity, iso_zone='D'))
     >>> raised(worn).level, raised(worn).result, raised(worn).reasons[-1]
     ('fault', 'ambiguous', 'zone D of ISO 20816-3 is a fault; place unknown')
 

@@ -48,7 +48,7 @@ def report(
     >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
     >>> from bearing_twin.diagnosis.window import analyse_window
     >>> noise, bearing = np.random.default_rng(0).standard_normal(51200), find_bearing('6307')
-    >>> said = report(
+    >>> verdict = report(
     ...     decide(Evidence.of()),
     ...     analyse_window(noise, 25600.0, bearing, 25.0, DiagnosisSettings()),
     ...     bearing,
@@ -58,7 +58,7 @@ def report(
     ...     shaft_hz_given=25.0,
     ...     temperature=40.0,
     ... )
-    >>> said.result, said.fault_code
+    >>> verdict.result, verdict.fault_code
     ('healthy', 'BEARING_OK')
 
     """
@@ -179,7 +179,7 @@ def not_shown(
     bearing: Bearing,
 ) -> list[str]:
     """
-    Say that a window which the record gate refused shows nothing, and what a longer one would.
+    Smallest fault that a refused window would have shown, and what a longer one would show.
 
     Empty where there is no window to speak of: no speed, no samples or broken ones.
 
@@ -214,8 +214,8 @@ def insufficient(
     Diagnosis that makes no statement, and says why.
 
     >>> from bearing_twin.bearing import find_bearing
-    >>> said = insufficient(['the record is empty'], find_bearing('6307'))
-    >>> said.result, said.level, said.reasons
+    >>> verdict = insufficient(['the record is empty'], find_bearing('6307'))
+    >>> verdict.result, verdict.level, verdict.reasons
     ('insufficient', 'none', ('the record is empty',))
 
     """

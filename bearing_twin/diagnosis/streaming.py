@@ -53,7 +53,7 @@ class StreamingDiagnoser:
     >>> from bearing_twin.bearing import find_bearing
     >>> diagnoser = StreamingDiagnoser(find_bearing('6307'))
     >>> noise = np.random.default_rng(0).standard_normal(3 * 25600)
-    >>> [said.result for said in diagnoser.push(0, noise, 25600.0, 25.0)]
+    >>> [verdict.result for verdict in diagnoser.push(0, noise, 25600.0, 25.0)]
     ['insufficient', 'healthy', 'healthy']
 
     """

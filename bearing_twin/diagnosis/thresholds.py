@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Thresholds of the decision. Where each comes from stands in docs/diagnosis.md."""
+"""Thresholds of the decision. docs/diagnosis.md derives them and names those without a source."""
 
 from __future__ import annotations
 
@@ -34,10 +34,12 @@ Z_CAGE = 8.0
 """The same for the cage, whose low orders have a wider null."""
 
 Z_SECOND_LOOK = 4.0
-"""Score from which a strong comb gets a second look, without its own lines in the null."""
+"""Score from which a strong comb gets a second look, without its own lines in the null. It has no
+derivation yet."""
 
 Z_ELSEWHERE = 8.0
-"""The same for a comb at any order: the best of some thousand orders and not of a few."""
+"""Score above which a comb at any order is not chance: the best of some thousand orders and not of
+a few. It comes from a trial; its null has not been simulated."""
 
 INDEX_FAULT = 0.6
 """Modulation index above which a significant comb is a fault."""
@@ -77,7 +79,8 @@ squared envelope. A damaged outer race stands still; an inner race passes throug
 
 SWAY = 0.2
 """Sidebands over harmonics from which a part is seen to move through the load. A load that varies
-as 1 + 0.3 cos makes 0.20 in the squared envelope, one that varies as 1 + cos 0.49."""
+as 1 + 0.3 cos makes 0.20 in the squared envelope, one that varies as 1 + cos 0.49. The 0.3 was
+chosen with the answers for wrong bearings in view."""
 
 UNLIKELY_SLIP = 0.025
 """Slip above which a name needs a reason, such as a bearing without load."""

@@ -113,8 +113,8 @@ def _by_formula(factor: settings.Factor) -> Claim:
         our_value=percents(changes),
         as_printed={name: same_direction(stated, change, 0.0) for name, change in changes.items()},
         why=(
-            'Rule: sign of F(110)/F(20) - 1 for each ratio of spall depth to approach, of which '
-            f'the paper gives none. All four trends hold for {low:.2f} to {high:.2f} only: '
+            'Rule: sign of F(110)/F(20) - 1 for each ratio of spall depth to approach (the paper '
+            f'gives no ratio). All four trends hold for {low:.2f} to {high:.2f} only: '
             'dF/dbeta0 < 0 needs beta0 C_d0/approach > 0.4; beyond 1 contact is lost (no value).'
         ),
     )

@@ -115,7 +115,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     about = 'written by python -m bearing_twin.studies.reliability'
     write_table(args.output, {'about': about, **table})
     checked = [(told, _read(table, *told[:2])) for number, told in found if number % 2]
-    print_table(('answer', 'confidence', 'answers', 'said on average', 'right'), _checks(checked))
+    print_table(('answer', 'confidence', 'answers', 'mean', 'right'), _checks(checked))
 
 
 def _checks(
