@@ -146,7 +146,7 @@ def _legend() -> bytes:
     """Return the names of the colours as PNG: a legend in the plot would cover lines."""
     names = {family.label: family.colour for family in FAMILIES}
     names |= {'shaft': LINE['ground'], 'noise threshold': LINE['threshold']}
-    names |= {'limit of a fault (far right)': LINE['measured']}
+    names |= {'fault limit': LINE['measured']}
     font = ImageFont.load_default(26)
     image = Image.new('RGB', (1010, 44), (24, 24, 24))
     draw = ImageDraw.Draw(image)
