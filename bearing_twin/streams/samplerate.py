@@ -46,7 +46,7 @@ class RateMeter:
     --------
     >>> meter = RateMeter()
     >>> for second in range(20):
-    ...     meter.take(12000 * second, second * 1_000_000_000)
+    ...     meter.take(12000 * second, second * NANO)
     >>> meter.rate
     12000.0
     >>> print(meter.problem(25600.0).text)

@@ -137,10 +137,11 @@ def rival(diagnosis: Any) -> str:
     inner race in many bearings, since BPFO + BPFI is a multiple of the shaft speed.
     """
     result = str(diagnosis.result_name)
-    scores: dict[str, float] = dict(zip(PLACES, map(float, diagnosis.score), strict=True))
-    index: dict[str, float] = dict(
-        zip(PLACES, map(float, diagnosis.modulation_index), strict=True)
-    )
+    measured: list[dict[str, float]] = [
+        {place: recorded(diagnosis, field, k) for k, place in enumerate(PLACES)}
+        for field in ('score', 'modulation_index')
+    ]
+    scores, index = measured
     own = scores.pop(result, 0.0)
     other = max(scores, key=lambda place: scores[place])
     if not scores[other] >= max(Z_FAULT, RIVAL * own):

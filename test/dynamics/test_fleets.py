@@ -38,7 +38,7 @@ def test_sixteen_numbers_at_once_are_those_of_each_seed(index):
 def test_fleet_is_many_simulators():
     parameters = [
         preset('incipient'),
-        preset('paper', defect='outer'),
+        preset('incipient', defect='outer', load=2000.0, width=2.8e-3, depth=40e-6),
         preset('incipient', defect='inner+ball+cage', unbalance=1e-3),
         preset('incipient', bearing='6205', thermal_mode='physical'),
         # Where all balls are loaded, or the load turns, no ball may be passed over.

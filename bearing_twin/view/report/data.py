@@ -130,7 +130,7 @@ def collect(path: Path) -> dict[str, Machine]:
 
 def _take_spectra_of_headlines(path: Path, machines: dict[str, Machine]) -> None:
     """Keep the spectra of the window that the headline and its table come from."""
-    for message in read_messages(path, recover=True):
+    for message in read_messages(path, recover=True, problems=[]):
         machine = machines.get(message.topic.rpartition('/')[0])
         if message.type_name != SPECTRUM or machine is None or not machine.diagnoses:
             continue

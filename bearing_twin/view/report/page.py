@@ -23,6 +23,7 @@ from bearing_twin.view.report.html import CSS, table
 from bearing_twin.view.report.plots import appended_figures, figures
 from bearing_twin.view.report.svg import VERDICT_COLOURS
 from bearing_twin.view.style import FAMILIES
+from bearing_twin.view.trends import recorded
 from bearing_twin.view.verdict import facts, impacts, next_step, number, pretty, rival, title_of
 
 if TYPE_CHECKING:
@@ -166,7 +167,8 @@ def _families(worst: Any) -> str:
         return ''
     cells = []
     for k, (place, family) in enumerate(zip(PLACES, FAMILIES, strict=True)):
-        hertz, score, index = impacts(worst, place), worst.score[k], worst.modulation_index[k]
+        hertz = impacts(worst, place)
+        score, index = (recorded(worst, field, k) for field in ('score', 'modulation_index'))
         limit = Z_CAGE if place == 'cage' else Z_FAULT
         name = TITLES[place].removesuffix(' fault')
         values = (
