@@ -233,10 +233,11 @@ def score_case(case: Case, full: bool = False) -> list[Piece]:
     """Outcomes of all pieces of a record."""
     signal = read_signal(Path(case.path), channel=case.channel)
     groups = [('data set', case.dataset), ('class', f'{case.dataset} {case.label}')]
-    groups += [('grade', f'{case.dataset} {case.grade}')] if case.grade else []
-    groups += [('bearing', case.unit)]
+    # The record's own grade comes last: as JSON a piece has one group of a kind.
     if case.grade in ('Y1', 'Y2'):
         groups.append(('grade', 'Y1 and Y2 together'))
+    groups += [('grade', f'{case.dataset} {case.grade}')] if case.grade else []
+    groups += [('bearing', case.unit)]
     pieces = []
     for window in WINDOWS[:1] if full else WINDOWS:
         length = round(window * signal.sample_rate) or len(signal.x)

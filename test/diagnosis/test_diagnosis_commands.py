@@ -313,6 +313,9 @@ def test_benchmark_of_a_small_folder(good, tmp_path, capsys):
     text = capsys.readouterr().out
     assert '| Y1 and Y2 together | 2 | 1 | 1 |' in text
     assert '- b, outer: wrong (inner: inner)' in text
+    assert main(['benchmark', str(tmp_path), '--full', '--jobs', '1', '--json']) == 0
+    pieces = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [piece['groups']['grade'] for piece in pieces] == ['d Y1', 'd Y2']
     assert main(['benchmark', str(tmp_path / 'nowhere')]) == 1
     # A bearing of the catalogue needs no entry; a misspelt one is replaced by no other.
     del index['bearings']['B']
