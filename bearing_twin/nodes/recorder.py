@@ -17,6 +17,7 @@ from bearing_twin.nodes.recorder_watch import RecordingWatch
 from bearing_twin.recording.health import SENT_BEFORE
 from bearing_twin.recording.recover import find_unfinished
 from bearing_twin.recording.snapshot import SnapshotWriter
+from bearing_twin.recording.topics import OWN_TOPICS
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode, run
@@ -43,18 +44,13 @@ MIB = 1024 * 1024
 ABOUT_NODES = ('diagnostic_msgs/', 'lifecycle_msgs/', 'rcl_interfaces/')
 """Types in which nodes speak of themselves, as they do before anybody can listen."""
 
-EXPECTED: dict[str, tuple[str, QoSProfile]] = {
-    'temperature': ('sensor_msgs/msg/Temperature', RESULT),
-    'joint_states': ('sensor_msgs/msg/JointState', RESULT),
-    'vibration': ('bearing_twin_msgs/msg/Vibration', STREAM),
-    'twin_state': ('bearing_twin_msgs/msg/TwinState', STREAM),
-    'twin_checkpoint': ('bearing_twin_msgs/msg/Checkpoint', CHECKPOINT),
-    'diagnosis': ('bearing_twin_msgs/msg/Diagnosis', RESULT),
-    'diagnosis_checkpoint': ('bearing_twin_msgs/msg/Checkpoint', CHECKPOINT),
-    'envelope_spectrum': ('bearing_twin_msgs/msg/Spectrum', RESULT),
-    'spectrum': ('bearing_twin_msgs/msg/Spectrum', RESULT),
-    'features': ('std_msgs/msg/Float64MultiArray', RESULT),
+OFFERED: dict[str, QoSProfile] = {
+    'vibration': STREAM,
+    'twin_state': STREAM,
+    'twin_checkpoint': CHECKPOINT,
+    'diagnosis_checkpoint': CHECKPOINT,
 }
+EXPECTED = {name: (kind, OFFERED.get(name, RESULT)) for name, kind in OWN_TOPICS.items()}
 """Our own topics, subscribed to before anybody publishes them, so that no first block is lost.
 
 A publisher that offers less than this is found at once and subscribed to as it offers.
