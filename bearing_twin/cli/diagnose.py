@@ -150,6 +150,7 @@ def _tasks(args: argparse.Namespace) -> list[Task]:
         bearing = find_bearing(args.bearing)
     settings = DiagnosisSettings(power_group=args.power_group, mounting=args.mounting)
     if args.speed_tolerance is not None:
+        # Checks the range; each task carries the value, since a varying speed has another default.
         replace(settings, speed_tolerance=args.speed_tolerance)
     if args.jobs is not None and args.jobs < 1:
         msg = f'--jobs {args.jobs}: at least one process is needed'

@@ -113,12 +113,16 @@ def collect(path: Path) -> dict[str, Machine]:
     """
     start = recording_info(path).start
     machines: dict[str, _Collector] = {}
+    spectra: set[str] = set()
     for message in read_messages(path, recover=True, problems=[]):
+        if message.type_name == SPECTRUM:
+            spectra.add(message.topic)
         namespace, _, _ = message.topic.rpartition('/')
         collector = machines.setdefault(namespace, _Collector(Machine(namespace)))
         collector.take(message, (message.log_time - start) / NANO)
     found = {name: c.machine for name, c in sorted(machines.items()) if not c.machine.empty}
-    _take_spectra_of_headlines(path, found)
+    if spectra:
+        _take_spectra_of_headlines(path, found, spectra)
     if not found:
         msg = (
             f'{path} holds neither vibration nor diagnosis of type bearing_twin_msgs, so that '
@@ -128,9 +132,9 @@ def collect(path: Path) -> dict[str, Machine]:
     return found
 
 
-def _take_spectra_of_headlines(path: Path, machines: dict[str, Machine]) -> None:
+def _take_spectra_of_headlines(path: Path, machines: dict[str, Machine], topics: set[str]) -> None:
     """Keep the spectra of the window that the headline and its table come from."""
-    for message in read_messages(path, recover=True, problems=[]):
+    for message in read_messages(path, topics=topics, recover=True, problems=[]):
         machine = machines.get(message.topic.rpartition('/')[0])
         if message.type_name != SPECTRUM or machine is None or not machine.diagnoses:
             continue
