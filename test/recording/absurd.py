@@ -8,13 +8,11 @@ import contextlib
 from io import StringIO
 import json
 import math
-import os
 from pathlib import Path
 import random
 import re
 import resource
 import signal
-import subprocess
 import sys
 import time
 import traceback
@@ -23,7 +21,7 @@ from typing import Any
 from bearing_twin.cli import main
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.recording.schema import store_from_text
-from fuzzing import clean
+from fuzzing import clean, run_script
 from mcap.writer import CompressionType, Writer
 import numpy as np
 from recording_samples import store
@@ -223,18 +221,8 @@ def run_worker(count: int, seed: int, folder: Path) -> dict[str, Any]:
 
 
 def absurd(count: int, seed: int, folder: Path) -> dict[str, Any]:
-    """Run a worker; a crash of it is a failure too."""
-    answer = subprocess.run(
-        [sys.executable, __file__, str(count), str(seed), str(folder)],
-        capture_output=True,
-        text=True,
-        cwd=Path(__file__).parents[2],
-        env={**os.environ, 'PYTHONPATH': str(Path(__file__).parents[2])},
-        check=False,
-    )
-    if answer.returncode:
-        return {'failures': [f'status {answer.returncode}: {answer.stderr[-2000:]}']}
-    return json.loads(answer.stdout.splitlines()[-1])
+    """Run a worker."""
+    return run_script(__file__, count, seed, folder)
 
 
 def _too_long(*_: Any) -> None:

@@ -183,9 +183,14 @@ def run_worker(kind: str, count: int, seed: int, folder: Path) -> dict[str, Any]
 
 
 def fuzz(kind: str, count: int, seed: int, folder: Path) -> dict[str, Any]:
-    """Run a worker; a crash of it is a failure too."""
+    """Run a worker."""
+    return run_script(__file__, kind, count, seed, folder)
+
+
+def run_script(script: str, *words: object) -> dict[str, Any]:
+    """Run a script that prints what it found as JSON; a crash of it is a failure too."""
     answer = subprocess.run(
-        [sys.executable, __file__, kind, str(count), str(seed), str(folder)],
+        [sys.executable, script, *map(str, words)],
         capture_output=True,
         text=True,
         cwd=Path(__file__).parents[2],
