@@ -11,7 +11,7 @@ import sys
 import time
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.spec import Spec
+from bearing_twin.assets.spec import field_spec, Spec
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.recorder_watch import RecordingWatch
 from bearing_twin.recording.health import SENT_BEFORE
@@ -97,22 +97,8 @@ SPECS = (
         high=1_000_000,
         running=False,
     ),
-    Spec(
-        name='max_bag_duration',
-        default=0.0,
-        description='Time after which a new file is begun; 0: never.',
-        unit='s',
-        low=0.0,
-        high=1e7,
-        running=False,
-    ),
-    Spec(
-        name='compression',
-        default='zstd',
-        description='Compression of the chunks.',
-        choices=('zstd', 'lz4', 'none'),
-        running=False,
-    ),
+    field_spec(WriterOptions, 'split_duration', name='max_bag_duration'),
+    field_spec(WriterOptions, 'compression'),
     Spec(
         name='max_cache_size',
         default=64,
@@ -122,25 +108,8 @@ SPECS = (
         high=100_000,
         running=False,
     ),
-    Spec(
-        name='flush_period',
-        default=0.5,
-        description='Most recorded time that a crash can lose.',
-        unit='s',
-        low=0.05,
-        high=60.0,
-        running=False,
-    ),
-    Spec(
-        name='sync_period',
-        default=5.0,
-        description='Time after which the disk is told to keep what it was given, without waiting '
-        'for it: what power loss can cost, besides flush_period. 0: never.',
-        unit='s',
-        low=0.0,
-        high=3600.0,
-        running=False,
-    ),
+    field_spec(WriterOptions, 'flush_period'),
+    field_spec(WriterOptions, 'sync_period'),
     Spec(
         name='storage_limit',
         default=0,
@@ -150,13 +119,7 @@ SPECS = (
         high=100_000_000,
         running=False,
     ),
-    Spec(
-        name='delete_oldest',
-        default=False,
-        description='At the limit delete the oldest file of this recording instead of stopping; '
-        'needs max_bag_size or max_bag_duration.',
-        running=False,
-    ),
+    field_spec(WriterOptions, 'delete_oldest'),
     Spec(
         name='snapshot',
         default=False,

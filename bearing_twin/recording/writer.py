@@ -11,6 +11,7 @@ import time
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.quantity import check_fields, quantity
 from bearing_twin.recording.bagmetadata import BagFile, metadata_record, write_metadata_file
 from bearing_twin.recording.disksync import DiskSync
 from bearing_twin.recording.outfile import Attached, OutputFile
@@ -31,25 +32,46 @@ LONGEST_SYNC = 10.0
 class WriterOptions:
     """How a recording is written."""
 
-    compression: str = 'zstd'
-    """Of the chunks: ``zstd``, ``lz4`` or ``none``."""
+    compression: str = quantity(
+        'zstd', 'Compression of the chunks.', choices=('zstd', 'lz4', 'none'), running=False
+    )
     chunk_size: int = 1024 * 1024
     """A chunk is closed when it holds this many bytes..."""
-    flush_period: float = 0.5
-    """...or when this time has passed, s: what a crash can lose."""
+    flush_period: float = quantity(
+        0.5, 'Most recorded time that a crash can lose.', 's', 0.05, 60.0, running=False
+    )
+    """...or when this time has passed."""
     split_size: int = 0
     """Bytes after which a bag folder goes on in a new file; 0: never."""
-    split_duration: float = 0.0
-    """Log time after which it does, s; 0: never."""
+    split_duration: float = quantity(
+        0.0,
+        'Log time after which a new file is begun',
+        's',
+        0.0,
+        1e7,
+        special=(0.0, 'never'),
+        running=False,
+    )
     storage_limit: int = 0
     """Most bytes the recording may take; 0: no limit."""
-    delete_oldest: bool = False
-    """At the limit delete the oldest finished file of this recording, instead of stopping."""
+    delete_oldest: bool = quantity(
+        False,
+        'At the limit delete the oldest file of this recording instead of stopping; '
+        'needs max_bag_size or max_bag_duration.',
+        running=False,
+    )
     cache_size: int = 64 * 1024 * 1024
     """Most bytes that wait in memory while the disk takes none."""
-    sync_period: float = 5.0
-    """Time after which the disk is told to keep what it was given, s: what power loss can cost,
-    besides a flush period. 0: that is left to the operating system."""
+    sync_period: float = quantity(
+        5.0,
+        'Time after which the disk is told to keep what it was given, without waiting for it: '
+        'what power loss can cost, besides flush_period',
+        's',
+        0.0,
+        3600.0,
+        special=(0.0, 'left to the operating system'),
+        running=False,
+    )
 
 
 class RecordingWriter(MessageSink):
@@ -231,9 +253,7 @@ class RecordingWriter(MessageSink):
 
     def _check_options(self) -> None:
         o = self.options
-        if o.compression not in ('zstd', 'lz4', 'none'):
-            msg = f"compression='{o.compression}' is not one of zstd, lz4, none"
-            raise BearingTwinError(msg)
+        check_fields(o)
         splits = o.split_size > 0 or o.split_duration > 0
         if splits and not self.bag:
             msg = f'{self.path} is a single file and cannot be split; give a folder name'
