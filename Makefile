@@ -17,8 +17,9 @@ export AMENT_PREFIX_PATH := $(CURDIR)/$(VENV)
 demo: setup
 	$(BIN)/bearing-twin demo
 
+# Two processes: one runs the tests with real nodes, the other everything else.
 test: lint
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
 lint: setup
 	$(BIN)/ruff check .
