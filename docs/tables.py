@@ -19,6 +19,7 @@ import tempfile
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.recording.schedule import write_temperature_recording
+from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.launching import ensure_log_folder
 from bearing_twin.ros.lifecycle import ManagedNode
 import numpy as np
@@ -92,7 +93,7 @@ TOPICS = {
     'diagnosis': 'verdict with evidence',
     'spectrum': 'amplitude spectrum of the window: the largest in each step of about 1 Hz',
     'envelope_spectrum': 'squared envelope spectrum of the window with fault cursors',
-    'features': 'figures to trend, in a standard type',
+    **{f'features/{name}': f'`{name}` of the verdict, in a standard type' for name in FEATURES},
     'diagnostics': 'state of the node and its inputs, 1 Hz',
     'samples': 'blocks of an accelerometer (`source` is `float32_multi_array`)',
     'imu': 'one sample a message (`source` is `imu`)',

@@ -14,7 +14,7 @@ from bearing_twin.assets.diagnosis_parameters import (
     build_settings,
     nominal_speed,
 )
-from bearing_twin.assets.messages import diagnosis_message, features_message, spectrum_message
+from bearing_twin.assets.messages import diagnosis_message, features_messages, spectrum_message
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import samples_ns
 from bearing_twin.streams.samplerate import RateMeter
@@ -38,7 +38,8 @@ class Verdict(NamedTuple):
 
     result: DiagnosisResult
     diagnosis: Diagnosis
-    features: Float64MultiArray
+    features: dict[str, Float64MultiArray]
+    """By the name of the topic below ``features``."""
     spectrum: Spectrum
     envelope_spectrum: Spectrum
 
@@ -68,7 +69,9 @@ class DueVerdict:
             spectrum_message(which, result, stamp=stamp, frame_id=frame_id)
             for which in (result.spectrum, result.envelope_spectrum)
         )
-        return Verdict(result, diagnosis, features_message(diagnosis), spectrum, envelope_spectrum)
+        return Verdict(
+            result, diagnosis, features_messages(diagnosis), spectrum, envelope_spectrum
+        )
 
 
 class DiagnosisCore:
@@ -166,7 +169,7 @@ class DiagnosisCore:
             speed_measured=carried or measured,
             temperature=temperature,
             unit=block.unit,
-            sensor=f'{frame_id} {self._axis}'.strip(),
+            sensor=f'{frame_id} {self._axis}{" simulated" if block.simulated else ""}'.strip(),
         )
         return [
             DueVerdict(

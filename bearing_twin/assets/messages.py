@@ -9,11 +9,12 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
+from bearing_twin.recording.topics import FEATURES
 from bearing_twin.stamps import split_ns
 from bearing_twin_msgs.msg import Diagnosis, Spectrum
 from builtin_interfaces.msg import Time
 import numpy as np
-from std_msgs.msg import Float64MultiArray, Header, MultiArrayDimension, MultiArrayLayout
+from std_msgs.msg import Float64MultiArray, Header
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     'diagnosis_message',
-    'features_message',
+    'features_messages',
     'floats',
     'message_header',
     'spectrum_message',
@@ -51,6 +52,8 @@ def diagnosis_message(
 ) -> Diagnosis:
     """Verdict on a window whose first sample was taken at ``stamp`` ns."""
     severity = result.severity
+    window_result, window_level = result.window or (result.result, result.level)
+    strongest = result.faults[0] if result.faults else _highest(result.score)
     return Diagnosis(
         header=message_header(stamp, frame_id),
         first_sample=result.first_sample,
@@ -63,7 +66,11 @@ def diagnosis_message(
         faults=list(result.faults),
         fault_code=result.fault_code,
         confidence=result.confidence,
+        stage=severity.stage,
         reasons=list(result.reasons),
+        window_result=getattr(Diagnosis, window_result.upper()),
+        window_level=getattr(Diagnosis, f'LEVEL_{window_level.upper()}'),
+        rule=result.rule,
         shaft_hz_given=result.shaft_hz_given,
         shaft_hz=result.shaft_hz,
         slip=result.slip,
@@ -73,6 +80,8 @@ def diagnosis_message(
         ftf=result.expected.ftf,
         fault_hz=result.fault_hz,
         fault_hz_expected=result.fault_hz_expected,
+        strongest_score=float(result.score.get(strongest, math.nan)),
+        strongest_modulation_index=float(result.modulation_index.get(strongest, math.nan)),
         score=[float(result.score.get(f, math.nan)) for f in PLACES],
         modulation_index=[float(result.modulation_index.get(f, math.nan)) for f in PLACES],
         band_low=result.band[0],
@@ -116,22 +125,20 @@ def spectrum_message(
     )
 
 
-def features_message(message: Diagnosis) -> Float64MultiArray:
+def features_messages(message: Diagnosis) -> dict[str, Float64MultiArray]:
     """
-    Return the figures people trend, in a standard type that viewers draw by themselves.
+    Return the figures that people watch, each for a topic of its own, by the name of its field.
 
-    The labels of the dimensions name the elements in their order.
+    Lists of one element, since a viewer that does not know our messages draws these by themselves
+    (Rerun), and a plain Float64 not.
     """
-    features = {
-        'level': float(message.level),
-        'confidence': message.confidence,
-        'level_over_baseline_dB': message.level_over_baseline,
-        'rms': message.rms,
-        'crest_factor': message.crest_factor,
-        'kurtosis': message.kurtosis,
-        **{f'score_{f}': s for f, s in zip(PLACES, message.score, strict=True)},
+    return {
+        name: Float64MultiArray(data=array.array('d', [getattr(message, name)]))
+        for name in FEATURES
     }
-    dimensions = [MultiArrayDimension(label=label, size=1, stride=1) for label in features]
-    return Float64MultiArray(
-        layout=MultiArrayLayout(dim=dimensions), data=array.array('d', features.values())
-    )
+
+
+def _highest(score: dict[str, float]) -> str:
+    """Place with the highest score; '' where none is known."""
+    known = [place for place in PLACES if math.isfinite(score.get(place, math.nan))]
+    return max(known, key=lambda place: score[place], default='')

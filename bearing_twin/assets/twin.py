@@ -192,6 +192,7 @@ def vibration_message(block: Block, due: Due, values: Mapping[str, Any]) -> Vibr
         header=message_header(due.stamp, values['frame_id']),
         sample_rate=values['sample_rate'],
         first_sample=due.first_sample,
+        source=Vibration.SOURCE_SIMULATED,
         unit='m/s^2',
         shaft_hz=block.condition.shaft_hz,
         x=floats(block.x),

@@ -90,5 +90,7 @@ class Diagnosis:
     smallest_detectable: float
     spectrum: Spectrum
     envelope_spectrum: Spectrum
+    window: tuple[str, str] | None = None
+    """Answer and level of this window alone, where others are held; None: the same."""
     found_hz: dict[str, float] = field(default_factory=dict)
     """Frequency at which each family's comb is clearest, Hz, however weak; not on the wire."""

@@ -152,7 +152,7 @@ class Trend:
         """Return a window's own diagnosis with the level and the answer that are held."""
         if not self.level and not full:
             # The first full window sets the level; before it none is known.
-            return replace(own, level='none')
+            return replace(own, level='none', window=(own.result, own.level))
         said = ' '.join((own.result, *own.faults))
         before, level = self.level, self._hold(own.level, hold)
         if own.level != level:
@@ -175,6 +175,7 @@ class Trend:
             fault_code=FAULT_CODES[result],
             confidence=self.confidence,
             reasons=(*own.reasons, text),
+            window=(own.result, own.level),
         )
 
     def _another(self, said: str, hold: int) -> bool:

@@ -253,6 +253,7 @@ class AdapterNode(ManagedNode):
                     header=message_header(block.stamp, self._frame),
                     sample_rate=rate,
                     first_sample=block.first_sample,
+                    source=Vibration.SOURCE_MEASURED,
                     unit=p['unit'],
                     shaft_hz=math.nan,
                     x=floats(x),

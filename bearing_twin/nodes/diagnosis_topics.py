@@ -11,6 +11,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.checkpoints import Checkpoints
 from bearing_twin.assets.diagnosis import DiagnosisCore
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
 from bearing_twin.ros.subscribing import subscribe
@@ -88,9 +89,11 @@ class DiagnosisTopics:
         self._envelope = node.create_lifecycle_publisher(
             Spectrum, f'{prefix}envelope_spectrum', own(RESULT), qos_overriding_options=OVERRIDES
         )
-        self._features = node.create_lifecycle_publisher(
-            Float64MultiArray, f'{prefix}features', RESULT
-        )
+        # A fleet has none: seven publishers an asset, of what the verdict holds anyway.
+        self._features = {
+            name: node.create_lifecycle_publisher(Float64MultiArray, f'features/{name}', RESULT)
+            for name in (() if prefix else FEATURES)
+        }
         self._checkpoint = node.create_lifecycle_publisher(
             Checkpoint, f'{prefix}diagnosis_checkpoint', CHECKPOINT
         )
@@ -125,7 +128,7 @@ class DiagnosisTopics:
             self._verdict,
             self._spectrum,
             self._envelope,
-            self._features,
+            *self._features.values(),
             self._checkpoint,
         ):
             self._node.destroy_lifecycle_publisher(publisher)
@@ -203,7 +206,8 @@ class DiagnosisTopics:
             )
         self._latest = result
         self._verdict.publish(verdict.diagnosis)
-        self._features.publish(verdict.features)
+        for name, publisher in self._features.items():
+            publisher.publish(verdict.features[name])
         self._spectrum.publish(verdict.spectrum)
         self._envelope.publish(verdict.envelope_spectrum)
 

@@ -147,6 +147,7 @@ class DiagnosisRun:
         """Yield what the node publishes of a verdict."""
         self.counts[verdict.result.result] += 1
         yield output('/diagnosis', verdict.diagnosis)
-        yield output('/features', verdict.features)
+        for name, message in verdict.features.items():
+            yield output(f'/features/{name}', message)
         yield output('/spectrum', verdict.spectrum)
         yield output('/envelope_spectrum', verdict.envelope_spectrum)

@@ -2,7 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Names and types of the topics of twin and diagnosis."""
 
-__all__ = ['OWN_TOPICS']
+__all__ = ['FEATURES', 'OWN_TOPICS', 'is_feature']
+
+FEATURES = (
+    'result',
+    'level',
+    'strongest_score',
+    'strongest_modulation_index',
+    'fault_hz',
+    'rms',
+    'level_over_baseline',
+)
+"""Fields of a Diagnosis that a diagnosis node also publishes each on a topic of its own."""
 
 OWN_TOPICS = {
     'temperature': 'sensor_msgs/msg/Temperature',
@@ -14,6 +25,18 @@ OWN_TOPICS = {
     'diagnosis_checkpoint': 'bearing_twin_msgs/msg/Checkpoint',
     'envelope_spectrum': 'bearing_twin_msgs/msg/Spectrum',
     'spectrum': 'bearing_twin_msgs/msg/Spectrum',
-    'features': 'std_msgs/msg/Float64MultiArray',
+    **{f'features/{name}': 'std_msgs/msg/Float64MultiArray' for name in FEATURES},
 }
 """Relative name and type."""
+
+
+def is_feature(topic: str) -> bool:
+    """
+    Whether a topic but repeats a field of a verdict, for viewers that do not know our messages.
+
+    >>> is_feature('/line3/features/rms'), is_feature('/line3/diagnosis')
+    (True, False)
+
+    """
+    *_, above, name = ('', *topic.split('/'))
+    return above == 'features' and name in FEATURES

@@ -15,12 +15,22 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['GapCounter', 'SourceLock', 'VibrationBlock', 'read_vibration']
+__all__ = [
+    'SOURCE_MEASURED',
+    'SOURCE_SIMULATED',
+    'SOURCE_UNKNOWN',
+    'GapCounter',
+    'SourceLock',
+    'VibrationBlock',
+    'read_vibration',
+]
 
 LOWEST_RATE = 100.0
 HIGHEST_RATE = 1_000_000.0
 LONGEST_BLOCK = 1_000_000
 HIGHEST_INDEX = 2**62
+SOURCE_UNKNOWN, SOURCE_MEASURED, SOURCE_SIMULATED = range(3)
+"""Constants of a Vibration message."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +44,8 @@ class VibrationBlock:
     shaft_hz: float
     """Hz; NaN where the source does not know it."""
     unit: str
+    simulated: bool
+    """Whether the source says that it is a twin."""
 
 
 def read_vibration(message: Any, axis: str) -> VibrationBlock:
@@ -77,6 +89,8 @@ def read_vibration(message: Any, axis: str) -> VibrationBlock:
         sample_rate=rate,
         shaft_hz=shaft if 0.0 <= shaft <= FASTEST_SHAFT else math.nan,
         unit=str(message.unit)[:32],
+        # Recordings of older versions lack the field.
+        simulated=getattr(message, 'source', SOURCE_UNKNOWN) == SOURCE_SIMULATED,
     )
 
 

@@ -9,7 +9,11 @@ from typing import Any
 from bearing_twin.assets.twin_parameters import build_parameters
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.plainyaml import load_plain
-from bearing_twin.stamps import stamp_ns
+from bearing_twin.streams.vibration_input import (
+    SOURCE_MEASURED,
+    SOURCE_SIMULATED,
+    SOURCE_UNKNOWN,
+)
 
 __all__ = ['Source', 'twin_in_words']
 
@@ -17,31 +21,18 @@ PLACE = {'inner': 'inner race', 'outer': 'outer race', 'ball': 'ball', 'cage': '
 
 
 class Source:
-    """
-    Tell simulated vibration from measured.
-
-    The state of a twin carries stamp and number of the block that it belongs to: vibration that
-    matches one is that twin's.
-    """
+    """What the vibration itself says of its source, and the twin that made it."""
 
     def __init__(self) -> None:
         self._twin = ''
         self.frame = ''
         """Frame of the vibration: the sensor."""
-        self._simulated = False
-        self._block: tuple[int, int] | None = None
-        self._state: tuple[int, int] | None = None
+        self._sources: set[int] = set()
 
     def vibration(self, message: Any) -> None:
-        """Take a Vibration message."""
+        """Take a Vibration message; one of another version may lack the field."""
         self.frame = str(message.header.frame_id)
-        self._block = (stamp_ns(message.header.stamp), int(message.first_sample))
-        self._simulated = self._simulated or self._block == self._state
-
-    def state(self, message: Any) -> None:
-        """Take a TwinState message."""
-        self._state = (stamp_ns(message.header.stamp), int(getattr(message, 'first_sample', -1)))
-        self._simulated = self._simulated or self._block == self._state
+        self._sources.add(int(getattr(message, 'source', SOURCE_UNKNOWN)))
 
     def checkpoint(self, message: Any) -> None:
         """Take a Checkpoint message."""
@@ -52,11 +43,12 @@ class Source:
     @property
     def text(self) -> str:
         """In words; '' while there is no vibration."""
-        if self._block is None:
+        if not self._sources:
             return ''
-        if self._simulated:
+        if SOURCE_SIMULATED in self._sources:
             return f'simulated by {self._twin or "a twin"}'
-        return f'measured, {self.frame}' if self.frame else 'measured'
+        text = 'measured' if SOURCE_MEASURED in self._sources else 'source not stated'
+        return f'{text}, {self.frame}' if self.frame else text
 
 
 def twin_in_words(values: Any) -> str:

@@ -48,6 +48,7 @@ def vibration_cdr(index: int, *, length: int = BLOCK) -> bytes:
         header=header(types, START + index * PERIOD),
         sample_rate=RATE,
         first_sample=first,
+        source=0,
         unit='m/s^2',
         shaft_hz=25.0,
         x=samples,

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-COMPARED = ('/vibration', '/diagnosis', '/twin_state', '/envelope_spectrum', '/features')
+COMPARED = ('/vibration', '/diagnosis', '/twin_state', '/envelope_spectrum', '/features/rms')
 
 
 @pytest.fixture(scope='module')

@@ -5,6 +5,7 @@
 import math
 from types import SimpleNamespace
 
+from bearing_twin.streams.vibration_input import SOURCE_MEASURED, SOURCE_SIMULATED
 from bearing_twin.view.over_temperature import OverTemperature
 from bearing_twin.view.source import Source
 import numpy as np
@@ -34,21 +35,18 @@ def test_the_frequency_found_is_of_one_place():
     assert list(found.values) == [126.5]
 
 
-def block(time, first=0, frame='bearing_housing'):
-    """Return what vibration and state have in common."""
-    stamp = SimpleNamespace(sec=time, nanosec=0)
-    return SimpleNamespace(header=SimpleNamespace(stamp=stamp, frame_id=frame), first_sample=first)
+def block(**source):
+    return SimpleNamespace(header=SimpleNamespace(frame_id='bearing_housing'), **source)
 
 
-def test_vibration_is_simulated_where_a_twin_has_the_same_block():
+def test_vibration_says_itself_whether_it_is_simulated():
     source = Source()
     assert source.text == ''
-    source.vibration(block(10))
+    source.vibration(block())
+    assert source.text == 'source not stated, bearing_housing'
+    source.vibration(block(source=SOURCE_MEASURED))
     assert source.text == 'measured, bearing_housing'
-    # A twin that runs beside a sensor has blocks of its own.
-    source.state(block(10, first=1024))
-    assert source.text == 'measured, bearing_housing'
-    source.vibration(block(10, first=1024))
+    source.vibration(block(source=SOURCE_SIMULATED))
     assert source.text == 'simulated by a twin'
     values = {'preset': 'incipient', 'bearing': '6307', 'defect': 'inner:width=0.0024+ball'}
     checkpoint = SimpleNamespace(kind='twin', node='/twin', configuration='')

@@ -11,6 +11,7 @@ from bearing_twin import cli
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
+from bearing_twin.recording.topics import FEATURES
 from bearing_twin.view.rerun.bearing3d import contact_forces, SLOWED
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings, find_recording
@@ -20,7 +21,7 @@ from bearing_twin.view.rerun.viewer import live_url, LOOPBACK
 from bearing_twin.view.rerun.waveform import extremes
 import numpy as np
 import pytest
-from rerun.chunk import RrdReader
+from rerun.chunk import McapReader, RrdReader
 import yaml
 
 SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
@@ -87,6 +88,15 @@ def test_the_verdict_is_drawn_where_its_window_ends(recording, picture):
     times, values = columns(picture, '/diagnosis/verdict', 'state')
     assert times[0] == begin + round(first.sample_count / first.sample_rate * SECOND)
     assert values[-1] == ['inner']
+
+
+def test_rerun_without_us_draws_each_figure_under_its_name(recording):
+    drawn = {}
+    for chunk in McapReader(next(recording.glob('*.mcap'))).stream():
+        names = set(chunk.to_record_batch().schema.names)
+        if names & {'Scalars:scalars', 'Measurements:values'}:
+            drawn[str(chunk.entity_path)] = names
+    assert set(drawn) == {'/temperature', *(f'/features/{name}' for name in FEATURES)}
 
 
 def test_the_forces_drawn_are_those_of_the_model(recording):

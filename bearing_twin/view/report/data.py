@@ -203,7 +203,6 @@ class _Collector:
         machine = self.machine
         self._temperature = recorded(message, 'temperature_used')
         machine.last_state = message
-        machine.source.state(message)
         machine.over_temperature.state(message)
         lateness = recorded(message, 'lateness')
         machine.worst_lateness = float(np.fmax(machine.worst_lateness, lateness))

@@ -14,6 +14,7 @@ import socket
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.topics import is_feature
 from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.blueprint import automatic, layout
 from bearing_twin.view.rerun.outlet import Outlet, ServedOutlet
@@ -152,6 +153,8 @@ class RerunLogger:
             One of the `sides`, where there are any.
 
         """
+        if is_feature(topic):
+            return
         try:
             namespace, name = namespace_of(topic)
             self._scene(side, namespace).draw(name, type_name, message, time_ns)

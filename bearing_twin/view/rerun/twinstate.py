@@ -37,7 +37,6 @@ class TwinPicture(Picture):
         """Draw a state at ``time`` in ns."""
         self.asset.twin = True
         self.asset.temperature = recorded(message, 'temperature_used')
-        self.asset.source.state(message)
         self.asset.over_temperature.state(message)
         self._trends.hold(message, time)
         self._lane.set(int(getattr(message, 'temperature_status', -1)), time)
