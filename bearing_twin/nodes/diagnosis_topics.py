@@ -113,7 +113,18 @@ class DiagnosisTopics:
             self._subscribe(JointState, 'joint_states', self._on_joints, MEASUREMENT)
 
     def _subscribe(self, kind: Any, topic: str, callback: Any, qos: QoSProfile) -> None:
-        self._inputs.append(subscribe(self._node, kind, f'{self._prefix}{topic}', callback, qos))
+        # A fleet has many: waiting for each would cost more than what they bring.
+        polled = self._prefix or kind is not Vibration
+        self._inputs.append(
+            subscribe(
+                self._node,
+                kind,
+                f'{self._prefix}{topic}',
+                callback,
+                qos,
+                group=self._node.polled if polled else None,
+            )
+        )
 
     def stop(self) -> None:
         """Stop listening and keep what was learnt."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 import time
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, STREAM
@@ -72,12 +72,13 @@ class TwinTopics:
                 Checkpoint, f'{prefix}twin_checkpoint', CHECKPOINT
             )
             self._publishers.append(self._checkpoint)
-        temperature, joints = f'{prefix}temperature', f'{prefix}joint_states'
-        self._inputs = [
-            subscribe(node, Temperature, temperature, twin.take_temperature, MEASUREMENT)
-        ]
+        inputs: list[tuple[Any, str, Any]] = [(Temperature, 'temperature', twin.take_temperature)]
         if twin.values['joint']:
-            self._inputs.append(subscribe(node, JointState, joints, twin.take_joints, MEASUREMENT))
+            inputs.append((JointState, 'joint_states', twin.take_joints))
+        self._inputs = [
+            subscribe(node, kind, f'{prefix}{topic}', take, MEASUREMENT, group=node.polled)
+            for kind, topic, take in inputs
+        ]
 
     def destroy(self) -> None:
         """Give up the topics."""

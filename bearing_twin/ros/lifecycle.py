@@ -16,7 +16,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.spec import Spec
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
-from bearing_twin.ros.executor import LeanExecutor
+from bearing_twin.ros.executor import LeanExecutor, PolledGroup
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.launching import COMPILING, ensure_log_folder
 from bearing_twin.ros.parameters import ParameterSet, unknown_at_start
@@ -46,6 +46,9 @@ TRANSPORT_SETTINGS = (
 SLOW = 2.0
 """Time after which the preparation of a node must be compiling, s."""
 
+POLL_PERIOD = 0.1
+"""Longest that an input waits which is used with the next block, s."""
+
 THREAD = 'compiler'
 PART = 'real time'
 """Part of the node that a status speaks of; every node that compiles has it later on, too."""
@@ -73,6 +76,8 @@ class ManagedNode(LifecycleNode):
         super().__init__(name)
         self.configured = False
         self.active = False
+        self.polled = PolledGroup(POLL_PERIOD)
+        """Group of the subscriptions that can wait for the next block."""
         self._managed = False
         self.failed = False
         """Whether the work has ended in an error: the exit status of the process."""

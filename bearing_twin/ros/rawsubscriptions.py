@@ -9,6 +9,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.schema import message_schema
+from bearing_twin.ros.executor import PolledGroup
 from bearing_twin.ros.rawtopics import (
     deepened,
     matches,
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
     OnMessage = Callable[[str, str, bytes, MessageInfo], None]
 
 __all__ = ['RawSubscriptions', 'TopicChoice']
+
+POLL_PERIOD = 0.02
+"""Longest that a message waits, s: 25 000 messages a second of one topic are taken in time."""
 
 
 class TopicChoice:
@@ -94,6 +98,7 @@ class RawSubscriptions:
         self._on_message = on_message
         self._types: dict[str, str] = {}
         self._subscriptions: dict[str, Subscription[Any]] = {}
+        self._group = PolledGroup(POLL_PERIOD)
 
     def __len__(self) -> int:
         """Return the number of topics subscribed to."""
@@ -145,6 +150,7 @@ class RawSubscriptions:
             on_bytes,
             qos,
             raw=True,
+            callback_group=self._group,
             event_callbacks=SubscriptionEventCallbacks(message_lost=self._on_lost),
         )
 

@@ -15,6 +15,7 @@ from rosgraph_msgs.msg import Clock
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rclpy.callback_groups import CallbackGroup
     from rclpy.node import Node
     from rclpy.qos import QoSProfile
     from rclpy.subscription import MessageInfo, Subscription
@@ -56,6 +57,8 @@ def subscribe(
     topic: str,
     callback: Callable[[Any, MessageInfo], None],
     qos: QoSProfile,
+    *,
+    group: CallbackGroup | None = None,
 ) -> Subscription[Any]:
     """
     Subscribe to a topic; its QoS can be overridden by parameters.
@@ -72,6 +75,8 @@ def subscribe(
         Called with each message and what is known of its way.
     qos
         Profile, where no parameter says otherwise.
+    group
+        Callback group; None: that of the node.
 
     """
     return node.create_subscription(
@@ -80,6 +85,7 @@ def subscribe(
         validated(node, kind, topic, callback),
         own(qos),
         raw=True,
+        callback_group=group,
         qos_overriding_options=OVERRIDES,
     )
 
