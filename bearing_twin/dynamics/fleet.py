@@ -116,6 +116,7 @@ class Fleet:
                 shaft_hz=float(self._shaft_hz[source]),
             )
             lanes.place(index, simulator)
+            lanes.fill_filters(index, simulator.snapshot())
         lanes.survey(self._parameters)
         self._tick_all(self._temperatures[:0], self._shaft_hz[:0])  # compiled before it is needed
 
@@ -249,7 +250,7 @@ class Fleet:
         rings = np.array([inner, inner]) if ours.thermal_mode == 'physical' else None
         moved.adopt(snapshot.state, self.next_sample, rings)
         self._lanes.place(index, moved)
-        self._lanes.quieten(index)
+        self._lanes.fill_filters(index, snapshot)
 
     def _simulator(self, index: int, parameters: TwinParameters) -> Simulator:
         """Return one bearing with these parameters; the rings' temperatures go with the mode."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from bearing_twin.dynamics.parameters import TwinParameters
-    from bearing_twin.dynamics.simulator import Simulator
+    from bearing_twin.dynamics.simulator import Simulator, Snapshot
 
 __all__ = ['Lanes', 'check_defects']
 
@@ -96,11 +96,15 @@ class Lanes:
         number, lane = divmod(index, L)
         return int(self.groups[number]['seed'][lane])
 
-    def quieten(self, index: int) -> None:
-        """Let the filters of one bearing begin anew."""
-        group, lane = divmod(index, L)
-        self.groups[group]['sensor'][:, lane] = 0.0
-        self.history[group].reshape(self.oversample, -1, L)[:, :, lane] = 0.0
+    def fill_filters(self, index: int, snapshot: Snapshot) -> None:
+        """Take over the sensor and the memory of the decimator of one bearing."""
+        number, lane = divmod(index, L)
+        self.groups[number]['sensor'][:, lane] = snapshot.state['sensor'][0]
+        # By the place of an internal sample within an output sample, as the taps.
+        padding = np.zeros((2, self.oversample - 1))
+        internal = np.concatenate([padding, snapshot.history], axis=1)
+        memory = self.history[number].reshape(self.oversample, -1, 2, L)
+        memory[..., lane] = internal.reshape(2, -1, self.oversample).T
 
     def place(self, index: int, simulator: Simulator) -> None:
         """Put one bearing into its lane; the filters' memory stays."""

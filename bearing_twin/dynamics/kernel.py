@@ -25,10 +25,11 @@ from bearing_twin.dynamics.kinematics import (
 from bearing_twin.dynamics.layout import CHUNK, COS, GAP, SIN, STEP
 from bearing_twin.dynamics.model import contact_force
 from bearing_twin.dynamics.random import NOISE, normal_pair, WALK
+from bearing_twin.dynamics.statics import equilibrium
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ['FAST_HZ', 'advance', 'ball_forces', 'start']
+__all__ = ['FAST_HZ', 'advance', 'ball_forces', 'settle', 'start']
 
 FloatArray = npt.NDArray[np.float64]
 Records = npt.NDArray[np.void]
@@ -218,6 +219,31 @@ def _held(machine, defects, balls, values):
     none = Inputs(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     inputs = Inputs(values[0], values[1], values[2], values[3], values[4], values[5])
     return Bearing(machine, defects, balls, inputs, none)
+
+
+@compiled(fast=FAST)
+def settle(
+    states: Records,
+    machines: Records,
+    defects: Records,
+    balls: FloatArray,
+    values: FloatArray,
+) -> None:
+    """
+    Put both rings into static equilibrium at the present phases, defects under the balls included.
+
+    ``values`` are the inputs; `start` is to be called next.
+    """
+    state, machine = states[0], machines[_LONG]
+    wrap_phases(state)
+    steps, gaps = np.empty(1, STEP), np.zeros((1, 4, balls.shape[1]))
+    bearing = _held(machine, defects, balls, values)
+    _instant(state, bearing, steps[0], gaps)
+    foot, k_b = bearing.inputs.spring, bearing.inputs.k_b
+    inner, outer = machine.inner_stiffness, machine.outer_stiffness
+    _, _, fx, fy = equilibrium(foot, k_b, 1.0 / inner + 1.0 / outer, gaps[0])
+    state.q[0], state.q[1] = -fx / inner, foot - fy / inner
+    state.q[2], state.q[3] = fx / outer, fy / outer
 
 
 @compiled(fast=FAST)

@@ -18,7 +18,9 @@ from typing import NamedTuple, TYPE_CHECKING
 from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.dynamics import filters
 from bearing_twin.dynamics.compiled import compiled
+from bearing_twin.dynamics.layout import CHUNK
 from bearing_twin.dynamics.model import CODES, contact_force, defect_path
+from bearing_twin.dynamics.simulator import RUN_IN
 from bearing_twin.thermal import friction, gcr15, rings
 import numpy as np
 import numpy.typing as npt
@@ -37,6 +39,7 @@ _LARGEST_STEP = 1e-4
 _POSITIONS = 8
 """Positions of the cage, over one ball spacing, over which the load is a mean."""
 _MICRON = 1e-6
+_HEALTHY = np.empty((0, 6))
 
 
 class Reference(NamedTuple):
@@ -129,12 +132,14 @@ def solve(
         ]
     ).reshape(-1, 6)
     factor = filters.oversampling(sample_rate)
-    times = np.arange(1, samples * factor + 1) / (sample_rate * factor)
+    before = CHUNK * math.ceil(RUN_IN * sample_rate / CHUNK) * factor if shaft_hz else 0
+    times = np.arange(1 - before, samples * factor + 1) / (sample_rate * factor)
+    first = -before / (sample_rate * factor)
     begin = np.zeros(12)
-    begin[:4] = _at_rest(constants)
+    begin[:4] = _at_rest(constants, defects, first)
     tolerance = rtol * np.repeat([1e-5, 1e-2, 1e2], 4)
     solution = solve_ivp(
-        _rates, (0.0, times[-1]), begin, method, times, rtol=rtol, atol=tolerance,
+        _rates, (first, times[-1]), begin, method, times, rtol=rtol, atol=tolerance,
         max_step=_LARGEST_STEP, args=(values, defects),
     )  # fmt: skip
     if p.resonance_hz:
@@ -147,12 +152,12 @@ def solve(
             ]
         ).T
     taps = filters.decimator(factor)
-    before = np.zeros((2, len(taps) - factor))
+    nothing = np.zeros((2, len(taps) - factor))
     windows = np.lib.stride_tricks.sliding_window_view(
-        np.concatenate([before, sensed], axis=1), len(taps), axis=1
+        np.concatenate([nothing, sensed], axis=1), len(taps), axis=1
     )
-    x, y = windows[:, ::factor] @ taps
-    return Reference(x, y, solution.y, solution.nfev)
+    x, y = (windows[:, ::factor] @ taps)[:, before // factor :]
+    return Reference(x, y, solution.y[:, before:], solution.nfev)
 
 
 def _constants(p: TwinParameters, temperature: float, shaft_hz: float) -> _Constants:
@@ -199,7 +204,7 @@ def _constants(p: TwinParameters, temperature: float, shaft_hz: float) -> _Const
     def excess(foot: float) -> float:
         """Mean load of the bearing less what it has to carry, N."""
         standing = (constants._replace(foot=foot, start=angle - 0.5 * math.pi) for angle in angles)
-        carried = [p.outer_stiffness * _at_rest(each)[3] for each in standing]
+        carried = [p.outer_stiffness * _at_rest(each, _HEALTHY, 0.0)[3] for each in standing]
         return float(-np.mean(carried) - p.load)
 
     lowest = -1e-6
@@ -231,13 +236,13 @@ def _inner_ring(p: TwinParameters, outer: float, shaft_hz: float) -> float:
     return float(brentq(excess, rings.RING_LOW, rings.RING_HIGH, xtol=1e-12))
 
 
-def _at_rest(constants: _Constants) -> FloatArray:
-    """Positions x_i, y_i, x_o, y_o of static equilibrium of the healthy bearing, m."""
-    healthy, values = np.empty((0, 6)), np.array(constants)
+def _at_rest(constants: _Constants, defects: FloatArray, time: float) -> FloatArray:
+    """Positions x_i, y_i, x_o, y_o of static equilibrium at an instant, m."""
+    values = np.array(constants)
     inner, outer, foot = constants.inner_stiffness, constants.outer_stiffness, constants.foot
 
     def rings_at(apart: FloatArray) -> FloatArray:
-        fx, fy = _contact(0.0, apart[0] * _MICRON, apart[1] * _MICRON, 0.0, 0.0, values, healthy)
+        fx, fy = _contact(time, apart[0] * _MICRON, apart[1] * _MICRON, 0.0, 0.0, values, defects)
         return np.array([-fx / inner, foot - fy / inner, fx / outer, fy / outer])
 
     def excess(apart: FloatArray) -> FloatArray:

@@ -11,11 +11,10 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.dynamics import coefficients, filters, inner_ring, kernel
 from bearing_twin.dynamics.condition import Condition, condition
-from bearing_twin.dynamics.layout import STATE
+from bearing_twin.dynamics.layout import CHUNK, STATE
 from bearing_twin.dynamics.parameters import check_speed
 from bearing_twin.dynamics.saved import Envelope, identity
 from bearing_twin.dynamics.stability import steps
-from bearing_twin.dynamics.statics import equilibrium
 from bearing_twin.dynamics.tables import ball_table, defect_table, machine
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import check_temperature
@@ -25,11 +24,13 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['Block', 'Simulator']
+__all__ = ['RUN_IN', 'Block', 'Simulator']
 
 FloatArray = npt.NDArray[np.float64]
 Records = npt.NDArray[Any]
 
+RUN_IN = 0.04
+"""How long a bearing has turned before sample 0, s: what a start at rest excites has died away."""
 _MAX_BLOCK = 1 << 24
 _MOST_TURNS = 1e3
 """Phases are wrapped on the kernel's grid only; between two points of it they run on, and with
@@ -58,6 +59,7 @@ class Snapshot:
     """Tables and state of one simulator, as records of `layout` and rows of `coefficients`."""
 
     state: Records
+    history: FloatArray
     machine: Records
     defects: Records
     balls: FloatArray
@@ -149,7 +151,12 @@ class Simulator:
         return (len(self._taps) - 1) / 2.0 / self._oversample / self.sample_rate
 
     def reset(self, seed: int | None = None) -> None:
-        """Start again at sample 0, at rest in static equilibrium; keep the seed if None."""
+        """
+        Start again at sample 0; keep the seed if None.
+
+        The bearing has then turned for `RUN_IN` seconds from static equilibrium, with the balls
+        sunk into the defects under them, so that the start itself is no impact.
+        """
         if seed is not None:
             if not 0 <= seed < 2**32:
                 msg = f'seed={seed} is outside 0..4294967295'
@@ -160,23 +167,7 @@ class Simulator:
         self._history = np.zeros((2, len(self._taps) - self._oversample))
         self._state = np.zeros(1, STATE)
         self._settle_ring()
-        p, values = self._parameters, self._values
-        turns = p.start_angle / (2.0 * math.pi) % 1.0
-        self._state['cage'] = self._state['shaft'] = turns
-        compliance = 1.0 / p.inner_stiffness + 1.0 / p.outer_stiffness
-        spring = values[coefficients.SPRING] + self._drift[0, coefficients.SPRING]
-        clearance = values[coefficients.CLEARANCE] + self._drift[0, coefficients.CLEARANCE]
-        k_b = values[coefficients.K_B] + self._drift[0, coefficients.K_B]
-        _, _, fx, fy = equilibrium(
-            p.start_angle, spring, k_b, clearance, compliance, p.bearing.n_balls
-        )
-        self._state['q'] = (
-            -fx / p.inner_stiffness,
-            spring - fy / p.inner_stiffness,
-            fx / p.outer_stiffness,
-            fy / p.outer_stiffness,
-        )
-        self._restart_motion()
+        self._run_in()
 
     def reconfigure(self, parameters: TwinParameters) -> None:
         """
@@ -191,7 +182,7 @@ class Simulator:
             self._carry_rings()
         else:
             self._settle_ring()
-        self._restart_motion()
+        self._start_motion()
 
     def advance(self, n: int, temperature: float, shaft_hz: float) -> Block:
         """
@@ -330,12 +321,13 @@ class Simulator:
             self._rings[:] = rings
             self._carry_rings()
         self._state[:] = state
-        self._restart_motion()
+        self._start_motion()
 
     def snapshot(self) -> Snapshot:
         """Return copies of the tables and the state, as a fleet takes them."""
         return Snapshot(
             state=self._state.copy(),
+            history=self._history.copy(),
             machine=self._machines[:1],
             defects=self._defects,
             balls=self._balls,
@@ -373,11 +365,38 @@ class Simulator:
         coefficients.evaluate(self._law, outer, inner, shaft_hz, values)
         return values
 
-    def _restart_motion(self) -> None:
-        """Make acceleration and jerk follow from positions, velocities and parameters."""
-        values = self._values[: coefficients.INPUTS] + self._drift[0]
+    def _run_in(self) -> None:
+        """Turn from equilibrium to the phases of sample 0, without jitter and noise."""
+        values, machines, state = self._inputs(), self._machines.copy(), self._state
+        machines['jitter'] = machines['noise'] = 0.0
+        turns = self._parameters.start_angle / (2.0 * math.pi) % 1.0
+        hz, carried = self._shaft_hz, self._shaft_hz * (1.0 - values[coefficients.SLIP])
+        machine = machines[0]
+        n = CHUNK * math.ceil(RUN_IN * self.sample_rate / CHUNK) if hz else 0
+        seconds = n / self.sample_rate
+        state['cage'] = turns - seconds * machine['ftf_order'] * carried
+        state['shaft'] = turns - seconds * hz
+        state['spin'] = -seconds * machine['spin_order'] * carried
+        tables = self._defects, self._balls
+        kernel.settle(state, machines, *tables, values)
+        kernel.start(state, machines, *tables, values)
+        kernel.advance(
+            state, self._history, machines, self._resonators, self._taps, *tables,
+            np.array([values, values]), np.zeros((2, coefficients.INPUTS)), 0, -n, 0,
+            np.empty((2, n), np.float32),
+        )  # fmt: skip
+        state['cage'], state['shaft'], state['spin'] = turns, turns, 0.0
+        self._start_motion()
+
+    def _inputs(self) -> FloatArray:
+        """Return the inputs of the equations at the next sample."""
+        values: FloatArray = self._values[: coefficients.INPUTS] + self._drift[0]
         values += self._drift[1] * (self.next_sample % self.tick)
-        kernel.start(self._state, self._machines, self._defects, self._balls, values)
+        return values
+
+    def _start_motion(self) -> None:
+        """Make acceleration and jerk follow from positions, velocities and parameters."""
+        kernel.start(self._state, self._machines, self._defects, self._balls, self._inputs())
 
     def _settle_ring(self) -> None:
         """Put the inner ring into its steady state."""

@@ -10,7 +10,12 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.dynamics import coefficients, filters
 from bearing_twin.dynamics.parameters import MAX_SHAFT_HZ
-from bearing_twin.dynamics.statics import contact, equilibrium, spring_position
+from bearing_twin.dynamics.statics import (
+    contact,
+    equilibrium,
+    healthy_balls,
+    spring_position,
+)
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import TEMPERATURES
 from bearing_twin.thermal.rings import CLEARANCE_LOW
@@ -182,8 +187,9 @@ def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatAr
         )
     compliance = 1.0 / p.inner_stiffness + 1.0 / p.outer_stiffness
     n = p.bearing.n_balls
-    x, y, _, _ = equilibrium(-math.pi / 2, spring, k_b, clearance, compliance, n)
-    _, _, kxx, kxy, kyy = contact(x, y, 0.0, -1.0, k_b, clearance, n)
+    balls = healthy_balls(-math.pi / 2, clearance, n)
+    x, y, _, _ = equilibrium(spring, k_b, compliance, balls)
+    _, _, kxx, kxy, kyy = contact(x, y, k_b, balls)
     touching = np.array([[kxx, kxy], [kxy, kyy]])
     # Half of the balls bear, in all directions alike: more than do at rest.
     damped = 0.5 * n * p.contact_damping * np.eye(2)

@@ -7,7 +7,7 @@ from bearing_twin.bearing import Bearing
 from bearing_twin.dynamics import Fleet, preset, PRESETS, Simulator
 from bearing_twin.dynamics.parameters import PROFILES
 from bearing_twin.dynamics.reference import solve
-from bearing_twin.dynamics.statics import contact
+from bearing_twin.dynamics.statics import contact, healthy_balls
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import Beta0
 from bearing_twin.thermal.rings import ThermalNetwork
@@ -42,7 +42,7 @@ def relative(got, expected):
     ids=['inner', 'outer', 'ball', 'all', 'no sensor', 'physical'],
 )
 def test_agrees_with_an_adaptive_solver(parameters):
-    samples = 2560
+    samples = 5120
     reference = solve(parameters, samples, temperature=60.0, shaft_hz=30.0)
     block = Simulator(parameters, temperature=60.0, shaft_hz=30.0).advance(samples, 60.0, 30.0)
     expected = np.array([reference.x, reference.y])
@@ -123,15 +123,37 @@ def test_unbalance_alone_moves_the_rotor_at_shaft_speed_with_its_force():
     values = Simulator(still, shaft_hz=25.0).condition()
     stiffness = np.mean(
         [
-            contact(values.inner_x, values.inner_y, math.cos(a), math.sin(a), values.k_b, 5e-6, 8)[
-                2
-            ]
+            contact(values.inner_x, values.inner_y, values.k_b, healthy_balls(a, 5e-6, 8))[2]
             for a in np.linspace(0.0, math.pi / 4, 32, endpoint=False)
         ]
     )
     through = 1.0 / (1.0 / stiffness + 1.0 / 1.51e7)
     expected = 5e-3 * omega**2 * through / (through + 7.42e7) / 1.51e7 * omega**2
     assert line == pytest.approx(expected, rel=0.1)
+
+
+# --- the start ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize('places', ['inner', 'outer', 'inner+outer+ball+cage'])
+@pytest.mark.parametrize('profile', ['ball', 'rect'])
+def test_a_standing_shaft_is_silent_with_balls_over_defects(places, profile):
+    simulator = Simulator(quiet(defect=places, profile=profile), shaft_hz=0.0)
+    assert np.abs(simulator.advance(2560, 20.0, 0.0).y).max() < 1e-5
+    struck = simulator.condition().ball_force
+    assert struck[0] < struck.max() or places == 'outer'
+
+
+@pytest.mark.parametrize('hz', [2.0, 10.0, 25.4, 60.0, 150.0, 500.0])
+@pytest.mark.parametrize('name', ['incipient', 'paper'])
+@pytest.mark.parametrize('place', ['inner', 'outer', 'ball'])
+def test_start_and_reset_are_no_louder_than_what_follows(name, place, hz):
+    simulator = Simulator(quiet(name, defect=place), shaft_hz=hz)
+    simulator.advance(100, 20.0, hz)
+    simulator.reset()
+    first = simulator.advance(int(0.04 * RATE), 20.0, hz)
+    later = simulator.advance(int(max(0.4, 3.0 / hz) * RATE), 20.0, hz)
+    assert np.abs([first.x, first.y]).max() < 1.2 * np.abs([later.x, later.y]).max()
 
 
 # --- determinism, damaged states ---------------------------------------------------------------
