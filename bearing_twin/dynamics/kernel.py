@@ -34,7 +34,7 @@ __all__ = ['FAST_HZ', 'advance', 'ball_forces', 'settle', 'start']
 FloatArray = npt.NDArray[np.float64]
 Records = npt.NDArray[np.void]
 
-FAST_HZ = 30.0
+FAST_HZ = 27.0
 """Shaft speed above which steps are short: events crowd, and errors would pass 0.1 %."""
 _MOST_KINKS = 32
 """Most kinks of all defects within one step."""

@@ -75,7 +75,7 @@ class Simulator:
     Advances the equations of motion of one bearing and carries their state.
 
     The equations are solved by Hermite's method of order 4 in steps of an output sample, or of
-    1/25600 s if that is less (a third of it above 30 Hz and for stiff rings), and in smaller ones
+    1/25600 s if that is less (a third of it above 27 Hz and for stiff rings), and in smaller ones
     wherever contact or the path through a defect is
     not smooth; the sensor's resonance is applied within them, then the signal is decimated. The
     decimator delays the signal by `delay` against the condition: `Block.x` [k] shows what

@@ -56,7 +56,7 @@ def test_contact_is_lost_and_found_when_an_adaptive_solver_finds_it(hz):
 
     By its approach over the rate of that, which just after an event is the time since then.
     """
-    p, samples = quiet(resonance_hz=0.0), 2560
+    p, samples = quiet(resonance_hz=0.0), 3072
     simulator = Simulator(p, shaft_hz=hz)
     values = simulator.snapshot().values
     near, loaded = np.empty(samples), np.empty(samples, np.int64)
