@@ -37,6 +37,7 @@ COMMANDS = {
     'diagnose': 'say what is wrong with the bearing in vibration files',
     'info': 'show what is inside a recording and how sound it is',
     'paper': 'recompute every figure and claim of the seed paper and judge it',
+    'play': 'publish a vibration file as a sensor would, in real time',
     'recover': 'save what is complete in a torn recording',
     'replay': 'publish a recording again, or run it offline through twin and diagnosis',
     'report': 'show a recording on one HTML page, to be mailed and printed',

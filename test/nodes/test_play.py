@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A file played as a sensor arrives sample for sample, in time."""
+
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from scipy.io import savemat, wavfile
+
+pytestmark = pytest.mark.ros
+
+RATE = 4000
+SIGNAL = np.round(np.random.default_rng(0).standard_normal(6000) * 3000).astype(np.int16)
+
+
+@pytest.fixture
+def files(tmp_path):
+    wavfile.write(tmp_path / 'a.wav', RATE, SIGNAL)
+    savemat(tmp_path / 'a.mat', {'fan_time': SIGNAL.astype(float)[:, None], 'other': [[1.0]]})
+    times = np.arange(SIGNAL.size) / RATE
+    table = np.column_stack([times, SIGNAL])
+    np.savetxt(tmp_path / 'a.csv', table, delimiter=',', header='time,x', comments='')
+    np.savez(tmp_path / 'a.npz', x=SIGNAL.astype(float), fs=RATE, rpm=600.0)
+    return tmp_path
+
+
+def play(*words):
+    command = [sys.executable, '-m', 'bearing_twin', 'play', *map(str, words)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def stamp(message):
+    return message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
+
+
+@pytest.mark.parametrize(
+    ('name', 'words', 'scale'),
+    [
+        ('a.wav', (), 2.0**-15),
+        ('a.mat', ('--channel', 'fan', '--rate', RATE), 1.0),
+        ('a.csv', ('--channel', 'x'), 1.0),
+    ],
+)
+def test_blocks_without_a_stamp_come_at_the_rate_of_the_file(probe, files, name, words, scale):
+    from std_msgs.msg import Float32MultiArray
+
+    came = probe.collect(Float32MultiArray, '/fan/accel')
+    began = time.monotonic()
+    playing = play(files / name, *words, '--topic', '/fan/accel')
+    probe.until(lambda: playing.poll() is not None, 'the end of the file')
+    assert playing.returncode == 0, playing.stdout.read()
+    assert time.monotonic() - began >= SIGNAL.size / RATE
+    probe.until(lambda: sum(len(m.data) for m in came) == SIGNAL.size, 'the last samples')
+    samples = np.concatenate([m.data for m in came])
+    assert np.array_equal(samples, (SIGNAL * scale).astype(np.float32))
+
+
+def test_blocks_of_vibration_go_on_over_the_end_of_a_loop(probe, files):
+    from bearing_twin_msgs.msg import Vibration
+
+    came = probe.collect(Vibration, '/vibration')
+    playing = play(files / 'a.npz', '--as', 'vibration', '--loop', '--speed', 3, '--unit', 'g')
+    probe.until(lambda: len(came) >= 8, 'more than one round')
+    playing.terminate()
+    assert playing.wait(30) == 0, playing.stdout.read()
+    first, *_, last = came
+    assert (first.unit, first.shaft_hz, first.source) == ('g', 10.0, Vibration.SOURCE_MEASURED)
+    assert [m.first_sample for m in came] == [1024 * k for k in range(len(came))]
+    assert stamp(last) - stamp(first) == pytest.approx(last.first_sample / RATE, abs=1e-6)
+    samples = np.concatenate([m.y for m in came])
+    assert np.array_equal(samples, np.resize(SIGNAL, samples.size))
+
+
+def test_single_samples_have_their_own_stamps(probe, files):
+    from sensor_msgs.msg import Imu
+
+    came = probe.collect(Imu, '/imu', depth=SIGNAL.size)
+    playing = play(files / 'a.npz', '--as', 'imu', '--speed', 0.5, '--frame-id', 'fan')
+    probe.until(lambda: len(came) == SIGNAL.size, 'all samples')
+    assert playing.wait(30) == 0
+    assert [m.linear_acceleration.x for m in came] == SIGNAL.tolist()
+    assert np.diff([stamp(m) for m in came]) == pytest.approx(1.0 / RATE, abs=2e-6)
+    assert came[0].header.frame_id == 'fan'
+
+
+def test_what_cannot_be_played_is_refused_with_the_remedy(files):
+    for words, said in (
+        (('a.mat',), '--sample-rate'),
+        (('a.wav', '--speed', 2), '--speed needs --as imu or --as vibration'),
+        (('a.npz', '--block', 0), '--block 0'),
+    ):
+        playing = play(files / words[0], *words[1:])
+        output, _ = playing.communicate(timeout=60)
+        assert playing.returncode == 1
+        assert said in output
