@@ -4,8 +4,8 @@
 Beside one machine: adapter and diagnosis of its accelerometer, its twin, and a recorder.
 
 The twin sends its vibration on ``twin/vibration``, so that each stream has one source. Only the
-namespace of the machine is recorded. What dies is started again, but for the recorder, which
-overwrites nothing.
+namespace of the machine is recorded. What dies is started again, the recorder beside what it has
+recorded before.
 """
 
 from bearing_twin.ros.launchfile import Argument, launch_description, shared
@@ -42,5 +42,5 @@ def generate_launch_description() -> LaunchDescription:
             },
             'twin': {'vibration': 'twin/vibration'},
         },
-        respawned=('adapter', 'diagnosis', 'twin'),
+        respawned=('adapter', 'diagnosis', 'twin', 'recorder'),
     )

@@ -18,6 +18,7 @@ from bearing_twin.recording.health import SENT_BEFORE
 from bearing_twin.recording.recover import find_unfinished
 from bearing_twin.recording.snapshot import SnapshotWriter
 from bearing_twin.recording.topics import OWN_TOPICS
+from bearing_twin.recording.wholefile import free_path
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode, run
@@ -60,8 +61,9 @@ SPECS = (
     Spec(
         name='output',
         default='',
-        description='Bag folder to make, or one file if it ends in .mcap; never overwritten. '
-        "'': bearing_twin_DATE-TIME in the working directory.",
+        description='Bag folder to make, or one file if it ends in .mcap. Where there is one of '
+        "this name already, NAME_2 is made, then NAME_3. '': bearing_twin_DATE-TIME in the "
+        'working directory.',
         running=False,
     ),
     Spec(
@@ -157,7 +159,7 @@ SPECS = (
     Spec(
         name='rerun_file',
         default='',
-        description="Rerun recording (.rrd) to write too; '': none.",
+        description="Rerun recording (.rrd) to write too, or NAME_2 likewise; '': none.",
         running=False,
     ),
     Spec(
@@ -377,10 +379,10 @@ def build_writer(values: Mapping[str, Any]) -> RecordingWriter | SnapshotWriter:
     Raises
     ------
     BearingTwinError
-        If it exists or cannot be made, or the parameters do not fit together.
+        If it cannot be made, or the parameters do not fit together.
 
     """
-    path = Path(values['output'] or f'bearing_twin_{datetime.now():%Y%m%d-%H%M%S}')
+    path = free_path(Path(values['output'] or f'bearing_twin_{datetime.now():%Y%m%d-%H%M%S}'))
     options = WriterOptions(
         compression=values['compression'],
         flush_period=values['flush_period'],

@@ -17,6 +17,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.recording.schema import message_schema, store_from_text
 from bearing_twin.recording.snapshot import SnapshotWriter
+from bearing_twin.recording.wholefile import free_path
 import yaml
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ class RecordingWatch:
 
                 self._rerun = rerun.RerunLogger(
                     recording_id=str(writer.path.absolute()),
-                    rrd=Path(values['rerun_file']) if values['rerun_file'] else None,
+                    rrd=free_path(Path(values['rerun_file'])) if values['rerun_file'] else None,
                     serve=(values['rerun_address'], port) if port else None,
                 )
             except BearingTwinError as error:

@@ -1,17 +1,19 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Files that are there as a whole or not at all."""
+"""Files that are there as a whole or not at all, and never in the place of another."""
 
 from __future__ import annotations
 
 import contextlib
+import itertools
+import os
 from typing import BinaryIO, TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ['whole_file']
+__all__ = ['free_path', 'whole_file']
 
 
 @contextlib.contextmanager
@@ -39,3 +41,9 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
         with contextlib.suppress(OSError):
             part.unlink(missing_ok=True)
         raise
+
+
+def free_path(path: Path) -> Path:
+    """Return ``path``, or the first free one of NAME_2, NAME_3, ... where it is taken."""
+    numbered = (path.with_name(f'{path.stem}_{n}{path.suffix}') for n in itertools.count(2))
+    return next(each for each in itertools.chain((path,), numbered) if not os.path.lexists(each))

@@ -18,6 +18,8 @@ from bearing_twin.recording.recover import recover
 from bearing_twin.ros.qos import RESULT, STREAM
 from bearing_twin_msgs.msg import Vibration
 from diagnostic_msgs.msg import DiagnosticArray
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 import rclpy
 from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
@@ -136,11 +138,16 @@ class Source:
             assert time.monotonic() < end, f'{what} did not come within {TIMEOUT} s'
             self._executor.spin_once(timeout_sec=0.05)
 
-    def call(self, service: str) -> Any:
-        """Call a Trigger service."""
-        client = self.node.create_client(Trigger, service)
+    def change(self, node: str, transition: str) -> None:
+        """Have a lifecycle node make a transition."""
+        request = ChangeState.Request(transition=Transition(label=transition))
+        assert self.call(f'{node}/change_state', ChangeState, request).success
+
+    def call(self, service: str, kind: Any = Trigger, request: Any = None) -> Any:
+        """Call a service."""
+        client = self.node.create_client(kind, service)
         assert client.wait_for_service(TIMEOUT)
-        future = client.call_async(Trigger.Request())
+        future = client.call_async(request or kind.Request())
         self.wait_until(future.done, f'the answer of {service}')
         self.node.destroy_client(client)
         return future.result()

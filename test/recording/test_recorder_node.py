@@ -26,7 +26,7 @@ from builtin_interfaces.msg import Time
 from mcap.reader import NonSeekingReader
 import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from recorder_process import BLOCK, on_disk, Source, TIMEOUT
+from recorder_process import BLOCK, on_disk, Source
 from rosbags.rosbag2 import Reader
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Temperature
@@ -46,7 +46,10 @@ NANO = 1_000_000_000
 
 
 def numbers(path: Path) -> list[int]:
-    return [m.decode().first_sample // BLOCK for m in read_messages(path, topics=['/vibration'])]
+    return [
+        m.decode().first_sample // BLOCK
+        for m in read_messages(path, topics=['/vibration'], recover=True)
+    ]
 
 
 def test_what_arrives_is_what_is_written(ros_domain: int, tmp_path: Path) -> None:
@@ -288,16 +291,20 @@ def test_nothing_is_overwritten_and_unfinished_ones_are_offered(
         source.publish_for(1.0)
         os.kill(nodes.pid('recorder'), signal.SIGKILL)
         nodes.end('recorder')
-        nodes.start('recorder', {'output': str(tmp_path / 'first')}, name='again')
-        assert nodes.wait('again', TIMEOUT) == 1
         source.statuses.clear()
-        nodes.start('recorder', {'output': str(tmp_path / 'second')}, name='second')
+        # A service that is started again, and a lifecycle manager that configures it once more.
+        nodes.start('recorder', {'output': str(tmp_path / 'first')}, name='again')
         source.publish_until(lambda: RECORDING in source.statuses)
-        nodes.end('second')
-    logs = {name: (tmp_path / 'logs' / f'{name}.log').read_text() for name in ('again', 'second')}
-    assert 'is not overwritten' in logs['again']
-    assert 'Traceback' not in logs['again']
-    assert f"'bearing-twin recover {tmp_path / 'first'}'" in logs['second']
+        for transition in ('deactivate', 'cleanup', 'configure', 'activate'):
+            source.change('/recorder', transition)
+        source.publish_for(1.0)
+        assert nodes.end('again') == 0
+    log = (tmp_path / 'logs' / 'again.log').read_text()
+    assert 'Traceback' not in log
+    assert f"'bearing-twin recover {tmp_path / 'first'}'" in log
+    first, second, third = (numbers(tmp_path / name) for name in ('first', 'first_2', 'first_3'))
+    assert first
+    assert first[-1] < second[0] <= second[-1] < third[0]
 
 
 def test_snapshot_on_request(ros_domain: int, tmp_path: Path) -> None:
