@@ -108,6 +108,9 @@ def _summary(report: SeriesReport, bearing: Bearing | None) -> dict[str, Any]:
             'level_changes': report.changes,
             'trend_dB_per_h': report.trend,
             'warmer_K': report.warmer,
+            'temperature_dB_per_K': report.law.temperature.mean,
+            'temperature_dB_per_K_sd': report.law.temperature.deviation,
+            'temperature_learnt': report.law.temperature.known,
             'place': place.place if place else None,
             'reasons': list(report.reasons),
         }

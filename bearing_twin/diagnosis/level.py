@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS
+from bearing_twin.diagnosis.dependence import Z90
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis, Severity
@@ -26,7 +27,8 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
     """
     Raise the level to the one that the vibration severity demands, with the reason.
 
-    Zone C of ISO 20816-3, or twice the level of the asset's own baseline, is at least suspect;
+    Zone C of ISO 20816-3, twice the level of the asset's own baseline, or one that has risen for
+    good (:class:`bearing_twin.diagnosis.onset.Rise`), is at least suspect;
     zone D, or four times, is a fault, of unknown place if no comb tells. *Ball or cage* is a fault
     from twice the baseline on: the level agrees with the comb.
 
@@ -61,14 +63,18 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
 def _asked_for(diagnosis: Diagnosis) -> tuple[str, str]:
     """Level that the severity asks for, and by what."""
     severity: Severity = diagnosis.severity
-    over = f'a level {severity.level_over_baseline:.1f} dB over the baseline'
+    # What the correction for temperature is not sure of must not raise an alarm.
+    sure = severity.level_over_baseline - Z90 * severity.correction_sd
+    over = f'a level {sure:.1f} dB over the baseline'
     agrees = set(diagnosis.faults) == {'ball', 'cage'}
     if severity.iso_zone == 'D':
         return 'fault', 'zone D of ISO 20816-3'
-    if severity.level_over_baseline >= (SUSPECT_DB if agrees else FAULT_DB):
+    if sure >= (SUSPECT_DB if agrees else FAULT_DB):
         return 'fault', over
     if severity.iso_zone == 'C':
         return 'suspect', 'zone C of ISO 20816-3'
-    if severity.level_over_baseline >= SUSPECT_DB:
+    if sure >= SUSPECT_DB:
         return 'suspect', over
+    if severity.rising:
+        return 'suspect', f'a level that has been rising for {severity.rising} minutes'
     return 'none', ''

@@ -1,21 +1,98 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""When a level began to rise, and how fast it does."""
+"""When a level began to rise, that it rises at all, and how fast."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+import math
+from typing import Any, TYPE_CHECKING
 
+from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['rise_begins', 'slope']
+__all__ = ['Rise', 'rise_begins', 'slope']
+
+REFERENCE_DB = 3.0
+"""Half the rise that is looked for, twice the acceleration: the best reference (Moustakides,
+Annals of Statistics 1986, 14, 1379)."""
+DECISION_DB = 40.0
+"""Sum from which a rise is one. Of 100 simulated machines with one level a minute, a baseline of
+60 levels and a wander of 1.2 dB with a memory of 20 levels, 51 reach it in a year; with a memory
+of 10 levels 11 do, and of those that wander by 0.8 dB none (``python -m
+bearing_twin.studies.rise``). A rise of 4 dB is found after 46 levels, one of 6 dB after 14."""
+WANDER_DB = 1.2
+"""Standard deviation up to which the above holds; both limits grow with a larger one."""
 
 MOST = 300
 """Points that a slope is taken from: all are compared pair by pair, and more tell no more."""
 LEAST = 10
+
+
+@dataclass
+class Rise:
+    """
+    Page's CUSUM of a level over its baseline; plain values, so that it can be saved.
+
+    It finds a rise that is too small for the limits of one window but lasts.
+
+    Examples
+    --------
+    >>> rise = Rise()
+    >>> [rise.add(4.0) for _ in range(41)][-2:], rise.lasting
+    ([False, True], 41)
+
+    """
+
+    total: float = 0.0
+    """Sum of what stands over the reference, dB."""
+    lasting: int = 0
+    """Levels since the sum was last zero."""
+    found: bool = False
+    """Whether the level has risen for good."""
+
+    def add(self, over: float, scatter: float = 0.0) -> bool:
+        """
+        Take a level and tell whether it has risen for good.
+
+        Parameters
+        ----------
+        over
+            Level over the baseline, dB.
+        scatter
+            Standard deviation of the baseline, dB.
+
+        """
+        scale = max(1.0, scatter / WANDER_DB)
+        # Held at twice the limit: a long alarm must end soon after its cause.
+        raised = self.total + over - scale * REFERENCE_DB
+        self.total = min(max(raised, 0.0), 2.0 * scale * DECISION_DB)
+        self.lasting = self.lasting + 1 if self.total > 0.0 else 0
+        self.found = self.total > scale * DECISION_DB
+        return self.found
+
+    @classmethod
+    def of(cls, values: dict[str, Any]) -> Rise:
+        """
+        Rise of saved values.
+
+        Raises
+        ------
+        BearingTwinError
+            If they are not such values.
+
+        """
+        try:
+            rise = cls(float(values['total']), int(values['lasting']), bool(values['found']))
+        except (KeyError, TypeError, ValueError):
+            rise = cls(math.nan)
+        if not (math.isfinite(rise.total) and min(rise.total, rise.lasting) >= 0):
+            msg = f'saved rise is {values}; use what save() returned'
+            raise BearingTwinError(msg)
+        return rise
 
 
 def rise_begins(levels: NDArray[np.float64], floor: float, reference: float) -> int:

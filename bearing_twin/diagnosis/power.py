@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a window could have shown, and how the level of a healthy bearing moves with its speed.
+What a window could have shown.
 
-Both come from simulations with the twin, kept as a data file beside this module; the command
+It comes from simulations with the twin, kept as a data file beside this module; the command
 ``python -m bearing_twin.studies.detection_power OUT.json`` makes it.
 """
 
@@ -18,7 +18,7 @@ from typing import Any
 from bearing_twin.diagnosis.severity import acceleration_factor
 import numpy as np
 
-__all__ = ['expected_level', 'shown_by', 'smallest_detectable']
+__all__ = ['shown_by', 'smallest_detectable']
 
 
 @functools.cache
@@ -101,26 +101,6 @@ def shown_by(
         levels = _table()['noise_m_s2']
         supposed = f' in noise of {levels[len(levels) // 2]:g} m/s^2 (the unit is not known)'
     return f'one {smallest:.2g} mm wide{supposed}'
-
-
-def expected_level(shaft_hz: float, temperature: float) -> float:
-    """
-    Level of the healthy twin, dB re 1 m/s^2, at a speed and a temperature (NaN: 20 degC).
-
-    Only differences mean anything: they correct the level of a real bearing to the speed and
-    temperature at which its baseline was learnt. Linear in log speed and in temperature, and held
-    at the ends of the table.
-
-    >>> expected_level(50.0, 20.0) > expected_level(25.0, 20.0)
-    True
-
-    """
-    table = _table()
-    speeds = np.log(table['level_shaft_hz'])
-    levels = np.asarray(table['level_dB'])
-    temperature = temperature if math.isfinite(temperature) else 20.0
-    by_heat = [np.interp(temperature, table['level_temperature_C'], row) for row in levels]
-    return float(np.interp(math.log(shaft_hz), speeds, by_heat))
 
 
 def _nearest(values: list[float], wanted: float) -> int:

@@ -48,7 +48,7 @@ class Severity:
     velocity_rms: float
     """10..1000 Hz, mm/s; comparable between machines (ISO 20816-3); NaN if the unit is unknown."""
     level_over_baseline: float
-    """dB over the asset's own baseline, corrected for speed and temperature; NaN until learnt."""
+    """dB over the asset's own baseline, less ``correction``; NaN until learnt."""
     iso_zone: str
     """``'A'``..``'D'`` of ISO 20816-3; empty where it cannot be given."""
     unit: str
@@ -56,6 +56,15 @@ class Severity:
     """RMS in the bands of :data:`bearing_twin.diagnosis.severity.BANDS_HZ`, in ``unit``."""
     stage: int = 0
     """1 to 4 (incipient, developing, advanced, severe) while a fault is named, else 0."""
+    correction: float = 0.0
+    """Change of level with temperature and speed that was taken off, dB, as this machine's own
+    healthy record shows it; 0 where that does not."""
+    correction_sd: float = 0.0
+    """Its standard deviation, dB."""
+    correction_basis: str = ''
+    """What the correction rests on, or why there is none."""
+    rising: int = 0
+    """Minutes for which the level has stood over its baseline for good; 0: it has not."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING
 from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.baseline import Baseline, Level, settled, SETTLED_DB, SETTLED_K
+from bearing_twin.diagnosis.dependence import Condition, HealthyRecord, Law, Z90
 from bearing_twin.diagnosis.level import FAULT_DB, SUSPECT_DB
-from bearing_twin.diagnosis.onset import rise_begins, slope
+from bearing_twin.diagnosis.onset import Rise, rise_begins, slope
 from bearing_twin.diagnosis.severity import BANDS_HZ, measure_severity
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -45,9 +46,6 @@ in 7 of 100 simulated lives: 60 snapshots do not tell the scatter better. Where 
 up to 1.2 dB (memory of 20 snapshots) it stays below 6 dB in 99 of 100 such lives."""
 CONFIRMING = 5
 """Snapshots whose median is judged: two of five may be disturbed."""
-SAME_SPEED = 0.05
-"""Relative difference of speed up to which levels are compared: 1 dB where level goes with the
-square of the speed."""
 LEAST_BASELINE = 10
 
 
@@ -98,6 +96,10 @@ class SeriesPoint:
     temperature: float
     """degC; NaN if unknown."""
     iso_zone: str
+    correction: float = 0.0
+    """Change with temperature and speed that was taken off the whole signal, dB."""
+    correction_sd: float = 0.0
+    """Its standard deviation, dB."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,6 +127,8 @@ class SeriesReport:
     Sen); NaN where too little is there."""
     warmer: float
     """Temperature at the end over that of the baseline, K; NaN if unknown."""
+    law: Law
+    """How the level of the whole signal depends on temperature and speed."""
     place: Comb | None
     """Fault whose impacts the average of the envelopes since the change shows; None: none."""
     reasons: tuple[str, ...]
@@ -144,6 +148,9 @@ class SeriesMonitor:
         Geometry, to name what the averaged envelope shows; None: alarms without a place.
     settings
         See :class:`SeriesSettings`.
+    law
+        How the levels depend on temperature and speed; None: it is learnt from the snapshots of
+        the healthy machine.
 
     Examples
     --------
@@ -158,8 +165,17 @@ class SeriesMonitor:
 
     """
 
-    def __init__(self, bearing: Bearing | None, settings: SeriesSettings | None = None) -> None:
+    def __init__(
+        self,
+        bearing: Bearing | None,
+        settings: SeriesSettings | None = None,
+        *,
+        law: Law | None = None,
+    ) -> None:
         self._settings = settings or SeriesSettings()
+        self._given = law
+        self._record = HealthyRecord()
+        self._rise = Rise()
         self._bearing = bearing
         self._window: deque[tuple[float, NDArray[np.float64], float]] = deque(
             maxlen=self._settings.baseline
@@ -229,12 +245,20 @@ class SeriesMonitor:
         heights = np.array([severity.rms, *severity.band_rms[1:]])
         # A band beyond half the sample rate is empty: it never rises.
         levels = 20.0 * np.log10(np.maximum(heights, 1e-9 * severity.rms))
-        self._levels.append(levels)
-        self._recent.append(levels)
         self._window.append((time, levels, temperature))
         self._learn(shaft_hz)
+        now = Condition.at(temperature, shaft_hz)
+        changes = np.array([law.correct(now, self._reference) for law in self._laws()]).T
+        self._levels.append(levels - changes[0])
+        self._recent.append(levels - changes[0])
         over, measure = self._over()
-        self._hold(time, self._wanted(over, measure, severity.iso_zone))
+        if self._baseline is not None:
+            alone = float((levels - changes[0] - self._baseline.levels)[0])
+            self._rise.add(alone, float(self._baseline.scatter[0]))
+        sure = over - Z90 * float(changes[1][measure])
+        self._hold(time, self._wanted(sure, measure, severity.iso_zone))
+        if self._held in ('ok', 'none'):
+            self._record.add(levels.tolist(), now)
         if self._baseline is not None and math.isfinite(shaft_hz):
             kept = self._quiet if self._held in ('ok', 'none') else self._loud
             kept.add(signal, sample_rate, shaft_hz)
@@ -242,6 +266,7 @@ class SeriesMonitor:
             time=time, level=self._held, over_baseline=over, rms=severity.rms,
             measure=MEASURES[measure] if self._baseline else '', temperature=temperature,
             iso_zone=severity.iso_zone,
+            correction=float(changes[0][0]), correction_sd=float(changes[1][0]),
         )  # fmt: skip
         self._points.append(point)
         return point
@@ -255,7 +280,10 @@ class SeriesMonitor:
         if np.ptp(x) == 0.0:
             return 'a constant signal'
         base = self._baseline
-        if base and abs(shaft_hz / base.shaft_hz - 1.0) > SAME_SPEED:
+        if base and not all(
+            law.comparable(Condition.at(math.nan, shaft_hz), self._reference)
+            for law in self._laws()
+        ):
             return f'another speed than the {base.shaft_hz:.4g} Hz of the baseline'
         return ''
 
@@ -267,8 +295,20 @@ class SeriesMonitor:
         base = self._baseline
         # A machine that has run in, or was repaired, is compared with what it is now.
         if found and (base is None or found.lower_than(base)):
-            self._baseline = found
+            self._baseline, self._rise = found, Rise()
             self._quiet.clear()
+
+    @property
+    def _reference(self) -> Condition:
+        """Condition of the baseline."""
+        base = self._baseline
+        return Condition.at(base.temperature, base.shaft_hz) if base else Condition()
+
+    def _laws(self) -> list[Law]:
+        """Law of each measure."""
+        if self._given is not None:
+            return [self._given] * len(MEASURES)
+        return self._record.laws() or [Law()] * len(MEASURES)
 
     def _over(self) -> tuple[float, int]:
         """Median of the last levels over the baseline, dB, and the measure it is of."""
@@ -297,7 +337,8 @@ class SeriesMonitor:
             if over >= threshold - FALL_DB * standing:
                 wanted = level
         by_zone = {'C': 'suspect', 'D': 'fault'}.get(zone, 'ok')
-        return max(wanted, by_zone, key=LEVELS.index)
+        by_rise = 'suspect' if self._rise.found else 'ok'
+        return max(wanted, by_zone, by_rise, key=LEVELS.index)
 
     def _hold(self, time: float, wanted: str) -> None:
         """Rise at once, fall only after the level was low for long enough."""
@@ -335,6 +376,7 @@ class SeriesMonitor:
             scatter=float(base.scatter[0]) if base else math.nan,
             change=change, first_alarm=first, first_fault=self._alarms.get('fault', math.nan),
             changes=self._changes, trend=self._trend(), warmer=warmer, place=place,
+            law=self._laws()[0],
             reasons=self._reasons(change, warmer, place),
         )  # fmt: skip
 
@@ -381,7 +423,10 @@ class SeriesMonitor:
                 reasons.append(f'zone {last.iso_zone} of ISO 20816-3')
         if math.isfinite(change):
             reasons.append(f'the level began to rise at {change:.0f} s')
+        if self._rise.found:
+            reasons.append(f'the level has been rising for {self._rise.lasting} snapshots')
         if math.isfinite(warmer):
+            reasons.append(str(self._laws()[0]))
             reasons.append(f'{warmer:+.0f} K against the baseline')
         if place is not None:
             reasons.append(str(place))

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ['StreamingDiagnoser']
 
-_VERSION = 4
+_VERSION = 5
 
 
 class StreamingDiagnoser:
@@ -223,6 +223,7 @@ class StreamingDiagnoser:
             wanted=settings.baseline_windows,
             hold=settings.hold_updates,
             full=full,
+            minute=max(round(60.0 / settings.update_interval), 1),
         )
 
     def save(self) -> bytes:

@@ -4,14 +4,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS, PLACES, RESULTS
+from bearing_twin.diagnosis.dependence import Condition, HealthyRecord, Law
 from bearing_twin.diagnosis.level import FAULT_DB, raised, SUSPECT_DB
-from bearing_twin.diagnosis.power import expected_level
+from bearing_twin.diagnosis.onset import Rise
 from bearing_twin.errors import BearingTwinError
+import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis
@@ -20,6 +22,8 @@ __all__ = ['Source', 'Trend', 'fault_stage']
 
 _DEEP = 1.0
 _SAME_RATE = 0.05
+_FIRST = 60
+"""Minutes over which a rise is looked for: what a machine does in its first healthy hour."""
 
 
 class Source(NamedTuple):
@@ -79,7 +83,18 @@ class Trend:
     count: int = 0
     """Healthy windows learnt from so far."""
     mean: float = 0.0
-    """Their mean level, dB, corrected to the expected level of the twin."""
+    """Their mean level, dB."""
+    temperature: float = math.nan
+    """Their mean temperature, degC; NaN if unknown."""
+    octaves: float = math.nan
+    """Mean base-2 logarithm of their shaft speed in Hz; NaN if unknown."""
+    record: HealthyRecord = field(default_factory=HealthyRecord)
+    """Level, temperature and speed of each healthy minute."""
+    first: list[list[float]] = field(default_factory=list)
+    """Temperature, octaves and level of the first healthy minutes."""
+    minute: list[list[float]] = field(default_factory=list)
+    """The same of the windows of the present minute."""
+    rise: Rise = field(default_factory=Rise)
     sensor: str = ''
     bearing: str = ''
     unit: str = ''
@@ -109,7 +124,14 @@ class Trend:
         return not self.sample_rate or self.source.same(source)
 
     def update(
-        self, diagnosis: Diagnosis, source: Source, *, wanted: int, hold: int, full: bool
+        self,
+        diagnosis: Diagnosis,
+        source: Source,
+        *,
+        wanted: int,
+        hold: int,
+        full: bool,
+        minute: int = 60,
     ) -> Diagnosis:
         """
         Take a diagnosis in; return it with level over baseline, stage and the held answer.
@@ -126,27 +148,72 @@ class Trend:
             Verdicts in a row before level or answer change.
         full
             Whether the window was full. The first full one sets the level at once.
+        minute
+            Windows in a minute.
 
         """
         severity = diagnosis.severity
         if not severity.rms > 0.0:
             return diagnosis
         level = 20.0 * math.log10(severity.rms)
-        level -= expected_level(diagnosis.shaft_hz, diagnosis.temperature)
+        now = Condition.at(diagnosis.temperature, diagnosis.shaft_hz)
         if not self.sample_rate:
             self.sensor, self.bearing, self.unit, self.sample_rate = source
         if raised(diagnosis).level == 'ok' and self.count < wanted:
-            self.count += 1
-            self.mean += (level - self.mean) / self.count
-        over = level - self.mean if self.count >= wanted else math.nan
-        severity = replace(severity, level_over_baseline=over)
+            self._learn(level, now)
+        over = math.nan
+        if self.count >= wanted:
+            law = next(iter(self.record.laws()), Law())
+            base = Condition(self.temperature, self.octaves)
+            if law.comparable(now, base):
+                correction, deviation = law.correct(now, base)
+                over = level - correction - self.mean
+                severity = replace(severity, correction=correction, correction_sd=deviation)
+            else:
+                said = f'baseline is of {2.0**base.octaves:.4g} Hz: not compared at this speed'
+                diagnosis = replace(diagnosis, reasons=(*diagnosis.reasons, said))
+            severity = replace(severity, correction_basis=str(law))
+        rising = self.rise.lasting if self.rise.found else 0
+        severity = replace(severity, level_over_baseline=over, rising=rising)
         own = raised(replace(diagnosis, severity=severity))
+        if full:
+            self.minute.append([*now, level])
+            if len(self.minute) >= minute:
+                self._take_minute(healthy=own.level == 'ok')
         stage = 0
         if own.level == 'fault':
             index = own.modulation_index[own.faults[0]] if own.faults else 0.0
             stage = fault_stage(index, over, severity.iso_zone)
         own = replace(own, severity=replace(severity, stage=stage))
         return own if own.level == 'none' else self._held(own, hold, full)
+
+    def _learn(self, level: float, now: Condition) -> None:
+        self.count += 1
+        self.mean += (level - self.mean) / self.count
+        for name, value in zip(('temperature', 'octaves'), now, strict=True):
+            before = getattr(self, name)
+            mean = before + (value - before) / self.count
+            if math.isfinite(value):
+                setattr(self, name, mean if math.isfinite(before) else value)
+
+    def _take_minute(self, *, healthy: bool) -> None:
+        """Take a minute into the healthy record, and look for a rise over the first ones."""
+        heat, octaves, level = np.median(self.minute, axis=0).tolist()
+        self.minute.clear()
+        now = Condition(heat, octaves)
+        if healthy:
+            self.record.add([level], now)
+        if len(self.first) < _FIRST:
+            self.first += [[heat, octaves, level]] * healthy
+            return
+        base = Condition(self.temperature, self.octaves)
+        law = next(iter(self.record.laws()), Law())
+        rows = [(Condition(h, o), was) for h, o, was in self.first]
+        floors = [was - law.correct(c, base)[0] for c, was in rows if law.comparable(c, base)]
+        if floors and law.comparable(now, base):
+            floor = float(np.median(floors))
+            scatter = 1.4826 * float(np.median(np.abs(np.array(floors) - floor)))
+            self.rise.add(level - law.correct(now, base)[0] - floor, scatter)
 
     def _held(self, own: Diagnosis, hold: int, full: bool) -> Diagnosis:
         """Return a window's own diagnosis with the level and the answer that are held."""
@@ -198,7 +265,7 @@ class Trend:
 
     def values(self) -> dict[str, Any]:
         """Plain values for saving."""
-        return dict(vars(self))
+        return asdict(self)
 
     @classmethod
     def of(cls, values: dict[str, Any]) -> Trend:
@@ -214,6 +281,8 @@ class Trend:
         trend = cls()
         for name, default in vars(cls()).items():
             value = values.get(name) if isinstance(values, dict) else None
+            if isinstance(value, dict) and isinstance(default, HealthyRecord | Rise):
+                value = type(default).of(value)
             right = type(value) is type(default) or (type(default) is float and type(value) is int)
             if not right:
                 msg = f'saved trend has {name}={value!r}; use what save() returned'
@@ -225,6 +294,8 @@ class Trend:
         words = f'{trend.answer} {trend.other}'.split()
         sound &= set(words) <= {*RESULTS, *PLACES} and 0.0 <= trend.confidence <= 1.0
         sound &= bool(trend.level) == bool(trend.answer)
+        readings = [*trend.first, *trend.minute]
+        sound &= all(isinstance(row, list) and len(row) == 3 for row in readings)
         if not sound or min(trend.count, trend.pending_count, trend.other_count) < 0:
             msg = f'saved trend is out of range: {values}; use what save() returned'
             raise BearingTwinError(msg)

@@ -375,6 +375,9 @@ def verdict_status(result: Diagnosis | None, bearing: str, age: float) -> Status
         'slip': result.slip,
         f'rms [{result.severity.unit or "unit unknown"}]': result.severity.rms,
         'level over baseline [dB]': result.severity.level_over_baseline,
+        'taken off for temperature and speed [dB]': result.severity.correction,
+        'correction': result.severity.correction_basis,
+        'rising for [min]': result.severity.rising,
         'reasons': '; '.join(result.reasons),
     }
     if age > SILENT_AFTER:

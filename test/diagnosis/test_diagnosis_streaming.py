@@ -125,10 +125,18 @@ def test_baseline_is_learnt_kept_and_corrected():
     restarted.load(diagnoser.save())
     louder = _push(restarted, 2.0 * quiet, first=len(quiet), temperature=40.0)
     assert louder[-1].severity.level_over_baseline == pytest.approx(20 * math.log10(2), abs=0.2)
-    # At twice the speed the healthy twin is louder too: that part is no change of the bearing.
+    # At twice the speed a machine is louder, nobody knows by how much: not compared.
     diagnoser.push(len(quiet), quiet[:1], RATE, 50.0)
-    faster = _push(diagnoser, quiet, first=len(quiet) + 1, shaft_hz=50.0, temperature=40.0)
-    assert faster[-1].severity.level_over_baseline < -3.0
+    faster = _push(diagnoser, 4.0 * quiet, first=len(quiet) + 1, shaft_hz=50.0)
+    assert math.isnan(faster[-1].severity.level_over_baseline)
+    assert faster[-1].level == 'ok'
+    assert 'not compared at this speed' in faster[-1].reasons[-1]
+    # The temperature alone changes nothing as long as the machine has not shown that it does.
+    warm = StreamingDiagnoser(BEARING, SHORT)
+    _push(warm, quiet, temperature=20.0)
+    hot = _push(warm, quiet, first=len(quiet), temperature=110.0)[-1]
+    assert hot.severity.level_over_baseline == pytest.approx(0.0, abs=0.2)
+    assert hot.severity.correction == 0.0
 
 
 @pytest.mark.parametrize(
@@ -206,7 +214,7 @@ def test_windows_may_be_analysed_in_any_order_and_are_judged_in_theirs():
     late.take(3, x[:100], RATE, SHAFT_HZ)
     plain.push(3, x[:100], RATE, SHAFT_HZ)
     assert late.save() == plain.save()
-    assert len(late.save()) < 1000
+    assert len(late.save()) < 2000
 
 
 @given(data=st.binary(max_size=200))

@@ -1,0 +1,325 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+How the level of one machine depends on its temperature and speed, learnt from its healthy record.
+
+Physics does not say it: simulated bearings in the physical mode get louder or quieter with
+temperature, depending on load, clearance and speed. What they do is a weak prior
+(:data:`PER_KELVIN`, :data:`PER_OCTAVE`); the machine's own record decides. Where the record does
+not decide, nothing is corrected.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+import math
+from typing import Any, NamedTuple, TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+__all__ = ['Z90', 'Condition', 'HealthyRecord', 'Law', 'Slope', 'fit_law']
+
+PER_KELVIN = (-0.016, 0.05)
+"""Mean and standard deviation of the change of level with temperature, dB/K, over healthy bearings
+simulated in the physical mode: from -0.095 to +0.112, so that physics does not even tell the sign
+(``python -m bearing_twin.studies.temperature prior``)."""
+PER_OCTAVE = (10.0, 4.0)
+"""The same of the change with speed, dB per doubling. The machine around a bearing is not
+simulated, so the standard deviation is doubled."""
+DRIFT_DB = 6.0
+"""Prior standard deviation of a change over the whole record that neither explains, dB: run-in.
+Without it a machine that runs in while it warms up would seem to depend on temperature."""
+HUBER = 1.345
+"""Standard deviations up to which a deviation counts in full: 95 % efficient for normal ones."""
+KNOWN_DB = 1.0
+"""A law is known where the 90 % interval of the correction over the learnt range is +- this."""
+WIDENED = 1.2
+"""Factor on the standard deviations: with it the 90 % intervals cover the slopes of simulated
+machines, whose memory is estimated as well, in 90 to 94 % (``python -m
+bearing_twin.studies.temperature coverage``)."""
+LEAST_ROWS = 30
+MOST_ROWS = 256
+"""Rows kept; when there are more, every second is dropped."""
+REFIT = 1.1
+"""A law is fitted anew when the record is longer by this factor."""
+SAME_OCTAVES = math.log2(1.05)
+"""Levels at speeds within 5 % are compared as they are: 0.7 dB at 10 dB per doubling."""
+Z90 = 1.645
+"""Standard deviations of a 90 % interval."""
+
+
+class Condition(NamedTuple):
+    """What a level was measured at."""
+
+    temperature: float = math.nan
+    """degC; NaN if unknown."""
+    octaves: float = math.nan
+    """Base-2 logarithm of the shaft speed in Hz; NaN if unknown."""
+
+    @classmethod
+    def at(cls, temperature: float, shaft_hz: float) -> Condition:
+        """Condition at a temperature, degC, and a shaft speed, Hz."""
+        octaves = math.log2(shaft_hz) if shaft_hz > 0.0 else math.nan
+        return cls(float(temperature), octaves)
+
+
+class Slope(NamedTuple):
+    """Change of a level with one quantity, and where it was learnt."""
+
+    mean: float
+    """dB per unit."""
+    deviation: float
+    """Standard deviation, dB per unit."""
+    low: float
+    """5 % of the values in the record are below it."""
+    high: float
+    """95 % are."""
+    known: bool
+    """Whether the record decides it."""
+
+    def correct(self, value: float, reference: float) -> tuple[float, float]:
+        """
+        Change from ``reference`` to ``value`` and its standard deviation, dB.
+
+        Both are held at the ends of the learnt range: what a machine does beyond it is not known,
+        and a bearing that runs hot because it fails must not be excused by its temperature.
+        """
+        if not self.known or math.isnan(value) or math.isnan(reference):
+            return 0.0, 0.0
+        step = min(max(value, self.low), self.high) - min(max(reference, self.low), self.high)
+        return self.mean * step, self.deviation * abs(step)
+
+
+UNKNOWN = Slope(0.0, math.inf, math.nan, math.nan, False)
+
+
+@dataclass(frozen=True)
+class Law:
+    """Dependence of a level on temperature and speed."""
+
+    temperature: Slope = UNKNOWN
+    octaves: Slope = UNKNOWN
+
+    def correct(self, now: Condition, reference: Condition) -> tuple[float, float]:
+        """Change of the level from ``reference`` to ``now``, and its standard deviation, dB."""
+        heat, heat_sd = self.temperature.correct(now.temperature, reference.temperature)
+        speed, speed_sd = self.octaves.correct(now.octaves, reference.octaves)
+        return heat + speed, math.hypot(heat_sd, speed_sd)
+
+    def comparable(self, now: Condition, reference: Condition) -> bool:
+        """Whether levels at two speeds can be compared; an unknown speed is taken as the same."""
+        if math.isnan(now.octaves) or math.isnan(reference.octaves):
+            return True
+        values = (now.octaves, reference.octaves)
+        if self.octaves.known:
+            low, high = self.octaves.low - SAME_OCTAVES, self.octaves.high + SAME_OCTAVES
+            return low <= min(values) and max(values) <= high
+        return max(values) - min(values) <= SAME_OCTAVES
+
+    def __str__(self) -> str:
+        """Return what is known, in words."""
+        heat = self.temperature
+        if heat.known:
+            interval = f'{heat.mean:+.3f} +- {Z90 * heat.deviation:.3f} dB/K'
+            return f'{interval}, learnt from {heat.low:.0f} to {heat.high:.0f} degC'
+        if math.isnan(heat.low):
+            return 'temperature not corrected: its record is too short'
+        return (
+            f'temperature not corrected: {heat.low:.0f} to {heat.high:.0f} degC in the healthy '
+            f'record leave {Z90 * heat.deviation * (heat.high - heat.low):.1f} dB unknown'
+        )
+
+
+def fit_law(
+    levels: NDArray[np.float64], temperatures: NDArray[np.float64], octaves: NDArray[np.float64]
+) -> Law:
+    """
+    Law of a healthy record, by robust regression with a prior.
+
+    Huber's regression of the level on temperature, logarithm of the speed and a drift over the
+    record, with normal priors. The deviations of a machine have a memory, which would make any
+    regression too sure of itself: they are whitened with their lag-one correlation (Cochrane and
+    Orcutt, JASA 1949, 44, 32), less its bias by a fitted trend (Marriott and Pope, Biometrika
+    1954, 41, 390).
+
+    Parameters
+    ----------
+    levels
+        dB, shape (n,), in order of time.
+    temperatures, octaves
+        degC and log2 Hz, shape (n,); NaN where unknown.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> heat = 70.0 + 20.0 * np.sin(np.arange(200.0) / 9.0)
+    >>> law = fit_law(0.1 * heat + 0.5 * rng.standard_normal(200), heat, np.full(200, 4.6))
+    >>> law.temperature.known, round(law.temperature.mean, 2), law.octaves.known
+    (True, 0.1, False)
+
+    """
+    known = np.isfinite(levels)
+    rows: list[tuple[NDArray[np.float64], tuple[float, float]]] = []
+    for values, prior in ((temperatures, PER_KELVIN), (octaves, PER_OCTAVE)):
+        # A quantity that is known now and then only is none; one that is not there, no condition.
+        if np.isfinite(values).mean() > 0.5:
+            known &= np.isfinite(values)
+        rows.append((values, prior))
+    count = int(known.sum())
+    if count < LEAST_ROWS:
+        return Law()
+    drift = np.linspace(-0.5, 0.5, count)
+    columns, priors = [np.ones(count), drift], [(0.0, 1e3), (0.0, DRIFT_DB)]
+    ranges = []
+    for values, prior in rows:
+        kept = values[known]
+        there = bool(np.isfinite(kept).all())
+        ranges.append(np.quantile(kept, (0.05, 0.95)) if there else np.full(2, math.nan))
+        columns.append(kept - np.median(kept) if there else np.zeros(count))
+        priors.append(prior)
+    level = levels[known]
+    middle = float(np.median(level))
+    found, covariance = _regression(np.column_stack(columns), level - middle, np.array(priors))
+    slopes = []
+    for index, (low, high), (_, width) in zip(
+        (2, 3), ranges, (PER_KELVIN, PER_OCTAVE), strict=True
+    ):
+        sd = WIDENED * math.sqrt(covariance[index, index])
+        # Known from the record, not from the prior.
+        sure = Z90 * sd * (high - low) <= KNOWN_DB and sd <= 0.5 * width
+        slopes.append(Slope(float(found[index]), sd, float(low), float(high), bool(sure)))
+    return Law(*slopes)
+
+
+def _regression(
+    matrix: NDArray[np.float64], y: NDArray[np.float64], priors: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return coefficients and covariance of a robust regression with priors and memory."""
+    # Loaded when needed: half a second.
+    from scipy.optimize import least_squares
+
+    means, widths = priors.T
+    memory, beta = 0.0, means.copy()
+    covariance = np.diag(widths**2)
+    for _ in range(6):
+        rows = matrix[1:] - memory * matrix[:-1]
+        right = y[1:] - memory * y[:-1]
+        left = right - rows @ beta
+        sigma = max(1.4826 * float(np.median(np.abs(left - np.median(left)))), 1e-3)
+
+        def residuals(
+            b: NDArray[np.float64],
+            rows: NDArray[np.float64] = rows,
+            right: NDArray[np.float64] = right,
+            sigma: float = sigma,
+        ) -> NDArray[np.float64]:
+            return np.concatenate([(right - rows @ b) / sigma, (b - means) / widths])
+
+        beta = least_squares(residuals, beta, loss='huber', f_scale=HUBER).x
+        size = np.abs(residuals(beta)[: len(right)])
+        weights = np.minimum(1.0, HUBER / np.maximum(size, 1e-12))
+        precision = (rows * weights[:, None]).T @ rows / sigma**2 + np.diag(widths**-2)
+        covariance = np.linalg.inv(precision)
+        rest = y - matrix @ beta
+        raw = _lag_one(rest)
+        memory = min(max((raw * len(y) + 2.0) / max(len(y) - 4.0, 1.0), 0.0), 0.98)
+    return beta, covariance
+
+
+def _lag_one(values: NDArray[np.float64]) -> float:
+    """Lag-one correlation that single shocks do not hide (Gnanadesikan and Kettenring, 1972)."""
+    sums, differences = values[1:] + values[:-1], np.diff(values)
+    both, apart = (float(np.median(np.abs(v - np.median(v)))) ** 2 for v in (sums, differences))
+    return (both - apart) / max(both + apart, 1e-12)
+
+
+def _slope(values: list[float]) -> Slope:
+    mean, deviation, low, high, known = values
+    return Slope(mean, deviation, low, high, bool(known))
+
+
+@dataclass
+class HealthyRecord:
+    """
+    Levels of a healthy machine with their conditions, thinned out as it grows.
+
+    One level in ``span`` is kept, so that a record of years has the size of one of hours. They are
+    not averaged: that would take away the days and nights which show what temperature does. Plain
+    values, so that it can be saved.
+
+    Examples
+    --------
+    >>> record = HealthyRecord()
+    >>> for hour in range(1000):
+    ...     record.add([0.05 * (hour % 24)], Condition(60.0 + hour % 24, 4.6))
+    >>> len(record.rows), record.span, record.laws()[0].temperature.known
+    (250, 4, True)
+
+    """
+
+    span: int = 1
+    rows: list[list[float]] = field(default_factory=list)
+    """Temperature, octaves and levels of each that was kept."""
+    passed: int = 0
+    """Levels since the last that was kept."""
+    fitted: int = 0
+    """Levels from which the laws were fitted."""
+    slopes: list[list[list[float]]] = field(default_factory=list)
+    """Laws of the measures: saved, so that a run that is resumed goes on to the bit."""
+
+    @property
+    def count(self) -> int:
+        """Levels taken in."""
+        return self.span * len(self.rows)
+
+    def add(self, levels: Sequence[float], condition: Condition) -> None:
+        """Take the levels of a healthy machine, dB, one a measure."""
+        self.passed += 1
+        if self.passed < self.span:
+            return
+        self.passed = 0
+        self.rows.append([*condition, *levels])
+        if len(self.rows) >= MOST_ROWS:
+            del self.rows[::2]
+            self.span *= 2
+
+    def laws(self) -> list[Law]:
+        """Law of each measure, fitted anew now and then as the record grows; none at first."""
+        if len(self.rows) >= LEAST_ROWS and self.count >= REFIT * self.fitted:
+            self.fitted = self.count
+            heat, octaves, *levels = np.array(self.rows).T
+            laws = [fit_law(level, heat, octaves) for level in levels]
+            self.slopes = [[list(law.temperature), list(law.octaves)] for law in laws]
+        return [Law(*map(_slope, pair)) for pair in self.slopes]
+
+    @classmethod
+    def of(cls, values: dict[str, Any]) -> HealthyRecord:
+        """
+        Record of saved values.
+
+        Raises
+        ------
+        BearingTwinError
+            If they are not such values.
+
+        """
+        try:
+            record = cls(**values)
+            table = np.array(record.rows, dtype=np.float64)
+            sound = record.span >= 1 and min(record.passed, record.fitted) >= 0
+            if record.rows:
+                sound &= table.ndim == 2 and table.shape[1] > 2
+                sound = sound and bool(np.isfinite(table[:, 2:]).all())
+            record.laws()
+        except (TypeError, ValueError, IndexError):
+            sound = False
+        if not sound:
+            msg = 'saved record of a healthy machine is not one; use what save() returned'
+            raise BearingTwinError(msg)
+        return record

@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+How often a healthy machine is said to rise, and how soon one that does.
+
+``python -m bearing_twin.studies.rise [MACHINES]`` simulates a year of levels, one a minute, that
+wander (an autoregressive process) over the median of their first hour, and prints how often
+:class:`bearing_twin.diagnosis.onset.Rise` finds a rise, and after how long one that is there.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+import math
+import sys
+from typing import TYPE_CHECKING
+
+from bearing_twin.diagnosis.onset import DECISION_DB, REFERENCE_DB, Rise
+from bearing_twin.studies.output import arguments, print_table
+import numpy as np
+from scipy.signal import lfilter
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ['largest_sum', 'main', 'minutes_until']
+
+YEAR = 365 * 24 * 60
+BASELINE = 60
+
+
+def _levels(rng: np.random.Generator, count: int, wander: float, memory: float) -> np.ndarray:
+    keep = math.exp(-1.0 / memory)
+    noise = wander * math.sqrt(1.0 - keep**2) * rng.standard_normal(count + 400)
+    return np.asarray(lfilter([1.0], [1.0, -keep], noise)[400:])
+
+
+def largest_sum(rng: np.random.Generator, wander: float, memory: float) -> float:
+    """Largest sum of a healthy year, dB; Rise finds one from DECISION_DB on."""
+    levels = _levels(rng, YEAR + BASELINE, wander, memory)
+    over = levels[BASELINE:] - np.median(levels[:BASELINE])
+    # As Rise adds up, for a whole year at once: the distance to the lowest plain sum so far.
+    sums = np.cumsum(over - REFERENCE_DB)
+    return float((sums - np.minimum.accumulate(np.minimum(sums, 0.0))).max())
+
+
+def minutes_until(rng: np.random.Generator, height: float) -> int:
+    """Minutes until a step of ``height`` dB is found in a level that wanders by 0.8 dB; -1: no."""
+    levels = _levels(rng, BASELINE + 1440, 0.8, 10.0)
+    rise = Rise()
+    floor = float(np.median(levels[:BASELINE]))
+    found = (rise.add(level + height - floor) for level in levels[BASELINE:].tolist())
+    return next((minute for minute, alarm in enumerate(found, start=1) if alarm), -1)
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Print both tables."""
+    parser = arguments(sys.modules[__name__])
+    parser.add_argument('machines', type=int, nargs='?', default=100)
+    machines = parser.parse_args(argv).machines
+    rng = np.random.default_rng(0)
+    rows = []
+    for wander, memory in product((0.8, 1.2), (5.0, 10.0, 20.0)):
+        sums = np.array([largest_sum(rng, wander, memory) for _ in range(machines)])
+        rows.append((wander, f'{memory:g}', f'{(sums > DECISION_DB).mean():.0%}',
+                     f'{np.median(sums):.0f}'))  # fmt: skip
+    heading = ('wander, dB', 'memory, min', 'machines alarmed in a year', 'median sum, dB')
+    print_table(heading, rows)
+    print()
+    steps = []
+    for height in (4.0, 5.0, 6.0, 9.0):
+        found = np.array([minutes_until(rng, height) for _ in range(machines)])
+        steps.append((f'{height:g}', f'{(found > 0).mean():.0%}', f'{np.median(found):.0f}'))
+    print_table(('rise, dB', 'found within a day', 'median minutes'), steps)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,184 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a machine's own record says of temperature and speed; a rise that is small but stays."""
+
+from dataclasses import replace
+import math
+
+from bearing_twin.bearing import find_bearing
+from bearing_twin.diagnosis.dependence import (
+    Condition,
+    fit_law,
+    HealthyRecord,
+    Law,
+    PER_KELVIN,
+    Slope,
+    Z90,
+)
+from bearing_twin.diagnosis.level import raised
+from bearing_twin.diagnosis.onset import DECISION_DB, Rise
+from bearing_twin.diagnosis.report import insufficient
+from bearing_twin.diagnosis.trend import Source, Trend
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.studies import rise, temperature
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+MACHINE = Source('imu y', '6307', 'g', 25600.0)
+
+
+def wander(rng, count, memory, height=0.6):
+    keep = math.exp(-1.0 / memory)
+    noise = rng.standard_normal(count + 200) * height * math.sqrt(1.0 - keep**2)
+    return lfilter([1.0], [1.0, -keep], noise)[200:]
+
+
+@pytest.mark.parametrize('memory', [1, 10, 40])
+def test_interval_of_the_slope_holds_the_true_one_although_the_level_has_a_memory(memory):
+    rng = np.random.default_rng(memory)
+    held = []
+    for _ in range(60):
+        heat = 70.0 + 12.0 * np.sin(np.arange(240) / 16.0) + wander(rng, 240, 20, 3.0)
+        slope = rng.normal(*PER_KELVIN)
+        level = slope * heat + wander(rng, 240, memory)
+        level[rng.random(240) < 0.03] += 8.0
+        found = fit_law(level, heat, np.full(240, 4.5)).temperature
+        assert found.known
+        held.append(abs(found.mean - slope) <= Z90 * found.deviation)
+    # 90 % of 60, less three standard deviations of that count.
+    assert sum(held) >= 47
+
+
+def test_run_in_while_it_warms_up_is_not_taken_for_temperature():
+    """The level falls by 4 dB along with the rise of temperature: nobody can tell which it is."""
+    rng = np.random.default_rng(2)
+    known = 0
+    for _ in range(40):
+        time = np.arange(200)
+        heat = 90.0 - 50.0 * np.exp(-time / 60.0)
+        level = 4.0 * np.exp(-time / 60.0) + wander(rng, 200, 15)
+        known += fit_law(level, heat, np.full(200, 4.5)).temperature.known
+    assert known <= 4
+
+
+def test_speed_is_learnt_where_it_varies_and_levels_of_other_speeds_are_not_compared():
+    rng = np.random.default_rng(3)
+    octaves = np.log2(rng.choice([10.0, 20.0, 40.0], 200))
+    level = 9.0 * octaves + 0.5 * rng.standard_normal(200)
+    law = fit_law(level, np.full(200, math.nan), octaves)
+    assert law.octaves.known and law.octaves.mean == pytest.approx(9.0, abs=0.3)
+    assert not law.temperature.known
+    slow, fast = Condition.at(math.nan, 10.0), Condition.at(math.nan, 40.0)
+    change, deviation = law.correct(fast, slow)
+    assert change == pytest.approx(18.0, abs=0.6) and 0.0 < deviation < 0.5
+    assert law.comparable(fast, slow)
+    assert not law.comparable(Condition.at(math.nan, 80.0), slow)
+    assert not Law().comparable(fast, slow)
+    assert Law().comparable(Condition(), slow)
+    assert Law().correct(fast, slow) == (0.0, 0.0)
+
+
+def test_a_bearing_hotter_than_ever_is_not_excused_by_its_temperature():
+    law = Law(Slope(0.2, 0.01, 50.0, 70.0, known=True))
+    base = Condition(60.0)
+    assert law.correct(Condition(70.0), base) == law.correct(Condition(160.0), base)
+    assert law.correct(Condition(160.0), base)[0] == pytest.approx(2.0)
+
+
+def test_record_of_a_year_stays_small_and_is_resumed_to_the_bit():
+    rng = np.random.default_rng(4)
+    record = HealthyRecord()
+    for hour in range(3000):
+        record.add([0.1 * (hour % 24) + rng.normal()], Condition(50.0 + hour % 24, 4.6))
+    assert len(record.rows) < 256
+    law = record.laws()[0]
+    assert law.temperature.mean == pytest.approx(0.1, abs=0.02)
+    again = HealthyRecord.of(vars(record).copy())
+    assert again == record and again.laws()[0] == law
+    for broken in (
+        {'rows': [[1.0]]}, {'span': 0}, {'rows': [[60.0, 4.0, math.nan]]}, {'new': 1}, {'rows': 3},
+    ):  # fmt: skip
+        with pytest.raises(BearingTwinError, match='use what save'):
+            HealthyRecord.of(vars(record) | broken)
+
+
+def said(level, heat):
+    nothing = insufficient(['by hand'], find_bearing('6307'))
+    severity = replace(nothing.severity, rms=10.0 ** (level / 20.0))
+    return replace(nothing, result='healthy', level='ok', confidence=0.9, severity=severity,
+                   shaft_hz=25.0, temperature=heat)  # fmt: skip
+
+
+def live(readings, trend=None):
+    """Run verdicts, one a minute, through a trend."""
+    trend = trend or Trend()
+    return trend, [
+        trend.update(said(*reading), MACHINE, wanted=5, hold=1, full=True, minute=1)
+        for reading in readings
+    ]
+
+
+def test_a_machine_that_is_louder_when_hot_teaches_it_and_is_then_compared_fairly():
+    rng = np.random.default_rng(5)
+    heats = 40.0 + 20.0 * np.sin(np.arange(400) / 20.0)
+    readings = [(0.12 * heat + 0.3 * rng.standard_normal(), heat) for heat in heats]
+    trend, found = live(readings)
+    assert {d.level for d in found} == {'ok'}
+    last = found[-1].severity
+    assert '+0.12' in last.correction_basis
+    assert last.level_over_baseline == pytest.approx(0.0, abs=1.5)
+    hot = live([(0.12 * 60.0, 60.0)] * 5, trend)[1][-1].severity
+    assert hot.correction == pytest.approx(0.12 * (60.0 - 40.0), abs=0.3)
+    assert 0.0 < hot.correction_sd < 0.3
+    # Saved and resumed it says the same.
+    again = Trend.of(trend.values())
+    resumed, straight = (live(readings[:50], one)[1] for one in (again, trend))
+    assert [str(d.severity) for d in resumed] == [str(d.severity) for d in straight]
+    assert again == trend
+
+
+def test_uncertain_correction_raises_no_alarm():
+    severity = replace(said(0.0, 20.0).severity, level_over_baseline=6.5, correction_sd=0.5)
+    verdict = replace(said(0.0, 20.0), severity=severity)
+    assert raised(verdict).level == 'ok'
+    sure = replace(verdict, severity=replace(severity, correction_sd=0.1))
+    assert raised(sure).level == 'suspect'
+
+
+def test_small_rise_that_stays_is_suspect_and_says_since_when():
+    rng = np.random.default_rng(6)
+    quiet = [(0.5 * rng.standard_normal(), math.nan) for _ in range(300)]
+    trend, found = live(quiet)
+    assert {d.level for d in found} == {'ok'}
+    _, found = live([(4.5 + 0.5 * rng.standard_normal(), math.nan) for _ in range(60)], trend)
+    assert found[20].level == 'ok'
+    assert found[-1].level == 'suspect'
+    assert found[-1].severity.rising == pytest.approx(60, abs=4)
+    assert 'rising for' in found[-1].reasons[-1]
+    # It ends with its cause.
+    _, found = live([(0.0, math.nan)] * 60, trend)
+    assert found[-1].level == 'ok'
+
+
+def test_rise_finds_what_the_study_counts():
+    rng = np.random.default_rng(7)
+    assert max(rise.largest_sum(rng, 0.8, 20.0) for _ in range(3)) < DECISION_DB
+    assert 10 < np.median([rise.minutes_until(rng, 6.0) for _ in range(9)]) < 20
+    with pytest.raises(BearingTwinError, match='saved rise'):
+        Rise.of({'total': -1.0, 'lasting': 0, 'found': False})
+
+
+def test_simulated_bearings_get_louder_and_quieter_with_temperature():
+    """The prior holds what the physical mode says, which is not even the sign."""
+    slopes, octaves = temperature.simulated_slopes(loads=(500.0, 2000.0), clearances=(0.0, 10e-6))
+    assert slopes.min() < -0.02 < 0.02 < slopes.max()
+    assert abs(np.median(slopes) - PER_KELVIN[0]) < PER_KELVIN[1]
+    assert 4.0 < np.median(octaves) < 16.0
+
+
+def test_table_of_a_run_to_failure(data_dir):
+    rows = list(temperature.run_table(data_dir, runs=('3_1_V',)))
+    assert [row[:2] for row in rows] == [('3_1 V', 'settled'), ('3_1 V', 'first 10 min')]
+    assert all(row[2:5] == (0, 0, 0) for row in rows)
+    assert all(float(lead) > 0.03 for row in rows for lead in row[5:8])
