@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
     from bearing_twin.diagnosis.chain import Analysis, Excerpt
+    from bearing_twin.diagnosis.snapshots import SeriesDiagnoser
     from bearing_twin.diagnosis.streaming import StreamingDiagnoser
     from bearing_twin.streams.vibration_input import VibrationBlock
     from bearing_twin_msgs.msg import Diagnosis, Spectrum
@@ -52,7 +53,7 @@ class DueVerdict:
     stamp: int
     """Of the first sample of the window, ns."""
     frame_id: str
-    diagnoser: StreamingDiagnoser
+    diagnoser: StreamingDiagnoser | SeriesDiagnoser
 
     def analyse(self) -> Analysis:
         """Analyse the window; in any thread."""
@@ -107,7 +108,10 @@ class DiagnosisCore:
     def reconfigure(self, values: Mapping[str, object]) -> None:
         """Take other parameters; the window starts anew, the baseline stays."""
         self.nominal_hz = nominal_speed(values)
-        self.diagnoser.reconfigure(build_bearing(values), build_settings(values))
+        settings = build_settings(values)
+        if bool(settings.series_cycle) != bool(self.diagnoser.settings.series_cycle):
+            self.diagnoser = build_diagnoser(values)
+        self.diagnoser.reconfigure(build_bearing(values), settings)
 
     def admit(self, block: VibrationBlock, stamp: int) -> None:
         """

@@ -17,6 +17,7 @@ from bearing_twin.assets.shared_specs import (
 from bearing_twin.assets.spec import field_spec, field_values, Spec
 from bearing_twin.bearing.catalogue import find_bearing, own_bearing
 from bearing_twin.diagnosis import DiagnosisSettings, StreamingDiagnoser
+from bearing_twin.diagnosis.snapshots import SeriesDiagnoser
 from bearing_twin.quantity import quantities
 from bearing_twin.streams.shaft import FASTEST_SHAFT
 
@@ -97,9 +98,11 @@ def build_settings(values: Mapping[str, Any]) -> DiagnosisSettings:
     return DiagnosisSettings(**field_values(_SETTINGS, values))
 
 
-def build_diagnoser(values: Mapping[str, Any]) -> StreamingDiagnoser:
-    """Return a diagnoser at its start."""
-    return StreamingDiagnoser(build_bearing(values), build_settings(values))
+def build_diagnoser(values: Mapping[str, Any]) -> StreamingDiagnoser | SeriesDiagnoser:
+    """Return a diagnoser at its start, of a stream or of a series of snapshots."""
+    settings = build_settings(values)
+    kind = SeriesDiagnoser if settings.series_cycle else StreamingDiagnoser
+    return kind(build_bearing(values), settings)
 
 
 def nominal_speed(values: Mapping[str, Any]) -> float:

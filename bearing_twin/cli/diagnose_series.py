@@ -12,7 +12,8 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import find_bearing, named_bearing, own_bearing
 from bearing_twin.cli.terminal import by_level, progress
-from bearing_twin.diagnosis.series import SeriesMonitor, SeriesSettings
+from bearing_twin.diagnosis.series import SeriesMonitor
+from bearing_twin.diagnosis.series_result import SeriesSettings
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.snapshots import read_snapshots, series_files
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     import argparse
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.series import SeriesReport
+    from bearing_twin.diagnosis.series_result import SeriesReport
 
 __all__ = ['run_series']
 

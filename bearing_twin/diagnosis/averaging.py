@@ -78,9 +78,9 @@ class AveragedEnvelope:
 
     def clear(self) -> None:
         """Forget all snapshots."""
-        self._power = np.zeros((len(BANDS), len(self._orders)))
-        self._turns = 0.0
-        self._count = 0
+        self.power = np.zeros((len(BANDS), len(self._orders)))
+        self.turns = 0.0
+        self.count = 0
 
     def add(self, x: NDArray[np.float64], sample_rate: float, shaft_hz: float) -> None:
         """Add a snapshot: samples without their mean, shape (n,), their rate and speed in Hz."""
@@ -99,14 +99,14 @@ class AveragedEnvelope:
             power = np.abs(fft.rfft(envelope, padded)) ** 2 / len(envelope) ** 2
             rate = sample_rate * len(envelope) / len(x)
             hertz = rate / padded * np.arange(len(power))
-            self._power[row] += np.interp(self._orders * shaft_hz, hertz, power, right=0.0)
-        self._turns += len(x) / sample_rate * shaft_hz
-        self._count += 1
+            self.power[row] += np.interp(self._orders * shaft_hz, hertz, power, right=0.0)
+        self.turns += len(x) / sample_rate * shaft_hz
+        self.count += 1
 
     def excess(self) -> NDArray[np.float64]:
         """Power over its local floor less one, (bands, K): zero on average where is only noise."""
-        mean = self._power / max(self._count, 1)
-        turns = self._turns / max(self._count, 1)
+        mean = self.power / max(self.count, 1)
+        turns = self.turns / max(self.count, 1)
         # Wide against a line of this resolution, narrow against the slope of the floor.
         width = 2 * round(max(4.0 / max(turns, 1e-9), 1.5) / STEP) + 1
         floor = median_filter(mean, size=(1, min(width, len(self._orders) | 1)), mode='nearest')
@@ -119,13 +119,13 @@ class AveragedEnvelope:
         None where too few snapshots are there, no comb is significant, or two families cannot be
         told apart at this resolution.
         """
-        if self._count < LEAST:
+        if self.count < LEAST:
             return None
         excess = self.excess()
-        if before._count >= LEAST:
+        if before.count >= LEAST:
             # What the machine always did, its shaft and its neighbours, says nothing of damage.
             excess = excess - np.maximum(before.excess(), 0.0)
-        resolution = self._count / self._turns
+        resolution = self.count / self.turns
         grid = np.arange(1.5 * resolution, HIGHEST / HARMONICS, STEP)
         scores = np.zeros((len(BANDS), len(grid)))
         for harmonic in range(1, HARMONICS + 1):
@@ -162,4 +162,4 @@ class AveragedEnvelope:
             close = abs(orders.impacts(other) - orders.impacts(place)) < resolution
             if rival * RIVAL > top and (close or abs(at - order) > STEP):
                 return None
-        return Comb(place, order, top, self._count)
+        return Comb(place, order, top, self.count)

@@ -13,13 +13,13 @@ from bearing_twin.diagnosis.dependence import Z90
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis, Severity
 
-__all__ = ['FAULT_DB', 'SUSPECT_DB', 'raised']
+__all__ = ['FAULT_DB', 'SUSPECT_DB', 'UNKNOWN', 'raised']
 
 SUSPECT_DB, FAULT_DB = 6.0, 12.0
 """Level over the baseline of a machine that is doubtful, and of one that is damaged: twice and
 four times the acceleration."""
 
-_UNKNOWN = 0.5
+UNKNOWN = 0.5
 """Confidence where the level alone speaks: no simulation says how often it is right."""
 
 
@@ -45,7 +45,7 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
         return diagnosis
     result, confidence = diagnosis.result, diagnosis.confidence
     if result in ('healthy', 'insufficient'):
-        result, confidence = 'suspect', _UNKNOWN
+        result, confidence = 'suspect', UNKNOWN
     if result == 'suspect' and level == 'fault':
         result = 'ambiguous'
     place = '' if diagnosis.faults else '; place unknown'

@@ -11,9 +11,9 @@ there is an alarm. Snapshots may be seconds or weeks apart.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import asdict
 import math
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.averaging import AveragedEnvelope
@@ -21,17 +21,20 @@ from bearing_twin.diagnosis.baseline import Baseline, Level, settled, SETTLED_DB
 from bearing_twin.diagnosis.dependence import Condition, HealthyRecord, Law, Z90
 from bearing_twin.diagnosis.level import FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.onset import Rise, rise_begins, slope
+from bearing_twin.diagnosis.series_result import SeriesPoint, SeriesReport, SeriesSettings
 from bearing_twin.diagnosis.severity import BANDS_HZ, measure_severity
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 from scipy import fft
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.averaging import Comb
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['SeriesMonitor', 'SeriesPoint', 'SeriesReport', 'SeriesSettings']
+__all__ = ['CONFIRMING', 'SeriesMonitor']
 
 MEASURES = ('whole band', *(f'{low:g} to {high:g} Hz' for low, high in BANDS_HZ[1:]))
 """Levels that are watched: of the whole signal, and of the bands in which bearings ring. Below
@@ -44,94 +47,14 @@ SCATTER_FACTOR = 6.0
 at fault from twice as many. A level with a memory of 10 snapshots exceeds it within 10 000 of them
 in 7 of 100 simulated lives: 60 snapshots do not tell the scatter better. Where a level wanders by
 up to 1.2 dB (memory of 20 snapshots) it stays below 6 dB in 99 of 100 such lives."""
+MOST = 5000
+"""Points kept; when there are more, every second of the older half is dropped."""
 CONFIRMING = 5
 """Snapshots whose median is judged: two of five may be disturbed."""
-LEAST_BASELINE = 10
 
 
-@dataclass(frozen=True, kw_only=True)
-class SeriesSettings:
-    """
-    What the user may choose.
-
-    Raises
-    ------
-    BearingTwinError
-        If a value is outside its range.
-
-    """
-
-    baseline: int = 60
-    """Snapshots of a settled machine that make its baseline, 10 to 100 000."""
-    hold: float = 3600.0
-    """Seconds for which the level must be low before an alarm is taken back, 0 to 1e8."""
-    power_group: int = 0
-    """Group of ISO 20816-3; 0: unknown."""
-    mounting: str = ''
-    """Mounting of ISO 20816-3: ``'rigid'``, ``'flexible'`` or empty (unknown)."""
-
-    def __post_init__(self) -> None:
-        if not LEAST_BASELINE <= self.baseline <= 100_000:
-            msg = f'baseline={self.baseline} snapshots is outside {LEAST_BASELINE}..100000'
-            raise BearingTwinError(msg)
-        if not 0.0 <= self.hold <= 1e8:
-            msg = f'hold={self.hold} s is outside 0..1e8; one hour is usual'
-            raise BearingTwinError(msg)
-
-
-@dataclass(frozen=True, kw_only=True)
-class SeriesPoint:
-    """State of the machine after a snapshot."""
-
-    time: float
-    """s."""
-    level: str
-    """Held level, of :data:`bearing_twin.bearing.LEVELS`; 'none' until the baseline is known."""
-    over_baseline: float
-    """Median of the last five levels over their baseline, dB, of the measure that rose most."""
-    measure: str
-    """Which measure that is; '' before there is a baseline."""
-    rms: float
-    """Of the snapshot, in its unit."""
-    temperature: float
-    """degC; NaN if unknown."""
-    iso_zone: str
-    correction: float = 0.0
-    """Change with temperature and speed that was taken off the whole signal, dB."""
-    correction_sd: float = 0.0
-    """Its standard deviation, dB."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class SeriesReport:
-    """What all snapshots together say."""
-
-    level: str
-    """Held level at the end."""
-    points: tuple[SeriesPoint, ...]
-    """One a snapshot that could be judged."""
-    baseline: tuple[float, float] | None
-    """First and last time of the snapshots that the present baseline rests on, s; None: none."""
-    scatter: float
-    """Standard deviation of the level within the baseline, dB."""
-    change: float
-    """When the level began to rise to the first alarm that still stands, s; NaN without one."""
-    first_alarm: float
-    """When the level first left 'ok', s; NaN if it never did."""
-    first_fault: float
-    """When it first was 'fault', s; NaN if it never was."""
-    changes: int
-    """How often the held level changed after it was first known."""
-    trend: float
-    """Slope of the level over the last quarter of the time since the baseline, dB/h (Theil and
-    Sen); NaN where too little is there."""
-    warmer: float
-    """Temperature at the end over that of the baseline, K; NaN if unknown."""
-    law: Law
-    """How the level of the whole signal depends on temperature and speed."""
-    place: Comb | None
-    """Fault whose impacts the average of the envelopes since the change shows; None: none."""
-    reasons: tuple[str, ...]
+_KEPT = ('held', 'low_since', 'alarms', 'changes', 'refused')
+"""Plain values that are saved as they are."""
 
 
 class SeriesMonitor:
@@ -267,8 +190,12 @@ class SeriesMonitor:
             measure=MEASURES[measure] if self._baseline else '', temperature=temperature,
             iso_zone=severity.iso_zone,
             correction=float(changes[0][0]), correction_sd=float(changes[1][0]),
+            rising=self._rise.lasting if self._rise.found else 0,
         )  # fmt: skip
         self._points.append(point)
+        if len(self._points) >= MOST:
+            # What is long ago is kept more coarsely.
+            del self._points[: MOST // 2 : 2], self._levels[: MOST // 2 : 2]
         return point
 
     def _refuse(self, x: NDArray[np.float64], shaft_hz: float) -> str:
@@ -380,6 +307,62 @@ class SeriesMonitor:
             reasons=self._reasons(change, warmer, place),
         )  # fmt: skip
 
+    def save(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+        """Plain values and arrays worth keeping over a restart; see :meth:`load`."""
+        base = self._baseline
+        values = {
+            'baseline': base and [base.temperature, base.shaft_hz, *base.times],
+            'points': [asdict(point) for point in self._points],
+            'window': [(time, heat) for time, _, heat in self._window],
+            'record': asdict(self._record),
+            'rise': asdict(self._rise),
+            'averaged': [[a.count, a.turns] for a in (self._quiet, self._loud)],
+            **{name: getattr(self, f'_{name}') for name in _KEPT},
+        }
+        arrays = {
+            'levels': _table(self._levels),
+            'recent': _table(self._recent),
+            'window_levels': _table([levels for _, levels, _ in self._window]),
+            'quiet': self._quiet.power,
+            'loud': self._loud.power,
+        }
+        if base is not None:
+            arrays['baseline'] = np.array([base.levels, base.scatter])
+        return values, arrays
+
+    def load(self, values: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
+        """
+        Take up what :meth:`save` returned.
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError, IndexError, BearingTwinError
+            If it is not that; the monitor is then not to be used.
+
+        """
+        for name in _KEPT:
+            kind = type(getattr(self, f'_{name}'))
+            setattr(self, f'_{name}', kind(values[name]))
+        self._baseline = None
+        if values['baseline'] is not None:
+            heat, hertz, first, last = values['baseline']
+            levels, scatter = arrays['baseline']
+            self._baseline = Baseline(levels, scatter, heat, hertz, (first, last))
+        self._points = [SeriesPoint(**point) for point in values['points']]
+        self._levels = list(arrays['levels'])
+        self._recent.clear()
+        self._recent.extend(arrays['recent'])
+        self._window.clear()
+        for (time, heat), levels in zip(values['window'], arrays['window_levels'], strict=True):
+            self._window.append((time, levels, heat))
+        self._record = HealthyRecord.of(values['record'])
+        self._rise = Rise.of(values['rise'])
+        for average, (count, turns) in zip(
+            (self._quiet, self._loud), values['averaged'], strict=True
+        ):
+            average.count, average.turns = int(count), float(turns)
+        self._quiet.power, self._loud.power = arrays['quiet'], arrays['loud']
+
     def _change(self, alarm: float) -> float:
         """Time at which the rise to the first alarm began: the last zero of Page's CUSUM."""
         if math.isnan(alarm):
@@ -434,3 +417,8 @@ class SeriesMonitor:
             reasons.append('place unknown: no comb stands out of the averaged envelope')
         reasons += [f'{count} snapshots not judged: {why}' for why, count in self._refused.items()]
         return tuple(reasons)
+
+
+def _table(rows: Iterable[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Levels of several snapshots, shape (snapshots, measures)."""
+    return np.array(list(rows), dtype=np.float64).reshape(-1, len(MEASURES))

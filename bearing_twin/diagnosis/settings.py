@@ -61,6 +61,21 @@ class DiagnosisSettings:
         choices=('', 'rigid', 'flexible'),
     )
 
+    series_cycle: float = quantity(
+        0.0,
+        'Time from one snapshot to the next, judged together as one series; 0: a stream, judged '
+        'window by window.',
+        's',
+        0.0,
+        1e8,
+    )
+    series_snapshot: float = quantity(
+        1.0, 'Length of a snapshot of a series; a gap may cut it short.', 's', 0.05, LONGEST_WINDOW
+    )
+    series_hold: float = quantity(
+        3600.0, 'Time for which a series must be low before its alarm ends.', 's', 0.0, 1e8
+    )
+
     @property
     def averages(self) -> bool:
         """Whether the memory holds a window before the newest, so that they can be averaged."""

@@ -30,7 +30,8 @@ from bearing_twin.diagnosis.dependence import (
     Z90,
 )
 from bearing_twin.diagnosis.level import SUSPECT_DB
-from bearing_twin.diagnosis.series import CONFIRMING, SeriesMonitor, SeriesSettings
+from bearing_twin.diagnosis.series import CONFIRMING, SeriesMonitor
+from bearing_twin.diagnosis.series_result import SeriesSettings
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.snapshots import read_snapshots

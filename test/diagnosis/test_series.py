@@ -9,7 +9,10 @@ from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.cli import main
 from bearing_twin.diagnosis.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.onset import rise_begins
-from bearing_twin.diagnosis.series import SeriesMonitor, SeriesSettings
+from bearing_twin.diagnosis.series import SeriesMonitor
+from bearing_twin.diagnosis.series_result import SeriesSettings
+from bearing_twin.diagnosis.settings import DiagnosisSettings
+from bearing_twin.diagnosis.snapshots import SeriesDiagnoser
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import pytest
@@ -213,3 +216,82 @@ def test_series_of_many_files_in_a_folder(tmp_path, capsys):
     (tmp_path / 'empty').mkdir()
     assert main(['diagnose', '--series', str(tmp_path / 'empty')]) == 1
     assert 'no file ends in' in capsys.readouterr().err
+
+
+def played(diagnoser, numbers, *, worn, index=None):
+    """Half a second of noise each ten minutes, in blocks of 512 samples."""
+    said = []
+    for number in numbers:
+        rng = np.random.default_rng(number)
+        x = (5.0 if number >= worn else 1.0) * rng.standard_normal(5 * 2560)
+        first = round(600.0 * number * RATE) if index is None else index
+        for start in range(0, len(x), 512):
+            block = x[start : start + 512]
+            due = diagnoser.take(first + start, block, RATE, 25.0, temperature=60.0, sensor='y')
+            said += [diagnoser.judge(excerpt.analyse()) for excerpt in due]
+    return said
+
+
+CYCLE_SETTINGS = DiagnosisSettings(
+    series_cycle=600.0, series_snapshot=0.5, baseline_windows=20, series_hold=1200.0
+)
+
+
+@pytest.mark.parametrize('index', [None, 0])
+def test_snapshots_of_a_stream_with_gaps_are_judged_as_one_series(index):
+    """Whether the index goes on over the gap or starts anew with each snapshot."""
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
+    said = played(diagnoser, range(60), worn=50, index=index)
+    # What has no next block yet, is not whole: half a second is 25 blocks exactly.
+    assert len(said) == 60
+    assert {d.level for d in said[:24]} == {'none', 'ok'}
+    assert {d.level for d in said[25:50]} == {'ok'}
+    assert said[-1].level == 'fault' and said[-1].result == 'ambiguous'
+    assert said[-1].severity.level_over_baseline == pytest.approx(14.0, abs=0.5)
+    assert said[-1].window == ('insufficient', 'none')
+    assert any(reason.startswith('series: ') for reason in said[-1].reasons)
+    # A stream of half a second each ten minutes never fills a window.
+
+
+def test_series_of_a_continuous_stream_takes_one_snapshot_a_cycle():
+    settings = DiagnosisSettings(series_cycle=4.0, series_snapshot=1.0, baseline_windows=10)
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), settings)
+    rng = np.random.default_rng(1)
+    firsts = []
+    for number in range(20 * 25):
+        due = diagnoser.take(1024 * number, rng.standard_normal(1024), RATE, 25.0)
+        firsts += [excerpt.first_sample / RATE for excerpt in due]
+    assert len(firsts) == pytest.approx(20 / (0.75 * 4.0), abs=1)
+    assert np.diff(firsts).min() >= 3.0
+
+
+def test_series_is_saved_and_resumed_to_the_bit():
+    bearing = find_bearing('6307')
+    straight = SeriesDiagnoser(bearing, CYCLE_SETTINGS)
+    played(straight, range(40), worn=35)
+    resumed = SeriesDiagnoser(bearing, CYCLE_SETTINGS)
+    resumed.load(straight.save())
+    assert resumed.save() == straight.save()
+    later = [played(one, range(40, 60), worn=0) for one in (straight, resumed)]
+    assert [str(d.severity) + d.level for d in later[0]] == [
+        str(d.severity) + d.level for d in later[1]
+    ]
+    assert resumed.save() == straight.save()
+    assert later[0][-1].level == 'fault'
+    # Another source is judged alone, and said.
+    other = straight.take(10**12, np.ones(20_000), RATE, 25.0, sensor='x')
+    assert 'the series is of' in straight.judge(other[0].analyse()).reasons[-1]
+    before = straight.save()
+    for broken in (b'', before[:-9], before[:40] + b'x' + before[41:]):
+        with pytest.raises(BearingTwinError):
+            straight.load(broken)
+    assert straight.save() == before
+
+
+def test_a_long_series_is_kept_more_coarsely(monkeypatch):
+    monkeypatch.setattr('bearing_twin.diagnosis.series.MOST', 200)
+    monitor, _ = life(1, 900, lambda n: 12.0 * (n >= 800))
+    report = monitor.report()
+    assert len(report.points) < 200
+    assert report.change == pytest.approx(800 * CYCLE, abs=20 * CYCLE)
+    assert report.level in ('suspect', 'fault')

@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a series of snapshots is asked and what it answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from bearing_twin.diagnosis.averaging import Comb
+    from bearing_twin.diagnosis.dependence import Law
+
+__all__ = ['SeriesPoint', 'SeriesReport', 'SeriesSettings']
+
+LEAST_BASELINE, MOST_BASELINE = 10, 100_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class SeriesSettings:
+    """
+    What the user may choose.
+
+    Raises
+    ------
+    BearingTwinError
+        If a value is outside its range.
+
+    """
+
+    baseline: int = 60
+    """Snapshots of a settled machine that make its baseline, 10 to 100 000."""
+    hold: float = 3600.0
+    """Seconds for which the level must be low before an alarm is taken back, 0 to 1e8."""
+    power_group: int = 0
+    """Group of ISO 20816-3; 0: unknown."""
+    mounting: str = ''
+    """Mounting of ISO 20816-3: ``'rigid'``, ``'flexible'`` or empty (unknown)."""
+
+    def __post_init__(self) -> None:
+        if not LEAST_BASELINE <= self.baseline <= MOST_BASELINE:
+            msg = (
+                f'baseline={self.baseline} snapshots is outside {LEAST_BASELINE}..{MOST_BASELINE}'
+            )
+            raise BearingTwinError(msg)
+        if not 0.0 <= self.hold <= 1e8:
+            msg = f'hold={self.hold} s is outside 0..1e8; one hour is usual'
+            raise BearingTwinError(msg)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SeriesPoint:
+    """State of the machine after a snapshot."""
+
+    time: float
+    """s."""
+    level: str
+    """Held level, of :data:`bearing_twin.bearing.LEVELS`; 'none' until the baseline is known."""
+    over_baseline: float
+    """Median of the last five levels over their baseline, dB, of the measure that rose most."""
+    measure: str
+    """Which measure that is; '' before there is a baseline."""
+    rms: float
+    """Of the snapshot, in its unit."""
+    temperature: float
+    """degC; NaN if unknown."""
+    iso_zone: str
+    correction: float = 0.0
+    """Change with temperature and speed that was taken off the whole signal, dB."""
+    correction_sd: float = 0.0
+    """Its standard deviation, dB."""
+    rising: int = 0
+    """Snapshots for which the level has stood over its baseline for good; 0: it has not."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SeriesReport:
+    """What all snapshots together say."""
+
+    level: str
+    """Held level at the end."""
+    points: tuple[SeriesPoint, ...]
+    """One a snapshot that could be judged."""
+    baseline: tuple[float, float] | None
+    """First and last time of the snapshots that the present baseline rests on, s; None: none."""
+    scatter: float
+    """Standard deviation of the level within the baseline, dB."""
+    change: float
+    """When the level began to rise to the first alarm that still stands, s; NaN without one."""
+    first_alarm: float
+    """When the level first left 'ok', s; NaN if it never did."""
+    first_fault: float
+    """When it first was 'fault', s; NaN if it never was."""
+    changes: int
+    """How often the held level changed after it was first known."""
+    trend: float
+    """Slope of the level over the last quarter of the time since the baseline, dB/h (Theil and
+    Sen); NaN where too little is there."""
+    warmer: float
+    """Temperature at the end over that of the baseline, K; NaN if unknown."""
+    law: Law
+    """How the level of the whole signal depends on temperature and speed."""
+    place: Comb | None
+    """Fault whose impacts the average of the envelopes since the change shows; None: none."""
+    reasons: tuple[str, ...]

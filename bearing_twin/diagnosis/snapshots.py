@@ -1,0 +1,247 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Snapshots out of blocks, judged as one series: a stream with gaps of seconds or weeks."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import replace
+import math
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.bearing import FAULT_CODES, LEVELS
+from bearing_twin.diagnosis.chain import Excerpt
+from bearing_twin.diagnosis.level import raised, UNKNOWN
+from bearing_twin.diagnosis.series import SeriesMonitor
+from bearing_twin.diagnosis.series_result import LEAST_BASELINE, MOST_BASELINE, SeriesSettings
+from bearing_twin.diagnosis.state import pack, unpack
+from bearing_twin.diagnosis.trend import Source
+from bearing_twin.errors import BearingTwinError
+import numpy as np
+
+if TYPE_CHECKING:
+    from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis.chain import Analysis
+    from bearing_twin.diagnosis.result import Diagnosis
+    from bearing_twin.diagnosis.settings import DiagnosisSettings
+    from numpy.typing import ArrayLike, NDArray
+
+__all__ = ['SeriesDiagnoser']
+
+_VERSION = 1001
+_SOONER = 0.75
+"""Share of the cycle after which the next snapshot may come: cycles are never exact."""
+_LEAST = 64
+"""Samples of a snapshot that a gap has cut short."""
+
+
+class SeriesDiagnoser:
+    """
+    Takes one snapshot a cycle out of the blocks of a sensor and judges all as one series.
+
+    Stands where :class:`bearing_twin.diagnosis.StreamingDiagnoser` does where
+    ``settings.series_cycle`` is not 0. Between snapshots nothing need come. Time is the running
+    sample index over the sample rate; where the index starts anew, the next snapshot is one cycle
+    after the last.
+
+    Parameters
+    ----------
+    bearing
+        Geometry.
+    settings
+        See :class:`DiagnosisSettings`.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.diagnosis import DiagnosisSettings
+    >>> settings = DiagnosisSettings(series_cycle=600.0, series_snapshot=0.1, baseline_windows=10)
+    >>> diagnoser = SeriesDiagnoser(find_bearing('6307'), settings)
+    >>> rng = np.random.default_rng(0)
+    >>> for number in range(40):
+    ...     x = (1.0 if number < 30 else 6.0) * rng.standard_normal(2560)
+    ...     due = diagnoser.take(0, x, 25600.0, 25.0)
+    ...     said = [diagnoser.judge(excerpt.analyse()) for excerpt in due]
+    >>> said[0].result, said[0].level, round(said[0].severity.level_over_baseline)
+    ('ambiguous', 'fault', 16)
+
+    """
+
+    def __init__(self, bearing: Bearing, settings: DiagnosisSettings) -> None:
+        self.other_source = ''
+        """Why the last snapshot is not of the source of the series; '' if it is."""
+        self._source = Source()
+        self._offset, self._last = 0.0, -math.inf
+        self._next = 0
+        self._rate = math.nan
+        self._parts: list[tuple[NDArray[np.float64], float]] = []
+        self._due: deque[float] = deque()
+        self._bearing, self._settings = bearing, settings
+        self._monitor = self._new()
+
+    @property
+    def bearing(self) -> Bearing:
+        """Geometry in use."""
+        return self._bearing
+
+    @property
+    def settings(self) -> DiagnosisSettings:
+        """Return the settings in use."""
+        return self._settings
+
+    def _new(self) -> SeriesMonitor:
+        s = self._settings
+        return SeriesMonitor(
+            self._bearing,
+            SeriesSettings(
+                baseline=min(max(s.baseline_windows, LEAST_BASELINE), MOST_BASELINE),
+                hold=s.series_hold,
+                power_group=s.power_group, mounting=s.mounting,
+            ),
+        )  # fmt: skip
+
+    def reconfigure(
+        self, bearing: Bearing | None = None, settings: DiagnosisSettings | None = None
+    ) -> None:
+        """Change geometry or settings; the series goes on."""
+        self._bearing, self._settings = bearing or self._bearing, settings or self._settings
+        before, self._monitor = self._monitor, self._new()
+        self._monitor.load(*before.save())
+        self._parts.clear()
+
+    def take(
+        self,
+        first_sample: int,
+        x: ArrayLike,
+        sample_rate: float,
+        shaft_hz: float,
+        *,
+        speed_measured: bool = False,
+        temperature: float = math.nan,
+        unit: str = '',
+        sensor: str = '',
+    ) -> list[Excerpt]:
+        """Take a block; return the snapshot that is whole, if one is: as StreamingDiagnoser."""
+        block = np.asarray(x, dtype=np.float64)
+        if block.ndim != 1:
+            msg = f'x has shape {block.shape}; push one axis as a 1-D array'
+            raise BearingTwinError(msg)
+        if not (math.isfinite(sample_rate) and sample_rate > 0.0):
+            msg = f'sample_rate={sample_rate} Hz; a positive number is needed'
+            raise BearingTwinError(msg)
+        known = {'temperature': temperature, 'unit': unit, 'sensor': sensor}
+        found = []
+        if self._parts and (first_sample != self._next or sample_rate != self._rate):
+            found += self._snapshot(speed_measured, known)
+        now = self._offset + first_sample / sample_rate
+        if first_sample < self._next:
+            # The source counts anew, maybe for each snapshot.
+            now = self._last + self._settings.series_cycle
+            self._offset = now - first_sample / sample_rate
+        self._rate, self._next = sample_rate, first_sample + len(block)
+        if not self._parts and now < self._last + _SOONER * self._settings.series_cycle:
+            return found
+        if not self._parts:
+            self._last = now
+        self._parts.append((block, shaft_hz))
+        if self._held >= round(self._settings.series_snapshot * sample_rate):
+            found += self._snapshot(speed_measured, known)
+        return found
+
+    @property
+    def _held(self) -> int:
+        return sum(len(part) for part, _ in self._parts)
+
+    def _snapshot(self, speed_measured: bool, known: dict[str, Any]) -> list[Excerpt]:
+        settings = self._settings
+        if speed_measured:
+            settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
+        parts, count = self._parts, self._held
+        self._parts = []
+        if count < _LEAST:
+            return []
+        self._due.append(self._last)
+        return [
+            Excerpt(
+                samples=np.concatenate([part for part, _ in parts]),
+                shaft_hz=np.array([hz for _, hz in parts]),
+                lengths=np.array([len(part) for part, _ in parts]),
+                sample_rate=self._rate, bearing=self._bearing, settings=settings,
+                first_sample=self._next - count, **known,
+            )
+        ]  # fmt: skip
+
+    def judge(self, analysis: Analysis) -> Diagnosis:
+        """Judge a snapshot together with all before it."""
+        excerpt, time = analysis.excerpt, self._due.popleft()
+        found = raised(analysis.conclude())
+        source = Source(excerpt.sensor, excerpt.bearing.name, excerpt.unit, excerpt.sample_rate)
+        if not self._source.sample_rate:
+            self._source = source
+        self.other_source = ''
+        if not self._source.same(source):
+            self.other_source = f'the series is of {self._source}, this is {source}'
+            return replace(found, reasons=(*found.reasons, self.other_source))
+        hertz = float(np.average(excerpt.shaft_hz, weights=excerpt.lengths))
+        point = self._monitor.add(
+            time, excerpt.samples, excerpt.sample_rate, hertz,
+            temperature=excerpt.temperature, unit=excerpt.unit,
+        )  # fmt: skip
+        report = self._monitor.report()
+        reasons = (*found.reasons, *(f'series: {text}' for text in report.reasons))
+        if point is None:
+            return replace(found, reasons=reasons)
+        severity = replace(
+            found.severity, rms=point.rms, iso_zone=point.iso_zone,
+            level_over_baseline=point.over_baseline if point.measure else math.nan,
+            correction=point.correction, correction_sd=point.correction_sd,
+            correction_basis=str(report.law), rising=point.rising,
+        )  # fmt: skip
+        found = replace(found, severity=severity, reasons=reasons)
+        if LEVELS.index(point.level) <= LEVELS.index(found.level) or point.level == 'none':
+            return found
+        result, faults, confidence = found.result, found.faults, found.confidence
+        if point.level in ('suspect', 'fault'):
+            confidence = UNKNOWN
+            result = 'suspect' if point.level == 'suspect' else 'ambiguous'
+            if report.place is not None:
+                faults = (report.place.place,)
+                result = faults[0] if point.level == 'fault' else 'suspect'
+        return replace(
+            found, level=point.level, result=result, faults=faults, confidence=confidence,
+            fault_code=FAULT_CODES[result], window=(found.result, found.level),
+        )  # fmt: skip
+
+    def save(self) -> bytes:
+        """State worth keeping over a restart: the series, without a snapshot that is not whole."""
+        values, arrays = self._monitor.save()
+        own = {
+            'source': list(self._source),
+            'offset': self._offset,
+            'last': self._last,
+            'next': self._next,
+        }
+        return pack(_VERSION, {'series': values, **own}, arrays)
+
+    def load(self, data: bytes) -> None:
+        """
+        Take up a saved state.
+
+        Raises
+        ------
+        BearingTwinError
+            If the bytes are not such a state; the present state is then unchanged.
+
+        """
+        values, arrays = unpack(data, _VERSION)
+        monitor = self._new()
+        try:
+            monitor.load(values['series'], arrays)
+            source = Source(*values['source'])
+            offset, last, following = (values[name] for name in ('offset', 'last', 'next'))
+            offset, last, following = float(offset), float(last), int(following)
+        except (KeyError, TypeError, ValueError, IndexError) as error:
+            msg = f'saved series lacks {error}; use what save() returned'
+            raise BearingTwinError(msg) from error
+        self._monitor, self._source = monitor, source
+        self._offset, self._last, self._next = offset, last, following
+        self._parts.clear()
+        self._due.clear()
