@@ -18,6 +18,22 @@ import sys
 import tempfile
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.bearing import (
+    FAULT_CODES,
+    find_bearing,
+    LEVELS,
+    NEXT_STEPS,
+    RESULTS,
+    TITLES,
+)
+from bearing_twin.diagnosis.report import insufficient
+from bearing_twin.nodes.diagnosis_topics import (
+    LEVELS as STATUS_LEVELS,
+)
+from bearing_twin.nodes.diagnosis_topics import (
+    VERDICT_LEVELS,
+    verdict_status,
+)
 from bearing_twin.recording.schedule import write_temperature_recording
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.launching import ensure_log_folder
@@ -31,6 +47,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from bearing_twin.assets.spec import Spec
+    from bearing_twin.ros.health import Health
     from rclpy.qos import QoSProfile
 
 __all__ = ['document', 'main']
@@ -78,10 +95,43 @@ motion and keep the index. Its noise is drawn by index and therefore differs fro
 and its filter against aliasing settles again for a few milliseconds. A run of a fleet is repeated
 to the bit from `~/checkpoint`; `bearing-twin verify` does so.
 
+Each node reports its parts on `/diagnostics`, named `NODE: STATUS`. The keys of their values are
+stable and carry the unit. A value is always a number or always a text, so that a time-series
+database takes it; a number that is not known is left out.
+
 At the first start, and after an update, twin and fleet compile their kernel, which takes about 20
 s of one core. Meanwhile they are visible, answer services and stay *unconfigured*; the log and
 `/diagnostics` report it.
 """
+
+CODES = """\
+## Codes and levels
+
+`diagnosis` and the status `bearing` carry a code that programs can rely on. In OPC UA terms each
+machine is a device (OPC 10000-100) with one condition, whose type and severity (1 to 1000) follow
+from the level; the code is its condition name. Mapped here, not shipped: there is no OPC UA server
+in this package.
+"""
+
+CONDITIONS = {
+    'none': ('check function', '`CheckFunctionAlarmType`, active', '100'),
+    'ok': ('normal', 'none active', ''),
+    'suspect': ('maintenance required', '`MaintenanceRequiredAlarmType`, active', '400'),
+    'fault': ('maintenance required', '`MaintenanceRequiredAlarmType`, active', '700'),
+}
+"""Of each level: NAMUR NE 107, OPC UA for devices, severity."""
+
+BLOCKS = {
+    'data acquisition (DA)': '`vibration`, `temperature`, `joint_states`',
+    'data manipulation (DM)': '`spectrum`, `envelope_spectrum`; of `diagnosis` `rms`, '
+    '`velocity_rms`, `score`, `modulation_index`',
+    'state detection (SD)': '`level_over_baseline`, `iso_zone`, `level`, `window_level`',
+    'health assessment (HA)': '`result`, `fault_code`, `faults`, `confidence`, `stage`, `reasons`',
+    'prognostic assessment (PA)': '`life_hours` of `twin_state` (ISO 281, by load and oil of the '
+    'parameters); trend of `diagnose --series`',
+    'advisory generation (AG)': 'next step, in `diagnose`, report and Rerun',
+}
+"""What is published, by the blocks of ISO 13374-1."""
 
 TOPICS = {
     'temperature': 'outer ring, °C',
@@ -123,12 +173,14 @@ Row = tuple[str, ...]
 def document() -> str:
     """Return the text of ``docs/nodes.md``."""
     with tempfile.TemporaryDirectory() as folder:
-        return '\n'.join([INTRODUCTION, *(_node_section(name, Path(folder)) for name in NODES)])
+        sections = [_node_section(name, Path(folder)) for name in NODES]
+        return '\n'.join([INTRODUCTION, *sections, *codes()])
 
 
 def _node_section(name: str, folder: Path) -> str:
     node_class = _node_class(name)
     topics: set[Row] = set()
+    statuses: set[Row] = set()
     for parameters in _needed(name, folder):
         arguments = ['--ros-args', '--log-level', 'error', '--disable-rosout-logs']
         for key, value in parameters.items():
@@ -141,6 +193,7 @@ def _node_section(name: str, folder: Path) -> str:
                 node.bring_up()
                 topics |= _topics(node)
                 services = _services(node)
+                statuses |= _statuses(node)
             finally:
                 node.shut_down()
                 node.destroy_node()
@@ -155,6 +208,7 @@ def _node_section(name: str, folder: Path) -> str:
             '',
             *_table(head, sorted(topics, key=lambda row: (row[1], row[0]))),
             *(_table(('service', 'type', 'meaning'), services) if services else []),
+            *_table(('status', 'numbers', 'texts'), sorted(statuses)),
             *_parameters(node.parameters.specs),
         ]
     )
@@ -224,6 +278,52 @@ def _topics(node: ManagedNode) -> set[Row]:
                 )
             )
     return rows
+
+
+def _statuses(node: ManagedNode) -> set[Row]:
+    """Return the parts of a node on /diagnostics, and the keys of their values."""
+    health: Health = node._health
+    rows: set[Row] = set()
+    for part, status in health.statuses().items():
+        values = dict(status.values)
+        if 'bearing' in part:
+            # Complete from the first verdict on.
+            nothing = insufficient([], find_bearing('6307'))
+            values = dict(verdict_status(nothing, '6307', 0.0).values)
+        texts = [f'`{key}`' for key, value in values.items() if not isinstance(value, int | float)]
+        numbers = [f'`{key}`' for key in values if f'`{key}`' not in texts]
+        rows.add((f'`{part}`', ', '.join(numbers), ', '.join(texts)))
+    return rows
+
+
+def codes() -> list[str]:
+    """Return the tables of answers and levels, from the vocabulary."""
+    answers = [
+        (f'`{code}`', str(RESULTS.index(result)), TITLES[result], NEXT_STEPS[result])
+        for result, code in FAULT_CODES.items()
+    ]
+    levels = [
+        (f'`{level}`', str(VERDICT_LEVELS[level]), STATUS_LEVELS[level].name, *CONDITIONS[level])
+        for level in LEVELS
+    ]
+    return [
+        CODES,
+        *_table(('fault_code', 'result', 'meaning', 'next step'), answers),
+        *_table(
+            (
+                'level',
+                'verdict_level',
+                '/diagnostics',
+                'NAMUR NE 107',
+                'OPC UA condition',
+                'severity',
+            ),
+            levels,
+        ),
+        'What is published, by the blocks of ISO 13374-1:',
+        '',
+        *_table(('block', 'fields and topics'), BLOCKS.items()),
+    ]
 
 
 def _services(node: ManagedNode) -> list[Row]:

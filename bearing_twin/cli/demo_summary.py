@@ -166,7 +166,7 @@ def summarise(folder: Path, defect: str, preset: str) -> Summary:
             early |= sent_before(diagnostics)
             for status in diagnostics.status:
                 for item in status.values:
-                    if item.key == 'samples lost':
+                    if item.key == 'samples_lost':
                         lost_by_diagnosis = int(item.value)
     if state is None or verdict is None:
         missing = 'twin state' if state is None else 'verdict'

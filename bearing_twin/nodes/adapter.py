@@ -294,14 +294,14 @@ class AdapterNode(ManagedNode):
             level,
             message,
             {
-                'age [s]': age,
-                'sample rate [Hz]': rate,
-                'sample rate measured [Hz]': self._meter.rate,
-                'samples published': self._builder.next_sample,
-                'samples lost': self._lost,
-                'samples before /clock': self._untimed,
-                'restarts of the source': self._restarts,
-                'messages of other sources': self._sources.ignored,
+                'age_s': age,
+                'sample_rate_hz': rate,
+                'sample_rate_measured_hz': self._meter.rate,
+                'samples_published': self._builder.next_sample,
+                'samples_lost': self._lost,
+                'samples_before_clock': self._untimed,
+                'source_restarts': self._restarts,
+                'messages_of_other_sources': self._sources.ignored,
             },
         )
 

@@ -10,6 +10,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.checkpoints import Checkpoints
 from bearing_twin.assets.diagnosis import DiagnosisCore
+from bearing_twin.bearing import PLACES, RESULTS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.health import Level, Status
@@ -39,6 +40,10 @@ __all__ = ['DiagnosisTopics', 'input_status', 'verdict_status']
 
 SILENT_AFTER = 2.0
 
+VERDICT_LEVELS = {
+    name: getattr(Diagnosis, f'LEVEL_{name.upper()}')
+    for name in ('ok', 'suspect', 'fault', 'none')
+}
 LEVELS = {'ok': Level.OK, 'suspect': Level.WARN, 'fault': Level.ERROR, 'none': Level.WARN}
 
 
@@ -336,12 +341,12 @@ def input_status(
         level,
         message,
         {
-            'age [s]': age,
-            'blocks used': blocks,
-            'blocks refused': refused,
-            'blocks of other sources': ignored,
-            'samples lost': gaps.lost,
-            'restarts of the source': gaps.restarts,
+            'age_s': age,
+            'blocks_used': blocks,
+            'blocks_refused': refused,
+            'blocks_of_other_sources': ignored,
+            'samples_lost': gaps.lost,
+            'source_restarts': gaps.restarts,
         },
     )
 
@@ -361,23 +366,30 @@ def verdict_status(result: Diagnosis | None, bearing: str, age: float) -> Status
 
     """
     if result is None:
-        return Status(Level.STALE, 'no verdict yet', {'bearing': bearing})
+        return Status(Level.STALE, 'no verdict yet', {'bearing': f'bearing {bearing}'})
     values: dict[str, object] = {
         'fault_code': result.fault_code,
-        'bearing': bearing,
-        'age of the vibration [s]': age,
-        'result': result.result,
+        # A text whatever the name: one that is a number alone would be taken for one.
+        'bearing': f'bearing {bearing}',
+        'age_s': age,
+        'result': RESULTS.index(result.result),
+        'verdict_level': VERDICT_LEVELS[result.level],
+        'stage': result.severity.stage,
         'faults': ', '.join(result.faults),
         'confidence': result.confidence,
-        'shaft speed [Hz]': result.shaft_hz,
-        'fault frequency [Hz]': result.fault_hz,
-        'expected [Hz]': result.fault_hz_expected,
+        'shaft_hz': result.shaft_hz,
+        'fault_hz': result.fault_hz,
+        'fault_expected_hz': result.fault_hz_expected,
         'slip': result.slip,
-        f'rms [{result.severity.unit or "unit unknown"}]': result.severity.rms,
-        'level over baseline [dB]': result.severity.level_over_baseline,
-        'taken off for temperature and speed [dB]': result.severity.correction,
+        **{f'score_{place}': float(result.score[place]) for place in PLACES},
+        'rms': result.severity.rms,
+        'unit': result.severity.unit,
+        'velocity_rms_mm_s': result.severity.velocity_rms,
+        'level_over_baseline_db': result.severity.level_over_baseline,
+        'correction_db': result.severity.correction,
         'correction': result.severity.correction_basis,
-        'rising for [min]': result.severity.rising,
+        'rising_min': result.severity.rising,
+        'temperature_degc': result.temperature,
         'reasons': '; '.join(result.reasons),
     }
     if age > SILENT_AFTER:

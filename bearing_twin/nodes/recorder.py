@@ -342,17 +342,19 @@ class RecorderNode(ManagedNode):
         writer, left_out = self._writer, self._topics.left_out
         lost = self._lost + self._topics.lost
         values = {
-            'output': writer.path,
-            'messages written': writer.written,
-            'messages lost by the disk': writer.lost,
-            'messages lost on the way': lost,
-            'longest wait of a message [s]': self._longest_wait / NANO,
-            'pictures not shown to live viewers': self._watch.pictures_dropped,
-            'size [MB]': writer.size / 1e6,
+            'output': writer.path.absolute(),
+            'messages_written': writer.written,
+            'messages_lost_by_disk': writer.lost,
+            'messages_lost_on_the_way': lost,
+            'longest_wait_s': self._longest_wait / NANO,
+            'pictures_dropped': self._watch.pictures_dropped,
+            'size_mb': writer.size / 1e6,
             'topics': len(self._topics),
-            **{f'not recorded: {topic}': reason for topic, reason in left_out.items()},
-            **{f'{SENT_BEFORE}{topic}': count for topic, count in self._sent_before.items()},
-            **{f'unfinished {i}': path for i, path in enumerate(self._unfinished)},
+            'topics_left_out': len(left_out),
+            'why_left_out': '; '.join(f'{topic}: {why}' for topic, why in left_out.items()),
+            'messages_sent_before': self._sent_before.total(),
+            SENT_BEFORE: '; '.join(f'{topic} {n}' for topic, n in self._sent_before.items()),
+            'unfinished': '; '.join(map(str, self._unfinished)),
         }
         self._longest_wait = 0
         if writer.stopped or writer.problem:

@@ -329,13 +329,14 @@ class ReplayNode(ManagedNode):
     def _status(self) -> Status:
         player = self._player
         values = {
-            'recording': player.path,
-            'progress [%]': 100.0 * player.fraction,
+            'recording': player.path.absolute(),
+            'progress_percent': 100.0 * player.fraction,
             'messages': player.played,
             'pace': player.rate,
-            'rounds completed': player.loops,
+            'rounds_completed': player.loops,
             'paused': player.paused,
-            **{f'left out: {topic}': reason for topic, reason in self._left_out.items()},
+            'topics_left_out': len(self._left_out),
+            'why_left_out': '; '.join(f'{topic}: {why}' for topic, why in self._left_out.items()),
         }
         if self._problem:
             return Status(Level.ERROR, self._problem, values)

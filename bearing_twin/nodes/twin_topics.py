@@ -139,9 +139,9 @@ def temperature_status(temperature: GatedTemperature, *problems: str) -> Status:
         Level.OK if ok else Level.WARN,
         message,
         {
-            'temperature used [degC]': temperature.used,
-            'temperature measured [degC]': temperature.measured,
-            'age of the last valid one [s]': temperature.age,
-            'status': temperature.status.name,
+            'temperature_used_degc': temperature.used,
+            'temperature_measured_degc': temperature.measured,
+            'age_s': temperature.age,
+            'temperature_status': int(temperature.status),
         },
     )

@@ -24,7 +24,7 @@ __all__ = ['SENT_BEFORE', 'RecordingHealth', 'TopicHealth', 'recording_health', 
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'
 SEVERAL_SOURCES = 3
 """Returns to where the index had been left that a single source, out of order, does not make."""
-SENT_BEFORE = 'sent before the recording: '
+SENT_BEFORE = 'sent_before_by_topic'
 """What a recorder puts on /diagnostics before the name of a topic."""
 
 
@@ -120,10 +120,12 @@ def recording_health(path: Path) -> RecordingHealth:
 def sent_before(diagnostics: Any) -> dict[str, int]:
     """Return how many messages of each topic a recorder says were sent before it heard them."""
     return {
-        item.key.removeprefix(SENT_BEFORE): int(item.value)
+        topic: int(count)
         for status in diagnostics.status
         for item in status.values
-        if item.key.startswith(SENT_BEFORE) and item.value.isdecimal()
+        if item.key == SENT_BEFORE
+        for topic, _, count in (entry.rpartition(' ') for entry in item.value.split('; '))
+        if count.isdecimal()
     }
 
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import enum
+import math
 import re
 import time
 from typing import NamedTuple, TYPE_CHECKING
@@ -14,13 +15,14 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     from rclpy.node import Node
 
-__all__ = ['Health', 'Level', 'Status']
+__all__ = ['Health', 'Level', 'Status', 'known']
 
 
+PLAIN = str.maketrans({'"': "'", '\n': ' ', '\\': '/'})
 NUMBER = re.compile(r'[-+]?\d[\d.e+-]*|\bnan\b|\binf\b')
 
 
@@ -34,7 +36,12 @@ class Level(enum.Enum):
 
 
 class Status(NamedTuple):
-    """One status; ``values`` carry their unit in the key."""
+    """
+    One status.
+
+    The keys of ``values`` are stable and carry their unit (``age_s``). A value is always a number
+    or always a text; a number that is not known (NaN) is left out.
+    """
 
     level: Level
     message: str
@@ -98,6 +105,10 @@ class Health:
         """
         self._tasks[part] = (task, hardware_id or self.hardware_id)
 
+    def statuses(self) -> dict[str, Status]:
+        """Ask every part; return its status by its name."""
+        return {part: task() for part, (task, _) in self._tasks.items()}
+
     def destroy(self) -> None:
         """Stop publishing."""
         self._node.destroy_timer(self._timer)
@@ -108,17 +119,16 @@ class Health:
         array = DiagnosticArray()
         array.header.stamp = self._node.get_clock().now().to_msg()
         name = self._node.get_fully_qualified_name().lstrip('/')
-        for part, (task, hardware_id) in self._tasks.items():
-            status = task()
+        for part, status in self.statuses().items():
             self._log(part, status)
             level, message, values, _ = status
             array.status.append(
                 DiagnosticStatus(
                     level=level.value,
                     name=f'{name}: {part}',
-                    message=message,
-                    hardware_id=hardware_id,
-                    values=[KeyValue(key=k, value=_text(v)) for k, v in values.items()],
+                    message=_text(message),
+                    hardware_id=self._tasks[part][1],
+                    values=[KeyValue(key=k, value=_text(v)) for k, v in known(values)],
                 )
             )
         self._publisher.publish(array)
@@ -147,5 +157,15 @@ class Health:
             logger.warning(text)
 
 
+def known(values: Mapping[str, object]) -> Iterator[tuple[str, object]]:
+    """Yield what is sent of the values of a status: numbers that are NaN or infinite are not."""
+    for key, value in values.items():
+        if not isinstance(value, float) or math.isfinite(value):
+            yield key, value
+
+
 def _text(value: object) -> str:
-    return f'{value:.6g}' if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return f'{value:.6g}'
+    # diagnostic_remote_logging sends texts between double quotes, as they are, in one line.
+    return str(int(value) if isinstance(value, bool) else value).translate(PLAIN)

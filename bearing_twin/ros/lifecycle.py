@@ -264,7 +264,7 @@ def _prepare(node: ManagedNode, executor: Executor) -> None:
             health = Health(node, node.get_namespace())
             health.add(
                 PART,
-                lambda: Status(Level.WARN, COMPILING, {'time s': time.monotonic() - started}),
+                lambda: Status(Level.WARN, COMPILING, {'time_s': time.monotonic() - started}),
             )
     if health is not None:
         health.destroy()

@@ -27,12 +27,14 @@ class Spread(NamedTuple):
         """Return it in another unit."""
         return Spread(*(factor * value for value in self))
 
-    def text(self, digits: int = 2) -> str:
-        """Return it in the way of ros2_control: average [min - max], standard deviation."""
-        return (
-            f'{self.mean:.{digits}f} [{self.low:.{digits}f} - {self.high:.{digits}f}], '
-            f'std dev {self.std:.{digits}f}'
-        )
+    def named(self, name: str, unit: str) -> dict[str, float]:
+        """Return it in the way of ros2_control: average, least, most, standard deviation."""
+        return {
+            f'{name}_{unit}': self.mean,
+            f'{name}_min_{unit}': self.low,
+            f'{name}_max_{unit}': self.high,
+            f'{name}_std_{unit}': self.std,
+        }
 
 
 class CycleStatistics:

@@ -134,12 +134,12 @@ def test_subscribers_that_stop_come_late_or_are_not_alone(nodes, probe, tmp_path
     nodes.start('twin', {'defect': 'outer'}, name='second', ros=('-r', '__node:=second'))
     name = 'diagnosis: vibration input'
     probe.until(lambda: 'several sources' in probe.statuses[name][1], 'the second source')
-    assert int(probe.statuses[name][2]['blocks of other sources']) > 0
+    assert int(probe.statuses[name][2]['blocks_of_other_sources']) > 0
     verdicts = probe.collect(Diagnosis, 'diagnosis')
     probe.until(lambda: len(verdicts) > 2, 'verdicts on one of the two')
     if any(v.result == Diagnosis.OUTER for v in verdicts):
         # The first was held up for so long that it counted as silent; the status counts it.
-        assert int(probe.statuses[name][2]['restarts of the source']) > 0
+        assert int(probe.statuses[name][2]['source_restarts']) > 0
     assert nodes.end('second') == 0
     assert nodes.end('twin') == 0
     assert nodes.end('diagnosis') == 0

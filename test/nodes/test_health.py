@@ -5,17 +5,25 @@
 import math
 import re
 
+from bearing_twin.bearing import find_bearing
+from bearing_twin.diagnosis import diagnose_record
+from bearing_twin.diagnosis.report import insufficient
+import numpy as np
 import pytest
 
 pytest.importorskip('rclpy')
 
 from bearing_twin.assets.messages import time_message
+from bearing_twin.nodes.diagnosis_topics import verdict_status
+from bearing_twin.ros.health import _text, known
 from bearing_twin.stamps import NANO
+from bearing_twin.thermal.gate import TemperatureStatus
 from sensor_msgs.msg import Temperature
 
 pytestmark = pytest.mark.ros
 
 INPUT = 'twin: temperature input'
+STALE = str(int(TemperatureStatus.STALE))
 
 
 def test_trouble_with_the_temperature_is_logged_once_and_so_is_its_end(nodes, probe, tmp_path):
@@ -29,8 +37,9 @@ def test_trouble_with_the_temperature_is_logged_once_and_so_is_its_end(nodes, pr
             message.header.stamp = time_message(next(seconds) * NANO)
             probe.publish('temperature', message)
 
+        code = str(int(TemperatureStatus[status]))
         probe.until(
-            lambda: probe.statuses.get(INPUT, (0, '', {}))[2].get('status') == status,
+            lambda: probe.statuses.get(INPUT, (0, '', {}))[2].get('temperature_status') == code,
             status,
             every=send,
         )
@@ -41,7 +50,7 @@ def test_trouble_with_the_temperature_is_logged_once_and_so_is_its_end(nodes, pr
     expect('CLAMPED', 150.0)
     expect('OK', 40.0)
     assert probe.set_parameters('twin', temperature_timeout=0.1) == (True, '')
-    probe.until(lambda: probe.statuses[INPUT][2]['status'] == 'STALE', 'silence')
+    probe.until(lambda: probe.statuses[INPUT][2]['temperature_status'] == STALE, 'silence')
     probe.spin(2.5)
     assert nodes.end('twin') == 0
     log = (tmp_path / 'logs' / 'twin.log').read_text()
@@ -54,3 +63,28 @@ def test_trouble_with_the_temperature_is_logged_once_and_so_is_its_end(nodes, pr
     ]
     # What the second one ended.
     assert int(found[1][2]) >= 2
+
+
+def test_values_are_sent_so_that_a_database_keeps_their_types():
+    values = {'rms': 1.25, 'age_s': math.nan, 'peak': math.inf, 'paused': True, 'text': 'a "b"\n'}
+    sent = {key: _text(value) for key, value in known(values)}
+    assert sent == {'rms': '1.25', 'paused': '1', 'text': "a 'b' "}
+
+
+def test_a_machine_without_a_number_for_a_value_sends_no_text_in_its_place():
+    """Keys that are numbers with one verdict are numbers with any other, or left out."""
+    verdicts = [insufficient(['the record is empty'], find_bearing('6307'))]
+    noise = np.random.default_rng(0).standard_normal(4 * 25600)
+    verdicts.append(diagnose_record(noise, 25600.0, find_bearing('6307'), 25.0))
+    texts = [
+        {k for k, v in verdict_status(verdict, '6205', 0.0).values.items() if type(v) is str}
+        for verdict in verdicts
+    ]
+    words = {'fault_code', 'bearing', 'faults', 'unit', 'correction', 'reasons'}
+    assert texts[0] == texts[1] == words
+    for verdict in verdicts:
+        for key, value in known(verdict_status(verdict, '6205', 0.0).values):
+            if key in texts[0]:
+                assert not re.fullmatch(r'[-+.\d]+', str(value)), key
+            else:
+                assert math.isfinite(float(_text(value))), key

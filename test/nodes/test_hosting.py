@@ -188,7 +188,7 @@ def test_fleet_and_adapter_follow_simulated_time(nodes, probe):
 
     def untimed():
         *_, values = probe.statuses.get('adapter: accelerometer input', [{}])
-        return float(values.get('samples before /clock', 0)) == 3 * 1024
+        return float(values.get('samples_before_clock', 0)) == 3 * 1024
 
     for _ in range(3):
         probe.publish('samples', Float32MultiArray(data=[0.5] * 1024))

@@ -52,7 +52,7 @@ def test_the_spread_of_the_rate_is_that_of_the_intervals():
 def test_punctual_cycles_are_in_time():
     found = status_of(np.arange(100) * PERIOD, np.full(100, 0.001))
     assert (found.level, found.message) == (Level.OK, 'in time')
-    assert found.values['load [%]'] == pytest.approx(2.5)
+    assert found.values['load_percent'] == pytest.approx(2.5)
 
 
 def test_one_cycle_that_waits_and_one_at_once_after_it_are_no_alarm():

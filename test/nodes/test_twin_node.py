@@ -208,7 +208,7 @@ def test_names_and_quality_of_service_can_be_changed_from_outside(nodes, probe):
 
     _, message, values = probe.until(at_work, 'the status of real time')
     assert message
-    assert {'lateness p99 [ms]', 'periodicity [Hz]', 'execution time [us]'} <= values.keys()
+    assert {'lateness_p99_ms', 'periodicity_hz', 'execution_time_us'} <= values.keys()
     assert nodes.end('twin', by=signal.SIGINT) == 0
 
 
@@ -239,8 +239,8 @@ def test_simulated_time_stands_still_runs_faster_and_jumps_back(nodes, probe):
     assert all(49.9 <= block_end(block) <= 52.04 for block in after)
     assert all(a.first_sample + 1024 == b.first_sample for a, b in pairwise(blocks))
     probe.until(
-        lambda: probe.statuses[name][2]['clock steps'] == '2',
+        lambda: probe.statuses[name][2]['clock_steps'] == '2',
         'the start of /clock and its jump counted',
     )
-    assert probe.statuses[name][2]['blocks dropped'] == '0'
+    assert probe.statuses[name][2]['blocks_dropped'] == '0'
     assert nodes.end('twin') == 0

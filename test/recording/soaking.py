@@ -202,7 +202,7 @@ class _Clock:
         for status in array.status:
             values = {item.key: item.value for item in status.values}
             self.statuses[status.name] = values
-            if float(values.get('longest wait of a message [s]', math.inf)) < LONGEST_WAIT:
+            if float(values.get('longest_wait_s', math.inf)) < LONGEST_WAIT:
                 self.reached['recorder'] = (stamp_ns(array.header.stamp) - START) / NANO
 
 
@@ -308,9 +308,9 @@ def _ask(clock: _Clock, report: SoakReport) -> None:
     assert clock.state is not None
     report.published = clock.state.blocks_published
     report.dropped = clock.state.blocks_dropped
-    report.clock_steps = int(clock.statuses['twin: real time']['clock steps'])
+    report.clock_steps = int(clock.statuses['twin: real time']['clock_steps'])
     report.messages_missed = int(clock.statuses['recorder: recording']['messages lost on the way'])
-    report.samples_missed = int(clock.statuses['diagnosis: vibration input']['samples lost'])
+    report.samples_missed = int(clock.statuses['diagnosis: vibration input']['samples_lost'])
 
 
 def _show(now: float, took: float, report: SoakReport) -> None:
