@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Sidebands of a part that moves through the load: where the threshold ``SWAY`` comes from.
+
+``python -m bearing_twin.studies.load_sidebands [RECORDS]`` draws RECORDS (40) trains of impacts in
+noise for each spread of the load, and prints the sidebands of one turn over the harmonics of their
+comb, and how many lie below ``SWAY``.
+
+The deflection of the rolling elements of a loaded bearing is 1 - (1 - cos a) / (2 e) of the
+largest, a being the angle from the load and e the spread of the load zone (Harris and Kotzalas,
+Rolling Bearing Analysis, 2006, chapter 7): 0.5 without clearance, less with clearance, 1 where a
+preload keeps the element opposite the load just in contact, more with more preload. An impact that
+follows the deflection varies as 1 + m cos a with m = 1 / (2 e - 1). The squared envelope of the
+impacts then has sidebands of m / (1 + m^2 / 2) of the harmonics one turn beside them, and of a
+quarter of m times that two turns beside them. ``SWAY`` is the root of their mean square at
+m = 0.3: a load zone of e = 2.2, in which the least loaded element is deflected by 54 % of the
+most loaded.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+from bearing_twin.bearing import fault_orders, find_bearing
+from bearing_twin.diagnosis.search import CombSearch
+from bearing_twin.diagnosis.settings import DiagnosisSettings
+from bearing_twin.diagnosis.thresholds import SWAY
+from bearing_twin.diagnosis.window import analyse_window
+from bearing_twin.studies.output import arguments, print_table
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+__all__ = ['expected', 'main', 'measured']
+
+SPREADS = (np.inf, 4.0, 2.2, 1.5, 1.0)
+"""Spreads of the load zone; infinite: a part that does not move through the load."""
+
+RATE, SHAFT_HZ, SECONDS = 12800.0, 25.0, 4.0
+
+
+def expected(spread: float) -> float:
+    """
+    Sidebands over harmonics, root of the mean square of those one and two turns beside them.
+
+    >>> round(expected(2.2), 2), round(expected(1.0), 2)
+    (0.2, 0.49)
+
+    """
+    m = 1.0 / (2.0 * spread - 1.0)
+    first = m / (1.0 + 0.5 * m * m)
+    return float(np.sqrt(0.5 * (first**2 + (0.25 * m * first) ** 2)))
+
+
+def measured(spread: float, seed: int) -> float:
+    """Sidebands over harmonics that the search measures on a record in noise."""
+    rng = np.random.default_rng([2029, seed])
+    bearing = find_bearing('6205')
+    order = fault_orders(bearing, 0.01).bpfi
+    gaps = (1.0 + 0.005 * rng.standard_normal(int(order * SHAFT_HZ * SECONDS))) / order
+    places = np.cumsum(gaps)
+    places = places[places < SHAFT_HZ * SECONDS - 1.0]
+    m = 1.0 / (2.0 * spread - 1.0)
+    phase = rng.uniform(0.0, 2.0 * np.pi)
+    x: NDArray[np.float64] = rng.standard_normal(int(RATE * SECONDS))
+    at = (places / SHAFT_HZ * RATE).astype(int)
+    strength = rng.uniform(2.5, 8.0)
+    x[at] += strength * (1.0 + m * np.cos(2.0 * np.pi * places + phase))
+    window = analyse_window(x, RATE, bearing, SHAFT_HZ, DiagnosisSettings())
+    combs = CombSearch(window.orders, bearing, window.speed)
+    return combs.shaft_sideband_ratio(combs.best('inner'))
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Print the table."""
+    parser = arguments(sys.modules[__name__])
+    parser.add_argument('records', type=int, nargs='?', default=40)
+    args = parser.parse_args(argv)
+    rows = []
+    for spread in SPREADS:
+        found = np.array([measured(spread, seed) for seed in range(args.records)])
+        low, middle, high = np.quantile(found, (0.05, 0.5, 0.95))
+        below = f'{100.0 * (found < SWAY).mean():.0f} %'
+        cells = (f'{v:.2f}' for v in (expected(spread), low, middle, high))
+        rows.append((f'{spread:g}', *cells, below))
+    heading = ('spread of the load zone', 'expected', '5 %', 'median', '95 %', f'below {SWAY:g}')
+    print_table(heading, rows)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,217 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What noise alone reaches: the false alarm rate of each threshold, and of the verdicts.
+
+``python -m bearing_twin.studies.noise_windows [WINDOWS [FIRST]]`` draws windows of noise, from
+number FIRST (0) on: white, pink, and with the lines of a machine (shaft, mains, stray lines and a
+modulated gear mesh); four bearings, 12 to 25.6 kHz, 10 to 50 Hz with a speed that is off by up to
+1 %, 1, 2 and 4 s. No bearing is in them, so each name is a false alarm. It prints the verdicts by
+length, and how often the noise passes each threshold of a score and of an effect size.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+import sys
+from typing import NamedTuple, TYPE_CHECKING
+
+from bearing_twin.bearing import find_bearing, PLACES
+from bearing_twin.diagnosis.evidence import Evidence
+from bearing_twin.diagnosis.gate import check_record
+from bearing_twin.diagnosis.rules import decide
+from bearing_twin.diagnosis.search import CombSearch
+from bearing_twin.diagnosis.settings import DiagnosisSettings
+from bearing_twin.diagnosis.thresholds import (
+    INDEX_FAULT,
+    INDEX_SUSPECT,
+    Z_CAGE,
+    Z_ELSEWHERE,
+    Z_FAULT,
+    Z_SECOND_LOOK,
+)
+from bearing_twin.diagnosis.window import analyse_window, highest_fault_order
+from bearing_twin.memory import keep_freed_memory
+from bearing_twin.studies.output import arguments, print_table
+import numpy as np
+from scipy import fft
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis.verdict import Verdict
+    from numpy.typing import NDArray
+
+__all__ = ['KINDS', 'SECONDS', 'NoiseWindow', 'draw', 'main']
+
+KINDS = ('white', 'pink', 'lines')
+BEARINGS = ('6205', '6307', 'ZA-2115', 'UER204')
+RATES = (12000.0, 20000.0, 25600.0)
+SECONDS = (1.0, 2.0, 4.0)
+
+
+@dataclass(frozen=True)
+class NoiseWindow:
+    """One window without a bearing."""
+
+    kind: str
+    seconds: float
+    bearing: Bearing
+    sample_rate: float
+    """Hz."""
+    given_hz: float
+    """Speed handed to the diagnosis, Hz."""
+    x: NDArray[np.float64]
+
+
+class Reached(NamedTuple):
+    """What a window of noise reaches."""
+
+    scores: dict[str, float]
+    indices: dict[str, float]
+    elsewhere: tuple[float, float]
+    """Score and index of the best comb at any order."""
+    second_look: tuple[float, ...]
+    """Scores on a second look, where there is one."""
+
+
+def draw(number: int) -> NoiseWindow:
+    """
+    Window of a number; the same number is the same window.
+
+    >>> window = draw(2)
+    >>> window.kind, window.seconds, len(window.x) == round(4.0 * window.sample_rate)
+    ('lines', 4.0, True)
+
+    """
+    rng = np.random.default_rng([2028, number])
+    kind, seconds = KINDS[number % len(KINDS)], SECONDS[number // 3 % 3 - 2]
+    bearing = find_bearing(BEARINGS[number % len(BEARINGS)])
+    # Four harmonics of the highest order must fit: see the record gate.
+    rates = [rate for rate in RATES if rate >= 400.0 * highest_fault_order(bearing)]
+    rate = float(rng.choice(rates or RATES[-1:]))
+    shaft_hz = float(rng.uniform(10.0, min(50.0, rate / (8.0 * highest_fault_order(bearing)))))
+    n = round(seconds * rate)
+    x = rng.standard_normal(n)
+    if kind == 'pink':
+        spectrum = fft.rfft(x)
+        spectrum[1:] /= np.sqrt(np.arange(1, len(spectrum)))
+        x = np.asarray(fft.irfft(spectrum, n))
+    elif kind == 'lines':
+        x = x + _lines(rng, np.arange(n) / rate, rate, shaft_hz)
+    given_hz = shaft_hz * float(rng.uniform(0.99, 1.01))
+    return NoiseWindow(kind, seconds, bearing, rate, given_hz, x)
+
+
+def _lines(
+    rng: np.random.Generator, t: NDArray[np.float64], sample_rate: float, shaft_hz: float
+) -> NDArray[np.float64]:
+    """Harmonics of shaft and mains, stray lines and a modulated gear mesh."""
+    x = np.zeros(len(t))
+    stray = rng.uniform(10.0, sample_rate / 2.0, 30)
+    for hertz in (*(shaft_hz * np.arange(1, 30)), *(50.0 * np.arange(1, 12)), *stray):
+        x += rng.exponential() * np.sin(2.0 * np.pi * (hertz * t + rng.random()))
+    mesh = rng.integers(15, 60) * shaft_hz
+    for k in (1, 2, 3):
+        wave = np.sin(2.0 * np.pi * (k * mesh * t + rng.random()))
+        x += rng.exponential(2.0) * (1.0 + 0.5 * np.cos(2.0 * np.pi * shaft_hz * t)) * wave
+    return x
+
+
+def _judge(window: NoiseWindow) -> tuple[Verdict, Reached] | None:
+    """Verdict on a window and what it reaches; None where the record gate refuses it."""
+    highest = highest_fault_order(window.bearing)
+    if check_record(window.x, window.sample_rate, window.given_hz, highest):
+        return None
+    found = analyse_window(
+        window.x, window.sample_rate, window.bearing, window.given_hz, DiagnosisSettings()
+    )
+    combs = CombSearch(found.orders, window.bearing, found.speed)
+    evidence = Evidence(combs, found.revolutions)
+    candidates = evidence.candidates
+    anywhere = combs.strongest_anywhere(beyond=True)
+    return decide(evidence), Reached(
+        {place: c.z for place, c in candidates.items()},
+        {place: c.index for place, c in candidates.items()},
+        (anywhere.z, anywhere.index),
+        tuple(
+            combs.second_look(c).z
+            for c in candidates.values()
+            if c.place != 'cage' and Z_SECOND_LOOK <= c.z < Z_FAULT
+        ),
+    )
+
+
+def _exceeded(reached: Sequence[Reached]) -> Iterator[tuple[str, ...]]:
+    """Yield each threshold, and the share of windows that pass it without and with its index."""
+
+    def share(passed: list[bool]) -> str:
+        return f'{100.0 * sum(passed) / len(passed):.2g} %'
+
+    for name, z, places, index in (
+        ('Z_FAULT', Z_FAULT, PLACES[:3], INDEX_SUSPECT),
+        ('Z_CAGE', Z_CAGE, PLACES[3:], INDEX_SUSPECT),
+    ):
+        passed = [[p for p in places if r.scores[p] >= z] for r in reached]
+        strong = [
+            any(r.indices[p] >= index for p in ps) for r, ps in zip(reached, passed, strict=True)
+        ]
+        yield name, f'{z:g}', share([bool(p) for p in passed]), share(strong)
+    above = [r.elsewhere[0] >= Z_ELSEWHERE for r in reached]
+    strong = [a and r.elsewhere[1] >= INDEX_FAULT for a, r in zip(above, reached, strict=True)]
+    yield 'Z_ELSEWHERE', f'{Z_ELSEWHERE:g}', share(above), share(strong)
+    again = [any(z >= Z_FAULT for z in r.second_look) for r in reached]
+    strong = [
+        any(z >= Z_FAULT for z in r.second_look) and max(r.indices.values()) >= INDEX_FAULT
+        for r in reached
+    ]
+    yield 'Z_SECOND_LOOK', f'{Z_SECOND_LOOK:g}', share(again), share(strong)
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Print the verdicts by length and what passes the thresholds."""
+    parser = arguments(sys.modules[__name__])
+    parser.add_argument('windows', type=int, nargs='?', default=3024)
+    parser.add_argument('first', type=int, nargs='?', default=0)
+    args = parser.parse_args(argv)
+    keep_freed_memory()
+    answers: dict[float, Counter[str]] = {seconds: Counter() for seconds in SECONDS}
+    reached = []
+    for number in range(args.first, args.first + args.windows):
+        window = draw(number)
+        judged = _judge(window)
+        if judged is None:
+            answers[window.seconds]['too short'] += 1
+            continue
+        verdict, found = judged
+        answers[window.seconds]['alarm' if verdict.level == 'fault' else verdict.result] += 1
+        reached.append(found)
+    kinds = ('alarm', 'suspect', 'ambiguous', 'healthy', 'insufficient', 'too short')
+    print_table(
+        ('window', 'windows', *kinds),
+        ((f'{s:g} s', c.total(), *(c[kind] or '' for kind in kinds)) for s, c in answers.items()),
+    )
+    print()
+    print_table(('threshold', 'value', 'passed', 'passed with its index'), _exceeded(reached))
+    print()
+    places = np.array([[r.scores[p] for p in PLACES] for r in reached])
+    rows = {
+        'races and ball': places[:, :3].max(axis=1),
+        'cage': places[:, 3],
+        'any order': np.array([r.elsewhere[0] for r in reached]),
+        'index of races and ball': np.array(
+            [max(r.indices[p] for p in PLACES[:3]) for r in reached]
+        ),
+        'index of any order': np.array([r.elsewhere[1] for r in reached]),
+    }
+    quantiles = (0.5, 0.95, 0.99, 0.999)
+    print_table(
+        ('reached by noise', *(f'{100.0 * q:g} %' for q in quantiles)),
+        ((name, *(f'{v:.2f}' for v in np.quantile(row, quantiles))) for name, row in rows.items()),
+    )
+
+
+if __name__ == '__main__':
+    main()
