@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
 import numpy as np
+from scipy import signal
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -17,8 +18,11 @@ __all__ = ['CONDITIONS', 'MACHINES', 'disturbance']
 CONDITIONS = ('none', *PLACES)
 """True conditions of the bearings of a study."""
 
+_DECAY, _RING_S = 400.0, 0.02
+"""Decay of a shock, 1/s, and how long it is followed."""
+
 MACHINES = ('quiet', 'shaft', 'gear', 'mains', 'modulated', 'impulses')
-"""What :func:`disturbance` knows besides ``'pulses'``."""
+"""What :func:`disturbance` knows besides ``'pulses'`` and ``'impacts'``."""
 
 
 def disturbance(
@@ -30,7 +34,7 @@ def disturbance(
     Parameters
     ----------
     machine
-        Name of :data:`MACHINES`, or ``'pulses'``.
+        Name of :data:`MACHINES`, ``'pulses'`` or ``'impacts'``.
     turns
         Shaft turns since the beginning at each sample, shape (n,).
     sample_rate
@@ -82,9 +86,14 @@ def disturbance(
         shocks = np.zeros(n)
         count = rng.poisson(4.0 * n / sample_rate) + 1
         shocks[rng.integers(0, n, count)] = rng.standard_normal(count)
-        tail = t[: int(0.02 * sample_rate)]
-        ring = np.exp(-400.0 * tail) * np.sin(2.0 * np.pi * 0.15 * sample_rate * tail)
-        return np.asarray(np.convolve(shocks, ring)[:n])
+        return _ringing(shocks, t, 0.15 * sample_rate)
+    if machine == 'impacts':
+        # A broken tooth, a joint of a belt, a blade that rubs: at any order, or once a turn.
+        order = float(rng.choice((1.0, 10.0 ** rng.uniform(-0.7, 1.1))))
+        shocks = np.zeros(n)
+        at = np.searchsorted(turns, np.arange(rng.uniform() / order, turns[-1], 1.0 / order))
+        shocks[at] = 1.0 + 0.3 * rng.standard_normal(len(at))
+        return _ringing(shocks, t, float(rng.uniform(0.08, 0.4)) * sample_rate)
     if machine == 'pulses':
         # A converter: single spikes, and pulses twice a period of the mains.
         spikes = np.zeros(n)
@@ -96,3 +105,12 @@ def disturbance(
             spikes[at] += 3.0 + rng.standard_normal(len(at))
         return spikes
     return np.zeros(n)
+
+
+def _ringing(
+    shocks: NDArray[np.float64], t: NDArray[np.float64], natural_hz: float
+) -> NDArray[np.float64]:
+    """Pass shocks through one resonance."""
+    tail = t[t < _RING_S]
+    ring = np.exp(-_DECAY * tail) * np.sin(2.0 * np.pi * natural_hz * tail)
+    return np.asarray(signal.oaconvolve(shocks, ring)[: len(shocks)])

@@ -71,12 +71,12 @@ def outcome(case: Machine, said: Diagnosis) -> str:
     return 'right' if said.faults == truth else 'wrong'
 
 
-def judge_case(model: str, number: int) -> tuple[Machine, Diagnosis]:
-    """Draw a machine and diagnose its record."""
+def judge_case(model: str, number: int, *, misled: bool = False) -> tuple[Machine, Diagnosis]:
+    """Draw a machine and diagnose its record; ``misled`` as in :func:`impact_machines.draw`."""
     if model == 'twin':
         twin = twin_machines.draw(number)
         return twin, _diagnose(twin, twin_machines.record(twin))
-    rig = impact_machines.draw(number)
+    rig = impact_machines.draw(number, misled=misled)
     return rig, _diagnose(rig, impact_machines.record(rig))
 
 

@@ -10,11 +10,12 @@ fault signals of rolling bearings have in common is their cyclostationarity, not
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, fault_orders
+from bearing_twin.diagnosis.window import highest_fault_order
 from bearing_twin.studies.disturbances import CONDITIONS, disturbance, MACHINES
 import numpy as np
 from scipy import signal
@@ -42,6 +43,12 @@ class Rig:
     seconds: float
     """Length of a record."""
 
+
+SPEED_SHARE = 0.5
+"""Share of the misled cases with a wrong speed; the others have a wrong bearing."""
+
+ANOTHER = 0.012
+"""Relative difference of a fault order from which on a bearing is another one."""
 
 RIGS = {
     '6203 at 64 kHz, 15 Hz': Rig(8, 6.75, 28.55, 0.0, 64e3, 15.0, 4.0),
@@ -94,6 +101,12 @@ class Case:
     """RMS of what the machine adds over that of the bearing."""
     counts: bool
     """Whether the samples are whole numbers, as of a 16 bit converter."""
+    ripple: float
+    """Relative amplitude by which sound parts of the bearing modulate its rolling noise."""
+    axis_wander: float
+    """Of a damaged ball, share of its impacts that its wandering axis of spin takes away."""
+    given_rig: str
+    """Rig whose geometry is handed to the diagnosis."""
     seed: int
 
     @property
@@ -103,29 +116,44 @@ class Case:
 
     @property
     def geometry(self) -> Bearing:
-        """Geometry of the bearing."""
-        rig = RIGS[self.rig]
-        return Bearing(
-            name=self.rig,
-            n_balls=rig.n_balls,
-            d_ball=rig.d_ball_mm / 1e3,
-            d_pitch=rig.d_pitch_mm / 1e3,
-            contact_angle=math.radians(rig.contact_deg),
-        )
+        """Geometry that is handed to the diagnosis."""
+        return _geometry(self.given_rig)
 
 
-def draw(number: int) -> Case:
-    """Case of a number; the same number is the same case."""
+def _geometry(name: str) -> Bearing:
+    """Geometry of the bearing of a rig."""
+    rig = RIGS[name]
+    return Bearing(
+        name=name,
+        n_balls=rig.n_balls,
+        d_ball=rig.d_ball_mm / 1e3,
+        d_pitch=rig.d_pitch_mm / 1e3,
+        contact_angle=math.radians(rig.contact_deg),
+    )
+
+
+def draw(number: int, *, misled: bool = False) -> Case:
+    """
+    Case of a number; the same number is the same case.
+
+    Parameters
+    ----------
+    number
+        Any.
+    misled
+        Whether the diagnosis is given another bearing, or a speed that is 3 to 5 % off.
+
+    """
     rng = np.random.default_rng([2027, number])
     name = list(RIGS)[number % len(RIGS)]
     condition = CONDITIONS[number // len(RIGS) % len(CONDITIONS)]
     shaft_hz = RIGS[name].shaft_hz * float(rng.uniform(0.97, 1.03))
     # An inner race and a ball pass through the load zone; an outer race stays where it is.
     depths = {'inner': (0.5, 1.5), 'ball': (0.3, 1.2)}
-    return Case(
+    case = Case(
         rig=name,
         condition=condition,
-        machine=str(rng.choice((*MACHINES, 'pulses'))),
+        machine=str(rng.choice((*MACHINES, 'pulses', 'impacts'))),
         shape=str(rng.choice(SHAPES)),
         shaft_hz=shaft_hz,
         given_hz=shaft_hz * float(rng.choice((1.0, rng.uniform(0.98, 1.02)))),
@@ -137,7 +165,23 @@ def draw(number: int) -> Case:
         disturbance=float(10.0 ** rng.uniform(-1.0, 0.3)),
         counts=bool(rng.integers(2)),
         seed=number,
+        ripple=float(10.0 ** rng.uniform(-2.3, -0.8)),
+        axis_wander=float(rng.choice((0.0, rng.uniform(0.3, 1.0)))),
+        given_rig=name,
     )
+    if not misled:
+        return case
+    if rng.random() < SPEED_SHARE:
+        off = float(rng.choice((-1.0, 1.0)) * rng.uniform(0.03, 0.05))
+        return replace(case, given_hz=case.shaft_hz * (1.0 + off))
+    own = np.array(fault_orders(case.geometry))
+    others = [
+        rig
+        for rig in RIGS
+        if np.abs(np.array(fault_orders(_geometry(rig))) / own - 1.0).max() > ANOTHER
+        and 8.0 * highest_fault_order(_geometry(rig)) * shaft_hz < case.sample_rate
+    ]
+    return replace(case, given_rig=str(rng.choice(others))) if others else case
 
 
 def _resonate(
@@ -159,9 +203,12 @@ def _impacts(
     case: Case, turns: NDArray[np.float64], rng: np.random.Generator
 ) -> NDArray[np.float64]:
     """Impacts or swelling noise of the fault before any resonance, shape of ``turns``."""
-    orders = fault_orders(case.geometry, case.slip)
+    orders = fault_orders(_geometry(case.rig), case.slip)
     order = orders.impacts(case.condition)
     gaps = (1.0 + case.jitter * rng.standard_normal(int(1.2 * order * turns[-1]) + 10)) / order
+    if case.condition == 'ball':
+        # The faster the axis moves, the less the impacts keep time.
+        gaps *= 1.0 + 0.05 * case.axis_wander * rng.standard_normal(len(gaps))
     places = np.cumsum(gaps) + rng.uniform()
     places = places[places < turns[-1] - 1.0 / order]
     swing = 2.0 * np.pi * (orders.ftf if case.condition == 'ball' else 1.0)
@@ -177,12 +224,47 @@ def _impacts(
     if case.condition == 'ball':
         # Once on the inner race, once on the outer race, which is farther from the sensor or not.
         height[::2] *= rng.uniform(0.5, 1.0)
+        height *= 1.0 - case.axis_wander * _hidden(places * orders.ftf, rng)
     at = np.searchsorted(turns, places)
     x[at] += height
     if case.shape == 'double':
         leaving = np.searchsorted(turns, places + rng.uniform(0.03, 0.12) / order)
         x[leaving] -= rng.uniform(0.5, 1.5) * height
     return x
+
+
+def _hidden(cage_turns: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    """
+    Share of a ball's spall that lies beside the races at each impact.
+
+    The axis of spin wanders within some turns of the cage, so that the spall leaves the races and
+    comes back (Smith and Randall, Mech. Syst. Signal Process. 2015, 64, 100: why balls are seen
+    least).
+    """
+    knots = np.arange(0.0, cage_turns[-1] + 12.0, 3.0)
+    slow = np.interp(cage_turns, knots, rng.uniform(-0.5, 1.5, len(knots)))
+    return np.asarray(np.clip(slow, 0.0, 1.0))
+
+
+def _ripple(
+    case: Case, turns: NDArray[np.float64], rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """
+    Modulation of the rolling noise by sound parts, shape of ``turns``.
+
+    The load on a contact varies as balls pass it, as the waves of the races pass the balls, with
+    the unbalance, and with the largest ball (Harris and Kotzalas, Advanced Concepts of Bearing
+    Technology, 2007, chapter 8). Noise follows the load smoothly: one harmonic each, or two.
+    """
+    orders = fault_orders(_geometry(case.rig), case.slip)
+    smooth = np.array([orders.bpfo, 2.0 * orders.bpfo, orders.bpfi, orders.impacts('ball'),
+                       orders.ftf, 1.0, 2.0])  # fmt: skip
+    heights = case.ripple * rng.uniform(0.0, 1.0, len(smooth))
+    phases = rng.uniform(0.0, 2.0 * np.pi, len(smooth))
+    ripple = np.zeros(len(turns))
+    for order, height, phase in zip(smooth, heights, phases, strict=True):
+        ripple += height * np.cos(2.0 * np.pi * order * turns + phase)
+    return ripple
 
 
 def record(case: Case) -> NDArray[np.float64]:
@@ -196,6 +278,7 @@ def record(case: Case) -> NDArray[np.float64]:
     x = rng.standard_normal(n)
     if rng.random() < 0.6:
         x += rng.uniform(0.3, 3.0) * _resonate(rng.standard_normal(n), rate, rng)
+    x *= 1.0 + _ripple(case, turns, rng)
     x /= x.std()
     if case.condition != 'none':
         impacts = _resonate(_impacts(case, turns, rng), rate, rng)
