@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Write the table of rules in ``docs/diagnosis.md`` from the rules themselves.
+Write tables into ``docs/diagnosis.md``: that of the rules, or what a study prints.
 
-It replaces the text between the two markers::
+A table replaces the text between its two markers::
 
     python docs/rules.py docs/diagnosis.md
+    python -m bearing_twin.studies.noise_windows | python docs/rules.py docs/diagnosis.md noise
 """
 
 from pathlib import Path
@@ -14,19 +15,30 @@ import sys
 
 from bearing_twin.diagnosis.rules import RULES
 
-__all__ = ['with_rules']
+__all__ = ['with_block', 'with_rules']
 
-BEGIN, END = '<!-- rules -->', '<!-- end of rules -->'
+
+def with_block(text: str, name: str, content: str) -> str:
+    """Return the document with other text between the markers of a name."""
+    begin, end = f'<!-- {name} -->', f'<!-- end of {name} -->'
+    if begin not in text or end not in text:
+        msg = f'the document has no markers {begin} and {end}'
+        raise ValueError(msg)
+    block = '\n'.join((begin, content.strip(), end))
+    return re.sub(f'{begin}.*?{end}', lambda _: block, text, flags=re.DOTALL)
 
 
 def with_rules(text: str) -> str:
     """Return the document with the present rules in it."""
     rows = ['| rule | answer | why |', '|---|---|---|']
     rows += [f'| `{rule.name}` | *{rule.answer}* | {rule.why} |' for rule in RULES]
-    table = '\n'.join((BEGIN, *rows, END))
-    return re.sub(f'{BEGIN}.*?{END}', lambda _: table, text, flags=re.DOTALL)
+    return with_block(text, 'rules', '\n'.join(rows))
 
 
 if __name__ == '__main__':
     document = Path(sys.argv[1])
-    document.write_text(with_rules(document.read_text('utf-8')), 'utf-8')
+    before = document.read_text('utf-8')
+    after = (
+        with_block(before, sys.argv[2], sys.stdin.read()) if sys.argv[2:] else with_rules(before)
+    )
+    document.write_text(after, 'utf-8')

@@ -6,8 +6,12 @@ import json
 from pathlib import Path
 
 import bearing_twin.diagnosis
+from bearing_twin.diagnosis.confidence import KINDS, Trust
+from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies import detection_power, generalisation, reliability
+import numpy as np
 import pytest
+from scipy import special
 
 PACKAGE = Path(bearing_twin.diagnosis.__file__).parent
 
@@ -33,6 +37,24 @@ def test_a_study_without_a_place_to_write_ends_before_it_begins(study, tmp_path,
             study.main(words)
         assert ended.value.code == 2
     assert 'is no folder' in capsys.readouterr().err
+
+
+def test_weights_of_the_confidence_are_those_of_the_answers():
+    """Answers that are right more often with more significance, whatever else they have."""
+    rng = np.random.default_rng(0)
+    told = []
+    for kind in KINDS:
+        for z in rng.uniform(3.0, 20.0, 400):
+            sound = rng.random() < special.expit(2.0 * (2.0 - np.log(z)))
+            told.append(
+                reliability.Told(kind, Trust(z=z), sound == (kind == 'healthy'), weight=1.0)
+            )
+    weights = reliability.fit(told)
+    for kind in KINDS:
+        sign = -1.0 if kind == 'healthy' else 1.0
+        assert sign * weights[kind]['significance'] == pytest.approx(2.0, abs=0.7), kind
+    with pytest.raises(BearingTwinError, match='draw more machines'):
+        reliability.fit(told[:10])
 
 
 def test_generalisation_prints_tables(capsys):

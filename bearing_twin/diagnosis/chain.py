@@ -54,7 +54,7 @@ class Excerpt:
     temperature: float = math.nan
     unit: str = ''
     sensor: str = ''
-    """Frame and axis."""
+    """Frame and axis, and ' simulated' where a twin makes the samples."""
     notes: tuple[str, ...] = ()
     """What happened to the stream since the excerpt before."""
     run: int = 0
@@ -67,6 +67,11 @@ class Excerpt:
         """Index of the sample after the last."""
         return self.first_sample + len(self.samples)
 
+    @property
+    def simulated(self) -> bool:
+        """Whether a twin makes the samples, so that sizes of its faults may be named."""
+        return self.sensor.endswith(' simulated')
+
     def analyse(self) -> Analysis:
         """Analyse the samples: most of the work of a verdict, and a function of them alone."""
         x, rate, bearing = self.samples, self.sample_rate, self.bearing
@@ -75,12 +80,11 @@ class Excerpt:
             speeds = np.repeat(speeds, self.lengths)
         mean_hz = float(speeds.mean()) if len(speeds) else math.nan
         reasons = check_record(x, rate, mean_hz, highest_fault_order(bearing))
-        if reasons:
+        if reasons and self.simulated:
             reasons += not_shown(
                 x, rate, mean_hz, temperature=self.temperature, unit=self.unit, bearing=bearing
             )
-        else:
-            reasons = check_speeds(self.shaft_hz)
+        reasons = reasons or check_speeds(self.shaft_hz)
         if reasons:
             return Analysis(self, mean_hz, refused=tuple(reasons))
         if varies(speeds):
@@ -158,6 +162,7 @@ class Analysis:
             sample_rate=excerpt.sample_rate,
             shaft_hz_given=self.shaft_hz,
             temperature=excerpt.temperature,
+            simulated=excerpt.simulated,
         )
 
 

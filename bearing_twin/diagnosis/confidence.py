@@ -1,59 +1,104 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Confidence: how often such an answer, with such a score, was right on simulated machines."""
+"""Confidence: how often an answer that rests on such evidence was right on simulated machines."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 import functools
 from importlib import resources
 import json
+import math
 
-import numpy as np
+from bearing_twin.diagnosis.gate import HEALTHY_TURNS
+from bearing_twin.diagnosis.thresholds import SLIP_COST
 
-__all__ = ['KINDS', 'LEAST_CONFIDENCE', 'confidence']
+__all__ = ['KINDS', 'LEAST_CONFIDENCE', 'Trust', 'confidence']
 
-KINDS = ('fault', 'suspect', 'ambiguous', 'healthy')
-"""Kinds of answers that have a confidence; ``'fault'`` stands for every named fault."""
-
+KINDS = ('fault', 'suspect', 'ambiguous', 'elsewhere', 'healthy')
+"""Kinds of answers that have a confidence: ``'fault'`` stands for every named fault,
+``'elsewhere'`` for impacts at an order of no part of the bearing."""
 
 LEAST_CONFIDENCE = 0.5
-"""Confidence below which a bearing is not called healthy."""
+"""Confidence below which a bearing is not called healthy: more such machines are damaged than
+sound."""
+
+
+@dataclass(frozen=True)
+class Trust:
+    """
+    What the confidence of an answer rests on.
+
+    >>> Trust(z=9.0, index=0.8).terms()['significance'] > Trust(z=6.0, index=0.8).terms()[
+    ...     'significance'
+    ... ]
+    True
+    """
+
+    z: float = 0.0
+    """Score of the comb that the answer is about; of the highest where it is about none."""
+    index: float = 0.0
+    """Its modulation index."""
+    slip: float = 0.0
+    """Slip that it needs."""
+    elsewhere_z: float = 0.0
+    """Score of the best comb at any order."""
+    elsewhere_index: float = 0.0
+    turns: float = HEALTHY_TURNS
+    """Shaft turns."""
+    steady: bool = True
+    """Whether the shaft speed is known well enough to compare slips."""
+
+    def terms(self) -> dict[str, float]:
+        """Terms of the logistic model, by name."""
+        significance = math.log(max(self.z, 1.0))
+        elsewhere = math.log(max(self.elsewhere_z, 1.0))
+        return {
+            'constant': 1.0,
+            'significance': significance,
+            'effect': min(self.index, 2.0),
+            'slip': min(abs(self.slip) / SLIP_COST, 3.0),
+            'elsewhere': max(elsewhere - significance, 0.0),
+            'elsewhere_effect': elsewhere * min(self.elsewhere_index, 1.0),
+            'turns': math.log(self.turns / HEALTHY_TURNS),
+            'unsteady': 0.0 if self.steady else 1.0,
+        }
 
 
 @functools.cache
-def _table() -> dict[str, dict[str, list[float]]]:
+def _table() -> dict[str, dict[str, float]]:
     text = resources.files('bearing_twin.diagnosis').joinpath('reliability.json')
-    table: dict[str, dict[str, list[float]]] = json.loads(text.read_text('utf-8'))
+    table: dict[str, dict[str, float]] = json.loads(text.read_text('utf-8'))['weights']
     return table
 
 
-def confidence(result: str, score: float) -> float:
+def confidence(kind: str, trust: Trust) -> float:
     """
-    Share of right answers among simulated ones of the same kind and score.
+    Share of right answers among simulated ones of the same kind with such evidence.
 
     Right is: a named fault that is there, and no other; a suspect or ambiguous answer that names
-    the fault among others; healthy where there is no fault, however small. The machines are drawn
-    at random, as many healthy as damaged ones (``python -m bearing_twin.studies.reliability``);
-    the share on your machines is another one as their faults are larger or smaller.
+    the fault among others; impacts elsewhere where something strikes; healthy where there is no
+    fault, however small. The machines are drawn at random, as many healthy as damaged ones, some
+    with another bearing or speed than the diagnosis is given (``python -m
+    bearing_twin.studies.reliability``). The share on your machines is another one as their faults
+    are larger or smaller.
 
     Parameters
     ----------
-    result
-        Answer, one of :data:`bearing_twin.bearing.RESULTS`.
-    score
-        Largest comb score of the families named; of all families where none is.
+    kind
+        One of :data:`KINDS`.
+    trust
+        What the answer rests on.
 
     Returns
     -------
-    0 to 1; 0 for ``'insufficient'``.
+    0 to 1: the logistic function of the weighted sum of :meth:`Trust.terms`.
 
-    >>> confidence('insufficient', 9.0)
-    0.0
-    >>> confidence('inner', 12.0) > confidence('inner', 6.0)
+    >>> clear, faint = Trust(z=15.0, index=1.5), Trust(z=6.0, index=0.6)
+    >>> confidence('fault', clear) > confidence('fault', faint)
     True
 
     """
-    if result == 'insufficient':
-        return 0.0
-    rows = _table()[result if result in KINDS else 'fault']
-    return float(np.interp(score, rows['score'], rows['right']))
+    weights = _table()[kind]
+    total = sum(weights[name] * value for name, value in trust.terms().items())
+    return 1.0 / (1.0 + math.exp(-total))

