@@ -26,8 +26,10 @@ import sys
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, find_bearing, named_bearing, PLACES
+from bearing_twin.cli.benchmark_misled import ANSWERS, judge_misled, misled_rows
 from bearing_twin.cli.terminal import progress
 from bearing_twin.diagnosis import diagnose_record
+from bearing_twin.diagnosis.confidence import KINDS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.dataset import (
     dataset_bearing,
@@ -36,10 +38,13 @@ from bearing_twin.recording.dataset import (
     is_dataset,
 )
 from bearing_twin.recording.foreign import read_signal
+from bearing_twin.studies.output import print_table
+from bearing_twin.studies.reliability import calibration_error
+import numpy as np
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from bearing_twin.diagnosis import Diagnosis
 
@@ -85,6 +90,9 @@ class Piece:
     outcome: str
     result: str
     faults: tuple[str, ...]
+    kind: str
+    """Kind of answer to which the confidence belongs; '' where there is none."""
+    confidence: float
     groups: tuple[tuple[str, str], ...]
     """(kind of group, name), e.g. ``('grade', 'Y1')``."""
 
@@ -96,6 +104,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument('--json', action='store_true', help='one JSON object a piece')
     parser.add_argument('--full', action='store_true', help='whole records at measured speed only')
+    parser.add_argument(
+        '--misled', action='store_true', help='with wrong bearings and speeds instead'
+    )
     parser.add_argument('--jobs', type=int, help='processes (default: one a core)')
 
 
@@ -258,10 +269,18 @@ def score_case(case: Case, full: bool = False) -> list[Piece]:
                         outcome=judge(case.label, diagnosis),
                         result=diagnosis.result,
                         faults=diagnosis.faults,
+                        kind=diagnosis.kind,
+                        confidence=diagnosis.confidence,
                         groups=tuple(groups),
                     )
                 )
     return pieces
+
+
+def score_misled(case: Case) -> list[tuple[str, bool, str, bool]]:
+    """Verdicts on a record with wrong bearings and wrong speeds."""
+    signal = read_signal(Path(case.path), channel=case.channel)
+    return judge_misled(case.name, case.label, case.bearing, signal, case.speeds[0][1])
 
 
 def run(args: argparse.Namespace) -> int:
@@ -269,6 +288,11 @@ def run(args: argparse.Namespace) -> int:
     cases = read_cases(Path(args.folder))
     jobs = min(args.jobs or len(os.sched_getaffinity(0)), max(len(cases), 1))
     with ProcessPoolExecutor(jobs) as pool:
+        if args.misled:
+            judged = (said for part in pool.map(score_misled, cases) for said in part)
+            heading = ('given', 'machine', 'verdicts', *ANSWERS, 'alarms')
+            print_table(heading, misled_rows(judged))
+            return 0
         scored = pool.map(score_case, cases, repeat(args.full))
         pieces = []
         for done, found in enumerate(scored, start=1):
@@ -288,13 +312,37 @@ def run(args: argparse.Namespace) -> int:
             if part and (window or speed != 'measured'):
                 _table(f'{length}, {speed} speed, by class', 'class', part)
                 _table(f'{length}, {speed} speed, by grade', 'grade', part)
-    print('## Whole records, measured speed, not correct\n')
+    print('## Confidence, whole records and windows, measured speed\n')
+    print_table(
+        ('answer', 'answers', 'mean confidence', 'share right', 'expected calibration error'),
+        _confidence_rows([p for p in pieces if p.speed == 'measured']),
+    )
+    print('\n## Whole records, measured speed, not correct\n')
     for piece in pieces:
         if piece.window == 0.0 and piece.speed == 'measured' and piece.outcome != 'correct':
             said = '+'.join(piece.faults) or piece.result
             label = dict(piece.groups)['class'].rsplit(' ', 1)[-1]
             print(f'- {piece.name}, {label}: {piece.outcome} ({piece.result}: {said})')
     return 0
+
+
+def _confidence_rows(pieces: list[Piece]) -> Iterator[tuple[object, ...]]:
+    """Yield per kind of answer how far the confidence holds; all answers count alike."""
+    told = [(p, _right(p)) for p in pieces if p.kind]
+    for kind in (*KINDS, 'all'):
+        part = [(p.confidence, right) for p, right in told if kind in (p.kind, 'all')]
+        if part:
+            said, right = np.array(part, dtype=float).T
+            error = calibration_error(said, right, np.ones(len(part)))
+            yield kind, len(part), f'{said.mean():.2f}', f'{right.mean():.2f}', f'{error:.3f}'
+
+
+def _right(piece: Piece) -> bool:
+    """Whether an answer is right in the sense of its confidence."""
+    label = dict(piece.groups)['class'].rsplit(' ', 1)[-1]
+    if piece.kind in ('healthy', 'elsewhere'):
+        return (label == 'healthy') == (piece.kind == 'healthy')
+    return piece.faults == (label,) if piece.kind == 'fault' else label in piece.faults
 
 
 def _table(title: str, kind: str, pieces: Iterable[Piece]) -> None:

@@ -313,6 +313,13 @@ def test_benchmark_of_a_small_folder(good, tmp_path, capsys):
     text = capsys.readouterr().out
     assert '| Y1 and Y2 together | 2 | 1 | 1 |' in text
     assert '- b, outer: wrong (inner: inner)' in text
+    assert '| all | 2 |' in text  # of the confidence
+    assert main(['benchmark', str(tmp_path), '--misled', '--jobs', '1']) == 0
+    rows = [line.split(' | ') for line in capsys.readouterr().out.splitlines()[2:]]
+    assert [row[:3] for row in rows] == [
+        ['| wrong bearing', 'damaged', '24'],
+        ['| speed 3 and 5 % off', 'damaged', '8'],
+    ]
     assert main(['benchmark', str(tmp_path), '--full', '--jobs', '1', '--json']) == 0
     pieces = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [piece['groups']['grade'] for piece in pieces] == ['d Y1', 'd Y2']

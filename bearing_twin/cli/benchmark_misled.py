@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""``bearing-twin benchmark --misled``: labelled records with wrong bearings and wrong speeds."""
+
+from __future__ import annotations
+
+from collections import Counter
+from itertools import islice
+from typing import TYPE_CHECKING
+import zlib
+
+from bearing_twin.bearing import catalogue, fault_orders, PLACES
+from bearing_twin.diagnosis import diagnose_record
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from bearing_twin.bearing import Bearing
+    from bearing_twin.recording.foreign import Signal
+
+__all__ = ['judge_misled', 'misled_rows']
+
+COUNT = 12
+"""Other bearings that are tried on a record."""
+
+ANOTHER = 0.012
+"""Relative difference of a fault order from which on a bearing is another one."""
+
+OFF = (-0.05, -0.03, 0.03, 0.05)
+"""Relative errors of the speed, with none stated."""
+
+SECONDS = 10.0
+"""Most that is judged of a record."""
+
+ANSWERS = ('the damaged place', 'another place', 'suspect', 'ambiguous', 'insufficient', 'healthy')
+
+Judged = tuple[str, bool, str, bool]
+"""Trial, whether the machine is damaged, the answer, and whether it is an alarm."""
+
+
+def others(record: str, bearing: Bearing) -> Iterator[Bearing]:
+    """Bearings of the catalogue that are not in the machine, for a record the same each time."""
+    known = list(catalogue().values())
+    own = np.array(fault_orders(bearing))
+    order = np.random.default_rng(zlib.crc32(record.encode())).permutation(len(known))
+    different = (
+        known[i]
+        for i in order
+        if np.abs(np.array(fault_orders(known[i])) / own - 1.0).max() > ANOTHER
+    )
+    yield from islice(different, COUNT)
+
+
+def judge_misled(
+    record: str, label: str, bearing: Bearing, signal: Signal, shaft_hz: float
+) -> list[Judged]:
+    """Verdicts on a record with other bearings, and with the right one at other speeds."""
+    x = signal.x[: int(SECONDS * signal.sample_rate)]
+    trials = [('wrong bearing', other, shaft_hz) for other in others(record, bearing)]
+    trials += [('speed 3 and 5 % off', bearing, shaft_hz * (1.0 + off)) for off in OFF]
+    judged = []
+    for trial, given, hertz in trials:
+        said = diagnose_record(x, signal.sample_rate, given, hertz)
+        answer = said.result
+        if answer in PLACES:
+            answer = ANSWERS[0] if said.faults == (label,) else ANSWERS[1]
+        judged.append((trial, label in PLACES, answer, said.level == 'fault'))
+    return judged
+
+
+def misled_rows(judged: Iterable[Judged]) -> list[tuple[object, ...]]:
+    """Rows of the table: trial, machine, verdicts, each answer as a share, alarms."""
+    told: dict[tuple[str, bool], Counter[str]] = {}
+    for trial, damaged, answer, alarm in judged:
+        count = told.setdefault((trial, damaged), Counter())
+        count[answer] += 1
+        count['alarm'] += alarm
+    rows: list[tuple[object, ...]] = []
+    for (trial, damaged), count in sorted(told.items(), reverse=True):
+        total = sum(count[answer] for answer in ANSWERS)
+        shares = (f'{count[a]} ({100.0 * count[a] / total:.1f} %)' for a in ANSWERS)
+        rows.append((trial, 'damaged' if damaged else 'sound', total, *shares, count['alarm']))
+    return rows
