@@ -16,6 +16,7 @@ ROOMS = (
     'thermal',
     'dynamics',
     'diagnosis',
+    'calibration',
     'paper',
     'recording',
     'streams',
@@ -30,7 +31,7 @@ ROOMS = (
 )
 """From the ground up: a room imports itself and the rooms before it."""
 
-CORE = ('bearing', 'thermal', 'dynamics', 'diagnosis', 'paper')
+CORE = ('bearing', 'thermal', 'dynamics', 'diagnosis', 'calibration', 'paper')
 
 MIDDLEWARE = ('rclpy', 'mcap', 'rerun', 'rosbags', 'bearing_twin_msgs', 'sensor_msgs')
 

@@ -14,7 +14,7 @@ import pkgutil
 
 import pytest
 
-ROOMS = ('bearing', 'thermal', 'dynamics', 'diagnosis')
+ROOMS = ('bearing', 'thermal', 'dynamics', 'diagnosis', 'calibration')
 """Rooms whose every public function has an example."""
 
 

@@ -35,6 +35,7 @@ COMMANDS = {
     'benchmark': 'score the diagnosis on a folder of labelled records',
     'demo': 'run twin, diagnosis and recorder on a temperature recording and show the result',
     'diagnose': 'say what is wrong with the bearing in vibration files',
+    'fit': 'fit the twin to vibration files: width of a defect, sensor path, with intervals',
     'info': 'show what is inside a recording and how sound it is',
     'paper': 'recompute every figure and claim of the seed paper and judge it',
     'play': 'publish a vibration file as a sensor would, in real time',

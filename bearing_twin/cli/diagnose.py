@@ -27,7 +27,17 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Iterator, Sequence
 
-__all__ = ['Task', 'configure', 'diagnose_file', 'evidence', 'run']
+__all__ = [
+    'Task',
+    'add_reading',
+    'channels_of',
+    'configure',
+    'diagnose_file',
+    'evidence',
+    'picture',
+    'run',
+    'shaft_hz_given',
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,33 +58,12 @@ class Task:
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument(
-        'files',
-        nargs='+',
-        metavar='FILE',
-        help='.npz .mat .wav .csv .mcap, or a folder made by bearing-datasets',
-    )
-    kind = parser.add_mutually_exclusive_group()
-    kind.add_argument(
-        '--bearing', metavar='NAME', help="bearing of the catalogue, e.g. 6205 (see 'bearings')"
-    )
-    kind.add_argument(
-        '--geometry',
-        metavar='Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG',
-        help='number of balls, ball and pitch diameter in mm, contact angle in degrees',
-    )
-    speed = parser.add_mutually_exclusive_group()
-    speed.add_argument('--shaft-hz', type=float, help='shaft speed, Hz; else what the file says')
-    speed.add_argument('--rpm', type=float, help='the same in turns a minute')
+    add_reading(parser)
     parser.add_argument(
         '--speed-tolerance',
         type=float,
         metavar='FRACTION',
         help='how far the speed may be off (default 0.02: a nameplate)',
-    )
-    parser.add_argument('--sample-rate', type=float, help='Hz, for files that do not say it')
-    parser.add_argument(
-        '--channel', metavar='NAME', help='name, number or topic, or any part that only one has'
     )
     parser.add_argument(
         '--channels', action='store_true', help='list the channels of the files, and end'
@@ -110,12 +99,38 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--plot', metavar='DIR', help='draw the spectra with fault cursors')
 
 
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments that say which files are read, and how."""
+    parser.add_argument(
+        'files',
+        nargs='+',
+        metavar='FILE',
+        help='.npz .mat .wav .csv .mcap, or a folder made by bearing-datasets',
+    )
+    kind = parser.add_mutually_exclusive_group()
+    kind.add_argument(
+        '--bearing', metavar='NAME', help="bearing of the catalogue, e.g. 6205 (see 'bearings')"
+    )
+    kind.add_argument(
+        '--geometry',
+        metavar='Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG',
+        help='number of balls, ball and pitch diameter in mm, contact angle in degrees',
+    )
+    speed = parser.add_mutually_exclusive_group()
+    speed.add_argument('--shaft-hz', type=float, help='shaft speed, Hz; else what the file says')
+    speed.add_argument('--rpm', type=float, help='the same in turns a minute')
+    parser.add_argument('--sample-rate', type=float, help='Hz, for files that do not say it')
+    parser.add_argument(
+        '--channel', metavar='NAME', help='name, number or topic, or any part that only one has'
+    )
+
+
 def run(args: argparse.Namespace) -> int:
     """Diagnose the files; 0 only if every file could be read."""
     if args.channels:
         return _list_channels(args)
     if args.series:
-        return run_series(args, _shaft_hz(args))
+        return run_series(args, shaft_hz_given(args))
     tasks = _tasks(args)
     unread = 0
     for done, answer in enumerate(_answers(tasks, args), start=1):
@@ -155,7 +170,7 @@ def _tasks(args: argparse.Namespace) -> list[Task]:
     if args.jobs is not None and args.jobs < 1:
         msg = f'--jobs {args.jobs}: at least one process is needed'
         raise BearingTwinError(msg)
-    shaft_hz = _shaft_hz(args)
+    shaft_hz = shaft_hz_given(args)
     if args.plot:
         Path(args.plot).mkdir(parents=True, exist_ok=True)
     return [
@@ -168,14 +183,14 @@ def _tasks(args: argparse.Namespace) -> list[Task]:
             channel=channel,
             unit=args.unit,
             settings=settings,
-            plot=str(_picture(Path(args.plot), name, channel)) if args.plot else '',
+            plot=str(picture(Path(args.plot), name, channel)) if args.plot else '',
         )
         for name in args.files
-        for channel in _channels_of(name, args.channel)
+        for channel in channels_of(name, args.channel)
     ]
 
 
-def _shaft_hz(args: argparse.Namespace) -> float:
+def shaft_hz_given(args: argparse.Namespace) -> float:
     """Return the speed that was given, Hz; NaN if none was."""
     shaft_hz: float | None = args.shaft_hz if args.rpm is None else args.rpm / 60.0
     if shaft_hz is None:
@@ -186,7 +201,7 @@ def _shaft_hz(args: argparse.Namespace) -> float:
     return shaft_hz
 
 
-def _channels_of(name: str, channel: str | None) -> list[str | None]:
+def channels_of(name: str, channel: str | None) -> list[str | None]:
     """Channels to diagnose of a file: of a data set every signal whose id holds ``channel``."""
     if not is_dataset(Path(name)):
         return [channel]
@@ -321,7 +336,7 @@ def _number(value: float) -> float | None:
     return float(f'{value:.7g}') + 0.0 if math.isfinite(value) else None
 
 
-def _picture(folder: Path, name: str, channel: str | None) -> Path:
+def picture(folder: Path, name: str, channel: str | None) -> Path:
     """Picture of a signal, its whole path in the name so that no two collide."""
     parts = f'{Path(name)}_{channel}' if is_dataset(Path(name)) else str(Path(name))
     return folder / f'{parts.strip("/").replace("/", "_")}.png'

@@ -1,0 +1,217 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A cloud of candidate machines: what is not known about one, drawn at random and simulated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.bearing import fault_frequencies
+from bearing_twin.calibration.passage import contact_speed, load_range, widest
+from bearing_twin.calibration.summaries import summarise, Summary
+from bearing_twin.dynamics import Defect, Fleet, TwinParameters
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from bearing_twin.bearing import Bearing
+
+__all__ = ['HIGHEST_RATE', 'Situation', 'Unknown', 'parameters', 'simulate', 'unknowns']
+
+FloatArray = npt.NDArray[np.float64]
+
+HIGHEST_RATE = 52e3
+"""Highest sample rate at which candidates are simulated, Hz; faster records are decimated."""
+IMPACTS = 24.0
+"""Passages simulated of each candidate."""
+SETTLE_S = 0.1
+TEMPERATURE = 30.0
+"""Of the outer ring where none is given, degC."""
+_BATCH = 128
+"""Candidates simulated together: 100 MB at 52 kHz and 1 s."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Situation:
+    """What is known of a machine while it is measured."""
+
+    bearing: Bearing
+    place: str
+    """Part of the bearing with the defect, or 'none'."""
+    shaft_hz: float
+    sample_rate: float
+    temperature: float = TEMPERATURE
+    load: tuple[float, float] | None = None
+    """Range of the radial load, N; None: see `passage.load_range`."""
+    slip: float = 0.0
+
+    @property
+    def speed(self) -> float:
+        """Speed of the contact along the damaged race, m/s."""
+        return contact_speed(self.bearing, self.place, self.shaft_hz, self.slip)
+
+    @property
+    def longest(self) -> float:
+        """Longest time between two impacts of a passage, s."""
+        return 1.1 * widest(self.bearing) / self.speed
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A quantity that is not known: its range, and what it is."""
+
+    low: float
+    high: float
+    unit: str
+    logarithmic: bool = False
+
+    def place(self, share: npt.ArrayLike) -> FloatArray:
+        """Values at shares of the range, uniform over it or over its logarithm."""
+        if self.logarithmic:
+            return np.asarray(self.low * (self.high / self.low) ** np.asarray(share))
+        return np.asarray(self.low + (self.high - self.low) * np.asarray(share))
+
+    def share(self, value: npt.ArrayLike) -> FloatArray:
+        """Inverse of :meth:`place`."""
+        if self.logarithmic:
+            span = math.log(self.high / self.low) or 1.0
+            return np.asarray(np.log(np.asarray(value) / self.low) / span)
+        return np.asarray((np.asarray(value) - self.low) / ((self.high - self.low) or 1.0))
+
+
+def unknowns(situation: Situation) -> dict[str, Unknown]:
+    """
+    Return the quantities of a machine with a defect that are not known, with their ranges.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> unknowns(machine)['defect_depth_um']
+    Unknown(low=5.0, high=500.0, unit='um', logarithmic=True)
+
+    """
+    low, high = load_range(situation.bearing, situation.load)
+    ranges = {
+        'defect_width_mm': Unknown(0.1, 1e3 * widest(situation.bearing), 'mm'),
+        'load': Unknown(low, high, 'N', logarithmic=True),
+        'defect_depth_um': Unknown(5.0, 500.0, 'um', logarithmic=True),
+        'clearance_um': Unknown(0.0, 12.0, 'um'),
+        'contact_damping': Unknown(50.0, 1500.0, 'N s/m', logarithmic=True),
+        'inner_mass': Unknown(1.5, 20.0, 'kg', logarithmic=True),
+        'jitter': Unknown(0.001, 0.02, '', logarithmic=True),
+        'noise_ratio': Unknown(1e-3, 0.3, '', logarithmic=True),
+    }
+    if situation.place == 'outer':
+        ranges['defect_angle'] = Unknown(-0.7, 0.7, 'rad')
+    return ranges
+
+
+def parameters(situation: Situation, values: dict[str, float]) -> TwinParameters:
+    """
+    Twin of one candidate, without noise and resonance of the sensor's path.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> middle = {name: float(u.place(0.5)) for name, u in unknowns(machine).items()}
+    >>> twin = parameters(machine, middle)
+    >>> twin.defects[0].place, round(1e3 * twin.defects[0].width, 2)
+    ('outer', 2.04)
+
+    """
+    defects: tuple[Defect, ...] = ()
+    place: Any = situation.place
+    if place != 'none':
+        angle = values.get('defect_angle', 0.0)
+        defects = (
+            Defect(
+                place=place,
+                width=1e-3 * values['defect_width_mm'],
+                depth=1e-6 * values['defect_depth_um'],
+                angle=angle - 0.5 * math.pi if place == 'outer' else angle,
+            ),
+        )
+    return TwinParameters(
+        bearing=situation.bearing,
+        thermal_mode='physical',
+        defects=defects,
+        load=values['load'],
+        clearance=1e-6 * values['clearance_um'],
+        contact_damping=values['contact_damping'],
+        inner_mass=values['inner_mass'],
+        slip_model='constant',
+        slip=max(situation.slip, 0.0),
+        jitter=values['jitter'],
+        noise=0.0,
+        resonance_hz=0.0,
+    )
+
+
+def vibrations(
+    situation: Situation, values: dict[str, FloatArray], seconds: float, seed: int
+) -> Iterator[FloatArray]:
+    """
+    Yield the housing's acceleration of the candidates in batches, m/s^2, shape (batch, n).
+
+    Noise of the sensor, `noise_ratio` of each candidate's own RMS, is in it.
+    """
+    count = len(values['load'])
+    rng = np.random.default_rng([seed, 1])
+    rate, hz, temperature = situation.sample_rate, situation.shaft_hz, situation.temperature
+    for first in range(0, count, _BATCH):
+        batch = range(first, min(first + _BATCH, count))
+        fleet = Fleet(
+            [parameters(situation, {k: float(v[i]) for k, v in values.items()}) for i in batch],
+            sample_rate=rate,
+            seeds=[int(s) for s in rng.integers(1 << 31, size=len(batch))],
+            temperatures=temperature,
+            shaft_hz=hz,
+        )
+        fleet.advance(int(SETTLE_S * rate), temperature, hz)
+        x = fleet.advance(int(seconds * rate), temperature, hz).y.astype(np.float64)
+        x -= x.mean(axis=1, keepdims=True)
+        level = x.std(axis=1) * values['noise_ratio'][batch.start : batch.stop]
+        yield x + level[:, None] * rng.standard_normal(x.shape)
+
+
+def simulate(situation: Situation, values: dict[str, FloatArray], seed: int) -> list[Summary]:
+    """
+    Simulate candidates and summarise the vibration of each.
+
+    Parameters
+    ----------
+    situation
+        What they have in common.
+    values
+        A value a candidate of each of `unknowns`, shape (n,).
+    seed
+        Of jitter and noise.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> drawn = {name: u.place([0.4, 0.6]) for name, u in unknowns(machine).items()}
+    >>> len(simulate(machine, drawn, 0))
+    2
+
+    """
+    rates = fault_frequencies(situation.bearing, situation.shaft_hz, situation.slip)
+    seconds = IMPACTS / rates.impacts(situation.place)
+    return [
+        summarise(x, situation.sample_rate, situation.longest)
+        for batch in vibrations(situation, values, seconds, seed)
+        for x in batch
+    ]

@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The smallest defect that a record without one would have shown.
+
+Defects of candidates are simulated, brought to the unit of the record and added to it.
+One is shown if the comb of its frequency stands out of the squared envelope spectrum and modulates
+the envelope as much as the diagnosis asks of a suspect, or if it doubles the vibration.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+import math
+from typing import TYPE_CHECKING
+
+from bearing_twin.bearing import fault_frequencies
+from bearing_twin.calibration.cloud import unknowns, vibrations
+from bearing_twin.calibration.summaries import squared_envelope
+from bearing_twin.diagnosis.thresholds import INDEX_SUSPECT
+import numpy as np
+import numpy.typing as npt
+from scipy import fft
+
+if TYPE_CHECKING:
+    from bearing_twin.calibration.cloud import Situation
+
+__all__ = ['SHOWN_SHARE', 'WIDTHS_MM', 'Shown', 'shown', 'smallest_shown']
+
+FloatArray = npt.NDArray[np.float64]
+
+WIDTHS_MM = (0.1, 0.2, 0.3, 0.5, 0.8, 1.2, 1.8, 2.6)
+"""Widths tried, mm."""
+SHOWN_SHARE = 0.8
+"""Least share of the candidates of a width that has to show."""
+LOUDER = 2.0
+"""RMS over that of the record from which on nobody calls the bearing healthy: 6 dB."""
+LOSS_DB = 20.0
+"""Most that is supposed to be lost between the twin's housing, which is one rigid mass, and the
+sensor: joints and distance take 10 dB and more each."""
+_EACH = 16
+"""Candidates of each width: a group of lanes of the fleet."""
+_SECONDS = 1.2
+_HARMONICS = 3
+_COMB_OVER_FLOOR = 25.0
+"""Mean of the comb's lines over the floor: noise reaches it once in e^25 bins."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What a record would have shown."""
+
+    width_mm: float
+    """Smallest width of which `SHOWN_SHARE` of the candidates show, from there on; NaN if none."""
+    shares: tuple[float, ...]
+    """Share of the candidates that show, of each of `WIDTHS_MM`."""
+
+
+def shown(x: FloatArray, sample_rate: float, frequency: float) -> bool:
+    """
+    Whether a comb at a frequency stands out of the squared envelope spectrum of a signal.
+
+    Parameters
+    ----------
+    x
+        Samples, shape (n,).
+    sample_rate
+        Hz.
+    frequency
+        Of the impacts, Hz.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> x = rng.standard_normal(25600)
+    >>> shown(x, 25600.0, 64.0)
+    False
+    >>> x[::400] += 12.0
+    >>> shown(x, 25600.0, 64.0)
+    True
+
+    """
+    envelope, rate = squared_envelope(x, sample_rate)
+    spectrum = np.abs(fft.rfft(envelope)) ** 2
+    power = spectrum / max(float(spectrum[0]), 1e-300)
+    step = rate / len(envelope)
+    lines = []
+    ratios = []
+    for harmonic in range(1, _HARMONICS + 1):
+        at = harmonic * frequency / step
+        near = power[math.floor(0.99 * at) : math.ceil(1.01 * at) + 1]
+        around = power[math.floor(0.8 * at) : math.ceil(1.2 * at) + 1]
+        if not len(near):
+            break
+        lines.append(float(near.max()))
+        ratios.append(lines[-1] / max(float(np.median(around)) / math.log(2.0), 1e-300))
+    index = 2.0 * math.sqrt(sum(lines))
+    return index >= INDEX_SUSPECT and float(np.mean(ratios or [0.0])) >= _COMB_OVER_FLOOR
+
+
+def smallest_shown(
+    measured: FloatArray, situation: Situation, factor: float, loss_db: float, seed: int
+) -> Shown:
+    """
+    Return the smallest race defect that a record would have shown.
+
+    Parameters
+    ----------
+    measured
+        The record, shape (n,).
+    situation
+        Of the machine.
+    factor
+        From the record's unit to m/s^2.
+    loss_db
+        Most that is lost between housing and sensor, dB.
+    seed
+        Of all draws.
+
+    Examples
+    --------
+    Quiet noise of 0.01 m/s^2 would have shown the narrowest defect that is tried:
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration.cloud import Situation
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='none', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> quiet = 0.01 * np.random.default_rng(1).standard_normal(12800)
+    >>> smallest_shown(quiet, machine, 1.0, 0.0, 0).width_mm
+    0.1
+
+    """
+    rng = np.random.default_rng([seed, 2])
+    n = min(len(measured), int(_SECONDS * situation.sample_rate))
+    background = measured[:n] - measured[:n].mean()
+    shares = np.ones(len(WIDTHS_MM))
+    for place in ('inner', 'outer'):
+        there = replace(situation, place=place)
+        prior = unknowns(there)
+        fits = [width for width in WIDTHS_MM if width <= prior['defect_width_mm'].high]
+        drawn = {k: u.place(rng.random(_EACH * len(fits))) for k, u in prior.items()}
+        drawn['defect_width_mm'] = np.repeat(fits, _EACH)
+        drawn['noise_ratio'] = np.zeros(_EACH * len(fits))
+        rates = fault_frequencies(situation.bearing, situation.shaft_hz, situation.slip)
+        losses = iter(10.0 ** (-loss_db / 20.0 * rng.random(_EACH * len(fits))))
+        found = []
+        for batch in vibrations(there, drawn, n / situation.sample_rate, seed):
+            for x in batch:
+                y = background[: len(x)] + next(losses) / factor * x[:n]
+                louder = y.std() > LOUDER * background.std()
+                found.append(louder or shown(y, situation.sample_rate, rates.impacts(place)))
+        each = np.reshape(found, (len(fits), _EACH)).mean(axis=1)
+        shares[: len(fits)] = np.minimum(shares[: len(fits)], each)
+        shares[len(fits) :] = np.minimum(shares[len(fits) :], each[-1])
+    # From the widest down, for as long as enough candidates show.
+    enough = np.minimum.accumulate((shares >= SHOWN_SHARE)[::-1])[::-1]
+    first = int(np.argmax(enough))
+    width = WIDTHS_MM[first] if enough.any() else math.nan
+    return Shown(width_mm=width, shares=tuple(float(share) for share in shares))

@@ -1,0 +1,168 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a calibration says: every quantity, its interval, and whether the vibration tells it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field, replace
+import math
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.bearing import Bearing
+from bearing_twin.calibration.cloud import parameters, Situation
+from bearing_twin.calibration.path import SensorPath
+from bearing_twin.calibration.posterior import weighted_quantile
+from bearing_twin.errors import BearingTwinError
+import numpy as np
+
+if TYPE_CHECKING:
+    from bearing_twin.dynamics import TwinParameters
+    from numpy.typing import NDArray
+
+__all__ = ['Calibration', 'Estimate']
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """One quantity: 5 %, 50 % and 95 % of what is left possible."""
+
+    q05: float
+    median: float
+    q95: float
+    unit: str
+    identifiable: bool
+    """Whether the vibration tells it; else the interval is what was supposed, or a limit."""
+    why: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Calibration:
+    """A twin fitted to a machine."""
+
+    situation: Situation
+    """Bearing, place of the defect, speed, temperature and load at which it was measured."""
+    quantities: dict[str, Estimate]
+    statement: str
+    """Place and width of the defect, or its absence, in words."""
+    path: SensorPath
+    distance_before: float
+    """Log-spectral distance of an unfitted twin from the machine, dB."""
+    distance: float
+    """The same of the fitted twin."""
+    level_before: float
+    """Level of an unfitted twin over the machine's, dB; NaN if the unit is not known."""
+    level: float
+    """The same of the fitted twin."""
+    candidates: dict[str, NDArray[np.float64]] = field(repr=False)
+    """A value a candidate of each unknown of `cloud.unknowns`, shape (n,)."""
+    weights: NDArray[np.float64] = field(repr=False)
+    """Of the candidates, sum 1, shape (n,)."""
+    sensor_unit: str
+    """Unit of the vibration; '' if unknown."""
+    spacing_s: float | None
+    """Time between the two impacts of a passage, s; None where they are not seen."""
+    cost_s: float
+    """Processor time, s."""
+
+    @property
+    def defect(self) -> str:
+        """Part with the defect, or 'none'."""
+        return self.situation.place
+
+    @property
+    def residual(self) -> float:
+        """What the fitted twin leaves unexplained of the spectrum: log-spectral distance, dB."""
+        return self.distance
+
+    def typical(self) -> dict[str, float]:
+        """Return the weighted median of each unknown of the candidates."""
+        return {
+            name: float(weighted_quantile(values, self.weights, (0.5,))[0])
+            for name, values in self.candidates.items()
+        }
+
+    def twin_parameters(self) -> TwinParameters:
+        """
+        Return the parameters of a twin that runs beside the machine.
+
+        Its sensor has neither noise nor resonance: both are in `path`, whose filter turns its
+        acceleration into what the machine's sensor would give.
+        """
+        return parameters(self.situation, self.typical())
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything as plain numbers, from which :meth:`from_dict` makes it again."""
+        bearing = {
+            name: value for name, value in asdict(self.situation.bearing).items() if value != ''
+        }
+        return {
+            'quantities': {name: asdict(value) for name, value in self.quantities.items()},
+            'defect': self.defect,
+            'statement': self.statement,
+            'residual': self.residual,
+            'cost_s': round(self.cost_s, 3),
+            'spectrum': {
+                'distance_before_db': self.distance_before,
+                'distance_after_db': self.distance,
+                'level_before_db': None if math.isnan(self.level_before) else self.level_before,
+                'level_after_db': self.level,
+            },
+            'machine': {
+                'bearing': bearing,
+                'shaft_hz': self.situation.shaft_hz,
+                'sample_rate': self.situation.sample_rate,
+                'temperature': self.situation.temperature,
+                'load': self.situation.load,
+                'slip': self.situation.slip,
+                'unit': self.sensor_unit,
+            },
+            'path': self.path.to_dict(),
+            'candidates': {name: v.tolist() for name, v in self.candidates.items()},
+            'weights': self.weights.tolist(),
+            'spacing_s': self.spacing_s,
+        }
+
+    @classmethod
+    def from_dict(cls, values: dict[str, Any]) -> Calibration:
+        """
+        Return the calibration that :meth:`to_dict` wrote.
+
+        Raises
+        ------
+        BearingTwinError
+            If a field is missing or of another kind.
+
+        """
+        try:
+            machine, spectrum = values['machine'], values['spectrum']
+            load, before = machine['load'], spectrum['level_before_db']
+            return cls(
+                situation=Situation(
+                    bearing=Bearing(**machine['bearing']),
+                    place=str(values['defect']),
+                    shaft_hz=float(machine['shaft_hz']),
+                    sample_rate=float(machine['sample_rate']),
+                    temperature=float(machine['temperature']),
+                    load=None if load is None else (float(load[0]), float(load[1])),
+                    slip=float(machine['slip']),
+                ),
+                quantities={k: Estimate(**v) for k, v in values['quantities'].items()},
+                statement=str(values['statement']),
+                path=SensorPath.from_dict(values['path']),
+                distance_before=float(spectrum['distance_before_db']),
+                distance=float(spectrum['distance_after_db']),
+                level_before=math.nan if before is None else float(before),
+                level=float(spectrum['level_after_db']),
+                candidates={k: np.array(v, float) for k, v in values['candidates'].items()},
+                weights=np.array(values['weights'], float),
+                sensor_unit=str(machine['unit']),
+                spacing_s=values['spacing_s'],
+                cost_s=float(values['cost_s']),
+            )
+        except (KeyError, TypeError, ValueError, IndexError) as error:
+            msg = f'this is no calibration ({error!r}); give what `fit --json` wrote'
+            raise BearingTwinError(msg) from None
+
+    def at(self, **changes: Any) -> Calibration:
+        """Return the same machine under other conditions: fields of `Situation`."""
+        return replace(self, situation=replace(self.situation, **changes))

@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""``bearing-twin fit``: what vibration files say about the twin's parameters, with intervals."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+import sys
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.bearing import find_bearing, named_bearing, own_bearing
+from bearing_twin.calibration import Calibration, fit
+from bearing_twin.cli.diagnose import add_reading, channels_of, picture, shaft_hz_given
+from bearing_twin.cli.terminal import progress, shown
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.foreign import read_signal
+
+if TYPE_CHECKING:
+    import argparse
+
+__all__ = ['configure', 'run']
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    add_reading(parser)
+    parser.add_argument(
+        '--load',
+        type=_range,
+        metavar='LOW,HIGH',
+        help='range of the radial load, N (default: 0.003 to 0.1 of the dynamic rating)',
+    )
+    parser.add_argument(
+        '--temperature', type=float, help='of the outer ring, degC; else what the file says, or 30'
+    )
+    parser.add_argument('--unit', default='', help="'m/s^2' or 'g', for files that do not say it")
+    parser.add_argument(
+        '--place',
+        choices=('none', 'inner', 'outer'),
+        help='part with the defect (default: what the diagnosis says)',
+    )
+    parser.add_argument('--seed', type=int, default=0, help='of all draws (default 0)')
+    parser.add_argument('--json', action='store_true', help='one JSON object a file')
+    parser.add_argument('--plot', metavar='DIR', help='draw machine against twin, and the width')
+
+
+def run(args: argparse.Namespace) -> int:
+    """Fit the twin to each file; 0 only if every file could be fitted."""
+    bearing = own_bearing(args.geometry) if args.geometry else None
+    if args.bearing:
+        bearing = find_bearing(args.bearing)
+    speed = shaft_hz_given(args)
+    if args.plot:
+        Path(args.plot).mkdir(parents=True, exist_ok=True)
+    tasks = [(name, channel) for name in args.files for channel in channels_of(name, args.channel)]
+    failed = 0
+    for done, (name, channel) in enumerate(tasks, start=1):
+        try:
+            record = read_signal(Path(name), channel=channel, sample_rate=args.sample_rate)
+            temperature = record.temperature if args.temperature is None else args.temperature
+            found = fit(
+                record.x,
+                record.sample_rate,
+                bearing or record.bearing or named_bearing(record.bearing_name),
+                speed if math.isfinite(speed) else record.shaft_hz,
+                load=args.load,
+                temperature=temperature,
+                unit=args.unit or record.unit,
+                place=args.place,
+                seed=args.seed,
+            )
+        except (BearingTwinError, MemoryError) as error:
+            failed += 1
+            reason = str(error) or 'not enough memory'
+            answer = {'file': name, 'error': reason if name in reason else f'{name}: {reason}'}
+            print(f'bearing-twin fit: {shown(answer["error"])}', file=sys.stderr, flush=True)
+            if args.json:
+                print(json.dumps(answer), flush=True)
+            continue
+        if args.plot:
+            from bearing_twin.cli.fit_plot import draw
+
+            draw(found, record.x, record.sample_rate, picture(Path(args.plot), name, channel))
+        if args.json:
+            print(json.dumps({'file': name, **found.to_dict()}, allow_nan=False), flush=True)
+        else:
+            print(_page(name, found), flush=True)
+        progress(done, len(tasks), 'files')
+    return 1 if failed else 0
+
+
+def _range(text: str) -> tuple[float, float]:
+    low, _, high = text.partition(',')
+    return float(low), float(high)
+
+
+def _page(name: str, found: Calibration) -> str:
+    """Return the calibration as a person reads it."""
+    before = '' if math.isnan(found.level_before) else f'{found.level_before:+.1f} -> '
+    rows: list[tuple[str, Any]] = [
+        ('', f'{shown(name)}: {found.statement}'),
+        (
+            'spectrum',
+            f'log-spectral distance {found.distance_before:.1f} -> {found.distance:.1f} dB, '
+            f'level {before}{found.level:+.1f} dB',
+        ),
+        ('cost', f'{found.cost_s:.1f} s of one core'),
+        ('', f'{"quantity":<22} {"5 %":>10} {"median":>10} {"95 %":>10}'),
+    ]
+    for quantity, value in found.quantities.items():
+        told = 'told' if value.identifiable else 'not told'
+        rows.append(
+            (
+                '',
+                f'{quantity:<22} {value.q05:>10.4g} {value.median:>10.4g} {value.q95:>10.4g} '
+                f'{value.unit}  {told}: {value.why}',
+            )
+        )
+    return '\n'.join(
+        f'{label:<9} {text}' if index else text for index, (label, text) in enumerate(rows)
+    )

@@ -1,0 +1,252 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The twin fitted to machines whose truth is known: closed forms, twins, impacts, real slots."""
+
+import json
+import math
+from pathlib import Path
+
+from bearing_twin.bearing import fault_frequencies, find_bearing
+from bearing_twin.calibration import Calibration, fit, Fitter
+from bearing_twin.calibration.passage import (
+    contact_speed,
+    impact_spacing,
+    interference,
+    load_range,
+    path_curvature,
+    widest,
+)
+from bearing_twin.calibration.path import identify, resonances, SensorPath, spectral_distance
+from bearing_twin.calibration.summaries import summarise
+from bearing_twin.cli import main
+from bearing_twin.dynamics import preset, Simulator
+from bearing_twin.errors import BearingTwinError
+import numpy as np
+import pytest
+from scipy import signal
+
+BEARING = find_bearing('6205')
+RATE = 25600.0
+
+
+def ring(x):
+    """Let resonances at 3 and 7 kHz ring."""
+    out = np.zeros_like(x)
+    for hz, damping in ((3000.0, 0.03), (7000.0, 0.02)):
+        pole = np.exp(2.0 * np.pi * hz / RATE * (-damping + 1j))
+        out += signal.lfilter([1.0], np.poly([pole, pole.conjugate()]).real, x)
+    return out
+
+
+def impact_train(width, place, shaft_hz, seconds=4.0, seed=0, shortfall=0.0, noise=0.02):
+    """
+    Machine that shares nothing with the twin: two impacts a passage that ring at 3 and 7 kHz.
+
+    They are as far apart as the slot is wide, less ``shortfall``, both m.
+    """
+    rng = np.random.default_rng(seed)
+    rate = fault_frequencies(BEARING, shaft_hz).impacts(place)
+    gaps = (1.0 + 0.004 * rng.standard_normal(int(1.2 * rate * seconds))) / rate
+    entries = np.cumsum(gaps)
+    apart = (width - shortfall) / contact_speed(BEARING, place, shaft_hz)
+    x = np.zeros(int(seconds * RATE))
+    for times, height in ((entries, 0.6), (entries + apart, -1.0)):
+        at = np.round(times[times < seconds - 1.0 / RATE] * RATE).astype(int)
+        np.add.at(x, at, height * (1.0 + 0.2 * rng.standard_normal(len(at))))
+    ringing = ring(x)
+    return ringing + noise * ringing.std() * rng.standard_normal(len(x))
+
+
+def twin(seconds=2.0, shaft_hz=20.0, seed=3, **options):
+    """Vibration of a twin that the fit is not told."""
+    parameters = preset('incipient', bearing=BEARING, **options)
+    simulator = Simulator(parameters, sample_rate=RATE, seed=seed, shaft_hz=shaft_hz)
+    simulator.advance(int(0.3 * RATE), 30.0, shaft_hz)
+    return simulator.advance(int(seconds * RATE), 30.0, shaft_hz).y.astype(float)
+
+
+def test_sinking_is_the_path_of_a_ball_over_an_edge():
+    """The centre of a ball on an edge moves on a circle about it; the law is its parabola."""
+    for place, sign in (('inner', 1.0), ('outer', -1.0)):
+        race = 0.5 * (BEARING.d_pitch - sign * BEARING.d_ball)
+        radius = 0.5 * BEARING.d_ball
+        s = 1e-4
+        # Edge of the slot at angle zero of the race; the ball has rolled past it by s.
+        angle = s / race
+        centre = race + sign * radius
+        # The distance from the edge stays the ball's radius.
+        along = race * math.cos(angle)
+        across = race * math.sin(angle)
+        root = math.sqrt(radius**2 - across**2)
+        now = along + sign * root
+        assert abs(now - centre) == pytest.approx(path_curvature(BEARING, place) * s * s, rel=1e-3)
+
+
+def test_spacing_is_short_of_the_slot_by_what_the_interference_asks_for():
+    load, width = 200.0, 2e-3
+    sinking = interference(BEARING, load)
+    for place in ('inner', 'outer'):
+        curvature = path_curvature(BEARING, place)
+        apart = impact_spacing(width, sinking, curvature)
+        edge = 0.5 * (width - apart)
+        assert curvature * edge**2 == pytest.approx(sinking)
+    assert impact_spacing(1e-4, sinking, path_curvature(BEARING, 'outer')) == 0.0
+
+
+def test_contact_speed_times_passages_goes_round_the_race():
+    rates = fault_frequencies(BEARING, 20.0)
+    outer = math.pi * (BEARING.d_pitch + BEARING.d_ball)
+    assert contact_speed(BEARING, 'outer', 20.0) == pytest.approx(
+        outer * rates.bpfo / BEARING.n_balls
+    )
+    inner = math.pi * (BEARING.d_pitch - BEARING.d_ball)
+    assert contact_speed(BEARING, 'inner', 20.0) == pytest.approx(
+        inner * rates.bpfi / BEARING.n_balls
+    )
+
+
+@pytest.mark.parametrize('place', ['inner', 'outer'])
+def test_spacing_of_an_impact_train_is_read_whatever_rings(place):
+    for width in (0.8e-3, 1.6e-3, 3.0e-3):
+        x = impact_train(width, place, 12.0)
+        speed = contact_speed(BEARING, place, 12.0)
+        found = summarise(x, RATE, 1.1 * widest(BEARING) / speed)
+        assert found.spacing * speed == pytest.approx(width, rel=0.05)
+        louder = summarise(1e3 * x + 5.0, RATE, 1.1 * widest(BEARING) / speed)
+        assert louder.spacing == pytest.approx(found.spacing, rel=1e-6)
+
+
+def test_noise_shows_no_spacing():
+    seen = 0
+    for seed in range(20):
+        x = np.random.default_rng(seed).standard_normal(51200)
+        seen += summarise(x, RATE, 5e-3).seen
+    assert seen <= 1
+
+
+def test_twin_through_its_path_passes_for_the_machine():
+    machine = impact_train(1e-3, 'outer', 20.0, seed=5)
+    model = twin(defect='outer', noise=0.0, resonance_hz=0.0)
+    path = identify(machine, RATE, model, 0.05)
+    fitted = path.filter().apply(model)[2560:]
+    assert spectral_distance(machine, fitted, RATE) < 2.0
+    assert 20.0 * math.log10(fitted.std() / machine.std()) == pytest.approx(0.0, abs=0.5)
+
+
+def test_a_path_in_blocks_is_the_path_in_one():
+    path = identify(impact_train(1e-3, 'outer', 20.0), RATE, twin(noise=0.0), 0.05)
+    again = SensorPath.from_dict(json.loads(json.dumps(path.to_dict())))
+    x = np.random.default_rng(2).standard_normal(3000)
+    whole = path.filter(seed=4).apply(x)
+    running = again.filter(seed=4)
+    parts = np.concatenate([running.apply(part) for part in np.split(x, [1000, 1700])])
+    assert np.array_equal(whole, parts)
+
+
+def test_resonances_are_found():
+    found = resonances(ring(np.random.default_rng(1).standard_normal(102400)), RATE)
+    near = {round(mode.hz[1], -2): mode for mode in found[:2]}
+    for hz, damping in ((3000.0, 0.03), (7000.0, 0.02)):
+        assert near[hz].damping[1] == pytest.approx(damping, rel=0.15)
+        assert near[hz].found == 1.0
+
+
+@pytest.mark.parametrize(
+    ('change', 'text'),
+    [
+        ({'samples': np.full(51200, np.nan)}, 'NaN'),
+        ({'samples': np.zeros((2, 51200))}, '1-D'),
+        ({'samples': np.ones(51200)}, 'constant'),
+        ({'samples': np.random.default_rng(0).standard_normal(5000)}, 'shaft turns'),
+        ({'sample_rate': 0.0}, 'sample rate'),
+        ({'sample_rate': 800.0}, 'sample rate'),
+        ({'shaft_hz': math.nan}, 'shaft speed'),
+        ({'load': (500.0, 100.0)}, 'LOW,HIGH'),
+        ({'place': 'shaft'}, 'place'),
+    ],
+)
+def test_bad_input_is_refused_in_words(change, text):
+    values = {
+        'samples': np.random.default_rng(0).standard_normal(51200),
+        'sample_rate': RATE,
+        'bearing': BEARING,
+        'shaft_hz': 20.0,
+    } | change
+    with pytest.raises(BearingTwinError, match=text):
+        fit(**values)
+
+
+def test_loads_without_a_range_are_shares_of_the_rating():
+    low, high = load_range(BEARING)
+    assert (low, high) == pytest.approx((42.0, 1400.0), rel=0.01)
+    assert load_range(BEARING, (100.0, 200.0)) == (100.0, 200.0)
+
+
+@pytest.fixture(scope='module')
+def slot(data_dir):
+    with np.load(data_dir / 'hitsm' / 'hitsm_sq_IR8_900.npz') as file:
+        return file['x'].astype(float), float(file['fs'])
+
+
+def test_a_real_slot_is_measured(slot, data_dir):
+    """HIT-SM, inner race, 8 degrees of a radius of 15.55 mm: 2.17 mm."""
+    found = fit(*slot, BEARING, 15.0, candidates=192)
+    width = found.quantities['defect_width_mm']
+    assert found.defect == 'inner'
+    assert width.identifiable, width
+    assert width.q05 < 2.17 < width.q95
+    assert width.median == pytest.approx(2.17, rel=0.2)
+    assert found.distance < 0.3 * found.distance_before
+    assert abs(found.level) < 1.0
+    again = Calibration.from_dict(json.loads(json.dumps(found.to_dict())))
+    assert again.to_dict() == found.to_dict()
+    assert again.twin_parameters() == found.twin_parameters()
+
+
+def test_spots_of_half_a_millimetre_on_a_fast_shaft_are_not_measured(data_dir):
+    """CWRU: the passage lasts one to five samples."""
+    for name in ('cwru_0105_DE', 'cwru_0258_DE'):
+        with np.load(data_dir / 'cwru' / f'{name}.npz') as file:
+            x, rate, hz = file['x'].astype(float), float(file['fs']), float(file['rpm']) / 60.0
+        found = fit(x, rate, BEARING, hz, candidates=64)
+        width = found.quantities['defect_width_mm']
+        assert found.defect in ('inner', 'outer')
+        assert not width.identifiable
+        assert width.q95 - width.q05 > width.median
+
+
+def test_ringing_at_two_speeds_is_no_width(monkeypatch):
+    """The same time between impacts at another speed: not a passage."""
+    fitter = Fitter(BEARING, RATE, candidates=64)
+    apart = 2e-3 / contact_speed(BEARING, 'outer', 12.0)
+    first = fitter.update(impact_train(2e-3, 'outer', 12.0), 12.0, place='outer')
+    assert first.spacing_s == pytest.approx(apart, rel=0.02)
+    slow = impact_train(apart * contact_speed(BEARING, 'outer', 10.0), 'outer', 10.0)
+    second = fitter.update(slow, 10.0, place='outer')
+    if first.quantities['defect_width_mm'].identifiable:
+        width = second.quantities['defect_width_mm']
+        assert not width.identifiable
+
+
+def test_the_command_writes_what_it_found(slot, tmp_path, capsys, data_dir):
+    name = str(data_dir / 'hitsm' / 'hitsm_sq_Normal_900.npz')
+    status = main(['fit', name, '--bearing', '6205', '--shaft-hz', '15', '--json',
+                   '--load', '50,500', '--plot', str(tmp_path)])  # fmt: skip
+    answer = json.loads(capsys.readouterr().out)
+    assert status == 0
+    assert answer['file'] == name
+    assert answer['defect'] == 'none'
+    assert answer['statement'].startswith('no defect above')
+    width = answer['quantities']['defect_width_mm']
+    assert set(width) == {'q05', 'median', 'q95', 'unit', 'identifiable', 'why'}
+    assert not width['identifiable']
+    assert answer['cost_s'] > 0.0
+    assert [path.suffix for path in Path(tmp_path).iterdir()] == ['.png']
+
+
+def test_a_file_that_cannot_be_fitted_is_named(tmp_path, capsys):
+    path = tmp_path / 'short.npz'
+    np.savez(path, x=np.zeros(10), fs=RATE)
+    status = main(['fit', str(path), '--bearing', '6205', '--shaft-hz', '15', '--json'])
+    assert status == 1
+    assert 'shaft turns' in json.loads(capsys.readouterr().out)['error']
