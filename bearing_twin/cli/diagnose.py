@@ -14,9 +14,10 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import Bearing, find_bearing, named_bearing, NEXT_STEPS, own_bearing
+from bearing_twin.bearing import Bearing, named_bearing, NEXT_STEPS
 from bearing_twin.cli.diagnose_series import run_series
 from bearing_twin.cli.diagnose_text import line, page
+from bearing_twin.cli.signal_arguments import add_signal_arguments, given_bearing, given_speed
 from bearing_twin.cli.terminal import progress, shown, shown_inside
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
@@ -36,7 +37,6 @@ __all__ = [
     'evidence',
     'picture',
     'run',
-    'shaft_hz_given',
 ]
 
 
@@ -88,7 +88,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar='SECONDS',
         help='how long the level must be low before an alarm ends (default 3600)',
     )
-    parser.add_argument('--unit', default='', help="'m/s^2' or 'g', for files that do not say it")
     parser.add_argument(
         '--power-group', type=int, choices=(1, 2), default=0, help='of ISO 20816-3, for the zone'
     )
@@ -107,22 +106,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         metavar='FILE',
         help='.npz .mat .wav .csv .mcap, or a folder made by bearing-datasets',
     )
-    kind = parser.add_mutually_exclusive_group()
-    kind.add_argument(
-        '--bearing', metavar='NAME', help="bearing of the catalogue, e.g. 6205 (see 'bearings')"
-    )
-    kind.add_argument(
-        '--geometry',
-        metavar='Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG',
-        help='number of balls, ball and pitch diameter in mm, contact angle in degrees',
-    )
-    speed = parser.add_mutually_exclusive_group()
-    speed.add_argument('--shaft-hz', type=float, help='shaft speed, Hz; else what the file says')
-    speed.add_argument('--rpm', type=float, help='the same in turns a minute')
-    parser.add_argument('--sample-rate', type=float, help='Hz, for files that do not say it')
-    parser.add_argument(
-        '--channel', metavar='NAME', help='name, number or topic, or any part that only one has'
-    )
+    add_signal_arguments(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -130,7 +114,7 @@ def run(args: argparse.Namespace) -> int:
     if args.channels:
         return _list_channels(args)
     if args.series:
-        return run_series(args, shaft_hz_given(args))
+        return run_series(args, given_speed(args))
     tasks = _tasks(args)
     unread = 0
     for done, answer in enumerate(_answers(tasks, args), start=1):
@@ -158,11 +142,7 @@ def _list_channels(args: argparse.Namespace) -> int:
 
 def _tasks(args: argparse.Namespace) -> list[Task]:
     """Return what is to be done; of a data set one task a signal."""
-    bearing = None
-    if args.geometry:
-        bearing = own_bearing(args.geometry)
-    elif args.bearing:
-        bearing = find_bearing(args.bearing)
+    bearing = given_bearing(args)
     settings = DiagnosisSettings(power_group=args.power_group, mounting=args.mounting)
     if args.speed_tolerance is not None:
         # Checks the range; each task carries the value, since a varying speed has another default.
@@ -170,7 +150,7 @@ def _tasks(args: argparse.Namespace) -> list[Task]:
     if args.jobs is not None and args.jobs < 1:
         msg = f'--jobs {args.jobs}: at least one process is needed'
         raise BearingTwinError(msg)
-    shaft_hz = shaft_hz_given(args)
+    shaft_hz = given_speed(args)
     if args.plot:
         Path(args.plot).mkdir(parents=True, exist_ok=True)
     return [
@@ -188,17 +168,6 @@ def _tasks(args: argparse.Namespace) -> list[Task]:
         for name in args.files
         for channel in channels_of(name, args.channel)
     ]
-
-
-def shaft_hz_given(args: argparse.Namespace) -> float:
-    """Return the speed that was given, Hz; NaN if none was."""
-    shaft_hz: float | None = args.shaft_hz if args.rpm is None else args.rpm / 60.0
-    if shaft_hz is None:
-        return math.nan
-    if not 0.0 < shaft_hz < 1e5:
-        msg = f'--shaft-hz {shaft_hz:g}: give a positive speed in Hz, or in 1/min as --rpm'
-        raise BearingTwinError(msg)
-    return shaft_hz
 
 
 def channels_of(name: str, channel: str | None) -> list[str | None]:

@@ -10,9 +10,10 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import find_bearing, named_bearing, own_bearing
+from bearing_twin.bearing import named_bearing
 from bearing_twin.calibration import Calibration, fit
-from bearing_twin.cli.diagnose import add_reading, channels_of, picture, shaft_hz_given
+from bearing_twin.cli.diagnose import add_reading, channels_of, picture
+from bearing_twin.cli.signal_arguments import given_bearing, given_speed
 from bearing_twin.cli.terminal import progress, shown
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.foreign import read_signal
@@ -35,7 +36,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--temperature', type=float, help='of the outer ring, degC; else what the file says, or 30'
     )
-    parser.add_argument('--unit', default='', help="'m/s^2' or 'g', for files that do not say it")
     parser.add_argument(
         '--place',
         choices=('none', 'inner', 'outer'),
@@ -48,10 +48,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Fit the twin to each file; 0 only if every file could be fitted."""
-    bearing = own_bearing(args.geometry) if args.geometry else None
-    if args.bearing:
-        bearing = find_bearing(args.bearing)
-    speed = shaft_hz_given(args)
+    bearing = given_bearing(args)
+    speed = given_speed(args)
     if args.plot:
         Path(args.plot).mkdir(parents=True, exist_ok=True)
     tasks = [(name, channel) for name in args.files for channel in channels_of(name, args.channel)]

@@ -6,8 +6,10 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+import tempfile
 from typing import TYPE_CHECKING
 
+from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recording
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.wholefile import whole_file
 
@@ -19,10 +21,15 @@ __all__ = ['configure', 'run']
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument('recording', type=Path, help='MCAP file or bag folder')
+    parser.add_argument(
+        'recording',
+        type=Path,
+        help='MCAP file, bag folder, folder of a demo, or .npz .mat .wav .csv as diagnose reads',
+    )
     parser.add_argument(
         '-o', '--output', type=Path, help='page to write (default: NAME.html in this folder)'
     )
+    add_signal_arguments(parser)
     parser.add_argument('--json', action='store_true', help='print what was written as JSON')
 
 
@@ -35,7 +42,10 @@ def run(args: argparse.Namespace) -> int:
     # Matplotlib takes a second to load, which a wrong name should not wait for.
     from bearing_twin.view.report.page import report_page
 
-    page = report_page(args.recording)
+    with tempfile.TemporaryDirectory(prefix='bearing_twin_report_') as folder:
+        recording = as_recording(args.recording, args, Path(folder))
+        made = recording.parent == Path(folder)
+        page = report_page(recording, args.recording if made else None)
     try:
         with whole_file(output) as file:
             file.write(page.encode())

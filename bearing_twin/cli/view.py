@@ -13,11 +13,12 @@ import tempfile
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
+from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recording
 from bearing_twin.cli.terminal import shown
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.wholefile import whole_file
 from bearing_twin.view.rerun.blueprint import PAGES
-from bearing_twin.view.rerun.opening import draw_recordings, find_recording
+from bearing_twin.view.rerun.opening import draw_recordings
 from bearing_twin.view.rerun.viewer import HeadlessViewer, live_url, show, show_in_browser
 
 if TYPE_CHECKING:
@@ -33,7 +34,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs='*',
         type=Path,
         metavar='RECORDING',
-        help='MCAP file, bag folder or .rrd; several stand side by side',
+        help='MCAP file, bag folder, folder of a demo, .rrd, or .npz .mat .wav .csv as diagnose '
+        'reads; several stand side by side',
     )
     parser.add_argument(
         '--live',
@@ -42,6 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar='SERVER',
         help='show what a recorder draws now: PORT, ADDRESS:PORT or URL (default 9876)',
     )
+    add_signal_arguments(parser)
     parser.add_argument('--web', action='store_true', help='in the browser, without a window')
     parser.add_argument(
         '--web-port', type=int, default=9090, help='port of the page (default 9090; 0: any)'
@@ -110,7 +113,9 @@ def _server(text: str) -> str:
 
 
 def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
-    paths = [find_recording(path) for path in args.recordings]
+    paths = [
+        as_recording(path, args, _made(folder / str(k))) for k, path in enumerate(args.recordings)
+    ]
     pictures = [path for path in paths if path.suffix == '.rrd']
     if pictures and len(paths) > 1:
         msg = f'{pictures[0]} is a picture; side by side go the MCAP recordings behind pictures'
@@ -135,6 +140,12 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
     if args.save:
         _copy(rrd, args.save)
     return [str(rrd)]
+
+
+def _made(folder: Path) -> Path:
+    """Return a folder that files of one name each have for themselves."""
+    folder.mkdir()
+    return folder
 
 
 def _copy(source: Path, target: Path) -> None:

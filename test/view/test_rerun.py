@@ -10,11 +10,12 @@ from types import SimpleNamespace
 from bearing_twin import cli
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.finding import find_recording
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.view.rerun.bearing3d import contact_forces, SLOWED
 from bearing_twin.view.rerun.logger import RerunLogger
-from bearing_twin.view.rerun.opening import draw_recordings, find_recording
+from bearing_twin.view.rerun.opening import draw_recordings
 from bearing_twin.view.rerun.texts import parameter_tables
 from bearing_twin.view.rerun.timebase import Timebase
 from bearing_twin.view.rerun.viewer import live_url, LOOPBACK

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 __all__ = ['report_page']
 
 
-def report_page(path: Path) -> str:
+def report_page(path: Path, source: Path | None = None) -> str:
     """
     Return the report on a recording as HTML that refers to nothing outside itself.
 
@@ -43,6 +43,8 @@ def report_page(path: Path) -> str:
     ----------
     path
         MCAP file or bag folder; unfinished ones are read up to where they break off.
+    source
+        Vibration file that the recording was made of, which has no date; None: there is none.
 
     Raises
     ------
@@ -55,10 +57,11 @@ def report_page(path: Path) -> str:
     health = recording_health(path)
     begin = datetime.fromtimestamp(info.start / NANO, tz=timezone.utc)
     # A bag folder is often just called 'bag': its parent says which.
-    title = f'Bearing report: {"/".join(path.resolve().parts[-2:])}'
+    title = f'Bearing report: {"/".join((source or path).resolve().parts[-2:])}'
+    when = '' if source else f'{begin:%Y-%m-%d %H:%M:%S} UTC, '
     body = [
         f'<h1>{escape(title)}</h1>',
-        f'<p class="sub">{begin:%Y-%m-%d %H:%M:%S} UTC, {info.duration:.1f} s. '
+        f'<p class="sub">{when}{info.duration:.1f} s. '
         f'Made by bearing_twin {escape(__version__)}.</p>',
     ]
     named = len(machines) > 1 or any(machines)

@@ -321,7 +321,7 @@ def _panels(
             axes.plot(time, values, color=colour, label=trend.label, linewidth=1.1)
         if panel.limit is not None:
             axes.axhline(panel.limit.value, color='#616161', linewidth=0.8, dashes=(4, 2))
-        title = panel.title.replace('[unit]', f'[{pretty(unit)}]')
+        title = panel.title.replace('[unit]', f'[{pretty(unit) or "unit unknown"}]')
         axes.set_title('\n'.join(wrap(title, 30)))
         if panel.from_zero:
             axes.set_ylim(bottom=0.0)

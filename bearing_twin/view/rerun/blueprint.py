@@ -58,7 +58,10 @@ def layout(
     shown = bearings or others
     parts: list[View]
     if side_by_side:
-        pairs = (_narrow(scene, title, timeline) for title, scene in shown.items())
+        # What is compared has one scale, unless it is of different units.
+        units = {scene.asset.unit for scene in shown.values()}
+        peak = max(scene.asset.peak for scene in shown.values()) if len(units) == 1 else 0.0
+        pairs = (_narrow(scene, title, timeline, peak) for title, scene in shown.items())
         parts = [rrb.Horizontal(*pairs, name='Side by side')]
     elif len(shown) == 1 and bearings:
         parts = [page for scene in shown.values() for page in _pages(scene, timeline)]
@@ -125,6 +128,7 @@ def _lines(
     *,
     window: rrb.VisibleTimeRange | None = None,
     legend: bool = True,
+    peak: float = 0.0,
 ) -> rrb.TimeSeriesView:
     link = rrb.components.LinkAxis.Independent if window else rrb.components.LinkAxis.LinkToGlobal
     return rrb.TimeSeriesView(
@@ -132,6 +136,7 @@ def _lines(
         contents=list(contents),
         name=name,
         axis_x=rrb.TimeAxis(link=link),
+        axis_y=rrb.ScalarAxis(range=(-peak, peak)) if peak else None,
         plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=legend),
         time_ranges=[window] if window else None,
     )
@@ -181,7 +186,8 @@ def _solid(scene: Scene) -> list[View]:
     ]
 
 
-def _waveforms(scene: Scene, timeline: str) -> list[View]:
+def _waveforms(scene: Scene, timeline: str, peak: float = 0.0) -> list[View]:
+    """Return the views of the vibration, to a scale up to ``peak``; 0: to their own."""
     views: list[View] = []
     for path in _of(scene, 'vibration'):
         views += [
@@ -189,6 +195,7 @@ def _waveforms(scene: Scene, timeline: str) -> list[View]:
                 f'Vibration, last {CLOSE:g} s',
                 [f'{path}/samples/**'],
                 window=_window(timeline, CLOSE),
+                peak=peak,
             ),
             _lines(
                 f'Vibration, extremes over {WIDE:g} s',
@@ -263,7 +270,7 @@ def _panels(scene: Scene, kind: str, panels: Sequence[Panel], *keys: str) -> lis
     # The colours of families stand beside the spectrum: a legend would cover lines.
     return [
         _lines(
-            panel.title.replace('[unit]', f'[{scene.asset.unit}]'),
+            panel.title.replace('[unit]', f'[{scene.asset.unit or "unit unknown"}]'),
             [f'{path}/{panel.key}/**'],
             legend=1 < len(panel.trends) < 4,
         )
@@ -328,7 +335,7 @@ def _wide(scene: Scene, timeline: str, *, name: str | None = None) -> View:
     return rrb.Tabs(*_pages(scene, timeline), name=name)
 
 
-def _narrow(scene: Scene, title: str, timeline: str) -> View:
+def _narrow(scene: Scene, title: str, timeline: str, peak: float) -> View:
     if not _is_bearing(scene):
         return rrb.Vertical(*_numbers(scene), name=title)
     envelope = _envelope_spectra(scene)
@@ -336,7 +343,7 @@ def _narrow(scene: Scene, title: str, timeline: str) -> View:
         (3.0, [*_card(scene, title), *_solid(scene)]),
         (1.2, _lane(scene)),
         (2.5, [*envelope, *_waterfalls(scene)]),
-        (2.0, [*_waveforms(scene, timeline)[:1], *_temperatures(scene)]),
+        (2.0, [*_waveforms(scene, timeline, peak)[:1], *_temperatures(scene)]),
         name=title,
     )
     assert page is not None

@@ -9,6 +9,7 @@ canvas; what the canvas emits goes to the file and to the server for live viewer
 
 from __future__ import annotations
 
+from functools import partial
 import logging
 import socket
 from typing import Any, TYPE_CHECKING
@@ -206,6 +207,11 @@ class RerunLogger:
         self._closed = True
         self._flush(slow=True, last=True)
         self._lay_out()
+        for (side, namespace), scene in self._scenes.items():
+            if text := scene.asset.source.text:
+                name = ' '.join(filter(None, ('vibration', side, namespace.strip('/'))))
+                about = rr.AnyValues(source=text)
+                self._emit(partial(rr.RecordingStream.send_property, name=name, values=about))
         try:
             if self._file is not None:
                 self._file.close()

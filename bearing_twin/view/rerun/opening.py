@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.recording.reader import RecordingInfo
 
-__all__ = ['draw_recordings', 'find_recording']
+__all__ = ['draw_recordings']
 
 ARRIVAL = 'message_log_time'
 """Timeline that Rerun gives every message of an MCAP file."""
@@ -36,37 +36,6 @@ NATIVE = SERIES | {
 """Message types that Rerun draws by itself."""
 LONG = 180.0
 """Recordings up to this length are drawn sample by sample, s."""
-
-
-def find_recording(path: Path) -> Path:
-    """
-    Return the MCAP file, bag folder or .rrd that a path stands for.
-
-    A folder stands for the bag in it: that of ``bearing-twin demo`` holds ``bag`` and
-    ``view.rrd``.
-
-    Raises
-    ------
-    BearingTwinError
-        If there is none, or more than one.
-
-    """
-    if not path.exists():
-        msg = f'{path} does not exist'
-        raise BearingTwinError(msg)
-    if path.is_file() or any(path.glob('*.mcap')):
-        return path
-    bags = sorted({found.parent for found in path.glob('*/*.mcap')})
-    if len(bags) == 1:
-        return bags[0]
-    if bags:
-        msg = f'{path} holds {len(bags)} recordings; name one of them, e.g. {bags[0]}'
-        raise BearingTwinError(msg)
-    pictures = sorted(path.glob('*.rrd'))
-    if len(pictures) == 1:
-        return pictures[0]
-    msg = f'{path} holds no recording: no .mcap file and no single .rrd file is in it'
-    raise BearingTwinError(msg)
 
 
 def draw_recordings(

@@ -40,6 +40,8 @@ class Asset:
     diagnosis: Any = None
     """Latest Diagnosis message."""
     source: Source = field(default_factory=Source)
+    peak: float = 0.0
+    """Largest magnitude of the vibration, in ``unit``."""
     over_temperature: OverTemperature = field(default_factory=OverTemperature)
     unit: str = ''
     """Of the vibration."""

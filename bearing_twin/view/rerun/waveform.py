@@ -88,6 +88,7 @@ class Waveform(Picture):
             self._pieces.append(_Piece(time, rate, unit))
         self._pieces[-1].add(axes)
         self.asset.source.vibration(message)
+        self.asset.peak = max(self.asset.peak, *(_peak(s) for s in axes.values()))
         self.asset.over_temperature.vibration(
             next(iter(axes.values())), unit, self.asset.temperature
         )
@@ -176,6 +177,11 @@ def extremes(samples: NDArray[np.float64], group: int) -> NDArray[np.int64]:
     rest = np.arange(whole * group, samples.size)
     found = np.concatenate([first + rows.argmin(axis=1), first + rows.argmax(axis=1), rest])
     return np.unique(found)
+
+
+def _peak(samples: NDArray[np.float64]) -> float:
+    """Return the largest magnitude of the samples that are numbers."""
+    return float(np.abs(samples[np.isfinite(samples)]).max(initial=0.0))
 
 
 def _times(indices: NDArray[np.int64], piece: _Piece) -> NDArray[np.int64]:

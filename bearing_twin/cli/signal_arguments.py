@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What the commands that take vibration files ask about them: bearing, speed, channel, unit."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from bearing_twin.bearing import Bearing, find_bearing, named_bearing, own_bearing
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.finding import find_recording
+
+if TYPE_CHECKING:
+    import argparse
+    from pathlib import Path
+
+__all__ = ['add_signal_arguments', 'as_recording', 'given_bearing', 'given_speed']
+
+FILES = ('.npz', '.mat', '.wav', '.csv', '.txt', '.tsv')
+
+
+def add_signal_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    kind = parser.add_mutually_exclusive_group()
+    kind.add_argument(
+        '--bearing', metavar='NAME', help="bearing of the catalogue, e.g. 6205 (see 'bearings')"
+    )
+    kind.add_argument(
+        '--geometry',
+        metavar='Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG',
+        help='number of balls, ball and pitch diameter in mm, contact angle in degrees',
+    )
+    speed = parser.add_mutually_exclusive_group()
+    speed.add_argument('--shaft-hz', type=float, help='shaft speed, Hz; else what the file says')
+    speed.add_argument('--rpm', type=float, help='the same in turns a minute')
+    parser.add_argument('--sample-rate', type=float, help='Hz, for files that do not say it')
+    parser.add_argument(
+        '--channel', metavar='NAME', help='name, number or topic, or any part that only one has'
+    )
+    parser.add_argument('--unit', default='', help="'m/s^2' or 'g', for files that do not say it")
+
+
+def given_bearing(args: argparse.Namespace) -> Bearing | None:
+    """Return the bearing that was given; None if none was."""
+    if args.geometry:
+        return own_bearing(args.geometry)
+    return find_bearing(args.bearing) if args.bearing else None
+
+
+def given_speed(args: argparse.Namespace) -> float:
+    """Return the speed that was given, Hz; NaN if none was."""
+    shaft_hz: float | None = args.shaft_hz if args.rpm is None else args.rpm / 60.0
+    if shaft_hz is None:
+        return math.nan
+    if not 0.0 < shaft_hz < 1e5:
+        msg = f'--shaft-hz {shaft_hz:g}: give a positive speed in Hz, or in 1/min as --rpm'
+        raise BearingTwinError(msg)
+    return shaft_hz
+
+
+def as_recording(path: Path, args: argparse.Namespace, folder: Path) -> Path:
+    """
+    Return the recording or picture that a path stands for.
+
+    A vibration file becomes a recording in ``folder``, with the verdicts of the diagnosis.
+
+    Raises
+    ------
+    BearingTwinError
+        If there is none, or it cannot be read.
+
+    """
+    if path.suffix.lower() not in FILES:
+        return find_recording(path)
+    # Loaded when needed: the messages and scipy take a second.
+    from bearing_twin.offline.signal_run import record_signal
+    from bearing_twin.recording.foreign import read_signal
+
+    signal = read_signal(path, channel=args.channel, sample_rate=args.sample_rate)
+    bearing = given_bearing(args) or signal.bearing or named_bearing(signal.bearing_name)
+    target = folder / f'{path.stem}.mcap'
+    record_signal(signal, target, bearing, given_speed(args), unit=args.unit)
+    return target

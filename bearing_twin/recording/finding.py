@@ -1,0 +1,45 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Which recording a path stands for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ['find_recording']
+
+
+def find_recording(path: Path) -> Path:
+    """
+    Return the MCAP file, bag folder or .rrd that a path stands for.
+
+    A folder stands for the bag in it: that of ``bearing-twin demo`` holds ``bag`` and
+    ``view.rrd``.
+
+    Raises
+    ------
+    BearingTwinError
+        If there is none, or more than one.
+
+    """
+    if not path.exists():
+        msg = f'{path} does not exist'
+        raise BearingTwinError(msg)
+    if path.is_file() or any(path.glob('*.mcap')):
+        return path
+    bags = sorted({found.parent for found in path.glob('*/*.mcap')})
+    if len(bags) == 1:
+        return bags[0]
+    if bags:
+        msg = f'{path} holds {len(bags)} recordings; name one of them, e.g. {bags[0]}'
+        raise BearingTwinError(msg)
+    pictures = sorted(path.glob('*.rrd'))
+    if len(pictures) == 1:
+        return pictures[0]
+    msg = f'{path} holds no recording: no .mcap file and no single .rrd file is in it'
+    raise BearingTwinError(msg)
