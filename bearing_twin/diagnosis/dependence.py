@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['Z90', 'Condition', 'HealthyRecord', 'Law', 'Slope', 'fit_law']
+__all__ = ['Z90', 'Condition', 'HealthyRecord', 'Law', 'Slope', 'fit_law', 'lag_one']
 
 PER_KELVIN = (-0.016, 0.05)
 """Mean and standard deviation of the change of level with temperature, dB/K, over healthy bearings
@@ -227,13 +227,21 @@ def _regression(
         precision = (rows * weights[:, None]).T @ rows / sigma**2 + np.diag(widths**-2)
         covariance = np.linalg.inv(precision)
         rest = y - matrix @ beta
-        raw = _lag_one(rest)
+        raw = lag_one(rest)
         memory = min(max((raw * len(y) + 2.0) / max(len(y) - 4.0, 1.0), 0.0), 0.98)
     return beta, covariance
 
 
-def _lag_one(values: NDArray[np.float64]) -> float:
-    """Lag-one correlation that single shocks do not hide (Gnanadesikan and Kettenring, 1972)."""
+def lag_one(values: NDArray[np.float64]) -> float:
+    """
+    Lag-one correlation that single shocks do not hide (Gnanadesikan and Kettenring, 1972).
+
+    Examples
+    --------
+    >>> bool(abs(lag_one(np.random.default_rng(0).standard_normal(1000))) < 0.1)
+    True
+
+    """
     sums, differences = values[1:] + values[:-1], np.diff(values)
     both, apart = (float(np.median(np.abs(v - np.median(v)))) ** 2 for v in (sums, differences))
     return (both - apart) / max(both + apart, 1e-12)

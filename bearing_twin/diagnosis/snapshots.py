@@ -15,6 +15,7 @@ from bearing_twin.diagnosis.level import raised, UNKNOWN
 from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.diagnosis.series_result import LEAST_BASELINE, MOST_BASELINE, SeriesSettings
 from bearing_twin.diagnosis.state import pack, unpack
+from bearing_twin.diagnosis.streaming import checked_block
 from bearing_twin.diagnosis.trend import Source
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -120,13 +121,7 @@ class SeriesDiagnoser:
         sensor: str = '',
     ) -> list[Excerpt]:
         """Take a block; return the snapshot that is whole, if one is: as StreamingDiagnoser."""
-        block = np.asarray(x, dtype=np.float64)
-        if block.ndim != 1:
-            msg = f'x has shape {block.shape}; push one axis as a 1-D array'
-            raise BearingTwinError(msg)
-        if not (math.isfinite(sample_rate) and sample_rate > 0.0):
-            msg = f'sample_rate={sample_rate} Hz; a positive number is needed'
-            raise BearingTwinError(msg)
+        block = checked_block(x, sample_rate)
         known = {'temperature': temperature, 'unit': unit, 'sensor': sensor}
         found = []
         if self._parts and (first_sample != self._next or sample_rate != self._rate):

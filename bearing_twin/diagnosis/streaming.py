@@ -23,9 +23,35 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['StreamingDiagnoser']
+__all__ = ['StreamingDiagnoser', 'checked_block']
 
 _VERSION = 5
+
+
+def checked_block(x: ArrayLike, sample_rate: float) -> NDArray[np.float64]:
+    """
+    Return the samples of one axis.
+
+    Raises
+    ------
+    BearingTwinError
+        If x is not one-dimensional or the sample rate is not a positive number.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> checked_block([1, 2], 25600.0)
+    array([1., 2.])
+
+    """
+    block = np.asarray(x, dtype=np.float64)
+    if block.ndim != 1:
+        msg = f'x has shape {block.shape}; push one axis as a 1-D array'
+        raise BearingTwinError(msg)
+    if not (math.isfinite(sample_rate) and sample_rate > 0.0):
+        msg = f'sample_rate={sample_rate} Hz; a positive number is needed'
+        raise BearingTwinError(msg)
+    return block
 
 
 class StreamingDiagnoser:
@@ -162,13 +188,7 @@ class StreamingDiagnoser:
             If x is not one-dimensional or the sample rate is not a positive number.
 
         """
-        block = np.asarray(x, dtype=np.float64)
-        if block.ndim != 1:
-            msg = f'x has shape {block.shape}; push one axis as a 1-D array'
-            raise BearingTwinError(msg)
-        if not (math.isfinite(sample_rate) and sample_rate > 0.0):
-            msg = f'sample_rate={sample_rate} Hz; a positive number is needed'
-            raise BearingTwinError(msg)
+        block = checked_block(x, sample_rate)
         if sample_rate != self._rate:
             if math.isfinite(self._rate):
                 self._notes.append(

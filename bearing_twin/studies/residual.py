@@ -1,0 +1,155 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+How often a residual is a false alarm, and what it sees: :mod:`bearing_twin.calibration.residual`.
+
+``python -m bearing_twin.studies.residual [MACHINES]`` lets each of MACHINES simulated machines
+learn from its first 60 healthy decisions and judges the 1000 after them, none of which it has
+learnt from; then it changes a machine and prints after how many decisions that is seen.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from typing import TYPE_CHECKING
+
+from bearing_twin.calibration.residual import Residual, spectral_levels
+from bearing_twin.studies.output import arguments, print_table
+import numpy as np
+from scipy.signal import lfilter
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+__all__ = ['CHANGES', 'MACHINE_HZ', 'RATE', 'false_alarms', 'main', 'residual_of', 'seen_after']
+
+RATE, SECONDS, MACHINE_HZ = 12800.0, 4.0, 24.0
+LEARNT = 60
+BANDS = 64
+
+
+def false_alarms(
+    machines: int, decisions: int, *, memory: float = 0.0, heavy: bool = False, seed: int = 0
+) -> tuple[int, float]:
+    """
+    Alarms on healthy decisions that were not learnt from, and the largest number.
+
+    Differences of 64 bands scatter by 1 dB each and by 1 dB together; with a ``memory`` in
+    decisions, or with the long tails of Student's t with six degrees of freedom.
+    """
+    rng = np.random.default_rng(seed)
+    names = tuple(f'band {n}' for n in range(BANDS))
+    alarms, largest = 0, 0.0
+    for _ in range(machines):
+        shape = (LEARNT + decisions + 100, BANDS)
+        drawn = rng.standard_t(6, shape) if heavy else rng.standard_normal(shape)
+        drawn += rng.standard_normal((len(drawn), 1))
+        if memory:
+            keep = math.exp(-1.0 / memory)
+            drawn = lfilter([math.sqrt(1.0 - keep**2)], [1.0, -keep], drawn, axis=0)
+        residual = Residual()
+        for row in drawn[100 : 100 + LEARNT]:
+            residual.learn(names, row)
+        numbers = np.array([residual.judge(names, row).number for row in drawn[100 + LEARNT :]])
+        alarms += int((numbers >= 1.0).sum())
+        largest = max(largest, float(numbers.max()))
+    return alarms, largest
+
+
+def _healthy(rng: np.random.Generator) -> NDArray[np.float64]:
+    """Acceleration of a machine: noise through its housing, unbalance and mesh."""
+    time = np.arange(round(SECONDS * RATE)) / RATE
+    ringing = lfilter([1.0], [1.0, -1.2, 0.9], rng.standard_normal(len(time)))
+    phase = 2.0 * np.pi * (MACHINE_HZ * time + rng.random())
+    lines = 0.3 * np.sin(phase) + 0.1 * np.sin(2.0 * phase) + 0.2 * np.sin(17.0 * phase)
+    level = 10.0 ** (0.3 * rng.standard_normal() / 20.0)
+    return np.asarray(level * (ringing + lines), dtype=np.float64)
+
+
+def _times(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(2.0 * np.pi * MACHINE_HZ * np.arange(len(x)) / RATE, dtype=np.float64)
+
+
+def _imbalance(x: NDArray[np.float64], _: int) -> NDArray[np.float64]:
+    return np.asarray(x + 2.0 * np.sin(_times(x)))
+
+
+def _looseness(x: NDArray[np.float64], _: int) -> NDArray[np.float64]:
+    turns = _times(x)
+    return np.asarray(x + 0.5 * np.sin(np.outer((0.5, 1.5, 2.5, 3.0, 4.0), turns)).sum(axis=0))
+
+
+def _another_machine(x: NDArray[np.float64], _: int) -> NDArray[np.float64]:
+    turns = _times(x)
+    return np.asarray(x + 0.7 * np.sin(3.517 * turns) + 0.5 * np.sin(11.3 * turns))
+
+
+def _drifting_sensor(x: NDArray[np.float64], decision: int) -> NDArray[np.float64]:
+    """Lose 0.2 dB a decision."""
+    return np.asarray(x * 10.0 ** (-0.2 * decision / 20.0))
+
+
+CHANGES: dict[str, Callable[[NDArray[np.float64], int], NDArray[np.float64]]] = {
+    'healthy': lambda x, _: x,
+    'imbalance': _imbalance,
+    'looseness': _looseness,
+    'another machine': _another_machine,
+    'sensor that loses 0.2 dB a decision': _drifting_sensor,
+}
+
+
+def residual_of(rng: np.random.Generator, twin: NDArray[np.float64]) -> Residual:
+    """Residual that has learnt from a healthy machine beside a twin."""
+    residual = Residual()
+    names, own = spectral_levels(twin, RATE, MACHINE_HZ)
+    for _ in range(LEARNT):
+        residual.learn(names, spectral_levels(_healthy(rng), RATE, MACHINE_HZ)[1] - own)
+    return residual
+
+
+def seen_after(change: str, decisions: int = 60, seed: int = 0) -> tuple[int, str]:
+    """Decisions until a change is an alarm (-1: none is), and where it shows."""
+    rng = np.random.default_rng(seed)
+    twin = _healthy(rng)
+    residual = residual_of(rng, twin)
+    names, own = spectral_levels(twin, RATE, MACHINE_HZ)
+    for decision in range(1, decisions + 1):
+        x = CHANGES[change](_healthy(rng), decision)
+        found = residual.judge(names, spectral_levels(x, RATE, MACHINE_HZ)[1] - own)
+        if found.alarm:
+            return decision, found.where
+    return -1, ''
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Print both tables."""
+    parser = arguments(sys.modules[__name__])
+    parser.add_argument('machines', type=int, nargs='?', default=30)
+    machines = parser.parse_args(argv).machines
+    print_table(
+        ('healthy decisions', 'judged', 'false alarms', 'largest number'), _rates(machines)
+    )
+    print()
+    print_table(
+        ('change', 'decisions until the alarm', 'shows at'),
+        ((change, *(said if (said := seen_after(change))[0] > 0 else ('none in 60', '-')))
+         for change in CHANGES),
+    )  # fmt: skip
+
+
+def _rates(machines: int) -> Iterator[tuple[object, ...]]:
+    for name, memory, heavy in (
+        ('independent', 0.0, False),
+        ('memory of 5 decisions', 5.0, False),
+        ('memory of 20 decisions', 20.0, False),
+        ('long tails', 0.0, True),
+    ):
+        alarms, largest = false_alarms(machines, 1000, memory=memory, heavy=heavy)
+        yield name, machines * 1000, alarms, f'{largest:.2f}'
+
+
+if __name__ == '__main__':
+    main()

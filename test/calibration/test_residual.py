@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What the twin does not explain: changes that no fault family has, and healthy data below."""
+
+from dataclasses import asdict
+import math
+
+from bearing_twin.calibration.residual import LEAST, Residual, spectral_levels
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.studies.residual import CHANGES, false_alarms, seen_after
+import numpy as np
+import pytest
+
+SHOWS = {
+    'imbalance': {'order 1', '25 Hz', 'line near 25 Hz'},
+    'looseness': {
+        'order 0.5',
+        'order 1.5',
+        'line near 13 Hz',
+        'line near 32 Hz',
+        'line near 101 Hz',
+    },
+    'another machine': {'line near 80 Hz', 'line near 254 Hz', '80 Hz', '254 Hz'},
+}
+
+
+@pytest.mark.parametrize('change', CHANGES)
+def test_a_change_is_seen_where_it_is_and_health_is_not(change):
+    decisions, where = seen_after(change)
+    if change == 'healthy':
+        assert decisions == -1
+    elif change in SHOWS:
+        # Three of the five decisions whose median is judged.
+        assert decisions <= 3
+        assert where in SHOWS[change]
+    else:
+        # 0.2 dB a decision; the level of the machine itself scatters by 0.3 dB.
+        assert 5 <= decisions <= 40
+
+
+@pytest.mark.parametrize('kind', [{}, {'memory': 5.0}, {'heavy': True}])
+def test_healthy_decisions_that_were_not_learnt_from_stay_below(kind):
+    """One false alarm in 525 600 decisions: none in 1500, by far, but for one machine in 20."""
+    alarms, largest = false_alarms(5, 300, seed=7, **kind)
+    assert alarms == 0
+    assert 0.1 < largest < 1.0
+
+
+def test_levels_are_those_of_the_signal():
+    t = np.arange(51200) / 25600.0
+    rng = np.random.default_rng(0)
+    x = 3.0 * np.sin(2 * np.pi * 100.0 * t) + rng.standard_normal(len(t))
+    names, levels = spectral_levels(x, 25600.0, 25.0)
+    said = dict(zip(names, levels, strict=True))
+    # A sine of amplitude 3 has the power 4.5; a line of a Hann window holds two thirds of it.
+    assert said['101 Hz'] == pytest.approx(10 * math.log10(4.5), abs=0.1)
+    assert said['order 4'] == pytest.approx(10 * math.log10(4.5 * 2 / 3), abs=0.1)
+    # White noise of power 1 up to 12.8 kHz.
+    band = 1024.0 * 10.0 * (2 ** (1 / 6) - 2 ** (-1 / 6)) / 10.0
+    assert said['1016 Hz'] == pytest.approx(10 * math.log10(band / 12800.0), abs=0.8)
+    assert said['line near 101 Hz'] > 25.0
+    assert np.isnan(spectral_levels(x, 25600.0, math.nan)[1][-8:]).all()
+
+
+def test_nothing_is_said_before_the_limit_is_known_and_what_was_learnt_is_kept():
+    names = ('10 Hz', 'order 1')
+    rng = np.random.default_rng(1)
+    residual = Residual()
+    for _ in range(LEAST - 1):
+        residual.learn(names, rng.standard_normal(2))
+    early = residual.judge(names, np.full(2, 50.0))
+    assert math.isnan(early.number) and not early.alarm
+    assert early.reason == f'{LEAST - 1} healthy decisions of {LEAST} that a limit needs'
+    residual.learn(names, rng.standard_normal(2))
+    assert residual.judge(names, np.array([0.0, math.nan])).where == '10 Hz'
+    again = Residual.of(asdict(residual))
+    assert again == residual
+    assert again.judge(names, np.array([9.0, 1.0])).number == pytest.approx(
+        residual.judge(names, np.array([9.0, 1.0])).number
+    )
+    # Another sample rate has other bands: what was learnt is of no use.
+    assert math.isnan(again.judge(('20 Hz',), np.zeros(1)).number)
+    for broken in ({}, {'names': names, 'rows': [[1.0]], 'recent': []}):
+        with pytest.raises(BearingTwinError, match='use what was saved'):
+            Residual.of(broken)
+    with pytest.raises(BearingTwinError, match='2 s of finite samples'):
+        spectral_levels(np.ones(100), 25600.0, 25.0)
