@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
     from rclpy.subscription import Subscription
 
-__all__ = ['LeanExecutor', 'PolledGroup', 'take_waiting']
+__all__ = ['LeanExecutor', 'PolledGroup']
 
 RARE_PERIOD = 0.1
 """Time between two looks at services and events of the middleware, s."""
@@ -74,10 +74,8 @@ class LeanExecutor(SingleThreadedExecutor):
 
     rclpy gathers everything that a node has before each wait, wraps each callback in a task, and
     wakes once more behind it, which costs more than what most messages bring. Here a wait is for
-    the timers, and for the topics that are not in a `PolledGroup`, and whatever has come is taken
-    at once. Ten times a second rclpy looks at the rest in its own way.
-
-    Callbacks of timers and subscriptions are plain functions; a coroutine is refused.
+    the timers, and for the topics that are not in a `PolledGroup`. Ten times a second rclpy looks
+    at the rest in its own way. Callbacks of timers and subscriptions are plain functions.
     """
 
     def __init__(self, *, context: Context | None = None) -> None:
@@ -186,7 +184,8 @@ class LeanExecutor(SingleThreadedExecutor):
             ready = wait_set.get_ready_entities('subscription')
             for subscription in topics:
                 if subscription.handle.pointer in ready:
-                    worked = take_waiting(subscription) or worked
+                    # One message: those of other topics, and of /clock, come in between.
+                    worked = _take(subscription, 1) or worked
             ready = wait_set.get_ready_entities('client')
             for client in clients:
                 if client.handle.pointer in ready:
@@ -199,7 +198,7 @@ class LeanExecutor(SingleThreadedExecutor):
             if now - group.asked >= min(SHORTEST, group.period):
                 group.asked = now
                 for subscription in subscriptions:
-                    worked = take_waiting(subscription) or worked
+                    worked = _take(subscription, AT_ONCE) or worked
         return worked
 
 
@@ -254,10 +253,10 @@ def _usable(stack: ExitStack, entities: Iterable[Any]) -> list[Any]:
     return usable
 
 
-def take_waiting(subscription: Any) -> bool:
-    """Take the messages that wait on a topic; return whether there was one."""
+def _take(subscription: Any, most: int) -> bool:
+    """Take messages that wait on a topic; return whether there was one."""
     worked = False
-    for _ in range(AT_ONCE):
+    for _ in range(most):
         try:
             with subscription.handle:
                 taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)

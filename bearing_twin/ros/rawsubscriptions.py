@@ -98,7 +98,9 @@ class RawSubscriptions:
         self._on_message = on_message
         self._types: dict[str, str] = {}
         self._subscriptions: dict[str, Subscription[Any]] = {}
-        self._group = PolledGroup(POLL_PERIOD)
+        # Simulated time goes on between two polls, and is all that dates a message.
+        simulated = node.get_parameter('use_sim_time').value
+        self._group = None if simulated else PolledGroup(POLL_PERIOD)
 
     def __len__(self) -> int:
         """Return the number of topics subscribed to."""
