@@ -12,6 +12,7 @@ __all__ = [
     'HARDWARE_ID',
     'JOINT',
     'STATE_DIRECTORY',
+    'STATE_RATE',
     'SUBSCRIBERS',
 ]
 
@@ -49,6 +50,17 @@ STATE_DIRECTORY = Spec(
     name='state_directory',
     default='',
     description="Folder of saved states; '' for bearing_twin in ROS_HOME (~/.ros).",
+    running=False,
+)
+
+STATE_RATE = Spec(
+    name='state_rate',
+    default=0.0,
+    description='States a second of each twin, besides one at once where an input, a parameter or '
+    'a counter has changed; 0: one a block.',
+    unit='Hz',
+    low=0.0,
+    high=1000.0,
     running=False,
 )
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""One twin as a node, a fleet or an offline run hosts it: inputs, blocks and their messages."""
+"""One twin as a node, a fleet or an offline run hosts it: inputs and blocks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import time
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.assets.checkpoints import Checkpoints, parameters_of
-from bearing_twin.assets.messages import floats, message_header
+from bearing_twin.assets.twin_messages import TwinBlock
 from bearing_twin.assets.twin_parameters import (
     build_parameters,
     build_simulator,
@@ -17,18 +17,15 @@ from bearing_twin.assets.twin_parameters import (
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.thermal.gate import TemperatureGate
-from bearing_twin_msgs.msg import TwinState, Vibration
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from bearing_twin.dynamics.condition import Condition
-    from bearing_twin.dynamics.simulator import Block
     from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
     from bearing_twin_msgs.msg import Checkpoint
 
-__all__ = ['Twin', 'TwinChannel', 'TwinInputs', 'TwinMessages', 'vibration_message']
+__all__ = ['Twin', 'TwinChannel', 'TwinInputs']
 
 
 class TwinInputs(NamedTuple):
@@ -38,18 +35,9 @@ class TwinInputs(NamedTuple):
     shaft_hz: float
 
 
-class TwinMessages(NamedTuple):
-    """What a twin publishes of a block."""
-
-    vibration: Vibration
-    state: TwinState
-    condition: Condition
-    """Of the bearing, at the end of the block."""
-
-
 class TwinChannel:
     """
-    Validated inputs and published messages of one twin.
+    Validated inputs of one twin.
 
     Parameters
     ----------
@@ -95,14 +83,6 @@ class TwinChannel:
         self.values = dict(values)
         self._gate.timeout = values['temperature_timeout']
         self._shaft.set_nominal(values['shaft_hz'])
-
-    def messages(self, block: Block, due: Due, temperature: GatedTemperature) -> TwinMessages:
-        """Return the messages of a block that was computed with ``temperature``."""
-        return TwinMessages(
-            vibration_message(block, due, self.values),
-            state_message(block, due, self.values, temperature),
-            block.condition,
-        )
 
 
 class Twin(TwinChannel):
@@ -179,66 +159,8 @@ class Twin(TwinChannel):
             state=self.save(),
         )
 
-    def advance(self, due: Due) -> TwinMessages:
-        """Compute the block ``due`` with the inputs of now."""
+    def advance(self) -> TwinBlock:
+        """Compute the next block with the inputs of now."""
         temperature, shaft_hz = self.inputs()
         block = self.simulator.advance(self.values['block_size'], temperature.used, shaft_hz)
-        return self.messages(block, due, temperature)
-
-
-def vibration_message(block: Block, due: Due, values: Mapping[str, Any]) -> Vibration:
-    """Return the acceleration of a block at the time of ``due``."""
-    return Vibration(
-        header=message_header(due.stamp, values['frame_id']),
-        sample_rate=values['sample_rate'],
-        first_sample=due.first_sample,
-        source=Vibration.SOURCE_SIMULATED,
-        unit='m/s^2',
-        shaft_hz=block.condition.shaft_hz,
-        x=floats(block.x),
-        y=floats(block.y),
-    )
-
-
-def state_message(
-    block: Block, due: Due, values: Mapping[str, Any], temperature: GatedTemperature
-) -> TwinState:
-    """Return the state after a block; its fields on real time are left to the node."""
-    c = block.condition
-    return TwinState(
-        header=message_header(due.stamp, values['frame_id']),
-        first_sample=due.first_sample,
-        sample_count=block.x.size,
-        bearing=values['bearing'] or values['geometry'],
-        thermal_mode=values['thermal_mode'],
-        defect=values['defect'].strip() or 'none',
-        temperature_status=int(temperature.status),
-        temperature_measured=temperature.measured,
-        temperature_used=temperature.used,
-        temperature_age=temperature.age,
-        alpha=c.alpha,
-        hardness=c.hardness,
-        friction=c.friction,
-        beta0=c.beta0,
-        k_b=c.k_b,
-        c_d=c.c_d,
-        radial_clearance=c.radial_clearance,
-        slip=c.slip,
-        inner_ring_temperature=c.inner_ring_temperature,
-        outer_ring_temperature=c.outer_ring_temperature,
-        viscosity=c.viscosity,
-        kappa=c.kappa,
-        friction_moment=c.friction_moment,
-        life_hours=c.life_hours,
-        shaft_hz=c.shaft_hz,
-        bpfo=c.bpfo,
-        bpfi=c.bpfi,
-        bsf=c.bsf,
-        ftf=c.ftf,
-        shaft_angle=c.shaft_angle,
-        cage_angle=c.cage_angle,
-        ball_angle=c.ball_angle,
-        inner_x=c.inner_x,
-        inner_y=c.inner_y,
-        ball_force=floats(c.ball_force),
-    )
+        return TwinBlock(block, temperature, shaft_hz)

@@ -44,9 +44,7 @@ def _help(name: str, module: Any) -> str:
     """Return what a node does and which parameters it has."""
     specs: tuple[Spec, ...] = module.SPECS
     if name == 'twin':
-        from bearing_twin.ros import realtime
-
-        specs = (*specs, *realtime.SPECS, module.SUBSCRIBERS)
+        specs = (*specs, *module.PUBLISHING)
     lines = [
         f'usage: bearing-twin run {name} [--ros-args -p PARAMETER:=VALUE ... -r FROM:=TO ...]',
         '',

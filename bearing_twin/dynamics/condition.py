@@ -93,13 +93,20 @@ class Condition:
 
 def condition(
     parameters: TwinParameters,
-    values: FloatArray,
+    law: FloatArray,
+    inputs: tuple[float, float, float],
     states: Records,
     machines: Records,
     defects: Records,
     balls: FloatArray,
 ) -> Condition:
-    """Put together the condition from the coefficients and the state of motion."""
+    """
+    Put together the condition from the state of motion.
+
+    ``inputs`` are the temperatures of outer and inner ring, degC, and the shaft speed, Hz.
+    """
+    values = np.empty(coefficients.CONDITION_SIZE)
+    coefficients.evaluate(law, *inputs, values)
     state = states[0]
     hz, slip = float(values[coefficients.SHAFT_HZ]), float(values[coefficients.SLIP])
     deepest = max((defect.depth for defect in parameters.defects), default=0.0)

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+import functools
 import math
 import struct
 from typing import Any, TYPE_CHECKING
@@ -16,7 +17,7 @@ from bearing_twin.dynamics.fleet_kernel import advance_all
 from bearing_twin.dynamics.fleet_lanes import check_defects, Lanes
 from bearing_twin.dynamics.parameters import check_speed
 from bearing_twin.dynamics.saved import Envelope, identity
-from bearing_twin.dynamics.simulator import Simulator
+from bearing_twin.dynamics.simulator import Block, Simulator
 from bearing_twin.dynamics.tables import ball_table, defect_table, machine
 from bearing_twin.dynamics.vector import L
 from bearing_twin.errors import BearingTwinError
@@ -182,6 +183,15 @@ class Fleet:
         size = len(self)
         return FleetBlock(first_sample=first, x=out[0, :size], y=out[1, :size])
 
+    def of_bearing(self, block: FleetBlock, index: int) -> Block:
+        """Return one bearing of the latest block; its condition is known until the next one."""
+        return Block(
+            first_sample=block.first_sample,
+            x=block.x[index],
+            y=block.y[index],
+            describe=functools.partial(self.condition, index),
+        )
+
     def condition(self, index: int) -> Condition:
         """State of one bearing at the next sample."""
         self._check_index(index)
@@ -189,12 +199,9 @@ class Fleet:
         inner = inner_ring.temperature(
             lanes.rings[index], self.next_sample % self._tick, self._tick
         )
-        values = np.empty(coefficients.CONDITION_SIZE)
-        coefficients.evaluate(
-            lanes.law[index], self._temperatures[index], inner, self._shaft_hz[index], values
-        )
+        inputs = self._temperatures[index], inner, self._shaft_hz[index]
         return condition(
-            p, values, lanes.motion(index, self.next_sample),
+            p, lanes.law[index], inputs, lanes.motion(index, self.next_sample),
             machine(p, self.sample_rate, lanes.oversample), defect_table(p), ball_table(p),
         )  # fmt: skip
 

@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+import functools
 import math
 import struct
 from typing import Any, TYPE_CHECKING
@@ -22,6 +23,8 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from bearing_twin.dynamics.parameters import TwinParameters
 
 __all__ = ['RUN_IN', 'Block', 'Simulator']
@@ -50,8 +53,13 @@ class Block:
     """Horizontal, m/s^2."""
     y: npt.NDArray[np.float32]
     """Vertical, m/s^2; the load acts along -y."""
-    condition: Condition
-    """State at the end of the block."""
+    describe: Callable[[], Condition] = field(repr=False, compare=False)
+    """Works out the condition."""
+
+    @functools.cached_property
+    def condition(self) -> Condition:
+        """State at the end of the block; worked out when it is first asked for."""
+        return self.describe()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -236,15 +244,19 @@ class Simulator:
                     self.tick / self.sample_rate,
                 )  # fmt: skip
         self._temperature, self._shaft_hz, self._values = temperature, shaft_hz, end
-        return Block(first_sample=first, x=out[0], y=out[1], condition=self.condition())
+        return Block(first_sample=first, x=out[0], y=out[1], describe=self._describe())
 
     def condition(self) -> Condition:
         """State at the next sample."""
+        return self._describe()()
+
+    def _describe(self) -> Callable[[], Condition]:
+        """Return what works out the present condition, whatever becomes of the state."""
         inner = inner_ring.temperature(self._rings, self.next_sample % self.tick, self.tick)
-        values = self._evaluate(self._temperature, inner, self._shaft_hz)
-        return condition(
-            self._parameters, values, self._state, self._machines, self._defects, self._balls
-        )
+        return functools.partial(
+            condition, self._parameters, self._law, (self._temperature, inner, self._shaft_hz),
+            self._state.copy(), self._machines, self._defects, self._balls,
+        )  # fmt: skip
 
     def save(self) -> bytes:
         """

@@ -15,13 +15,13 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets import twin_parameters
 from bearing_twin.assets.checkpoints import Checkpoints
 from bearing_twin.assets.fleet import build_fleet, read_assets, SHARED
-from bearing_twin.assets.shared_specs import SUBSCRIBERS
+from bearing_twin.assets.shared_specs import STATE_RATE, SUBSCRIBERS
 from bearing_twin.assets.spec import Spec
 from bearing_twin.assets.twin import TwinChannel
+from bearing_twin.assets.twin_messages import StateTurns, TwinBlock, vibration_message
 from bearing_twin.assets.twin_parameters import build_parameters, build_simulator
 from bearing_twin.dynamics import preset
 from bearing_twin.dynamics.fleet import Fleet
-from bearing_twin.dynamics.simulator import Block
 from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics
 from bearing_twin.nodes.fleet_member import Member
 from bearing_twin.nodes.twin_services import TwinServices
@@ -37,10 +37,10 @@ import yaml
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from bearing_twin.assets.twin import TwinInputs
     from bearing_twin.dynamics.fleet import FleetBlock
     from bearing_twin.dynamics.simulator import Simulator
     from bearing_twin.streams.pacer import Due
-    from bearing_twin.thermal.gate import GatedTemperature
 
 __all__ = ['SPECS', 'FleetNode', 'main']
 
@@ -70,6 +70,7 @@ SPECS = (
     ),
     *realtime.SPECS,
     SUBSCRIBERS,
+    replace(STATE_RATE, default=5.0),
 )
 
 
@@ -80,7 +81,7 @@ class Pending:
     index: int
     block: FleetBlock
     due: Due
-    temperature: GatedTemperature
+    inputs: TwinInputs
 
 
 class FleetNode(ManagedNode):
@@ -151,7 +152,15 @@ class FleetNode(ManagedNode):
         if p is None:
             return
         member.channel = TwinChannel(p.values)
-        member.twin = TwinTopics(self, member.channel, prefix=f'{member.name}/', checkpoints=False)
+        shared = self.parameters
+        period = shared['block_size'] / shared['sample_rate']
+        member.twin = TwinTopics(
+            self,
+            member.channel,
+            turns=StateTurns(shared['state_rate'], period, self._twins.index(member)),
+            prefix=f'{member.name}/',
+            checkpoints=False,
+        )
         member.services = TwinServices(
             self,
             p,
@@ -234,8 +243,8 @@ class FleetNode(ManagedNode):
             [temperature.used for temperature, _ in inputs],
             [shaft_hz for _, shaft_hz in inputs],
         )
-        for index, (temperature, _) in enumerate(inputs):
-            self._pending.append(Pending(index, block, due, temperature))
+        for index, each in enumerate(inputs):
+            self._pending.append(Pending(index, block, due, each))
 
     def _publish_share(self, phase: float) -> None:
         """Publish as many of the blocks as the part of the period that is over asks for."""
@@ -248,18 +257,15 @@ class FleetNode(ManagedNode):
         member = self._twins[item.index]
         assert self._fleet is not None
         assert member.twin is not None and member.channel is not None
-        block = Block(
-            first_sample=item.block.first_sample,
-            x=item.block.x[item.index],
-            y=item.block.y[item.index],
-            condition=self._fleet.condition(item.index),
-        )
-        messages = member.channel.messages(block, item.due, item.temperature)
-        member.twin.publish(messages, **self._cycle.fields(item.due))
+        temperature, shaft_hz = item.inputs
+        block = self._fleet.of_bearing(item.block, item.index)
+        made = TwinBlock(block, temperature, shaft_hz)
+        member.twin.publish(made, item.due, self._cycle.fields)
         if member.wait:
             member.wait -= 1
         elif member.diagnosis is not None:
-            member.diagnosis.take(messages.vibration, item.temperature.taken)
+            message = vibration_message(block, item.due, member.channel.values, shaft_hz)
+            member.diagnosis.take(message, temperature.taken)
 
     def _publish_checkpoint(self, due: Due) -> None:
         assert self._fleet is not None

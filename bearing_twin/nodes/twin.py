@@ -7,8 +7,9 @@ from __future__ import annotations
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.shared_specs import SUBSCRIBERS
+from bearing_twin.assets.shared_specs import STATE_RATE, SUBSCRIBERS
 from bearing_twin.assets.twin import Twin
+from bearing_twin.assets.twin_messages import StateTurns
 from bearing_twin.assets.twin_parameters import build_parameters, SPECS
 from bearing_twin.dynamics.presets import PRESETS
 from bearing_twin.dynamics.trend import trend_sentence
@@ -24,7 +25,10 @@ if TYPE_CHECKING:
 
     from bearing_twin.streams.pacer import Due
 
-__all__ = ['TwinNode', 'main']
+__all__ = ['PUBLISHING', 'SPECS', 'TwinNode', 'main']
+
+PUBLISHING = (*realtime.SPECS, SUBSCRIBERS, STATE_RATE)
+"""Parameters of the node that its twin does not have."""
 
 
 class TwinNode(ManagedNode):
@@ -35,7 +39,7 @@ class TwinNode(ManagedNode):
     """
 
     def __init__(self) -> None:
-        super().__init__('twin', (*SPECS, *realtime.SPECS, SUBSCRIBERS))
+        super().__init__('twin', (*SPECS, *PUBLISHING))
 
     def check(self, values: Mapping[str, Any]) -> None:
         """Refuse parameters that do not fit together."""
@@ -55,8 +59,10 @@ class TwinNode(ManagedNode):
             f'preset {p["preset"]} ({PRESETS[p["preset"]]}): '
             f'{trend_sentence(build_parameters(p.values), p["shaft_hz"])}'
         )
-        self._topics = TwinTopics(self, self._twin)
         self._cycle = BlockCycle(self, p, self._publish_block)
+        self._topics = TwinTopics(
+            self, self._twin, turns=StateTurns(p['state_rate'], self._cycle.period)
+        )
         self._answers = TwinServices(
             self, p, reset=self._twin.reset, save=self._twin.save, load=self._twin.load
         )
@@ -91,7 +97,7 @@ class TwinNode(ManagedNode):
 
     def _publish_block(self, due: Due) -> None:
         self._topics.publish_checkpoint(self._twin.checkpoint(due, self.parameters.text))
-        self._topics.publish(self._twin.advance(due), **self._cycle.fields(due))
+        self._topics.publish(self._twin.advance(), due, self._cycle.fields)
 
 
 def main(args: list[str] | None = None) -> int:

@@ -8,17 +8,23 @@ import math
 import time
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.twin_messages import TwinBytes
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, STREAM
 from bearing_twin.ros.subscribing import subscribe
 from bearing_twin.thermal.gate import TABLE_HIGH, TABLE_LOW, TemperatureStatus
 from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState, Temperature
 
 if TYPE_CHECKING:
-    from bearing_twin.assets.twin import TwinChannel, TwinMessages
+    from collections.abc import Callable, Mapping
+
+    from bearing_twin.assets.twin import TwinChannel
+    from bearing_twin.assets.twin_messages import StateTurns, TwinBlock
     from bearing_twin.dynamics.condition import Condition
     from bearing_twin.ros.lifecycle import ManagedNode
+    from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
 
 __all__ = ['TwinTopics', 'clearance_problem', 'temperature_status']
@@ -49,16 +55,26 @@ class TwinTopics:
         Takes the inputs.
     prefix
         Put before the topics: '' or ``NAMESPACE/``.
+    turns
+        Choose the blocks of which the state is published.
     checkpoints
         Whether there is a topic for checkpoints.
 
     """
 
     def __init__(
-        self, node: ManagedNode, twin: TwinChannel, *, prefix: str = '', checkpoints: bool = True
+        self,
+        node: ManagedNode,
+        twin: TwinChannel,
+        *,
+        turns: StateTurns,
+        prefix: str = '',
+        checkpoints: bool = True,
     ) -> None:
         self._node = node
         self._twin = twin
+        self._turns = turns
+        self._bytes = TwinBytes(serialize_message)
         self._clearance_problem = ''
         self._vibration = node.create_lifecycle_publisher(
             Vibration, f'{prefix}vibration', own(STREAM), qos_overriding_options=OVERRIDES
@@ -100,13 +116,18 @@ class TwinTopics:
         if checkpoint is not None:
             self._checkpoint.publish(checkpoint)
 
-    def publish(self, messages: TwinMessages, **realtime: float) -> None:
-        """Publish a block; ``realtime`` are the fields of the state of that name."""
-        self._clearance_problem = clearance_problem(messages.condition)
-        for name, value in realtime.items():
-            setattr(messages.state, name, value)
-        self._vibration.publish(messages.vibration)
-        self._state.publish(messages.state)
+    def publish(
+        self, made: TwinBlock, due: Due, realtime: Callable[[Due], Mapping[str, float]]
+    ) -> None:
+        """Publish a block; ``realtime`` returns the fields of the state on real time."""
+        values = self._twin.values
+        self._vibration.publish(self._bytes.vibration(made, due, values))
+        fields = realtime(due)
+        inputs = made.temperature.used, made.temperature.status, made.shaft_hz
+        counters = fields['blocks_late'], fields['blocks_dropped']
+        if self._turns.wants(due, values, *inputs, *counters):
+            self._clearance_problem = clearance_problem(made.block.condition)
+            self._state.publish(self._bytes.state(made, due, values, fields))
 
     def status(self) -> Status:
         """Status of the inputs for /diagnostics."""

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from bearing_twin.assets import diagnosis_parameters, twin_parameters
 from bearing_twin.assets.spec import configuration, read_values
 from bearing_twin.assets.twin import Twin
+from bearing_twin.assets.twin_messages import state_message, vibration_message
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.diagnosis_run import DiagnosisRun
 from bearing_twin.offline.output import Output, output
@@ -223,7 +224,9 @@ class _TwinSide:
     def _block(self, due: Due, now: int) -> _Block:
         self._now = now / NANO
         checkpoint = self._twin.checkpoint(due, self._text)
-        vibration, state, _ = self._twin.advance(due)
+        made, values = self._twin.advance(), self._twin.values
+        vibration = vibration_message(made.block, due, values, made.shaft_hz)
+        state = state_message(made, due, values)
         # How late a block was says nothing here, and would differ each time.
         state.blocks_published = due.first_sample // len(vibration.y) + 1
         outputs = [output('/vibration', vibration), output('/twin_state', state)]

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.assets.checkpoints import configuration_values
 from bearing_twin.assets.fleet import build_fleet
-from bearing_twin.assets.twin import Twin, vibration_message
-from bearing_twin.dynamics.simulator import Block
+from bearing_twin.assets.twin import Twin
+from bearing_twin.assets.twin_messages import vibration_message
 from bearing_twin.offline.agreement import Agreement
 from bearing_twin.offline.output import output
 from bearing_twin.stamps import stamp_ns
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from bearing_twin.dynamics.fleet import Fleet
+    from bearing_twin.dynamics.simulator import Block
     from bearing_twin.offline.agreement import Reproduction
     from bearing_twin.recording.reader import RecordedMessage
 
@@ -48,6 +49,8 @@ class TwinCheck:
         self._recorded: RecordedMessage | None = None
         self._published = -1
         self._of_twin = False
+        self._sparse = False
+        self._last: Recorded | None = None
 
     @property
     def _agreement(self) -> Agreement:
@@ -55,12 +58,14 @@ class TwinCheck:
 
     def join(self, fleet: FleetCheck) -> None:
         """Let a fleet's re-run make the blocks."""
-        self._of_twin = True
+        self._of_twin = self._sparse = True
         self._fleet = fleet
 
     def checkpoint(self, checkpoint: Any) -> None:
         """Go on from here, unless that is where the re-run is anyway."""
+        self.settle()
         self._of_twin = True
+        self._sparse = float(configuration_values(checkpoint).get('state_rate', 0.0)) > 0.0
         twin = self._twin
         if twin is not None:
             same = twin.values == configuration_values(checkpoint)
@@ -71,9 +76,8 @@ class TwinCheck:
         self._pending = checkpoint
 
     def vibration(self, message: RecordedMessage) -> None:
-        """Keep a recorded block until its state has come."""
-        if self._recorded is not None:
-            self._agreement.skipped += 1
+        """Keep a recorded block until its state has come, or the next block."""
+        self.settle()
         self._recorded = message
 
     def state(self, state: Any) -> None:
@@ -91,9 +95,30 @@ class TwinCheck:
             return
         number = int(state.blocks_published)
         due = Due(first, stamp_ns(vibration.header.stamp), 0.0, number)
-        block = Recorded(
-            message, due, length, float(state.temperature_used), float(state.shaft_hz)
+        self._take(
+            Recorded(message, due, length, float(state.temperature_used), float(state.shaft_hz))
         )
+
+    def settle(self) -> None:
+        """
+        Re-run the block that waits, whose state was not published.
+
+        A twin that does not publish all of them publishes each whose inputs have changed.
+        """
+        message, self._recorded = self._recorded, None
+        if message is None:
+            return
+        last, vibration = self._last, message.decode()
+        first, length = int(vibration.first_sample), len(vibration.y)
+        if not self._sparse or last is None or vibration.shaft_hz != last.shaft_hz:
+            self._agreement.skipped += 1
+            return
+        number = last.due.number + (first - last.due.first_sample) // last.length
+        due = Due(first, stamp_ns(vibration.header.stamp), 0.0, number)
+        self._take(last._replace(message=message, due=due, length=length))
+
+    def _take(self, block: Recorded) -> None:
+        self._last = block
         if self._fleet is not None:
             self._fleet.take(self, block)
         else:
@@ -115,7 +140,8 @@ class TwinCheck:
 
     def compare(self, block: Recorded, made: Block, values: Mapping[str, Any]) -> None:
         """Compare a recorded block with the one that was made again."""
-        again = output('/vibration', vibration_message(made, block.due, values))
+        message = vibration_message(made, block.due, values, block.shaft_hz)
+        again = output('/vibration', message)
         what = f'{self.topic} at sample {block.due.first_sample}'
         self._agreement.compare(block.message, again.cdr, what)
 
@@ -124,9 +150,8 @@ class TwinCheck:
         self._agreement.skipped += 1
 
     def finish(self) -> None:
-        """Count the last block, which waits for its state; sensor data cannot be re-run."""
-        if self._recorded is not None:
-            self._agreement.skipped += 1
+        """Count what is left; sensor data cannot be re-run."""
+        self.settle()
         if not self._of_twin and self._result.topics.pop(self.topic, None) is not None:
             self._note('no twin was recorded with it; it is taken as measured')
 
@@ -147,9 +172,9 @@ class FleetCheck:
     """
     Re-run of the twins of a fleet, which are advanced together.
 
-    A block is made when the next one begins, with the temperatures and speeds that its states
-    carry. No bearing of a fleet acts on another: where the block of one is missing, the others go
-    on, and that one waits for the next checkpoint.
+    A block is made when the next but one begins, with the temperatures and speeds that its states
+    carry, or the last ones before it. No bearing of a fleet acts on another: where the block of
+    one is missing, the others go on, and that one waits for the next checkpoint.
     """
 
     def __init__(self, node: str, result: Reproduction) -> None:
@@ -161,12 +186,12 @@ class FleetCheck:
         self._members: list[TwinCheck] = []
         self._inputs: list[tuple[float, float]] = []
         self._lost: set[int] = set()
-        self._blocks: dict[int, Recorded] = {}
+        self._blocks: dict[int, dict[int, Recorded]] = {}
         self._published = -1
 
     def checkpoint(self, checkpoint: Any, twin_of: Callable[[str], TwinCheck]) -> None:
         """Go on from here, unless that is where the re-run is; ``twin_of`` a namespace."""
-        self.advance()
+        self.finish()
         configuration = configuration_values(checkpoint)
         if self._fleet is not None:
             same = configuration == self._configuration
@@ -187,15 +212,21 @@ class FleetCheck:
         if member not in self._members:
             member.skip()
             return
-        if any(other.due.number != block.due.number for other in self._blocks.values()):
-            self.advance()
-        self._blocks[self._members.index(member)] = block
+        self._blocks.setdefault(block.due.number, {})[self._members.index(member)] = block
+        # A block without a state is known to be one when the next one begins.
+        while block.due.number > min(self._blocks) + 1:
+            self._advance()
 
-    def advance(self) -> None:
-        """Make the block again that has been collected; compare."""
-        blocks, self._blocks = self._blocks, {}
-        if not blocks:
-            return
+    def finish(self) -> None:
+        """Make again what has been collected."""
+        for member in self._members:
+            member.settle()
+        while self._blocks:
+            self._advance()
+
+    def _advance(self) -> None:
+        """Make the first of the blocks that have been collected again; compare."""
+        blocks = self._blocks.pop(min(self._blocks))
         due, length = next((block.due, block.length) for block in blocks.values())
         if self._pending is not None and int(self._pending.first_sample) == due.first_sample:
             self._resume()
@@ -219,12 +250,7 @@ class FleetCheck:
             if index in self._lost:
                 self._members[index].skip()
                 continue
-            again = Block(
-                first_sample=made.first_sample,
-                x=made.x[index],
-                y=made.y[index],
-                condition=self._fleet.condition(index),
-            )
+            again = self._fleet.of_bearing(made, index)
             self._members[index].compare(block, again, values[index])
 
     def _resume(self) -> None:

@@ -100,7 +100,7 @@ def reproduce(path: Path) -> Reproduction:
     for topic, count in sorted(early.items()):
         result.notes.append(f'{topic}: {count} messages were sent before the recording')
     for fleet in fleets.values():
-        fleet.advance()
+        fleet.finish()
     for twin in twins.values():
         twin.finish()
     for diagnosis in diagnoses.values():

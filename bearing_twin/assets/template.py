@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Messages that differ in numbers only, as bytes: the numbers are written into serialized ones."""
+
+from __future__ import annotations
+
+import functools
+import operator
+import struct
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+__all__ = ['MessageTemplate']
+
+CODES = {'double': 'd', 'uint64': 'Q', 'uint32': 'I', 'int32': 'i', 'uint8': 'B'}
+PROBES = 8
+"""Messages of other numbers that show where a number stands: one byte may be there by chance."""
+WIDEST_PADDING = 7
+
+
+class MessageTemplate:
+    """
+    Bytes of messages of one type whose strings and lengths of arrays stay as they are.
+
+    Where a number stands is found out by serializing messages with known ones, so it is that of
+    the middleware in use. To fill a template takes a few microseconds, to build a message object
+    and have it serialized ten times as long.
+
+    Parameters
+    ----------
+    message
+        A message; it is used up.
+    numbers
+        Fields that are filled, in the order of the message; dotted where they are nested.
+    arrays
+        Fields of float32 that are filled.
+    serialize
+        Returns the bytes of a message.
+
+    Raises
+    ------
+    BearingTwinError
+        If a number cannot be found in the bytes.
+
+    """
+
+    def __init__(
+        self,
+        message: Any,
+        numbers: Sequence[str],
+        arrays: Sequence[str],
+        serialize: Callable[[Any], bytes],
+    ) -> None:
+        codes = [_code(message, name) for name in numbers]
+        sizes = [len(getattr(message, name)) for name in arrays]
+        draw = np.random.default_rng(0)
+        samples = []
+        for _ in range(PROBES):
+            # Bytes of 1 to 63 make no infinity, no NaN, and no zero, which padding might be.
+            probes = [_bytes(draw, struct.calcsize(f'={code}')) for code in codes]
+            blocks = [_bytes(draw, 4 * size) for size in sizes]
+            for name, code, raw in zip(numbers, codes, probes, strict=True):
+                _put(message, name, struct.unpack(f'={code}', raw)[0])
+            for name, raw in zip(arrays, blocks, strict=True):
+                _put(message, name, np.frombuffer(raw, np.float32))
+            samples.append((bytes(serialize(message)), probes, blocks))
+        # What differs and is no number is filled anew each time, or padding of no meaning: zeros.
+        serialized = np.array([np.frombuffer(cdr, np.uint8) for cdr, _, _ in samples])
+        same = (serialized == serialized[0]).all(axis=0)
+        self._buffer = bytearray(np.where(same, serialized[0], 0).tobytes())
+        places = [
+            _place(name, [(cdr, probes[k]) for cdr, probes, _ in samples])
+            for k, name in enumerate(numbers)
+        ]
+        if places != sorted(places):
+            msg = f'the numbers of {type(message).__name__} stand in another order: {places}'
+            raise BearingTwinError(msg)
+        self._runs = _runs(self._buffer, places, codes)
+        self._arrays = [
+            np.frombuffer(self._buffer, np.float32, size, at)
+            for size, at in (
+                (size, _place(name, [(cdr, blocks[k]) for cdr, _, blocks in samples]))
+                for k, (name, size) in enumerate(zip(arrays, sizes, strict=True))
+                if size
+            )
+        ]
+
+    def fill(self, numbers: Sequence[float], *arrays: NDArray[np.floating]) -> bytes:
+        """Return the bytes of the message with these numbers and arrays."""
+        for layout, at, first, last in self._runs:
+            layout.pack_into(self._buffer, at, *numbers[first:last])
+        for place, values in zip(self._arrays, arrays, strict=True):
+            place[:] = values
+        return bytes(self._buffer)
+
+
+def _code(message: Any, name: str) -> str:
+    *path, last = name.split('.')
+    owner = functools.reduce(getattr, path, message)
+    return CODES[owner.get_fields_and_field_types()[last]]
+
+
+def _put(message: Any, name: str, value: Any) -> None:
+    *path, last = name.split('.')
+    owner = functools.reduce(getattr, path, message)
+    if isinstance(value, np.ndarray):
+        # The array that the field holds takes the values: no conversion of types.
+        np.frombuffer(operator.attrgetter(last)(owner), np.float32)[:] = value
+    else:
+        setattr(owner, last, value)
+
+
+def _bytes(draw: np.random.Generator, count: int) -> bytes:
+    return draw.integers(1, 64, count, np.uint8).tobytes()
+
+
+def _place(name: str, samples: list[tuple[bytes, bytes]]) -> int:
+    """Return where a field's bytes stand in every sample."""
+    first, raw = samples[0]
+    places, at = [], first.find(raw)
+    while at >= 0:
+        if all(cdr.startswith(other, at) for cdr, other in samples):
+            places.append(at)
+        at = first.find(raw, at + 1)
+    if len(places) != 1:
+        msg = f'{name} stands at {len(places)} places of the serialized message; one was expected'
+        raise BearingTwinError(msg)
+    return places[0]
+
+
+def _runs(
+    buffer: bytearray, places: list[int], codes: list[str]
+) -> list[tuple[struct.Struct, int, int, int]]:
+    """Return layouts of numbers that follow each other, with their place, first and last."""
+    runs: list[tuple[str, int, int, int]] = []
+    for k, (at, code) in enumerate(zip(places, codes, strict=True)):
+        if runs:
+            text, begin, first, _ = runs[-1]
+            end = begin + struct.calcsize(text)
+            gap = at - end
+            if gap <= WIDEST_PADDING and not any(buffer[end:at]):
+                runs[-1] = (f'{text}{gap}x{code}', begin, first, k + 1)
+                continue
+        runs.append((f'={code}', at, k, k + 1))
+    return [(struct.Struct(text), at, first, last) for text, at, first, last in runs]

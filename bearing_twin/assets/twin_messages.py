@@ -1,0 +1,192 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a twin publishes of a block, as messages and as their bytes."""
+
+from __future__ import annotations
+
+from operator import attrgetter
+from typing import Any, NamedTuple, TYPE_CHECKING
+
+from bearing_twin.assets.messages import floats, message_header
+from bearing_twin.assets.template import MessageTemplate
+from bearing_twin.stamps import split_ns
+from bearing_twin_msgs.msg import TwinState, Vibration
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from bearing_twin.dynamics.simulator import Block
+    from bearing_twin.streams.pacer import Due
+    from bearing_twin.thermal.gate import GatedTemperature
+
+__all__ = ['StateTurns', 'TwinBlock', 'TwinBytes', 'state_message', 'vibration_message']
+
+OF_CONDITION = (
+    'alpha',
+    'hardness',
+    'friction',
+    'beta0',
+    'k_b',
+    'c_d',
+    'radial_clearance',
+    'slip',
+    'inner_ring_temperature',
+    'outer_ring_temperature',
+    'viscosity',
+    'kappa',
+    'friction_moment',
+    'life_hours',
+    'shaft_hz',
+    'bpfo',
+    'bpfi',
+    'bsf',
+    'ftf',
+    'shaft_angle',
+    'cage_angle',
+    'ball_angle',
+    'inner_x',
+    'inner_y',
+)
+"""Fields of `TwinState` that a `Condition` has under the same names, in their order."""
+STAMP = ('header.stamp.sec', 'header.stamp.nanosec')
+TEMPERATURE = ('status', 'measured', 'used', 'age')
+REALTIME = (
+    'blocks_published',
+    'blocks_late',
+    'blocks_dropped',
+    'lateness',
+    'execution_time',
+)
+_condition = attrgetter(*OF_CONDITION)
+
+
+class TwinBlock(NamedTuple):
+    """A block and what it was computed with."""
+
+    block: Block
+    temperature: GatedTemperature
+    shaft_hz: float
+
+
+def vibration_message(
+    block: Block, due: Due, values: Mapping[str, Any], shaft_hz: float
+) -> Vibration:
+    """Return the acceleration of a block at the time of ``due``."""
+    return Vibration(
+        header=message_header(due.stamp, values['frame_id']),
+        sample_rate=values['sample_rate'],
+        first_sample=due.first_sample,
+        source=Vibration.SOURCE_SIMULATED,
+        unit='m/s^2',
+        shaft_hz=shaft_hz,
+        x=floats(block.x),
+        y=floats(block.y),
+    )
+
+
+def state_message(made: TwinBlock, due: Due, values: Mapping[str, Any]) -> TwinState:
+    """Return the state after a block; its fields on real time are left to the node."""
+    condition, temperature = made.block.condition, made.temperature
+    return TwinState(
+        header=message_header(due.stamp, values['frame_id']),
+        first_sample=due.first_sample,
+        sample_count=made.block.x.size,
+        bearing=values['bearing'] or values['geometry'],
+        thermal_mode=values['thermal_mode'],
+        defect=values['defect'].strip() or 'none',
+        temperature_status=int(temperature.status),
+        temperature_measured=temperature.measured,
+        temperature_used=temperature.used,
+        temperature_age=temperature.age,
+        ball_force=floats(condition.ball_force),
+        **dict(zip(OF_CONDITION, _condition(condition), strict=True)),
+    )
+
+
+class TwinBytes:
+    """
+    Serialized messages of one twin, of blocks of one length.
+
+    Parameters
+    ----------
+    serialize
+        Returns the bytes of a message.
+
+    """
+
+    def __init__(self, serialize: Callable[[Any], bytes]) -> None:
+        self._serialize = serialize
+        self._values: Mapping[str, Any] | None = None
+        self._vibration: MessageTemplate | None = None
+        self._state: MessageTemplate | None = None
+
+    def vibration(self, made: TwinBlock, due: Due, values: Mapping[str, Any]) -> bytes:
+        """Return a `Vibration`; ``values`` is another object where parameters have changed."""
+        self._renew(values)
+        if self._vibration is None:
+            self._vibration = MessageTemplate(
+                vibration_message(made.block, due, values, made.shaft_hz),
+                (*STAMP, 'first_sample', 'shaft_hz'),
+                ('x', 'y'),
+                self._serialize,
+            )
+        numbers = *split_ns(due.stamp), due.first_sample, made.shaft_hz
+        return self._vibration.fill(numbers, made.block.x, made.block.y)
+
+    def state(
+        self, made: TwinBlock, due: Due, values: Mapping[str, Any], realtime: Mapping[str, float]
+    ) -> bytes:
+        """Return a `TwinState` with these fields on real time; ``values`` as above."""
+        self._renew(values)
+        condition, temperature = made.block.condition, made.temperature
+        if self._state is None:
+            self._state = MessageTemplate(
+                state_message(made, due, values),
+                (
+                    *(*STAMP, 'first_sample', 'sample_count'),
+                    *(f'temperature_{name}' for name in TEMPERATURE),
+                    *OF_CONDITION,
+                    *REALTIME,
+                ),
+                ('ball_force',),
+                self._serialize,
+            )
+        numbers = (
+            *split_ns(due.stamp),
+            due.first_sample,
+            made.block.x.size,
+            *(int(temperature.status), temperature.measured, temperature.used, temperature.age),
+            *_condition(condition),
+            *(realtime[name] for name in REALTIME),
+        )
+        return self._state.fill(numbers, condition.ball_force)
+
+    def _renew(self, values: Mapping[str, Any]) -> None:
+        if self._values is not values:
+            self._values, self._vibration, self._state = values, None, None
+
+
+class StateTurns:
+    """
+    Choose the blocks of which the state is published.
+
+    Parameters
+    ----------
+    rate
+        States a second; 0: one a block.
+    period
+        Of the blocks, s.
+    turn
+        Number of the twin: those of a fleet do not have their turns at once.
+
+    """
+
+    def __init__(self, rate: float, period: float, turn: int = 0) -> None:
+        self._every = max(1, round(1.0 / (rate * period))) if rate else 1
+        self._turn = turn
+        self._seen: object = None
+
+    def wants(self, due: Due, *inputs: object) -> bool:
+        """Whether it is the turn of a block, or what is in ``inputs`` has changed."""
+        changed, self._seen = self._seen != inputs, inputs
+        return changed or (due.number + self._turn) % self._every == 0
