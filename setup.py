@@ -45,6 +45,13 @@ def by_colcon() -> bool:
     return not PIP & given
 
 
+def messages_are_missing() -> bool:
+    """Whether colcon builds this package where the message package inside it was not found."""
+    prefixes = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
+    built = any((Path(p) / 'share' / f'{NAME}_msgs').is_dir() for p in prefixes if p)
+    return {'install', 'develop'} & set(sys.argv) != set() and not built
+
+
 def executables() -> list[tuple[str, list[str]]]:
     """Return the executables of lib/bearing_twin for pip; colcon puts console_scripts there."""
     if by_colcon():
@@ -76,6 +83,12 @@ def shared(folder: str) -> tuple[str, list[str]]:
 
 
 os.chdir(HERE)
+if messages_are_missing():
+    print(
+        f'{NAME}: its messages are not built, since colcon looks inside no package: build with '
+        f"'colcon build --base-paths {HERE} {HERE / 'msg_defs'}'",
+        file=sys.stderr,
+    )
 setup(
     name=NAME,
     version=ElementTree.parse(HERE / 'package.xml').findtext('version'),

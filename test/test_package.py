@@ -4,6 +4,7 @@
 
 import importlib
 import importlib.util
+import os
 from pathlib import Path
 import re
 import subprocess
@@ -82,7 +83,7 @@ def test_setup_names_nodes_that_exist():
 
 @pytest.mark.skipif(not importlib.util.find_spec('colcon_core'), reason='colcon is not installed')
 def test_colcon_installs_nodes_for_ros2_run_and_the_command_for_the_path(tmp_path):
-    subprocess.run(
+    built = subprocess.run(
         [
             *(sys.executable, '-m', 'colcon', '--log-base', tmp_path / 'log', 'build'),
             *('--build-base', tmp_path / 'build', '--install-base', tmp_path / 'install'),
@@ -91,7 +92,11 @@ def test_colcon_installs_nodes_for_ros2_run_and_the_command_for_the_path(tmp_pat
         check=True,
         cwd=tmp_path,
         capture_output=True,
+        text=True,
+        env={**os.environ, 'AMENT_PREFIX_PATH': ''},
     )
+    # The messages inside are not found: it says what to add.
+    assert f'--base-paths {ROOT} {ROOT / "msg_defs"}' in built.stderr
     prefix = tmp_path / 'install' / 'bearing_twin'
     nodes = {path.name for path in (prefix / 'lib' / 'bearing_twin').iterdir()}
     assert nodes == {'adapter', 'bearing-twin', 'diagnosis', 'fleet', 'recorder', 'replay', 'twin'}
@@ -104,3 +109,12 @@ def test_colcon_installs_nodes_for_ros2_run_and_the_command_for_the_path(tmp_pat
         ['sh', '-c', sourced], check=True, capture_output=True, text=True, cwd=tmp_path
     )
     assert Path(said.stdout.strip()).is_relative_to(prefix)
+
+
+def test_nodes_without_their_messages_say_what_to_build():
+    script = "import sys; sys.modules['bearing_twin_msgs'] = None; import bearing_twin.nodes.twin"
+    ran = subprocess.run(
+        [sys.executable, '-c', script], capture_output=True, text=True, check=False
+    )
+    assert ran.returncode == 1
+    assert "build it with 'colcon build --base-paths . msg_defs'" in ran.stderr.splitlines()[-1]

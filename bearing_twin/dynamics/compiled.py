@@ -21,11 +21,12 @@ import time
 from typing import Any, TYPE_CHECKING, TypeVar
 
 import numba as nb
+from numba.core import event
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ['FAST', 'cache_folder', 'compiled']
+__all__ = ['FAST', 'cache_folder', 'compiled', 'has_compiled']
 
 FAST = frozenset({'contract', 'reassoc', 'nsz', 'arcp', 'nnan', 'ninf'})
 """Floating point freedom of the kernels; the same machine still gives the same bits."""
@@ -90,6 +91,33 @@ def compiled(
         return cached
 
     return decorate
+
+
+def has_compiled() -> bool:
+    """
+    Whether this process has compiled anything, or begun to; what the cache holds is but loaded.
+
+    >>> has_compiled() in (True, False)
+    True
+
+    """
+    return _passes.seen
+
+
+class _Passes(event.Listener):
+    """Takes note of the first pass of the compiler."""
+
+    seen = False
+
+    def on_start(self, event: event.Event) -> None:
+        self.seen = True
+
+    def on_end(self, event: event.Event) -> None:
+        """Nothing to do."""
+
+
+_passes = _Passes()
+event.register('numba:run_pass', _passes)  # type: ignore[no-untyped-call]
 
 
 @functools.cache

@@ -2,4 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """ROS 2 nodes: thin adapters around the core."""
 
+from importlib.util import find_spec
+
 from bearing_twin import threads as threads
+
+if find_spec('bearing_twin_msgs') is None:
+    msg = (
+        "bearing_twin_msgs is not there: build it with 'colcon build --base-paths . msg_defs' in "
+        "the folder of bearing_twin and source install/setup.bash, or 'pip install ./msg_defs'"
+    )
+    raise ModuleNotFoundError(msg, name='bearing_twin_msgs')

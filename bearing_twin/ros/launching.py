@@ -17,10 +17,12 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ['COMPILING', 'NodeProcesses', 'ensure_log_folder', 'local_environment']
+__all__ = ['COMPILING', 'LOADING', 'NodeProcesses', 'ensure_log_folder', 'local_environment']
 
 COMPILING = 'compiling the kernel (first start only)'
 """What a twin logs when its start takes long for that reason."""
+LOADING = 'loading the kernel'
+"""The same where the kernel has been compiled before."""
 
 
 def local_environment(domain_id: int) -> dict[str, str]:

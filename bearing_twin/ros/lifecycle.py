@@ -18,7 +18,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.ros.executor import LeanExecutor, PolledGroup
 from bearing_twin.ros.health import Health, Level, Status
-from bearing_twin.ros.launching import COMPILING, ensure_log_folder
+from bearing_twin.ros.launching import COMPILING, ensure_log_folder, LOADING
 from bearing_twin.ros.parameters import ParameterSet, unknown_at_start
 from bearing_twin.ros.subscribing import validated
 import rclpy
@@ -44,7 +44,7 @@ TRANSPORT_SETTINGS = (
 )
 
 SLOW = 2.0
-"""Time after which the preparation of a node must be compiling, s."""
+"""Time after which a node says why its preparation takes long, s."""
 
 POLL_PERIOD = 0.1
 """Longest that an input waits which is used with the next block, s."""
@@ -257,17 +257,30 @@ def _prepare(node: ManagedNode, executor: Executor) -> None:
     thread = threading.Thread(target=node.prepare, name=THREAD, daemon=True)
     thread.start()
     health: Health | None = None
+    said = ''
     while thread.is_alive() and node.context.ok():
         executor.spin_once(timeout_sec=0.1)
-        if health is None and time.monotonic() - started > SLOW:
-            node.get_logger().info(COMPILING)
+        if time.monotonic() - started < SLOW:
+            continue
+        if (why := _what_takes_long()) != said:
+            node.get_logger().info(said := why)
+        if health is None:
             health = Health(node, node.get_namespace())
             health.add(
                 PART,
-                lambda: Status(Level.WARN, COMPILING, {'time_s': time.monotonic() - started}),
+                lambda: Status(
+                    Level.WARN, _what_takes_long(), {'time_s': time.monotonic() - started}
+                ),
             )
     if health is not None:
         health.destroy()
+
+
+def _what_takes_long() -> str:
+    # Numba takes a second to load, which nodes without a kernel do without.
+    from bearing_twin.dynamics.compiled import has_compiled
+
+    return COMPILING if has_compiled() else LOADING
 
 
 def _is_compiling() -> bool:

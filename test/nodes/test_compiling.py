@@ -4,6 +4,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 
 from bearing_twin.ros.launching import COMPILING, NodeProcesses
 import pytest
@@ -26,3 +28,14 @@ def test_first_start(node, ros_domain, probe, tmp_path):
     # It has not waited for the compiler, with which the work begins.
     log = (tmp_path / 'logs' / f'{node}.log').read_text()
     assert 'twin of' not in log and '1 twins' not in log
+
+
+def test_a_kernel_from_the_cache_is_loaded_and_not_compiled(compiled):
+    script = (
+        'from bearing_twin.dynamics import preset, Simulator\n'
+        'from bearing_twin.dynamics.compiled import has_compiled\n'
+        "Simulator(preset('incipient')).advance(1024, 20.0, 25.0)\n"
+        'print(has_compiled())\n'
+    )
+    found = subprocess.run([sys.executable, '-c', script], capture_output=True, check=True)
+    assert found.stdout == b'False\n'
