@@ -70,6 +70,23 @@ def _rule(answer: str, why: str) -> Callable[[_Apply], _Apply]:
 
 
 @_rule(
+    'ball',
+    'A ball in the load zone ripples the envelope with the cage and has a comb of its own.',
+)
+def _ball_ripple(e: Evidence) -> Verdict | None:
+    ball = e.candidates['ball']
+    if not (e.cage_leads and e.cage_ripples and ball in e.own):
+        return None
+    text = (
+        'the envelope ripples with the cage, without the higher harmonics of a cage that strikes: '
+        'a ball in and out of the load'
+    )
+    verdict = _ambiguous(e, ('ball',), ball, text)
+    level = 'fault' if ball.index >= INDEX_FAULT else 'suspect'
+    return replace(verdict, result='ball', level=level)
+
+
+@_rule(
     'ambiguous',
     'A ball in the load zone ripples the envelope once a cage turn, as a cage does.',
 )

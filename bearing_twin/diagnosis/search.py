@@ -156,7 +156,7 @@ class CombSearch:
 
     def strongest_anywhere(self, *, beyond: bool = False) -> Candidate:
         """
-        Best comb at any order off the multiples of the shaft, whatever makes it.
+        Best comb at any order off the multiples of shaft and cage, whatever makes it.
 
         Parameters
         ----------
@@ -176,9 +176,12 @@ class CombSearch:
         return replace(found, order=multiple * found.order)
 
     def _off_shaft(self, grid: NDArray[np.float64], z: NDArray[np.float64]) -> Candidate:
-        """Best comb of a grid off the multiples of the shaft."""
+        """Best comb of a grid off the multiples of the shaft and off the turns of the cage."""
         away = np.abs(grid - np.maximum(np.rint(grid), 1.0))
-        off = away > self._uncertainty * grid + 1.25 * self.spectra.step
+        slack = self._uncertainty * grid + 1.25 * self.spectra.step
+        # A ball in and out of the load has the lines of the cage, so that they are of the bearing.
+        low, high = self._cage_orders()
+        off = (away > slack) & ((grid < low - slack) | (grid > high + slack))
         at = int(np.argmax(np.where(off, z, -math.inf)))
         order = float(grid[at])
         _, bands = self._scores.judge(self.spectra, grid[at : at + 1])
@@ -338,9 +341,12 @@ class CombSearch:
 
     def _any_cage_sideband(self, candidate: Candidate) -> tuple[float, float]:
         """Highest sidebands at any speed that a cage may have: their gap and their ratio."""
+        return self._highest_sideband(candidate, *self._cage_orders())
+
+    def _cage_orders(self) -> tuple[float, float]:
+        """Lowest and highest order at which the cage may turn."""
         slope = (self._slipped.ftf - self.orders.ftf) / SLIP[1]
-        ends = self.orders.ftf + slope * np.array([SLOW_CAGE, SLIP[0]])
-        return self._highest_sideband(candidate, ends[0], ends[1])
+        return self.orders.ftf + slope * SLOW_CAGE, self.orders.ftf + slope * SLIP[0]
 
     def shaft_sidebands_dominate(self, candidate: Candidate) -> bool:
         """
