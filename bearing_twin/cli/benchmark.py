@@ -17,7 +17,7 @@ from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 import difflib
-from itertools import repeat
+from itertools import product, repeat
 import json
 import math
 import os
@@ -104,6 +104,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument('--json', action='store_true', help='one JSON object a piece')
     parser.add_argument('--full', action='store_true', help='whole records at measured speed only')
+    parser.add_argument(
+        '--summary', action='store_true', help='one row for each length of the pieces'
+    )
     parser.add_argument(
         '--misled', action='store_true', help='with wrong bearings and speeds instead'
     )
@@ -302,28 +305,59 @@ def run(args: argparse.Namespace) -> int:
         for piece in pieces:
             print(json.dumps({**vars(piece), 'groups': dict(piece.groups)}))
         return 0
+    _summary(pieces)
+    if args.summary:
+        return 0
     for kind in ('data set', 'class', 'grade', 'bearing'):
         whole = [p for p in pieces if p.window == 0.0 and p.speed == 'measured']
         _table(f'Whole records, measured speed, by {kind}', kind, whole)
     for speed in ('measured', 'nominal'):
         for window in WINDOWS:
             part = [p for p in pieces if p.window == window and p.speed == speed]
-            length = f'{window:g} s windows' if window else 'Whole records'
             if part and (window or speed != 'measured'):
-                _table(f'{length}, {speed} speed, by class', 'class', part)
-                _table(f'{length}, {speed} speed, by grade', 'grade', part)
-    print('## Confidence, whole records and windows, measured speed\n')
+                _table(f'{_length(window)}, {speed} speed, by class', 'class', part)
+                _table(f'{_length(window)}, {speed} speed, by grade', 'grade', part)
+    print('## Whole records, measured speed, not correct\n')
+    for piece in pieces:
+        if piece.window == 0.0 and piece.speed == 'measured' and piece.outcome != 'correct':
+            said = '+'.join(piece.faults) or piece.result
+            print(f'- {piece.name}, {_label(piece)}: {piece.outcome} ({piece.result}: {said})')
+    return 0
+
+
+def _length(window: float) -> str:
+    return f'{window:g} s windows' if window else 'Whole records'
+
+
+def _summary(pieces: list[Piece]) -> None:
+    """Print the outcomes by length of the pieces, and how far the confidence holds."""
+    rows = []
+    for speed, window in product(('measured', 'nominal'), WINDOWS):
+        part = [p for p in pieces if p.window == window and p.speed == speed]
+        sound = [p for p in part if _label(p) == 'healthy']
+        graded = [p for p in part if ('grade', 'Y1 and Y2 together') in p.groups]
+        groups = (
+            ('Y1 and Y2', graded),
+            ('damaged', [p for p in part if _label(p) != 'healthy']),
+            ('healthy', sound),
+        )
+        for name, some in groups:
+            count = Counter(piece.outcome for piece in some)
+            cells = (count[outcome] or '' for outcome in OUTCOMES)
+            if some:
+                rows.append((f'{_length(window)}, {speed} speed', name, len(some), *cells))
+    print('## Summary\n')
+    print_table(('pieces of', 'machines', 'pieces', *OUTCOMES), rows)
+    print('\n## Confidence, measured speed\n')
     print_table(
         ('answer', 'answers', 'mean confidence', 'share right', 'expected calibration error'),
         _confidence_rows([p for p in pieces if p.speed == 'measured']),
     )
-    print('\n## Whole records, measured speed, not correct\n')
-    for piece in pieces:
-        if piece.window == 0.0 and piece.speed == 'measured' and piece.outcome != 'correct':
-            said = '+'.join(piece.faults) or piece.result
-            label = dict(piece.groups)['class'].rsplit(' ', 1)[-1]
-            print(f'- {piece.name}, {label}: {piece.outcome} ({piece.result}: {said})')
-    return 0
+    print()
+
+
+def _label(piece: Piece) -> str:
+    return dict(piece.groups)['class'].rsplit(' ', 1)[-1]
 
 
 def _confidence_rows(pieces: list[Piece]) -> Iterator[tuple[object, ...]]:
@@ -339,7 +373,7 @@ def _confidence_rows(pieces: list[Piece]) -> Iterator[tuple[object, ...]]:
 
 def _right(piece: Piece) -> bool:
     """Whether an answer is right in the sense of its confidence."""
-    label = dict(piece.groups)['class'].rsplit(' ', 1)[-1]
+    label = _label(piece)
     if piece.kind in ('healthy', 'elsewhere'):
         return (label == 'healthy') == (piece.kind == 'healthy')
     return piece.faults == (label,) if piece.kind == 'fault' else label in piece.faults
