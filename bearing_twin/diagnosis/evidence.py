@@ -250,16 +250,15 @@ class Evidence:
         """
         Ball and cage, the likelier first, where the envelope follows the cage.
 
-        A ball in and out of the load ripples the envelope smoothly, and shows its own order better
-        than that of the outer race, which is a harmonic of a cage that strikes.
+        A ball in and out of the load ripples the envelope as wide as the load zone is. A cage
+        strikes more briefly.
         """
-        ball = self.candidates['ball'].z > self.candidates['outer'].z
-        return ('ball', 'cage') if ball and self.cage_ripples else ('cage', 'ball')
+        return ('ball', 'cage') if self.cage_high_harmonics < RIPPLE else ('cage', 'ball')
 
-    @_measured(undisturbed=True)
-    def cage_ripples(self) -> bool:
-        """Whether the cage's comb is a ripple: its higher harmonics are missing."""
-        return self._combs.high_harmonics_ratio(self.candidates['cage']) < RIPPLE
+    @_measured(undisturbed=0.0)
+    def cage_high_harmonics(self) -> float:
+        """Power of the cage's fifth to eighth harmonic over that of its first four."""
+        return self._combs.high_harmonics_ratio(self.candidates['cage'])
 
     @_measured(undisturbed={})
     def shaft_sideband_ratios(self) -> Mapping[str, float]:

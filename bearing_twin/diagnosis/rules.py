@@ -26,6 +26,7 @@ from bearing_twin.diagnosis.thresholds import (
     INDEX_FAULT,
     INDEX_STRIKE,
     INDEX_SUSPECT,
+    RIPPLE,
     RIVAL,
     SLIP_COST,
     SWAY,
@@ -75,7 +76,8 @@ def _rule(answer: str, why: str) -> Callable[[_Apply], _Apply]:
 )
 def _ball_ripple(e: Evidence) -> Verdict | None:
     ball = e.candidates['ball']
-    if not (e.cage_leads and e.cage_ripples and ball in e.own):
+    smooth = e.cage_leads and e.cage_high_harmonics * RIVAL * RIVAL < RIPPLE
+    if not (smooth and ball in e.own):
         return None
     text = (
         'the envelope ripples with the cage, without the higher harmonics of a cage that strikes: '

@@ -35,12 +35,12 @@ Z_CAGE = 8.0
 """The same for the cage, whose low orders have a wider null."""
 
 Z_SECOND_LOOK = 4.0
-"""Score from which a strong comb gets a second look, without its own lines in the null. Of noise
-only a comb above it seldom gains enough to reach ``Z_FAULT`` (studies.noise_windows)."""
+"""Score from which a strong comb gets a second look, without its own lines in the null. In 2.4 %
+of windows of noise such a comb then reaches ``Z_FAULT``, never with the index (noise_windows)."""
 
 Z_ELSEWHERE = 8.0
 """Score above which a comb at any order is not chance: the best of some thousand orders and not of
-a few. Noise passes it in about one of a thousand windows (studies.noise_windows)."""
+a few. Noise passes it in six of a thousand windows (studies.noise_windows)."""
 
 INDEX_FAULT = 0.6
 """Modulation index above which a significant comb is a fault."""
@@ -58,9 +58,10 @@ INDEX_STRIKE = 2.0
 """Modulation index of the cage's comb, with lines kept and with lines capped, above which the
 envelope is more strike than ripple: half of the 4 that sharp impacts reach with four harmonics."""
 
-RIPPLE = 0.03
+RIPPLE = 0.2
 """Power of the fifth to eighth harmonic of the cage's comb over that of the first four below which
-it is a ripple. The load 1 + cos of a ball, squared, has two harmonics; strikes have all alike."""
+it is a ripple. A ball strikes while it passes the load zone: squared, the envelope of a narrow
+one, of spread 0.1 (37 degrees to either side), has 0.2; a strike has 1 (load_sidebands)."""
 
 JOINT_SLIP = 0.008
 """Two faults of one bearing share one cage: their slips agree to this much."""

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Sidebands of a part that moves through the load: where the threshold ``SWAY`` comes from.
+Sidebands of a part that moves through the load: where ``SWAY`` and ``RIPPLE`` come from.
 
 ``python -m bearing_twin.studies.load_sidebands [RECORDS]`` draws RECORDS (40) trains of impacts in
 noise for each spread of the load, and prints the sidebands of one turn over the harmonics of their
@@ -15,7 +15,8 @@ follows the deflection varies as 1 + m cos a with m = 1 / (2 e - 1). The squared
 impacts then has sidebands of m / (1 + m^2 / 2) of the harmonics one turn beside them, and of a
 quarter of m times that two turns beside them. ``SWAY`` is the root of their mean square at
 m = 0.3: a load zone of e = 2.2, in which the least loaded element is deflected by 54 % of the
-most loaded.
+most loaded. ``RIPPLE`` is the height of the higher harmonics of a ball that strikes within the
+narrowest load zone, of e = 0.1.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['expected', 'main', 'measured']
+__all__ = ['expected', 'main', 'measured', 'ripple']
 
 SPREADS = (np.inf, 4.0, 2.2, 1.5, 1.0)
 """Spreads of the load zone; infinite: a part that does not move through the load."""
@@ -55,6 +56,22 @@ def expected(spread: float) -> float:
     m = 1.0 / (2.0 * spread - 1.0)
     first = m / (1.0 + 0.5 * m * m)
     return float(np.sqrt(0.5 * (first**2 + (0.25 * m * first) ** 2)))
+
+
+def ripple(spread: float) -> float:
+    """
+    Power of harmonics 5 to 8 over that of 1 to 4 of impacts within a load zone, squared envelope.
+
+    The force of a contact goes with the deflection to the power of 1.5.
+
+    >>> round(ripple(0.1), 2), round(ripple(0.2), 2)
+    (0.2, 0.04)
+
+    """
+    angle = np.linspace(-np.pi, np.pi, 4096, endpoint=False)
+    deflection = np.maximum(1.0 - (1.0 - np.cos(angle)) / (2.0 * spread), 0.0)
+    power = np.abs(np.fft.rfft(deflection**3.0)) ** 2
+    return float(power[5:9].sum() / power[1:5].sum())
 
 
 def measured(spread: float, seed: int) -> float:
@@ -90,6 +107,12 @@ def main(argv: Sequence[str] | None = None) -> None:
         rows.append((f'{spread:g}', *cells, below))
     heading = ('spread of the load zone', 'expected', '5 %', 'median', '95 %', f'below {SWAY:g}')
     print_table(heading, rows)
+    print()
+    narrow = (0.1, 0.15, 0.2, 0.3, 0.5)
+    print_table(
+        ('ball: spread of the load zone', *(f'{spread:g}' for spread in narrow)),
+        [('harmonics 5 to 8 over 1 to 4', *(f'{ripple(spread):.3f}' for spread in narrow))],
+    )
 
 
 if __name__ == '__main__':

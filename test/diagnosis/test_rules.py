@@ -238,15 +238,18 @@ def test_a_comb_without_effect_does_not_make_health_uncertain():
     assert decide(Evidence.of(comb('outer', z=20.0, index=0.1))).result == 'healthy'
 
 
-@pytest.mark.parametrize(
-    ('ball', 'ripples', 'first'),
-    [(5.4, True, 'ball'), (5.4, False, 'cage'), (4.0, True, 'cage')],
-)
-def test_of_ball_and_cage_the_likelier_comes_first(ball, ripples, first):
-    combs = (comb('ball', z=ball, index=0.4), comb('outer', z=5.0, index=0.4), CAGE)
-    said = decide(Evidence.of(*combs, cage_ripples=ripples))
+@pytest.mark.parametrize(('high', 'first'), [(0.19, 'ball'), (0.21, 'cage')])
+def test_of_ball_and_cage_the_likelier_comes_first(high, first):
+    combs = (comb('ball', z=5.4, index=0.4), comb('outer', z=5.0, index=0.4), CAGE)
+    said = decide(Evidence.of(*combs, cage_high_harmonics=high))
     assert (said.rule, said.result, said.faults[0]) == ('cage_ripple', 'ambiguous', first)
     assert f'the {first} is likelier' in said.reasons[-1]
+
+
+@pytest.mark.parametrize(('high', 'rule'), [(0.09, 'ball_ripple'), (0.11, 'cage_ripple')])
+def test_a_ball_is_named_only_where_the_cage_ripples_clearly(high, rule):
+    combs = (comb('ball', index=0.4), CAGE)
+    assert decide(Evidence.of(*combs, cage_high_harmonics=high)).rule == rule
 
 
 def test_a_name_that_needs_an_unlikely_slip_is_no_alarm():
