@@ -8,7 +8,7 @@ from pathlib import Path
 import bearing_twin.diagnosis
 from bearing_twin.diagnosis.confidence import KINDS, Trust
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.studies import detection_power, generalisation, reliability
+from bearing_twin.studies import calibration, detection_power, generalisation, reliability
 import numpy as np
 import pytest
 from scipy import special
@@ -30,7 +30,7 @@ def test_detection_power_writes_the_file_that_is_named(tmp_path, monkeypatch, ca
     assert {path: path.read_bytes() for path in PACKAGE.glob('*.json')} == before
 
 
-@pytest.mark.parametrize('study', [detection_power, reliability])
+@pytest.mark.parametrize('study', [calibration, detection_power, reliability])
 def test_a_study_without_a_place_to_write_ends_before_it_begins(study, tmp_path, capsys):
     for words in ([], [str(tmp_path / 'no folder' / 'out.json')]):
         with pytest.raises(SystemExit) as ended:
@@ -63,3 +63,12 @@ def test_generalisation_prints_tables(capsys):
     assert '| condition | cases | right | wrong | suspect | ambiguous |' in out
     counts = [int(line.split('|')[2]) for line in out.splitlines() if line.startswith('| none |')]
     assert sum(counts) <= 4
+
+
+def test_calibration_writes_its_tables(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(calibration, 'CANDIDATES', 96)
+    monkeypatch.setattr(calibration, 'TWINS', 4)
+    calibration.main([str(tmp_path / 'out.json'), '1', '0', '2', '--jobs', '1'])
+    table = json.loads((tmp_path / 'out.json').read_text())
+    assert len(table['twins']['rows']) == table['twins']['faulty'] == 4
+    assert '| resonance hz |' in capsys.readouterr().out

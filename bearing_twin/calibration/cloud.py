@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+import functools
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import fault_frequencies
+from bearing_twin.bearing import fault_frequencies, radial_factor
 from bearing_twin.calibration.passage import contact_speed, load_range, widest
 from bearing_twin.calibration.summaries import summarise, Summary
 from bearing_twin.dynamics import Defect, Fleet, TwinParameters
@@ -48,6 +49,11 @@ class Situation:
     load: tuple[float, float] | None = None
     """Range of the radial load, N; None: see `passage.load_range`."""
     slip: float = 0.0
+
+    @functools.cached_property
+    def stiffness(self) -> float:
+        """Hertz stiffness of the bearing, which all candidates share, N/m^1.5."""
+        return radial_factor(self.bearing)
 
     @property
     def speed(self) -> float:
@@ -147,6 +153,7 @@ def parameters(situation: Situation, values: dict[str, float]) -> TwinParameters
         defects=defects,
         load=values['load'],
         clearance=1e-6 * values['clearance_um'],
+        hertz_stiffness=situation.stiffness,
         contact_damping=values['contact_damping'],
         inner_mass=values['inner_mass'],
         slip_model='constant',

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.posterior import Posterior
     from bearing_twin.calibration.summaries import Summary
 
-__all__ = ['Fitter', 'fit', 'fitted_vibration']
+__all__ = ['Fitter', 'fit', 'fitted_vibration', 'unresolved', 'untold']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -49,8 +49,13 @@ NARROWED = 0.5
 """A quantity is identifiable where its 90 % interval is at most this share of the prior's."""
 ALIKE = 2.0
 """Most that the candidates kept may be farther from the machine than from each other."""
+RIVAL = 0.4
+"""Most that a second spacing may be as clear as the first. Fixed on CWRU, as is `RESOLVED`."""
+MANY_WIDTHS = 'defects of many widths give impacts like these'
 PERIODS = 2.0
 """Least periods of the resonance it excites that a passage has to last."""
+FOUND = 0.75
+"""Least share of the parts of a record in which a resonance has to be found."""
 NOISE = 0.1
 """White noise that is supposed in the acceleration of a healthy twin, m/s^2."""
 LINE_DAMPING = 0.002
@@ -346,29 +351,76 @@ def _defect(
     measured: Summary, situation: Situation, modes: list[Resonance], candidates: int, seed: int
 ) -> tuple[Posterior, str]:
     """Return what is left possible of a defect, and why its width is not told, or ''."""
+    refusal = unresolved(measured)
+    if not refusal:
+        left = posterior.sample(measured, situation, candidates=candidates, seed=seed)
+        strongest = next((m.hz[1] for m in modes if m.damping[1] >= LINE_DAMPING), math.nan)
+        refusal = untold(left, situation, strongest)
+        if not refusal or refusal == MANY_WIDTHS:
+            return left, refusal
+    return posterior.limit(measured, situation, candidates=candidates, seed=seed), refusal
+
+
+def unresolved(measured: Summary) -> str:
+    """
+    Why a record tells no spacing of the impacts of a passage; '' if it does.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(1).standard_normal(25600)
+    >>> unresolved(summarise(noise, 12800.0, 5e-3)).partition(';')[0]
+    'the impacts of a passage are not told apart'
+
+    """
     shortest = posterior.resolved(measured)
     if not measured.seen or measured.spacing < shortest:
         seen = f'{1e3 * measured.spacing:.2f} ms apart' if measured.seen else 'not told apart'
-        why = (
+        return (
             f'the impacts of a passage are {seen}; the ringing of one hides a second up to '
             f'{1e3 * shortest:.2f} ms'
         )
-        return posterior.limit(measured, situation, candidates=candidates, seed=seed), why
-    left = posterior.sample(measured, situation, candidates=candidates, seed=seed)
-    strongest = next((m.hz[1] for m in modes if m.damping[1] >= LINE_DAMPING), math.nan)
+    if measured.rival > RIVAL:
+        return 'the impacts repeat after several times that are about as clear: ringing'
+    return ''
+
+
+def untold(left: Posterior, situation: Situation, strongest: float) -> str:
+    """
+    Why the candidates that were kept tell no width; '' if they do.
+
+    Parameters
+    ----------
+    left
+        The candidates.
+    situation
+        Of the machine.
+    strongest
+        Frequency of the strongest resonance, Hz; NaN if none was found.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> left = posterior.limit(
+    ...     summarise(np.random.default_rng(1).standard_normal(25600), 12800.0, machine.longest),
+    ...     machine, candidates=32,
+    ... )
+    >>> untold(left, machine, 5000.0)
+    'defects of many widths give impacts like these'
+
+    """
     median = 1e-3 * float(left.quantiles('defect_width_mm', (0.5,))[0])
     periods = median / situation.speed * strongest
     if periods < PERIODS:
-        why = (
-            f'the passage lasts {periods:.1f} periods of the resonance at {strongest:.0f} Hz that '
-            f'it excites; {PERIODS:g} are needed'
+        return (
+            f'the passage lasts {periods:.1f} periods of the resonance at {strongest:.0f} Hz '
+            f'that it excites; {PERIODS:g} are needed'
         )
-        return posterior.limit(measured, situation, candidates=candidates, seed=seed), why
     if left.distance > ALIKE * left.typical:
-        return left, 'no candidate of the twin gives impacts like these'
-    if left.narrowed('defect_width_mm') > NARROWED:
-        return left, 'defects of many widths give impacts like these'
-    return left, ''
+        return 'no candidate of the twin gives impacts like these'
+    return MANY_WIDTHS if left.narrowed('defect_width_mm') > NARROWED else ''
 
 
 def _of_defect(left: Posterior, refusal: str) -> dict[str, Estimate]:
@@ -437,7 +489,7 @@ def _of_path(
     }  # fmt: skip
     told = [mode for mode in modes if mode.damping[1] >= LINE_DAMPING]
     for number, mode in enumerate(told, start=1):
-        known = mode.found >= 0.75 and math.isfinite(mode.hz[2])
+        known = mode.found >= FOUND and math.isfinite(mode.hz[2])
         why = (
             f'found in {100.0 * mode.found:.0f} % of the parts of the record, '
             f'{100.0 * mode.share:.0f} % of the power'

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.cloud import Situation, Unknown
     from bearing_twin.calibration.summaries import Summary
 
-__all__ = ['Posterior', 'limit', 'resolved', 'sample', 'weighted_quantile']
+__all__ = ['Posterior', 'features', 'keep', 'limit', 'resolved', 'sample', 'weighted_quantile']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -39,11 +39,13 @@ RESOLVED = 8.0
 """Shortest spacing that is told from the ringing or the rebound of one impact, over the half width
 of an impact after whitening. Fixed on one rig only, CWRU: its faults of 0.2 to 0.5 mm leave a
 second impact 5 to 6 half widths after the first, at a time that does not follow the speed."""
+LIKE = 0.4
+"""Share of the candidates without a spacing that is kept where none can be told."""
 _SPACING_SHARE = 0.025
-_SCALES = np.array([1.0, 0.7, 0.4, 0.3])
+_SCALES = np.array([1.0, 0.7, 0.4, 0.3, 0.3])
 """Differences that count alike: spacing (over `_SPACING_SHARE` of the widest defect), logarithms
-of prominence and lobe, impulsiveness. About the scatter between two records of 24 passages of one
-twin."""
+of prominence and lobe, impulsiveness, rival. About the scatter between two records of 24 passages
+of one twin."""
 _UNLIKE = 10.0
 """Distance between a passage that shows two impacts and one that does not."""
 
@@ -95,7 +97,22 @@ def weighted_quantile(
 
 
 def features(summaries: list[Summary], situation: Situation) -> FloatArray:
-    """Return what is compared, in units that count alike, shape (n, 4); NaN for no spacing."""
+    """
+    Return what is compared, in units that count alike, shape (n, 5); NaN for no spacing.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration.cloud import Situation
+    >>> from bearing_twin.calibration.summaries import summarise
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> noise = np.random.default_rng(1).standard_normal(25600)
+    >>> features([summarise(noise, 12800.0, machine.longest)], machine).shape
+    (1, 5)
+
+    """
     unit = _SPACING_SHARE * widest(situation.bearing) / situation.speed
     rows = [
         (
@@ -103,6 +120,7 @@ def features(summaries: list[Summary], situation: Situation) -> FloatArray:
             math.log(s.prominence) if s.seen else math.nan,
             math.log(s.lobe * situation.sample_rate),
             s.impulsiveness,
+            min(s.rival, 1.0),
         )
         for s in summaries
     ]
@@ -162,7 +180,7 @@ def sample(
     more, summaries = _round(situation, truncated, candidates, seed + 1)
     rows = np.concatenate([rows[inside], features(summaries, situation)])
     values = {name: np.concatenate([drawn[name][inside], more[name]]) for name in prior}
-    return _keep(values, rows, goal, prior)
+    return keep(values, rows, goal, prior)
 
 
 def limit(
@@ -197,9 +215,24 @@ def limit(
     kept = np.array([not s.seen or s.spacing <= longest for s in summaries])
     if not kept.any():
         kept[:] = True
-    weights = np.full(int(kept.sum()), 1.0 / kept.sum())
-    values = {name: v[kept] for name, v in drawn.items()}
-    return Posterior(values=values, weights=weights, prior=prior, distance=0.0, typical=0.0)
+    # Of these, those whose impacts are as sharp and stand out of the noise as much.
+    difference = (
+        features(summaries, situation)[kept, 2:4] - features([measured], situation)[0, 2:4]
+    )
+    distance = np.sqrt((difference**2).sum(axis=1))
+    reach = 1.0001 * max(float(np.quantile(distance, LIKE)), 1e-9)
+    weights = np.maximum(1.0 - (distance / reach) ** 2, 0.0)
+    if measured.seen:
+        # What is seen is a spacing, or it is ringing and there is none to be seen: one as likely
+        # as the other.
+        spaced = np.array([s.seen for s in summaries])[kept]
+        for group in (spaced, ~spaced):
+            if weights[group].any():
+                weights[group] /= weights[group].sum()
+    near = weights > 0.0
+    values = {name: v[kept][near] for name, v in drawn.items()}
+    weights = weights[near] / weights.sum()
+    return Posterior(values=values, weights=weights, prior=prior, distance=reach, typical=reach)
 
 
 def resolved(measured: Summary) -> float:
@@ -226,26 +259,53 @@ def _round(
     return drawn, simulate(situation, drawn, seed)
 
 
-def _keep(
+def keep(
     values: dict[str, FloatArray], rows: FloatArray, goal: FloatArray, prior: dict[str, Unknown]
 ) -> Posterior:
+    """
+    Keep the candidates that are nearest to a measurement, moved to it by regression.
+
+    Parameters
+    ----------
+    values
+        A value a candidate of each unknown, shape (n,).
+    rows, goal
+        `features` of the candidates and of the measurement, shapes (n, 5) and (5,).
+    prior
+        Ranges of the unknowns.
+
+    Examples
+    --------
+    A width that is the spacing, in its own units, plus chance:
+
+    >>> from bearing_twin.calibration.cloud import Unknown
+    >>> rng = np.random.default_rng(1)
+    >>> width = rng.uniform(0.0, 4.0, 500)
+    >>> rows = np.zeros((500, 5))
+    >>> rows[:, 0] = 10.0 * width + rng.standard_normal(500)
+    >>> goal = np.array([20.0, 0.0, 0.0, 0.0, 0.0])
+    >>> left = keep({'w': width}, rows, goal, {'w': Unknown(0.0, 4.0, 'mm')})
+    >>> left.quantiles('w').round(1)
+    array([1.8, 2. , 2.2])
+
+    """
     distance = distances(rows, goal)
     count = max(40, int(KEPT * len(rows)))
     kept = np.argsort(distance)[:count]
     reach = max(float(distance[kept[-1]]), 1e-9)
     weights = 1.0 - (distance[kept] / (1.0001 * reach)) ** 2
     weights /= weights.sum()
-    step = max(1, len(rows) // 40)
-    typical = np.median([np.partition(distances(rows, row), count)[count] for row in rows[::step]])
+    alike = rows[np.isnan(rows[:, 0]) == math.isnan(goal[0])]
+    step = max(1, len(alike) // 40)
+    among = [np.partition(distances(rows, row), count)[count] for row in alike[::step]]
+    typical = float(np.median(among)) if among else 0.0
     difference = np.nan_to_num(rows[kept] - goal)
     moved = {}
     for name, about in prior.items():
         share = np.clip(about.share(values[name][kept]), 1e-3, 1.0 - 1e-3)
         odds = np.log(share / (1.0 - share))
         moved[name] = about.place(1.0 / (1.0 + np.exp(-_regressed(odds, difference, weights))))
-    return Posterior(
-        values=moved, weights=weights, prior=prior, distance=reach, typical=float(typical)
-    )
+    return Posterior(values=moved, weights=weights, prior=prior, distance=reach, typical=typical)
 
 
 def _regressed(y: FloatArray, difference: FloatArray, weights: FloatArray) -> FloatArray:

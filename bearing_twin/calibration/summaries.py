@@ -34,8 +34,10 @@ trough to peak noise makes 8 among some hundred lags."""
 CLEAR = 3.6
 """Shortest lag of a peak over the half width of the peak at zero: before it the sides of that peak
 pass for second impacts."""
-FAINTEST = 0.03
-"""Least prominence of a peak: a second impact of a sixth of the energy of the first."""
+FAINTEST = 0.015
+"""Least prominence of a peak: a second impact of an eighth of the energy of the first."""
+ELSEWHERE = 1.25
+"""Ratio of two lags from which on they are not those of one passage: a peak may be double."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +52,8 @@ class Summary:
     """Lag of the clearest peak beside zero, s; NaN if none is significant."""
     prominence: float
     """Of that peak; 0 if there is none."""
+    rival: float
+    """Prominence of the clearest peak at another lag, over that; 0 if there is none."""
     lobe: float
     """Lag at which the peak at zero has fallen to half, s."""
     impulsiveness: float
@@ -163,12 +167,13 @@ def summarise(x: FloatArray, sample_rate: float, longest: float) -> Summary:
     half_at = int(np.argmax(near < 0.5)) or 1
     above, below = near[half_at - 1], near[half_at]
     lobe = (half_at - 1 + (above - 0.5) / max(above - below, 1e-9)) / rate
-    spacing, prominence = _peak(near, scatter, rate, CLEAR * lobe)
+    spacing, prominence, rival = _peak(near, scatter, rate, CLEAR * lobe)
     return Summary(
         lag=lag,
         correlation=near,
         spacing=spacing,
         prominence=prominence,
+        rival=rival,
         lobe=float(lobe),
         impulsiveness=math.log10(1.0 + square / max(mean * mean, 1e-300)),
         scatter=scatter,
@@ -177,15 +182,17 @@ def summarise(x: FloatArray, sample_rate: float, longest: float) -> Summary:
 
 def _peak(
     correlation: FloatArray, scatter: float, rate: float, shortest: float
-) -> tuple[float, float]:
-    """Lag and prominence of the clearest peak from a lag on; NaN and 0 if there is none."""
-    peaks, found = signal.find_peaks(correlation, prominence=max(SIGNIFICANT * scatter, FAINTEST))
+) -> tuple[float, float, float]:
+    """Lag and prominence of the clearest peak from a lag on, and of its rival over it."""
+    peaks, found = signal.find_peaks(correlation, prominence=FAINTEST / 4.0)
     prominences = np.where(peaks > shortest * rate, found['prominences'], 0.0)
-    if not prominences.any():
-        return math.nan, 0.0
+    if not (prominences >= max(SIGNIFICANT * scatter, FAINTEST)).any():
+        return math.nan, 0.0, 0.0
     best = int(np.argmax(prominences))
     at = int(peaks[best])
     before, top, after = correlation[at - 1 : at + 2]
     bend = before - 2.0 * top + after
     shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
-    return float(at + shift) / rate, float(prominences[best])
+    elsewhere = np.abs(np.log(peaks / at)) > math.log(ELSEWHERE)
+    rival = float(np.max(prominences, initial=0.0, where=elsewhere) / prominences[best])
+    return float(at + shift) / rate, float(prominences[best]), rival

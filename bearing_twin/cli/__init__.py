@@ -46,6 +46,7 @@ COMMANDS = {
     'schedule': 'write the temperature schedule of the paper as a recording',
     'verify': 're-run a recording of twin and diagnosis and compare it byte by byte',
     'view': 'show recordings, or what is running, in Rerun',
+    'whatif': 'say what a fitted machine would show at another speed, load, temperature or width',
 }
 """Name and one-line help of every sub-command."""
 

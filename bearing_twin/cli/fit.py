@@ -21,7 +21,7 @@ from bearing_twin.recording.foreign import read_signal
 if TYPE_CHECKING:
     import argparse
 
-__all__ = ['configure', 'run']
+__all__ = ['configure', 'load_range', 'run']
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -29,7 +29,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_reading(parser)
     parser.add_argument(
         '--load',
-        type=_range,
+        type=load_range,
         metavar='LOW,HIGH',
         help='range of the radial load, N (default: 0.003 to 0.1 of the dynamic rating)',
     )
@@ -89,9 +89,10 @@ def run(args: argparse.Namespace) -> int:
     return 1 if failed else 0
 
 
-def _range(text: str) -> tuple[float, float]:
+def load_range(text: str) -> tuple[float, float]:
+    """Return a range from ``LOW,HIGH``, or from one number."""
     low, _, high = text.partition(',')
-    return float(low), float(high)
+    return float(low), float(high or low)
 
 
 def _page(name: str, found: Calibration) -> str:

@@ -1,0 +1,196 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a fitted machine would show under other conditions: the cloud of candidates, run again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+import math
+from typing import TYPE_CHECKING
+
+from bearing_twin.bearing import fault_frequencies
+from bearing_twin.calibration.cloud import SETTLE_S, vibrations
+from bearing_twin.calibration.path import REACH_S
+from bearing_twin.calibration.summaries import squared_envelope, summarise
+from bearing_twin.diagnosis import diagnose_record
+from bearing_twin.errors import BearingTwinError
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from bearing_twin.calibration.result import Calibration
+
+__all__ = ['Expectation', 'Interval', 'expect', 'features']
+
+FloatArray = npt.NDArray[np.float64]
+
+TURNS = 60.0
+"""Shaft turns simulated of each candidate: enough for a diagnosis."""
+DIAGNOSED = 12
+"""Candidates that are diagnosed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Interval:
+    """5 %, 50 % and 95 % of what is expected."""
+
+    q05: float
+    median: float
+    q95: float
+    unit: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Expectation:
+    """What to expect of a machine under some conditions."""
+
+    shaft_hz: float
+    temperature: float
+    load: tuple[float, float]
+    """Range, N."""
+    width_mm: tuple[float, float]
+    """Range."""
+    vibration: dict[str, Interval]
+    verdicts: dict[str, float]
+    """Share of the candidates of each answer of the diagnosis."""
+
+
+def features(
+    x: FloatArray, sample_rate: float, shaft_hz: float, impacts_hz: float, longest: float
+) -> dict[str, float]:
+    """
+    Figures of a vibration that are predicted: level, crest factor, impulsiveness, spacing.
+
+    Parameters
+    ----------
+    x
+        Samples, shape (n,).
+    sample_rate, shaft_hz
+        Hz.
+    impacts_hz
+        Frequency at which the defect strikes, Hz; NaN without a defect.
+    longest
+        Longest time between the impacts of a passage, s.
+
+    Examples
+    --------
+    >>> x = np.random.default_rng(1).standard_normal(25600)
+    >>> found = features(x, 25600.0, 25.0, 90.0, 5e-3)
+    >>> round(found['rms'], 1), round(found['impulsiveness'], 1)
+    (1.0, 0.3)
+
+    """
+    summary = summarise(x, sample_rate, longest)
+    figures = {
+        'rms': float(x.std()),
+        'peak': float(np.abs(x - x.mean()).max()),
+        'crest_factor': float(np.abs(x - x.mean()).max() / x.std()),
+        'impulsiveness': summary.impulsiveness,
+        'spacing_ms': 1e3 * summary.spacing,
+    }
+    if math.isfinite(impacts_hz):
+        envelope, rate = squared_envelope(x, sample_rate)
+        power = np.abs(np.fft.rfft(envelope)) ** 2
+        at = impacts_hz * len(envelope) / rate
+        near = power[math.floor(0.98 * at) : math.ceil(1.02 * at) + 1]
+        figures['modulation_index'] = float(2.0 * np.sqrt(near.max() / power[0]))
+    return figures
+
+
+def expect(
+    found: Calibration,
+    *,
+    shaft_hz: float | None = None,
+    load: tuple[float, float] | None = None,
+    temperature: float | None = None,
+    width_mm: float | None = None,
+    candidates: int = 64,
+    seed: int = 0,
+) -> Expectation:
+    """
+    Run the candidates of a calibration under other conditions.
+
+    Parameters
+    ----------
+    found
+        The calibration.
+    shaft_hz, load, temperature, width_mm
+        What differs: Hz, a range in N, degC, mm; None: as it was fitted.
+    candidates
+        Drawn from the calibration.
+    seed
+        Of all draws.
+
+    Raises
+    ------
+    BearingTwinError
+        If a value is outside what the twin can simulate, or a width is given without a defect.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration import fit
+    >>> healthy = 0.01 * np.random.default_rng(1).standard_normal(25600)
+    >>> found = fit(healthy, 12800.0, find_bearing('6205'), 25.0, place='none')
+    >>> expect(found, shaft_hz=30.0, candidates=16).verdicts
+    {'healthy': 1.0}
+
+    """
+    place = found.defect
+    if place not in ('inner', 'outer', 'none'):
+        msg = f'a {place} defect is not fitted; what-if holds for races and healthy bearings'
+        raise BearingTwinError(msg)
+    if width_mm is not None and place == 'none':
+        msg = (
+            'a width is given, and the fit found no defect; fit again with --place inner or outer'
+        )
+        raise BearingTwinError(msg)
+    situation = replace(
+        found.situation,
+        shaft_hz=found.situation.shaft_hz if shaft_hz is None else shaft_hz,
+        temperature=found.situation.temperature if temperature is None else temperature,
+    )
+    if not 0.5 <= situation.shaft_hz <= 500.0:
+        msg = f'a shaft speed of {situation.shaft_hz:g} Hz is outside 0.5..500 Hz'
+        raise BearingTwinError(msg)
+    rng = np.random.default_rng([seed, 3])
+    drawn = rng.choice(len(found.weights), size=candidates, p=found.weights)
+    values = {name: v[drawn] for name, v in found.candidates.items()}
+    if load is not None:
+        values['load'] = load[0] * (load[1] / load[0]) ** rng.random(candidates)
+    if width_mm is not None:
+        values['defect_width_mm'] = np.full(candidates, width_mm)
+    values['noise_ratio'] = np.zeros(candidates)
+    rate, settle = situation.sample_rate, SETTLE_S + REACH_S
+    rates = fault_frequencies(situation.bearing, situation.shaft_hz, situation.slip)
+    impacts_hz = math.nan if place == 'none' else rates.impacts(place)
+    unit = found.sensor_unit or 'unit of the samples'
+    rows: list[dict[str, float]] = []
+    verdicts: list[str] = []
+    seconds = TURNS / situation.shaft_hz + settle
+    for batch in vibrations(situation, values, seconds, seed):
+        for x in batch:
+            y = found.path.filter(seed + len(rows)).apply(x)[int(settle * rate) :]
+            rows.append(features(y, rate, situation.shaft_hz, impacts_hz, situation.longest))
+            if len(verdicts) < DIAGNOSED:
+                said = diagnose_record(y, rate, situation.bearing, situation.shaft_hz)
+                verdicts.append(said.result)
+    units = {'rms': unit, 'peak': unit, 'spacing_ms': 'ms'}
+    vibration = {}
+    for name in rows[0]:
+        column = np.array([row[name] for row in rows])
+        column = column[np.isfinite(column)]
+        if len(column) > len(rows) // 4:
+            low, median, high = np.quantile(column, (0.05, 0.5, 0.95))
+            vibration[name] = Interval(
+                q05=float(low), median=float(median), q95=float(high), unit=units.get(name, '')
+            )
+    widths, loads = values['defect_width_mm'], values['load']
+    return Expectation(
+        shaft_hz=situation.shaft_hz,
+        temperature=situation.temperature,
+        load=(float(loads.min()), float(loads.max())),
+        width_mm=(0.0, 0.0) if place == 'none' else (float(widths.min()), float(widths.max())),
+        vibration=vibration,
+        verdicts={name: verdicts.count(name) / len(verdicts) for name in sorted(set(verdicts))},
+    )

@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""``bearing-twin whatif``: what a fitted machine would show under other conditions."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+import json
+from pathlib import Path
+import sys
+from typing import TYPE_CHECKING
+
+from bearing_twin.calibration import Calibration
+from bearing_twin.calibration.whatif import expect
+from bearing_twin.cli.fit import load_range
+from bearing_twin.cli.terminal import shown
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    import argparse
+
+__all__ = ['configure', 'run']
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument('fit', metavar='FIT', help="what 'fit --json' wrote; '-' for stdin")
+    parser.add_argument('--speed', type=float, metavar='HZ', help='shaft speed, Hz')
+    parser.add_argument('--load', type=load_range, metavar='N', help='one load or LOW,HIGH, N')
+    parser.add_argument('--temperature', type=float, help='of the outer ring, degC')
+    parser.add_argument('--width', type=float, metavar='MM', help='of the defect, mm')
+    parser.add_argument('--seed', type=int, default=0, help='of all draws (default 0)')
+    parser.add_argument('--json', action='store_true', help='one JSON object a fitted file')
+
+
+def run(args: argparse.Namespace) -> int:
+    """Say what to expect of each machine in the file."""
+    for values in _fits(args.fit):
+        found = Calibration.from_dict(values)
+        expected = expect(
+            found, shaft_hz=args.speed, load=args.load, temperature=args.temperature,
+            width_mm=args.width, seed=args.seed,
+        )  # fmt: skip
+        if args.json:
+            print(json.dumps({'file': values.get('file', ''), **asdict(expected)}), flush=True)
+            continue
+        print(
+            f'{shown(str(values.get("file", "")))} at {expected.shaft_hz:g} Hz, '
+            f'{expected.temperature:g} degC, {expected.load[0]:.0f} to {expected.load[1]:.0f} N'
+        )
+        for name, figure in expected.vibration.items():
+            print(
+                f'    {name:<18} {figure.median:>10.4g}  ({figure.q05:.4g} to {figure.q95:.4g}) '
+                f'{figure.unit}'
+            )
+        said = ', '.join(
+            f'{name} {100 * share:.0f} %' for name, share in expected.verdicts.items()
+        )
+        print(f'    verdict            {said}')
+    return 0
+
+
+def _fits(name: str) -> list[dict[str, object]]:
+    """Return the objects of a file of JSON lines."""
+    try:
+        text = sys.stdin.read() if name == '-' else Path(name).read_text('utf-8')
+        rows = [json.loads(line) for line in text.splitlines() if line.strip()]
+    except (OSError, ValueError) as error:
+        msg = f"{name} cannot be read as what 'fit --json' wrote ({error})"
+        raise BearingTwinError(msg) from None
+    if not rows or not all(isinstance(row, dict) for row in rows):
+        msg = f"{name} holds no fit; write one with 'bearing-twin fit FILE --json > FIT'"
+        raise BearingTwinError(msg)
+    for row in rows:
+        if 'error' in row:
+            raise BearingTwinError(str(row['error']))
+    return rows
