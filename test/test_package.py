@@ -118,3 +118,28 @@ def test_nodes_without_their_messages_say_what_to_build():
     )
     assert ran.returncode == 1
     assert "build it with 'colcon build --base-paths . msg_defs'" in ran.stderr.splitlines()[-1]
+
+
+def test_who_publishes_it_is_filled_in_at_one_place():
+    spec = importlib.util.spec_from_file_location('identity', ROOT / 'docs' / 'identity.py')
+    identity = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(identity)
+    wanted = ('Ann & Co <ann@example.org>', 'https://example.org/ann/bearing_twin')
+    for path in identity.PACKAGES:
+        filled = identity.identified(path.read_text(), *wanted)
+        assert identity.identified(filled, *wanted) == filled
+        root = ElementTree.fromstring(filled.split('?>', 2)[2])
+        assert (root.find('maintainer').text, root.find('maintainer').get('email')) == (
+            'Ann & Co',
+            'ann@example.org',
+        )
+        assert [url.get('type') for url in root.findall('url')] == [
+            'website',
+            'repository',
+            'bugtracker',
+        ]
+        # The order of REP 149.
+        tags = [element.tag for element in root]
+        assert tags.index('maintainer') < tags.index('license') < tags.index('url')
+    with pytest.raises(SystemExit, match='usage'):
+        identity.identified('', 'Ann', 'https://example.org/x')
