@@ -57,7 +57,7 @@ identity:
 screenshots: setup
 	$(BIN)/python docs/screenshots.py
 
-setup: $(VENV)/package.stamp
+setup: $(VENV)/kernels.stamp
 
 $(VENV)/tools.stamp: requirements.txt requirements-dev.txt constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10) and "Python 3.10 or newer is needed")'
@@ -76,6 +76,11 @@ $(VENV)/package.stamp: $(VENV)/messages.stamp setup.py setup.cfg package.xml $(w
 	$(PIP) install --no-build-isolation --no-deps --editable .
 	$(BIN)/python -W ignore setup.py --quiet install_data --install-dir=$(CURDIR)/$(VENV)
 	$(BIN)/bearing-twin --version
+	touch $@
+
+# Minutes of one core, which the first start of a twin would take otherwise.
+$(VENV)/kernels.stamp: $(VENV)/package.stamp $(wildcard bearing_twin/dynamics/*.py bearing_twin/thermal/*.py)
+	$(BIN)/bearing-twin compile
 	touch $@
 
 clean:

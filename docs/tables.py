@@ -99,8 +99,9 @@ Each node reports its parts on `/diagnostics`, named `NODE: STATUS`. The keys of
 stable and carry the unit. A value is always a number or always a text, so that a time-series
 database takes it; a number that is not known is left out.
 
-At the first start, and after an update, twin and fleet compile their kernel, which takes about 20
-s of one core. Meanwhile they are visible, answer services and stay *unconfigured*; the log and
+At the first start, and after an update, twin and fleet compile their kernel, which takes about a
+minute of one core; `bearing-twin compile` does it beforehand. Meanwhile they are visible, answer
+services and stay *unconfigured*; the log and
 `/diagnostics` report it.
 """
 

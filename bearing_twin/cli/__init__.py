@@ -33,6 +33,7 @@ COMMANDS = {
     'bearings': 'look up a bearing: fault orders, geometry, source',
     'bench': 'measure on this machine what the project promises',
     'benchmark': 'score the diagnosis on a folder of labelled records',
+    'compile': 'compile the kernels now, which their first use does otherwise',
     'demo': 'run twin, diagnosis and recorder on a temperature recording and show the result',
     'diagnose': 'say what is wrong with the bearing in vibration files',
     'fit': 'fit the twin to vibration files: width of a defect, sensor path, with intervals',

@@ -15,6 +15,7 @@ import functools
 import hashlib
 import os
 from pathlib import Path
+import pickle
 import shutil
 import tempfile
 import time
@@ -153,6 +154,51 @@ def cache_folder() -> Path | None:
             _drop_old(base)
             return folder.resolve()
     return None
+
+
+def processor() -> str:
+    """
+    Return the name of the processor that code is compiled for.
+
+    Examples
+    --------
+    >>> processor() != ''
+    True
+
+    """
+    return str(_target()[1])
+
+
+@functools.cache
+def other_processors() -> list[str]:
+    """
+    Return the processors whose code lay in the cache where there was none for the present one.
+
+    Numba keeps code by name and features of the processor, and does not use that of another: a
+    folder that was copied or is shared costs another compilation, no wrong results. It is looked
+    at once, at the first call.
+
+    Examples
+    --------
+    >>> processor() in other_processors()
+    False
+
+    """
+    folder = cache_folder()
+    found = set()
+    for index in folder.rglob('*.nbi') if folder is not None else ():
+        with contextlib.suppress(OSError, EOFError, pickle.UnpicklingError), index.open('rb') as f:
+            pickle.load(f)  # version of numba
+            _, overloads = pickle.loads(f.read())
+            found |= {key[1] for key in overloads}
+    return [] if _target() in found else sorted({str(target[1]) for target in found})
+
+
+def _target() -> tuple[str, ...]:
+    """Return what numba keeps code apart by: architecture, processor and its features."""
+    from numba.core.registry import cpu_target
+
+    return tuple(cpu_target.target_context.codegen().magic_tuple())
 
 
 def _digest() -> str:

@@ -278,8 +278,11 @@ def _prepare(node: ManagedNode, executor: Executor) -> None:
 
 def _what_takes_long() -> str:
     # Numba takes a second to load, which nodes without a kernel do without.
-    from bearing_twin.dynamics.compiled import has_compiled
+    from bearing_twin.dynamics.compiled import has_compiled, other_processors, processor
 
+    others = ', '.join(other_processors())
+    if has_compiled() and others:
+        return f'{COMPILING}: the code at hand is for {others}, this is a {processor()}'
     return COMPILING if has_compiled() else LOADING
 
 

@@ -84,3 +84,32 @@ def test_a_change_in_a_called_file_is_seen_wherever_the_cache_lies(tree, tmp_pat
 def test_where_no_cache_can_be_written_it_runs_all_the_same(tree, variable):
     (tree / PACKAGE / '__pycache__').touch()
     assert run(tree, **{variable: '/dev/null/cache'}) == ('None', 2.0)
+
+
+def test_code_for_another_processor_is_named_and_not_used(tmp_path):
+    cache = tmp_path / 'cache'
+    environment = os.environ | {'NUMBA_CACHE_DIR': str(cache)}
+    script = (
+        'from bearing_twin.dynamics import compiled\n'
+        'from bearing_twin.thermal.rings import clearance_change\n'
+        'from bearing_twin.dynamics.compiled import other_processors, processor\n'
+        'others = other_processors()\n'
+        'change = round(1e6 * compiled.compiled()(clearance_change)(60.0, 40.0, 0.05735), 2)\n'
+        'print(processor(), *others, change, compiled.has_compiled())\n'
+    )
+
+    def call(**more):
+        return subprocess.run(
+            [sys.executable, '-c', script],
+            env=environment | more,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.split()
+
+    other = call(NUMBA_CPU_NAME='generic', NUMBA_CPU_FEATURES='')
+    assert other == ['generic', '-6.88', 'True']
+    name, *named, value, anew = call()
+    assert (named, value, anew) == (['generic'], '-6.88', 'True')
+    assert name != 'generic'
+    assert call() == [name, '-6.88', 'False']
