@@ -3,13 +3,13 @@
 """
 How often the answers of the diagnosis are right: what its confidence rests on.
 
-``python -m bearing_twin.studies.reliability OUT.json [TWINS IMPACTS [FIRST]] [--picture PNG]``
-diagnoses machines drawn at random, from number FIRST (700000) on, with both models of
-:mod:`bearing_twin.studies.generalisation`, and as many machines with impacts again of which the
-diagnosis is given another bearing or a speed 3 to 5 % off. From the machines of even number it
-fits the weights that the diagnosis reads as ``bearing_twin/diagnosis/reliability.json`` (logistic
-regression, one for each kind of answer). With those of odd number, which no weight has seen, it
-prints, and draws, how far the confidence holds. No real record takes part.
+``python -m bearing_twin.studies.reliability OUT.json [TWINS IMPACTS [FIRST]] [--fresh TWINS
+IMPACTS FIRST] [--picture PNG]`` diagnoses machines drawn at random, from number FIRST (510000) on,
+with both models of :mod:`bearing_twin.studies.generalisation`, and as many machines with impacts
+again of which the diagnosis is given another bearing or a speed 3 to 5 % off. It fits the weights
+that the diagnosis reads as ``bearing_twin/diagnosis/reliability.json`` (logistic regression, one
+for each kind of answer). With fresh draws, which no weight has seen, it prints, and draws, how far
+the confidence holds. No real record takes part.
 """
 
 from __future__ import annotations
@@ -198,10 +198,20 @@ def calibration_error(
     return float(np.average(np.abs(counts[:, 4] - counts[:, 5]), weights=counts[:, 3]))
 
 
-def _one(task: tuple[str, int, bool]) -> tuple[int, Told | None]:
+def _one(task: tuple[str, int, bool]) -> Told | None:
     model, number, misled = task
     case, said = judge_case(model, number, misled=misled)
-    return number, tell(case, said, misled=misled)
+    return tell(case, said, misled=misled)
+
+
+def _answers(draw: Sequence[int], jobs: int) -> list[Told]:
+    """Answers on so many twins and machines with impacts, from a number on."""
+    twins, impacts, first = draw
+    tasks = [('twin', first + n, False) for n in range(twins)]
+    for misled in (False, True):
+        tasks += [('impacts', first + n, misled) for n in range(impacts)]
+    with ProcessPoolExecutor(jobs) as pool:
+        return [told for told in pool.map(_one, tasks, chunksize=8) if told]
 
 
 def _draw(path: Path, weights: dict[str, dict[str, float]], told: Sequence[Told]) -> None:
@@ -231,24 +241,17 @@ def _draw(path: Path, weights: dict[str, dict[str, float]], told: Sequence[Told]
 def main(argv: Sequence[str] | None = None) -> None:
     """Write the data file and print the check."""
     parser = arguments(sys.modules[__name__], writes=True)
-    parser.add_argument('twins', type=int, nargs='?', default=600)
-    parser.add_argument('impacts', type=int, nargs='?', default=2300)
-    parser.add_argument('first', type=int, nargs='?', default=700_000)
+    parser.add_argument('twins', type=int, nargs='?', default=300)
+    parser.add_argument('impacts', type=int, nargs='?', default=1000)
+    parser.add_argument('first', type=int, nargs='?', default=510_000)
+    parser.add_argument('--fresh', type=int, nargs=3, default=(200, 700, 700_000))
     parser.add_argument('--picture', type=Path, help='PNG file to write: the reliability diagram')
     parser.add_argument('--jobs', type=int, default=len(os.sched_getaffinity(0)))
     args = parser.parse_args(argv)
-    tasks = [('twin', args.first + n, False) for n in range(args.twins)]
-    tasks += [
-        ('impacts', args.first + n, misled)
-        for misled in (False, True)
-        for n in range(args.impacts)
-    ]
-    with ProcessPoolExecutor(args.jobs) as pool:
-        found = list(pool.map(_one, tasks, chunksize=8))
-    weights = fit([told for number, told in found if told and number % 2 == 0])
+    weights = fit(_answers((args.twins, args.impacts, args.first), args.jobs))
     about = 'written by python -m bearing_twin.studies.reliability'
     write_table(args.output, {'about': about, 'weights': weights})
-    fresh = [told for number, told in found if told and number % 2]
+    fresh = _answers(args.fresh, args.jobs)
     rows = []
     for kind in (*KINDS, 'all'):
         part = [t for t in fresh if kind in (t.kind, 'all')]
