@@ -54,6 +54,8 @@ RIVAL = 0.4
 MANY_WIDTHS = 'defects of many widths give impacts like these'
 PERIODS = 2.0
 """Least periods of the resonance it excites that a passage has to last."""
+TOLD = ('defect_width_mm',)
+"""Quantities of the bearing that a vibration may tell; intervals of the others held too seldom."""
 FOUND = 0.75
 """Least share of the parts of a record in which a resonance has to be found."""
 NOISE = 0.1
@@ -123,10 +125,12 @@ def fit(
     start = time.process_time()
     x, situation = _checked(samples, sample_rate, bearing, shaft_hz, load, temperature)
     warm_up(fleet=True)
-    slip = math.nan
+    slip, verdict = math.nan, ''
     if place is None:
         said = diagnose_record(x, sample_rate, bearing, shaft_hz, unit=unit)
         place, slip = said.result if said.result in PLACES else 'none', said.slip
+        if place == 'none' and said.result != 'healthy':
+            verdict = f'; the diagnosis says {said.result}'
     elif place not in (*PLACES, 'none'):
         msg = f"place={place!r}: choose 'none' or one of {', '.join(PLACES)}"
         raise BearingTwinError(msg)
@@ -134,7 +138,7 @@ def fit(
         situation = replace(situation, slip=slip)
     x, rate = _decimated(x, sample_rate)
     situation = replace(situation, place=place, sample_rate=rate)
-    return _fitted(x, situation, unit, candidates, seed, start)
+    return _fitted(x, situation, unit, candidates, seed, start, verdict)
 
 
 def fitted_vibration(found: Calibration, seconds: float, seed: int = 0) -> FloatArray:
@@ -288,7 +292,13 @@ def _decimated(x: FloatArray, sample_rate: float) -> tuple[FloatArray, float]:
 
 
 def _fitted(
-    x: FloatArray, situation: Situation, unit: str, candidates: int, seed: int, start: float
+    x: FloatArray,
+    situation: Situation,
+    unit: str,
+    candidates: int,
+    seed: int,
+    start: float,
+    verdict: str,
 ) -> Calibration:
     measured = summarise(x, situation.sample_rate, situation.longest)
     modes = resonances(x, situation.sample_rate)
@@ -318,6 +328,7 @@ def _fitted(
             statement = f'{situation.place} race defect, at most {width.q95:.2f} mm wide'
     else:
         width, statement = _without(x, situation, scale, unit, seed)
+        statement += verdict
         quantities |= {'defect_width_mm': width}
         for name in values:
             if name != 'defect_width_mm':
@@ -435,7 +446,7 @@ def _of_defect(left: Posterior, refusal: str) -> dict[str, Estimate]:
             if refusal:
                 why = f'at most {high:.2f} mm: {refusal}'
         else:
-            told = not refusal and narrowed <= NARROWED
+            told = name in TOLD and not refusal and narrowed <= NARROWED
             why = f'the interval is {100.0 * narrowed:.0f} % of what was supposed'
         quantities[name] = Estimate(
             q05=low, median=median, q95=high, unit=about.unit, identifiable=told, why=why

@@ -29,6 +29,8 @@ REACH_S = 5e-3
 """Reach of the linear predictions: resolves resonances 200 Hz apart."""
 MODES_REACH_S = 2.5e-3
 """Half the reach of the autocorrelation whose decays are read."""
+_STUDENT = 1.895
+"""95 % of Student's distribution for a mean of eight."""
 _MOST_POLES = 24
 _LEAST_STRENGTH = 0.01
 """Of a singular value, over the greatest, that counts."""
@@ -36,7 +38,7 @@ SEGMENTS = 8
 """Parts of a record whose resonances are compared."""
 MOST_MODES = 4
 _DISTANCE_WINDOW_S = 0.01
-_SHARE_OF_POWER = 0.01
+_SHARE_OF_POWER = 0.05
 """Least share of a resonance in the power of the signal."""
 
 
@@ -241,7 +243,7 @@ def resonances(x: FloatArray, sample_rate: float) -> list[Resonance]:
             if close:
                 near.append(min(close, key=lambda mode: abs(mode[0] - hz)))
         spread = np.std([mode[:2] for mode in near], axis=0, ddof=1) if len(near) > 2 else None
-        half = 1.645 * spread / math.sqrt(len(near)) if spread is not None else (math.inf,) * 2
+        half = _STUDENT * spread / math.sqrt(len(near)) if spread is not None else (math.inf,) * 2
         found.append(
             Resonance(
                 hz=(float(hz - half[0]), hz, float(hz + half[0])),

@@ -41,6 +41,9 @@ of an impact after whitening. Fixed on one rig only, CWRU: its faults of 0.2 to 
 second impact 5 to 6 half widths after the first, at a time that does not follow the speed."""
 LIKE = 0.4
 """Share of the candidates without a spacing that is kept where none can be told."""
+SPREAD = 1.25
+"""Factor by which what is kept is spread about its median: regression on some fifty candidates
+takes out too much. Fixed on simulated twins (docs/calibration.md), on no real rig."""
 _SPACING_SHARE = 0.025
 _SCALES = np.array([1.0, 0.7, 0.4, 0.3, 0.3])
 """Differences that count alike: spacing (over `_SPACING_SHARE` of the widest defect), logarithms
@@ -285,8 +288,8 @@ def keep(
     >>> rows[:, 0] = 10.0 * width + rng.standard_normal(500)
     >>> goal = np.array([20.0, 0.0, 0.0, 0.0, 0.0])
     >>> left = keep({'w': width}, rows, goal, {'w': Unknown(0.0, 4.0, 'mm')})
-    >>> left.quantiles('w').round(1)
-    array([1.8, 2. , 2.2])
+    >>> bool(abs(left.quantiles('w')[1] - 2.0) < 0.1)
+    True
 
     """
     distance = distances(rows, goal)
@@ -304,7 +307,10 @@ def keep(
     for name, about in prior.items():
         share = np.clip(about.share(values[name][kept]), 1e-3, 1.0 - 1e-3)
         odds = np.log(share / (1.0 - share))
-        moved[name] = about.place(1.0 / (1.0 + np.exp(-_regressed(odds, difference, weights))))
+        odds = _regressed(odds, difference, weights)
+        middle = weighted_quantile(odds, weights, (0.5,))[0]
+        odds = middle + SPREAD * (odds - middle)
+        moved[name] = about.place(1.0 / (1.0 + np.exp(-odds)))
     return Posterior(values=moved, weights=weights, prior=prior, distance=reach, typical=typical)
 
 

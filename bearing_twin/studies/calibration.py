@@ -25,7 +25,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import fault_frequencies, find_bearing
 from bearing_twin.calibration import fit
 from bearing_twin.calibration.cloud import simulate, Situation, unknowns, vibrations
-from bearing_twin.calibration.fit import FOUND, NARROWED, unresolved, untold
+from bearing_twin.calibration.fit import FOUND, NARROWED, TOLD, unresolved, untold
 from bearing_twin.calibration.passage import contact_speed, widest
 from bearing_twin.calibration.path import resonances
 from bearing_twin.calibration.posterior import features, keep, weighted_quantile
@@ -136,7 +136,7 @@ def fit_twins(number: int) -> list[dict[str, Any]]:
             'place': situation.place, 'cost_s': time.process_time() - start,
             'ranks': {
                 name: left.rank(name, value) for name, value in values.items()
-                if not why and left.narrowed(name) <= NARROWED
+                if name in TOLD and not why and left.narrowed(name) <= NARROWED
             },
         })  # fmt: skip
     return found
@@ -292,15 +292,17 @@ def _others(
         truth, low, high = (
             np.array([mode[prefix + name] for mode in modes]) for prefix in ('', 'low_', 'high_')
         )
-        # A normal distribution has 90 % within 1.645 standard deviations.
-        spread = np.maximum((high - low) / (2.0 * 1.645), 1e-12)
-        yield f'resonance {name}', *_held(stats.norm.cdf((truth - 0.5 * (low + high)) / spread))
+        # Student's distribution of seven degrees of freedom has 90 % within 1.895 spreads.
+        spread = np.maximum((high - low) / (2.0 * 1.895), 1e-12)
+        yield f'resonance {name}', *_held(stats.t.cdf((truth - 0.5 * (low + high)) / spread, 7))
 
 
 def _held(ranks: NDArray[np.float64]) -> tuple[object, ...]:
     """Return how many ranks there are, the share within 90 %, and whether they are uniform."""
+    if not len(ranks):
+        return 0, '', ''
     counts = np.histogram(ranks, bins=BINS, range=(0.0, 1.0))[0]
-    inside = float(((ranks >= 0.05) & (ranks <= 0.95)).mean()) if len(ranks) else math.nan
+    inside = float(((ranks >= 0.05) & (ranks <= 0.95)).mean())
     return len(ranks), f'{inside:.2f}', f'{stats.chisquare(counts).pvalue:.3f}'
 
 
