@@ -91,7 +91,13 @@ def next_step(diagnosis: Any) -> str:
     if result == 'insufficient':
         standing = shaft_speed(diagnosis) == 'standing'
         return 'Measure while the shaft turns.' if standing else 'Supply what the reasons name.'
-    return STEPS[int(getattr(diagnosis, 'stage', 0))]
+    return STEPS[_stage(diagnosis)]
+
+
+def _stage(diagnosis: Any) -> int:
+    """Return the stage of a verdict; 0 where it has none, or one that does not exist."""
+    stage = recorded(diagnosis, 'stage')
+    return int(stage) if stage in range(len(STAGES)) else 0
 
 
 def facts(diagnosis: Any) -> list[tuple[str, str]]:
@@ -109,7 +115,7 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
         )
     rows.append(('Shaft', shaft_speed(diagnosis)))
     rows.append(('Confidence', f'{diagnosis.confidence:.0%}'))
-    stage = int(getattr(diagnosis, 'stage', 0))
+    stage = _stage(diagnosis)
     if stage:
         rows.append(('Stage', f'{stage} of 4, {STAGES[stage]}'))
     if math.isfinite(diagnosis.rms):
