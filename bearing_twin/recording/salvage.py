@@ -25,6 +25,7 @@ from bearing_twin.recording.mcapfile import (
 )
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
@@ -47,6 +48,13 @@ ATTEMPT = 1024
 LENGTHS = {Opcode.FOOTER: 20, Opcode.DATA_END: 4, Opcode.SUMMARY_OFFSET: 17}
 """Lengths of records that have but one."""
 TABLES = (Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
+IDLE = (
+    *(Opcode.ATTACHMENT_INDEX, Opcode.CHUNK_INDEX, Opcode.DATA_END, Opcode.METADATA_INDEX),
+    Opcode.STATISTICS,
+)
+"""Kinds that agree with their length, whatever is inside."""
+SHORT = 4096
+"""Records up to this length are stepped over together where many alike follow one another."""
 PRIVATE = 0x80
 """Opcodes from here on are free for anybody's use."""
 
@@ -92,12 +100,17 @@ def sound_records(
         raw, data = found
         if raw.opcode == Opcode.FOOTER:
             return
+        end = raw.end
+        if data is None and (raw.opcode in IDLE or raw.opcode >= PRIVATE):
+            end = search.end_of_run(raw)
         if damaged is not None and raw.opcode >= PRIVATE:
             text = f'the record at byte {offset} is of the unknown kind {raw.opcode}'
-            damaged(BrokenRecording(text, offset, raw.end - offset))
+            if end > raw.end:
+                text += f', and so are all up to byte {end}'
+            damaged(BrokenRecording(text, offset, end - offset))
         if data is not None:
             yield raw, data
-        offset = raw.end
+        offset = end
 
 
 def _record(
@@ -173,6 +186,29 @@ class _Search:
             rest = raw.begin + stream.count
             return rest == raw.end or not self._plausible(rest)
         return True
+
+    def end_of_run(self, raw: RawRecord) -> int:
+        """
+        Return where the records end that follow ``raw`` and begin as it does.
+
+        Millions of empty records are a small file: one by one they would take minutes.
+        """
+        step, end = raw.end - raw.offset, raw.end
+        if step > SHORT:
+            return end
+        head = np.frombuffer(read_at(self.file, raw.offset, RECORD_HEAD.size), np.uint8)
+        room = step
+        while end < self.size:
+            block = read_at(self.file, end, min(room, self.size - end))
+            rows = np.frombuffer(block, np.uint8, len(block) // step * step).reshape(-1, step)
+            alike = (rows[:, : head.size] == head).all(axis=1)
+            count = len(alike) if alike.all() else int(alike.argmin())
+            end += count * step
+            if count < room // step:
+                break
+            # Most records have no like behind them: look ahead only as far as it pays.
+            room = min(8 * room, BLOCK)
+        return end
 
     def sound_from(self, offset: int) -> int:
         """Return where to go on after the damaged record at ``offset``: the end, at last."""
