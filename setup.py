@@ -16,7 +16,7 @@ NAME = 'bearing_twin'
 PIP = {'bdist_wheel', 'dist_info', 'editable_wheel'}
 """Commands that pip runs and colcon does not."""
 
-NODES = ('adapter', 'diagnosis', 'fleet', 'recorder', 'replay', 'twin')
+NODES = ('adapter', 'calibration', 'diagnosis', 'fleet', 'recorder', 'replay', 'twin')
 
 EXECUTABLE = """#!/bin/sh
 # What 'ros2 run' and 'ros2 launch' find; the interpreter is that of the environment it lies in.

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
 __all__ = ['document', 'main']
 
-NODES = ('twin', 'diagnosis', 'recorder', 'replay', 'adapter', 'fleet')
+NODES = ('twin', 'diagnosis', 'calibration', 'recorder', 'replay', 'adapter', 'fleet')
 
 INTRODUCTION = """\
 # Nodes
@@ -142,6 +142,7 @@ TOPICS = {
     'twin_checkpoint': 'complete state, from which a recording is re-run to the bit',
     'diagnosis_checkpoint': 'complete state, from which a recording is re-run to the bit',
     'diagnosis': 'verdict with evidence',
+    'calibration': 'the twin fitted to the machine: quantities with intervals, and the residual',
     'spectrum': 'amplitude spectrum of the window: the largest in each step of about 1 Hz',
     'envelope_spectrum': 'squared envelope spectrum of the window with fault cursors',
     **{f'features/{name}': f'`{name}` of the verdict, in a standard type' for name in FEATURES},

@@ -22,6 +22,7 @@ def generate_launch_description() -> LaunchDescription:
             Argument('params_file', 'parameter file', shared('config', 'machine.yaml')),
             Argument('samples', 'topic of the accelerometer', 'samples'),
             Argument('twin', 'run the twin beside the machine', 'true', bool),
+            Argument('calibrate', 'fit the twin to the machine', 'false', bool),
             Argument('record', 'record to MCAP', 'true', bool),
             Argument('regex', 'topics to record', ['/', namespace, '/.*|/diagnostics']),
             Argument('output', 'bag folder; empty: bearing_twin_DATE-TIME here'),
@@ -33,8 +34,9 @@ def generate_launch_description() -> LaunchDescription:
             'diagnosis': (),
             'adapter': (),
             'twin': (),
+            'calibration': (),
         },
-        conditions={'recorder': 'record', 'twin': 'twin'},
+        conditions={'recorder': 'record', 'twin': 'twin', 'calibration': 'calibrate'},
         remappings={
             'adapter': {
                 'samples': LaunchConfiguration('samples'),
@@ -42,5 +44,5 @@ def generate_launch_description() -> LaunchDescription:
             },
             'twin': {'vibration': 'twin/vibration'},
         },
-        respawned=('adapter', 'diagnosis', 'twin', 'recorder'),
+        respawned=('adapter', 'diagnosis', 'twin', 'calibration', 'recorder'),
     )

@@ -99,7 +99,10 @@ def test_colcon_installs_nodes_for_ros2_run_and_the_command_for_the_path(tmp_pat
     assert f'--base-paths {ROOT} {ROOT / "msg_defs"}' in built.stderr
     prefix = tmp_path / 'install' / 'bearing_twin'
     nodes = {path.name for path in (prefix / 'lib' / 'bearing_twin').iterdir()}
-    assert nodes == {'adapter', 'bearing-twin', 'diagnosis', 'fleet', 'recorder', 'replay', 'twin'}
+    assert nodes == {
+        *('adapter', 'bearing-twin', 'calibration', 'diagnosis', 'fleet', 'recorder', 'replay'),
+        'twin',
+    }
     sourced = f'. {tmp_path}/install/local_setup.sh && bearing-twin --version'
     said = subprocess.run(['sh', '-c', sourced], check=True, capture_output=True, text=True)
     assert said.stdout.split() == ['bearing-twin', bearing_twin.__version__]

@@ -34,7 +34,8 @@ LEAST_S = 2.0
 DECISIONS_A_YEAR = 365 * 24 * 60
 """One decision a minute."""
 LEAST, MOST = 30, 512
-"""Healthy decisions from which a limit is known, and that are kept."""
+"""Healthy decisions from which a limit is known, and after which no more are learnt: a sensor that
+drifts slowly must not teach that it does."""
 LEAST_DB = 0.25
 """Least standard deviation of a difference: no sensor is known to the hundredth of a decibel."""
 CONFIRMING = 5
@@ -169,6 +170,8 @@ class Residual:
     rows: list[list[float]] = field(default_factory=list)
     recent: list[list[float]] = field(default_factory=list)
     """The newest decisions, of which the median is judged."""
+    waiting: list[list[float]] = field(default_factory=list)
+    """Decisions that are learnt from if no alarm follows."""
 
     def __post_init__(self) -> None:
         self._limits: tuple[FloatArray, FloatArray, float] | None = None
@@ -176,11 +179,29 @@ class Residual:
     def learn(self, names: tuple[str, ...], difference: FloatArray) -> None:
         """Take the difference, machine minus twin, dB, of a healthy decision."""
         if names != self.names:
-            self.names, self.rows, self.recent = tuple(names), [], []
-        self._limits = None
-        self.rows.append([float(value) for value in difference])
-        if len(self.rows) > MOST:
-            del self.rows[0]
+            self.names, self.rows, self.recent, self.waiting = tuple(names), [], [], []
+        if len(self.rows) < MOST:
+            self._limits = None
+            self.rows.append([float(value) for value in difference])
+
+    def update(
+        self, names: tuple[str, ...], difference: FloatArray, *, healthy: bool
+    ) -> Unexplained:
+        """
+        Judge a decision, and learn from those before it that have proved healthy.
+
+        A decision waits for as many as an alarm needs: what an alarm begins with is not learnt.
+        """
+        found = self.judge(names, difference)
+        if found.alarm or not healthy or names != self.names:
+            self.waiting = []
+        if healthy and not found.alarm:
+            self.waiting.append([float(value) for value in difference])
+        if len(self.waiting) > CONFIRMING or not self.rows:
+            for row in self.waiting[:1]:
+                self.learn(names, np.array(row))
+            self.waiting = self.waiting[1:]
+        return found
 
     def judge(self, names: tuple[str, ...], difference: FloatArray) -> Unexplained:
         """Compare a decision with the healthy ones."""
@@ -217,7 +238,8 @@ class Residual:
         """
         try:
             found = cls(tuple(map(str, values['names'])), values['rows'], values['recent'])
-            rows = [*found.rows, *found.recent]
+            found.waiting = list(values['waiting'])
+            rows = [*found.rows, *found.recent, *found.waiting]
             sound = all(len(row) == len(found.names) for row in rows)
             sound &= np.array(rows, dtype=np.float64).ndim < 3
         except (KeyError, TypeError, ValueError):

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = ['NODES', 'configure', 'run']
 
-NODES = ('adapter', 'diagnosis', 'fleet', 'recorder', 'replay', 'twin')
+NODES = ('adapter', 'calibration', 'diagnosis', 'fleet', 'recorder', 'replay', 'twin')
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -23,6 +23,7 @@ OWN_TOPICS = {
     'twin_checkpoint': 'bearing_twin_msgs/msg/Checkpoint',
     'diagnosis': 'bearing_twin_msgs/msg/Diagnosis',
     'diagnosis_checkpoint': 'bearing_twin_msgs/msg/Checkpoint',
+    'calibration': 'bearing_twin_msgs/msg/Calibration',
     'envelope_spectrum': 'bearing_twin_msgs/msg/Spectrum',
     'spectrum': 'bearing_twin_msgs/msg/Spectrum',
     **{f'features/{name}': 'std_msgs/msg/Float64MultiArray' for name in FEATURES},

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_FAULT
 from bearing_twin.view.style import Colour, FAMILIES, LINE
 
-__all__ = ['DIAGNOSIS', 'TWIN_STATE', 'Limit', 'Panel', 'Trend', 'recorded']
+__all__ = ['CALIBRATION', 'DIAGNOSIS', 'TWIN_STATE', 'Limit', 'Panel', 'Trend', 'recorded']
 
 
 def recorded(message: Any, field: str, index: int | None = None) -> float:
@@ -166,3 +166,33 @@ DIAGNOSIS = (
     ),
 )
 """Of a Diagnosis."""
+
+CALIBRATION = (
+    Panel(
+        'width',
+        'Width of the defect [mm]: 5, 50 and 95 %',
+        (
+            Trend('q95', '95 %', LINE['fourth'], 'width_q95'),
+            Trend('median', 'median', LINE['first'], 'width_median'),
+            Trend('q05', '5 %', LINE['second'], 'width_q05'),
+        ),
+        from_zero=True,
+    ),
+    Panel(
+        'residual',
+        'What the twin does not explain [limits]',
+        (Trend('residual', 'residual', LINE['third'], 'residual'),),
+        Limit('alarm above 1', 1.0),
+        from_zero=True,
+    ),
+    Panel(
+        'distance',
+        'Spectrum of twin from machine [dB]',
+        (
+            Trend('before', 'not fitted', LINE['measured'], 'distance_before'),
+            Trend('fitted', 'fitted', LINE['first'], 'distance'),
+        ),
+        from_zero=True,
+    ),
+)
+"""Of a Calibration."""

@@ -80,7 +80,7 @@ def test_nothing_is_said_before_the_limit_is_known_and_what_was_learnt_is_kept()
     )
     # Another sample rate has other bands: what was learnt is of no use.
     assert math.isnan(again.judge(('20 Hz',), np.zeros(1)).number)
-    for broken in ({}, {'names': names, 'rows': [[1.0]], 'recent': []}):
+    for broken in ({}, {'names': names, 'rows': [[1.0]], 'recent': [], 'waiting': []}):
         with pytest.raises(BearingTwinError, match='use what was saved'):
             Residual.of(broken)
     with pytest.raises(BearingTwinError, match='2 s of finite samples'):

@@ -69,6 +69,8 @@ class Machine:
     """TwinState messages, thinned."""
     last_state: Any = None
     """The last TwinState message; None without a twin."""
+    calibrations: list[tuple[float, Any]] = field(default_factory=list)
+    """Calibration messages."""
     worst_lateness: float = math.nan
     """Of any block, s."""
     vibration: list[tuple[float, float, float]] = field(default_factory=list)
@@ -162,6 +164,7 @@ class _Collector:
         self._takers: dict[str, Callable[[float, Any], None]] = {
             'bearing_twin_msgs/msg/Diagnosis': self._diagnosis,
             'bearing_twin_msgs/msg/Checkpoint': self._checkpoint,
+            'bearing_twin_msgs/msg/Calibration': self._calibration,
             SPECTRUM: self._spectrum,
             'bearing_twin_msgs/msg/TwinState': self._state,
             'bearing_twin_msgs/msg/Vibration': self._vibration,
@@ -182,6 +185,9 @@ class _Collector:
         self.machine.diagnoses.append((time, message))
         self.machine.headline.take(time, message)
         self.machine.over_temperature.diagnosis(message)
+
+    def _calibration(self, time: float, message: Any) -> None:
+        self.machine.calibrations.append((time, message))
 
     def _checkpoint(self, _: float, message: Any) -> None:
         node = str(message.node)

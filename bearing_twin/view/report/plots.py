@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from textwrap import wrap
 from typing import Any, TYPE_CHECKING
 
@@ -17,7 +18,7 @@ from bearing_twin.view.report.svg import (
     WIDTH,
 )
 from bearing_twin.view.spectrum import ENVELOPE, SpectrumPicture
-from bearing_twin.view.trends import DIAGNOSIS, recorded, TWIN_STATE
+from bearing_twin.view.trends import CALIBRATION, DIAGNOSIS, recorded, TWIN_STATE
 from bearing_twin.view.verdict import pretty
 import matplotlib as mpl
 from matplotlib.collections import LineCollection
@@ -53,7 +54,10 @@ def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
         Put before every id in the SVG, so that pictures on one page do not share them.
 
     """
-    plots = (_envelope_spectrum, _history, _over_temperature, _evidence, _waterfall)
+    plots = (
+        _envelope_spectrum, _history, _over_temperature, _evidence, _waterfall, _fitted,
+        _explained,
+    )  # fmt: skip
     return _all(machine, prefix, plots)
 
 
@@ -295,6 +299,40 @@ def _other_evidence(machine: Machine) -> tuple[str, Figure] | None:
 
 def _model(machine: Machine) -> tuple[str, Figure] | None:
     return _panels('The twin over time', TWIN_STATE, machine.states)
+
+
+def _fitted(machine: Machine) -> tuple[str, Figure] | None:
+    if not machine.calibrations:
+        return None
+    statement = machine.calibrations[-1][1].statement
+    caption = f'The twin fitted to the machine: {statement}. Dashed: limit'
+    return _panels(caption, CALIBRATION, machine.calibrations)
+
+
+def _explained(machine: Machine) -> tuple[str, Figure] | None:
+    """Draw the third octaves of machine and twin over each other, their difference below."""
+    if not machine.calibrations:
+        return None
+    message = machine.calibrations[-1][1]
+    bands = [n for n, name in enumerate(message.band) if re.fullmatch(r'\d+ Hz', name)]
+    if not bands:
+        return None
+    hertz = np.array([float(message.band[n].split()[0]) for n in bands])
+    measured, twin = (
+        np.array(levels, dtype=float)[bands]
+        for levels in (message.measured_level, message.twin_level)
+    )
+    figure = Figure(figsize=(WIDTH, 2.6), layout='constrained')
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    above.step(hertz, measured, where='mid', color='#424242', label='machine')
+    above.step(hertz, twin, where='mid', color='#1565c0', label='twin', linewidth=1.1)
+    above.set_title('third octaves [dB]')
+    above.legend(loc='upper left', ncols=2)
+    below.bar(hertz, measured - twin, width=0.2 * hertz, color='#c62828')
+    below.set_title('machine over twin [dB]')
+    below.set_xscale('log')
+    below.set_xlabel('frequency [Hz]')
+    return f'Machine and fitted twin; {message.residual_reason}', figure
 
 
 def _panels(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.view.over_temperature import QUANTITIES
 from bearing_twin.view.rerun.bearing3d import MAGNIFIED, SLOWED
-from bearing_twin.view.trends import DIAGNOSIS, TWIN_STATE
+from bearing_twin.view.trends import CALIBRATION, DIAGNOSIS, TWIN_STATE
 import rerun.blueprint as rrb
 
 if TYPE_CHECKING:
@@ -315,6 +315,10 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
         *_panels(scene, 'diagnosis', DIAGNOSIS, 'significance', 'level'),
         *_temperatures(scene),
     ]
+    fitted = [
+        rrb.TextDocumentView(origin=f'{path}/words', name='What the vibration tells')
+        for path in _of(scene, 'calibration')
+    ]
     pages = (
         _rows((5, verdict), (2.5, trends), name='Verdict'),
         _rows((4, waves[:2]), (4, [*waves[2:], *amplitude]), name='Vibration'),
@@ -325,6 +329,7 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
             name='Temperature',
         ),
         _rows((4, twin[:3]), (4, twin[3:]), name='Twin'),
+        _rows((4, _panels(scene, 'calibration', CALIBRATION)), (5, fitted), name='Calibration'),
     )
     return [page for page in pages if page is not None]
 

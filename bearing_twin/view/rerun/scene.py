@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.view.rerun.calibration import CalibrationPicture
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.generic import AnyPicture
 from bearing_twin.view.rerun.lanes import HealthPicture
@@ -30,6 +31,7 @@ PICTURES: dict[str, type[Picture]] = {
     'bearing_twin_msgs/msg/TwinState': TwinPicture,
     'bearing_twin_msgs/msg/Diagnosis': VerdictPicture,
     'bearing_twin_msgs/msg/Spectrum': SpectrumBars,
+    'bearing_twin_msgs/msg/Calibration': CalibrationPicture,
     'bearing_twin_msgs/msg/Checkpoint': CheckpointPicture,
     'sensor_msgs/msg/Temperature': TemperaturePicture,
     'diagnostic_msgs/msg/DiagnosticArray': HealthPicture,

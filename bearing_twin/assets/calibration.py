@@ -1,0 +1,282 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""From blocks of vibration to calibrations of the twin: when, on what, and as which message."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import asdict, dataclass, field
+import json
+import math
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.assets.diagnosis_parameters import build_bearing
+from bearing_twin.assets.messages import floats, message_header
+from bearing_twin.bearing import PLACES
+from bearing_twin.calibration import Calibration as Fitted
+from bearing_twin.calibration import fit
+from bearing_twin.calibration.fit import fitted_vibration
+from bearing_twin.calibration.residual import Residual, spectral_levels, Unexplained
+from bearing_twin.diagnosis.state import pack, unpack
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.stamps import samples_ns
+from bearing_twin_msgs.msg import Calibration
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from bearing_twin.bearing import Bearing
+    from bearing_twin.streams.vibration_input import VibrationBlock
+    from bearing_twin_msgs.msg import Diagnosis
+    from numpy.typing import NDArray
+
+__all__ = ['CalibrationCore', 'Fit', 'Task', 'work']
+
+_VERSION = 2001
+SHARE = 1.0 / 3.0
+"""Most of one core that is used, over time: 10 s each 30 s."""
+DECISION_S = 60.0
+"""Time from one decision on the residual to the next: its alarm rate is counted for that."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """A record to be fitted; plain values that go to another process."""
+
+    samples: NDArray[np.float64]
+    sample_rate: float
+    bearing: Bearing
+    shaft_hz: float
+    temperature: float
+    unit: str
+    place: str | None
+    load: tuple[float, float] | None
+    candidates: int
+    reference: dict[str, Any] | None
+    """The calibration that the residual is taken from; None: the one that is found."""
+    stamp: int
+    """ns."""
+    frame_id: str
+    first_sample: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """What became of a task."""
+
+    found: dict[str, Any]
+    """The calibration, as plain values."""
+    bands: tuple[str, ...]
+    measured: NDArray[np.float64]
+    """Level of the machine in each band, dB, shape (m,)."""
+    twin: NDArray[np.float64]
+    """Level of the twin of the reference, dB, shape (m,)."""
+
+
+def work(task: Task) -> Fit:
+    """
+    Fit a record, and take the spectra of machine and twin; in a process of its own.
+
+    Raises
+    ------
+    BearingTwinError
+        If the record cannot be fitted.
+
+    """
+    found = fit(
+        task.samples, task.sample_rate, task.bearing, task.shaft_hz, load=task.load,
+        temperature=task.temperature, unit=task.unit, place=task.place,
+        candidates=task.candidates,
+    )  # fmt: skip
+    reference = Fitted.from_dict(task.reference) if task.reference else found
+    here = reference.at(shaft_hz=task.shaft_hz)
+    if math.isfinite(task.temperature):
+        here = here.at(temperature=task.temperature)
+    seconds = len(task.samples) / task.sample_rate
+    # The twin may run at a lower rate than the sensor; bands beyond it are not compared.
+    bands, measured = spectral_levels(task.samples, task.sample_rate, task.shaft_hz)
+    names, levels = spectral_levels(
+        fitted_vibration(here, seconds), here.situation.sample_rate, task.shaft_hz
+    )
+    own = dict(zip(names, levels, strict=True))
+    twin = np.array([own.get(band, math.nan) for band in bands])
+    return Fit(found=found.to_dict(), bands=bands, measured=measured, twin=twin)
+
+
+@dataclass
+class _Record:
+    """The newest samples, without a gap."""
+
+    parts: deque[NDArray[np.float32]] = field(default_factory=deque)
+    held: int = 0
+    following: int = -1
+
+    def add(self, block: VibrationBlock, most: int) -> None:
+        if block.first_sample != self.following:
+            self.parts.clear()
+            self.held = 0
+        self.parts.append(block.samples)
+        self.held += len(block.samples)
+        self.following = block.first_sample + len(block.samples)
+        while self.held - len(self.parts[0]) >= most:
+            self.held -= len(self.parts.popleft())
+
+
+class CalibrationCore:
+    """
+    The calibration that a set of parameters describes: no clocks, no threads, no topics.
+
+    Parameters
+    ----------
+    values
+        Parameters of the calibration node.
+
+    Raises
+    ------
+    BearingTwinError
+        If they do not fit together.
+
+    """
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        self._values = values
+        self.bearing = build_bearing(values)
+        low, high = values['load_low'], values['load_high']
+        if bool(low) != bool(high) or low > high:
+            msg = f'load_low={low} N and load_high={high} N are no range; give both, or neither'
+            raise BearingTwinError(msg)
+        self._load = (low, high) if high else None
+        self._record = _Record()
+        self._place: str | None = None
+        self._well = False
+        self._next = -math.inf
+        self._decided = -math.inf
+        self._residual = Residual()
+        self._reference: dict[str, Any] | None = None
+        self.unexplained = Unexplained(math.nan, '', math.nan, 'nothing was fitted yet')
+
+    def verdict(self, message: Diagnosis) -> None:
+        """Take what the diagnosis says: where a defect is looked for, and what health is."""
+        place = message.faults[0] if message.faults else ''
+        fault = message.level == message.LEVEL_FAULT and place in PLACES
+        self._place = place if fault else 'none'
+        self._well = message.level == message.LEVEL_OK
+
+    def take(
+        self, block: VibrationBlock, *, stamp: int, frame_id: str, temperature: float,
+        shaft_hz: float, now: float,
+    ) -> Task | None:  # fmt: skip
+        """
+        Take a block; return what is to be fitted, if it is due.
+
+        Parameters
+        ----------
+        block
+            The block.
+        stamp
+            Of its first sample, ns.
+        frame_id
+            Of the sensor.
+        temperature
+            Of the bearing, degC; NaN where there is none.
+        shaft_hz
+            Speed to use where the block has none, Hz; NaN if unknown.
+        now
+            s, on any clock that runs on.
+
+        """
+        wanted = round(self._values['window'] * block.sample_rate)
+        self._record.add(block, wanted)
+        hertz = shaft_hz if math.isnan(block.shaft_hz) else block.shaft_hz
+        if self._record.held < wanted or now < self._next or not hertz > 0.0:
+            return None
+        self._next = now + self._values['period']
+        samples = np.concatenate(self._record.parts)[-wanted:].astype(np.float64)
+        first = self._record.following - wanted
+        return Task(
+            samples=samples, sample_rate=block.sample_rate, bearing=self.bearing,
+            shaft_hz=hertz, temperature=temperature, unit=block.unit, place=self._place,
+            load=self._load, candidates=self._values['candidates'], reference=self._reference,
+            stamp=stamp + samples_ns(first - block.first_sample, block.sample_rate),
+            frame_id=frame_id, first_sample=first,
+        )  # fmt: skip
+
+    def conclude(self, task: Task, done: Fit, now: float) -> Calibration:
+        """Take what was fitted; return the message, and put the next fit off if it cost much."""
+        cost = float(done.found['cost_s'])
+        self._next = max(self._next, now + cost * (1.0 / SHARE - 1.0))
+        decides = now - self._decided >= DECISION_S
+        if self._well and self._reference is None and done.found['defect'] == 'none':
+            self._reference = done.found
+        if self._reference is not None and task.reference is not None and decides:
+            self._decided = now
+            difference = done.measured - done.twin
+            self.unexplained = self._residual.update(done.bands, difference, healthy=self._well)
+        elif self._reference is None:
+            said = 'no calibration of the healthy machine yet: the diagnosis is not ok'
+            self.unexplained = Unexplained(math.nan, '', math.nan, said)
+        return self._message(task, done)
+
+    def _message(self, task: Task, done: Fit) -> Calibration:
+        found, said = done.found, self.unexplained
+        spectrum, quantities = found['spectrum'], found['quantities']
+        before = spectrum['level_before_db']
+        columns = {
+            key: [value[key] for value in quantities.values()]
+            for key in ('q05', 'median', 'q95', 'identifiable', 'why')
+        }
+        return Calibration(
+            header=message_header(task.stamp, task.frame_id),
+            first_sample=task.first_sample,
+            sample_count=len(task.samples),
+            sample_rate=task.sample_rate,
+            bearing=task.bearing.name,
+            shaft_hz=task.shaft_hz,
+            temperature=task.temperature,
+            defect=found['defect'],
+            statement=found['statement'],
+            quantity=list(quantities),
+            quantity_unit=[value['unit'] for value in quantities.values()],
+            **columns,
+            **{
+                f'width_{key}': quantities.get('defect_width_mm', {}).get(key, math.nan)
+                for key in ('q05', 'median', 'q95')
+            },
+            distance_before=spectrum['distance_before_db'],
+            distance=spectrum['distance_after_db'],
+            level_before=math.nan if before is None else before,
+            level=spectrum['level_after_db'],
+            residual=said.number,
+            residual_alarm=said.alarm,
+            residual_where=said.where,
+            residual_over=said.over,
+            residual_reason=said.reason,
+            band=list(done.bands),
+            measured_level=floats(done.measured),
+            twin_level=floats(done.twin),
+            cost=float(found['cost_s']),
+            json=json.dumps(found),
+        )
+
+    def save(self) -> bytes:
+        """Return what is worth keeping over a restart: the healthy twin, and its residual."""
+        values = {'reference': self._reference, 'residual': asdict(self._residual)}
+        return pack(_VERSION, values, {})
+
+    def load(self, data: bytes) -> None:
+        """
+        Take up a saved state.
+
+        Raises
+        ------
+        BearingTwinError
+            If the bytes are not such a state; the present state is then unchanged.
+
+        """
+        values, _ = unpack(data, _VERSION)
+        reference = values.get('reference')
+        if reference is not None:
+            Fitted.from_dict(reference)
+        self._residual = Residual.of(values.get('residual', {}))
+        self._reference = reference

@@ -1,0 +1,215 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Calibration node: the twin fitted to measured vibration, with intervals and a residual."""
+
+from __future__ import annotations
+
+from concurrent.futures import ProcessPoolExecutor
+import math
+from multiprocessing import get_context
+import os
+import sys
+import time
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.assets.calibration import CalibrationCore, work
+from bearing_twin.assets.calibration_parameters import SPECS
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes.diagnosis_topics import SILENT_AFTER
+from bearing_twin.ros.health import Health, Level, Status
+from bearing_twin.ros.lifecycle import ManagedNode, run
+from bearing_twin.ros.qos import MEASUREMENT, OVERRIDES, own, RESULT, STREAM
+from bearing_twin.ros.subscribing import subscribe
+from bearing_twin.stamps import stamp_ns
+from bearing_twin.streams.shaft import ShaftSpeed
+from bearing_twin.streams.statefile import StateFolder
+from bearing_twin.streams.vibration_input import read_vibration, SourceLock
+from bearing_twin.thermal.gate import TemperatureGate
+from bearing_twin_msgs.msg import Calibration, Diagnosis, Vibration
+from rclpy.clock import Clock, ClockType
+from sensor_msgs.msg import JointState, Temperature
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from concurrent.futures import Future
+
+    from bearing_twin.assets.calibration import Fit, Task
+    from rclpy.subscription import MessageInfo
+
+__all__ = ['SPECS', 'CalibrationNode', 'main']
+
+POLL = 0.2
+"""Time between looks at the worker, s."""
+GENTLE = 10
+"""Niceness of the worker: blocks of twin and recorder come first."""
+
+
+class CalibrationNode(ManagedNode):
+    """
+    Fit the twin to measured vibration again and again, and say what it leaves unexplained.
+
+    The fit runs in a process of its own, of low priority, and takes at most a third of one core.
+    """
+
+    def __init__(self) -> None:
+        super().__init__('calibration', SPECS)
+
+    def check(self, values: Mapping[str, Any]) -> None:
+        """Refuse parameters that do not fit together."""
+        CalibrationCore(values)
+
+    def setup(self) -> None:
+        """Create the publisher, the statuses and the worker."""
+        p = self.parameters
+        self._core = CalibrationCore(p.values)
+        self._shaft = ShaftSpeed(nominal=p['shaft_hz'] or math.nan, joint=p['joint'])
+        self._sources, self._gate = SourceLock(), TemperatureGate()
+        self._arrived = math.nan
+        self._problem, self._latest = '', None
+        self._running: tuple[Task, Future[Fit]] | None = None
+        self._states = StateFolder(p['state_directory'])
+        self._load_state()
+        self._worker = ProcessPoolExecutor(
+            1, mp_context=get_context('spawn'), initializer=os.nice, initargs=(GENTLE,)
+        )
+        self._out = self.create_lifecycle_publisher(
+            Calibration, 'calibration', own(RESULT), qos_overriding_options=OVERRIDES
+        )
+        self._health = Health(self, p['hardware_id'] or self.get_namespace())
+        self._health.add('calibration', self.status)
+        self._health.add('residual', self.residual_status)
+
+    def start(self) -> None:
+        """Listen."""
+        topics = [
+            (Vibration, 'vibration', self._on_vibration, STREAM),
+            (Temperature, 'temperature', self._on_temperature, MEASUREMENT),
+            (Diagnosis, 'diagnosis', self._on_diagnosis, RESULT),
+        ]
+        if self.parameters['joint']:
+            topics.append((JointState, 'joint_states', self._on_joints, MEASUREMENT))
+        self._inputs = [subscribe(self, *topic) for topic in topics]
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._timer = self.create_timer(POLL, self._look, clock=steady)
+
+    def stop(self) -> None:
+        """Stop listening and keep what was learnt."""
+        self.destroy_timer(self._timer)
+        for subscription in self._inputs:
+            self.destroy_subscription(subscription)
+        self._keep_state()
+
+    def teardown(self) -> None:
+        """Destroy what setup created."""
+        self._worker.shutdown(wait=False, cancel_futures=True)
+        self._states.release()
+        self._health.destroy()
+        self.destroy_lifecycle_publisher(self._out)
+
+    def apply(self, values: Mapping[str, Any]) -> None:
+        """Take changed parameters; what was learnt of another bearing is forgotten."""
+        self._core = CalibrationCore(values)
+        self._shaft.set_nominal(values['shaft_hz'] or math.nan)
+
+    def _on_temperature(self, message: Temperature, _: MessageInfo) -> None:
+        stamp = stamp_ns(message.header.stamp)
+        self._gate.offer(message.temperature, stamp=stamp, now=time.monotonic())
+
+    def _on_joints(self, message: JointState, _: MessageInfo) -> None:
+        self._shaft.offer(message.name, message.velocity, now=time.monotonic())
+
+    def _on_diagnosis(self, message: Diagnosis, _: MessageInfo) -> None:
+        self._core.verdict(message)
+
+    def _on_vibration(self, message: Vibration, info: MessageInfo) -> None:
+        now = time.monotonic()
+        if not self._sources.accept(info.get('publisher_gid'), now):
+            return
+        try:
+            block = read_vibration(message, self.parameters['axis'])
+        except BearingTwinError as error:
+            self._problem = str(error)
+            return
+        self._arrived = now
+        task = self._core.take(
+            block,
+            stamp=stamp_ns(message.header.stamp),
+            frame_id=message.header.frame_id,
+            temperature=self._gate.at(now).taken,
+            shaft_hz=self._shaft.hz,
+            now=now,
+        )
+        if task is not None and self._running is None:
+            self._running = (task, self._worker.submit(work, task))
+
+    def _look(self) -> None:
+        """Publish what the worker has finished."""
+        if self._running is None or not self._running[1].done():
+            return
+        (task, future), self._running = self._running, None
+        try:
+            self._latest = self._core.conclude(task, future.result(), time.monotonic())
+        except (BearingTwinError, OSError) as error:
+            self._problem = str(error)
+            self.get_logger().warning(f'not fitted: {error}', throttle_duration_sec=60.0)
+            return
+        self._problem = ''
+        self._out.publish(self._latest)
+        self._keep_state()
+
+    def _load_state(self) -> None:
+        name = self.parameters['state_name']
+        if not name or not self._states.path(name).exists():
+            return
+        try:
+            self._core.load(self._states.load(name))
+        except BearingTwinError as error:
+            kept = self._states.set_aside(name)
+            self.get_logger().error(f'{error}; {kept}; the healthy twin is fitted anew')
+
+    def _keep_state(self) -> None:
+        name = self.parameters['state_name']
+        if not name or self._latest is None:
+            return
+        try:
+            self._states.replace(name, self._core.save())
+        except BearingTwinError as error:
+            self.get_logger().error(str(error), throttle_duration_sec=60.0)
+
+    def status(self) -> Status:
+        """Status of the calibration for /diagnostics."""
+        found = self._latest
+        values: dict[str, object] = {'bearing': f'bearing {self._core.bearing.name}'}
+        if found is not None:
+            values |= {
+                'statement': found.statement,
+                'distance_db': found.distance,
+                'level_over_machine_db': found.level,
+                'cost_s': found.cost,
+            }
+        age = time.monotonic() - self._arrived
+        if not age <= SILENT_AFTER:
+            text = 'no vibration yet' if math.isnan(age) else f'no vibration for {age:.1f} s'
+            return Status(Level.STALE, text, values)
+        if self._problem:
+            return Status(Level.WARN, f'not fitted: {self._problem}', values)
+        if found is None:
+            return Status(Level.STALE, 'no calibration yet', values)
+        return Status(Level.OK, found.statement, values, kind='calibration')
+
+    def residual_status(self) -> Status:
+        """Status of what the twin does not explain, for /diagnostics."""
+        said = self._core.unexplained
+        values = {'residual': said.number, 'where': said.where, 'over_twin_db': said.over}
+        if math.isnan(said.number):
+            return Status(Level.STALE, said.reason, values, kind='residual')
+        return Status(Level.WARN if said.alarm else Level.OK, said.reason, values)
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node."""
+    return run(CalibrationNode, args)
+
+
+if __name__ == '__main__':
+    sys.exit(main())
