@@ -42,11 +42,11 @@ def contact(
 
     Examples
     --------
-    One ball of eight, pressed in by 4 um, carries it all:
+    One ball of eight, pressed in by 2 um, carries it all:
 
-    >>> force = contact(0.0, -9e-6, 1e10, healthy_balls(-math.pi / 2, 5e-6, 8))
+    >>> force = contact(0.0, -7e-6, 1e10, healthy_balls(-math.pi / 2, 5e-6, 8))
     >>> [round(value, 3) for value in force[:2]]
-    [0.0, -84.957]
+    [0.0, -28.284]
 
     """
     fx = fy = kxx = kxy = kyy = 0.0
