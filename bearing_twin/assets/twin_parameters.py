@@ -63,7 +63,7 @@ def _group(group: str, owner: type, without: tuple[str, ...] = ()) -> tuple[Spec
 
 _NAMED = tuple(
     _machine(name, implied=False)
-    for name in ('thermal_mode', 'load', 'slip_model', 'jitter', 'noise')
+    for name in ('thermal_mode', 'load', 'slip_model', 'jitter', 'noise', 'waviness')
 )
 """Fields of the twin that every checkpoint names."""
 _IMPLIED = tuple(
@@ -108,7 +108,7 @@ SPECS = (
     Spec(
         name='seed',
         default=0,
-        description='Seed of jitter and noise: the same seed gives the same samples.',
+        description='Seed of jitter, noise and surfaces: the same seed gives the same samples.',
         low=0,
         high=2**31 - 1,
         running=False,

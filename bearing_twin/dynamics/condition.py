@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
+    from bearing_twin.dynamics.waviness import Surfaces
 
 __all__ = ['Condition']
 
@@ -99,6 +100,7 @@ def condition(
     machines: Records,
     defects: Records,
     balls: FloatArray,
+    surfaces: Surfaces,
 ) -> Condition:
     """
     Put together the condition from the state of motion.
@@ -133,5 +135,5 @@ def condition(
         ball_angle=2.0 * math.pi * float(state['spin'] % 1.0),
         inner_x=float(state['q'][0] - state['q'][2]),
         inner_y=float(state['q'][1] - state['q'][3]),
-        ball_force=kernel.ball_forces(states, machines, defects, balls, values),
+        ball_force=kernel.ball_forces(states, machines, defects, balls, surfaces, values),
     )

@@ -20,6 +20,7 @@ from bearing_twin.dynamics.saved import Envelope, identity
 from bearing_twin.dynamics.simulator import Block, Simulator
 from bearing_twin.dynamics.tables import ball_table, defect_table, machine
 from bearing_twin.dynamics.vector import L
+from bearing_twin.dynamics.waviness import surfaces
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import check_temperature
 import numpy as np
@@ -167,9 +168,9 @@ class Fleet:
             at = np.array([done, done + count]) / n
             ramp = start + growth * at[:, None, None]
             advance_all(
-                lanes.groups, lanes.balls, lanes.history, ramp, lanes.drift, lanes.taps,
-                self.next_sample, self.next_sample % self._tick, lanes.oversample, lanes.step,
-                lanes.room, out, done, count,
+                lanes.groups, lanes.balls, lanes.surfaces, lanes.history, ramp, lanes.drift,
+                lanes.taps, self.next_sample, self.next_sample % self._tick, lanes.oversample,
+                lanes.step, lanes.room, out, done, count,
             )  # fmt: skip
             done += count
             self.next_sample += count
@@ -203,6 +204,7 @@ class Fleet:
         return condition(
             p, lanes.law[index], inputs, lanes.motion(index, self.next_sample),
             machine(p, self.sample_rate, lanes.oversample), defect_table(p), ball_table(p),
+            lanes.surfaces_of(index),
         )  # fmt: skip
 
     def reconfigure(self, index: int, parameters: TwinParameters) -> None:
@@ -330,6 +332,9 @@ class Fleet:
         *lanes, self._temperatures, self._shaft_hz, keys = loaded
         self._lanes.set_state(lanes)
         self._lanes.groups['seed'] = keys
+        for index in range(self._lanes.size):
+            p = self._parameters[min(index, len(self) - 1)]
+            self._lanes.roll_on(index, surfaces(p, self._lanes.seed(index)))
         self.next_sample = next_sample
         for index in range(self._lanes.size):
             coefficients.evaluate(

@@ -18,7 +18,8 @@ from typing import Any
 
 from bearing_twin.dynamics.coefficients import INPUTS
 from bearing_twin.dynamics.compiled import compiled
-from bearing_twin.dynamics.fleet_kinematics import grid_point, wrap_phases
+from bearing_twin.dynamics.fleet_kinematics import grid_point, look_up_waves, wrap_phases
+from bearing_twin.dynamics.fleet_layout import WAVE_STEPS
 from bearing_twin.dynamics.fleet_motion import advance
 from bearing_twin.dynamics.fleet_signal import copy, decimate, hand_out
 from bearing_twin.dynamics.layout import CHUNK
@@ -66,6 +67,7 @@ def _inputs(ramp, drift, lane, n, at, since_tick, oversample):
 def advance_all(
     groups: Array,
     slots: Array,
+    surfaces: Array,
     history: Array,
     ramp: Array,
     drift: Array,
@@ -88,6 +90,8 @@ def advance_all(
         GROUP[groups]: state, constants and spalls.
     slots
         float32[groups, balls + 2, BALL_ROWS, L]: see `fleet_layout`.
+    surfaces
+        float32[bearings, numbers]: see `waviness.Surfaces`.
     history
         float32[groups, oversample, (t - 1) * 2 * L]: memory of the decimator.
     ramp, drift
@@ -110,6 +114,11 @@ def advance_all(
     stride = memory + CHUNK * 2 * L
     tile, raw = room[: CHUNK * 2 * L], room[CHUNK * 2 * L :]
     step, steps = np.float32(h), CHUNK * oversample
+    most = slots.shape[1]
+    times = steps // WAVE_STEPS + 2
+    found = np.zeros((L, times, 2 * L * ((most + L - 1) // L)), np.float32)
+    which = np.zeros((most, L), np.uint64)
+    waves = np.zeros((times, most, 2, L), np.float32)
     for number in range(groups.shape[0]):
         group, lane = groups[number], number * L
         balls, remembered = slots[number].reshape(-1), history[number].reshape(-1)
@@ -121,7 +130,15 @@ def advance_all(
             count = min(CHUNK - within, n - done)
             inputs, growth = _inputs(ramp, drift, lane, n, done - within, since_tick, oversample)
             grid_point(group, inputs, growth, (first + done) // CHUNK, within, steps, h)
-            advance(group, balls, within, count, oversample, step, raw, memory // L, stride // L)
+            if group.wavy:
+                look_up_waves(
+                    group, surfaces[lane : lane + L], within * oversample,
+                    (within + count) * oversample, h, which, found, waves,
+                )  # fmt: skip
+            advance(
+                group, balls, waves.reshape(-1), most, within, count, oversample, step, raw,
+                memory // L, stride // L,
+            )  # fmt: skip
             decimate(tile, raw, taps, oversample, group, first + done, count)
             hand_out(tile, out, lane, begin + done, count)
             for phase in range(oversample):

@@ -10,6 +10,8 @@ import math
 
 from bearing_twin.dynamics.coefficients import CLEARANCE, DEPTH, K_B, SHAFT_HZ, SLIP, SPRING
 from bearing_twin.dynamics.compiled import compiled, FAST
+from bearing_twin.dynamics.fleet_layout import WAVE_STEPS
+from bearing_twin.dynamics.layout import SPIN_TURNS
 from bearing_twin.dynamics.model import defect_path
 from bearing_twin.dynamics.random import normal_pairs, WALK
 from bearing_twin.dynamics.vector import (
@@ -22,9 +24,10 @@ from bearing_twin.dynamics.vector import (
     splat,
     store,
 )
+from bearing_twin.dynamics.waviness import look_up, Surfaces
 import numpy as np
 
-__all__ = ['first_slot', 'grid_point', 'open_gap', 'wrap_phases']
+__all__ = ['first_slot', 'grid_point', 'look_up_waves', 'open_gap', 'wrap_phases']
 
 _LOAD = -0.25
 """Direction of the load, turns."""
@@ -131,6 +134,42 @@ def grid_point(group, inputs, growth, index, within, steps, h):
         g.cage_hz[i], g.shaft_hz[i], g.spin_hz[i] = turning, hz, rolling
 
 
+@compiled(fast=FAST, borrows=True)
+def look_up_waves(group, tables, first_step, last_step, h, balls, found, waves):
+    """
+    Fill ``waves`` with what waviness takes from the contacts, m, and at what rate, m/s.
+
+    At every `WAVE_STEPS` steps after the grid point, about those from ``first_step`` to
+    ``last_step``. ``tables`` are those of the lanes; ``balls`` and ``found`` are to work in.
+    """
+    g, rates_from = group, found.shape[2] // 2
+    begin, end = first_step // WAVE_STEPS, (last_step - 1) // WAVE_STEPS + 2
+    for i in range(L):
+        n = int(g.n_balls[i])
+        first = int(first_slot(g.cage[i], n * 1.0))
+        for slot in range(n):
+            ball = first + (slot + 1) // 2 if slot % 2 else first - slot // 2
+            balls[slot, i] = ball + n if ball < 0 else (ball - n if ball >= n else ball)
+        if g.outer_cells[i] == 0:
+            continue
+        room = found[i, 0]
+        surfaces = Surfaces(
+            tables[i], g.width[i], g.outer_cells[i], g.inner_cells[i], g.ball_cells[i], room, 0.0
+        )
+        cage, shaft, spin = g.cage[i], g.shaft[i], g.spin[i]
+        rates = g.cage_hz[i], g.shaft_hz[i], g.spin_hz[i]
+        for k in range(begin, end):
+            time = k * WAVE_STEPS * h
+            phases = cage + time * rates[0], shaft + time * rates[1], spin + time * rates[2]
+            look_up(surfaces, n, phases, rates, found[i, k])
+    for k in range(begin, end):
+        for slot in range(g.balls_in):
+            for i in range(L):
+                ball = balls[slot, i]
+                waves[k, slot, 0, i] = found[i, k, ball]
+                waves[k, slot, 1, i] = found[i, k, rates_from + ball]
+
+
 @compiled(inline=True)
 def _small_sines(angle):
     """Cosine and sine of an angle up to 0.07 rad."""
@@ -148,4 +187,4 @@ def wrap_phases(group, seconds):
         shaft = g.shaft[i] + seconds * g.shaft_hz[i]
         spin = g.spin[i] + seconds * g.spin_hz[i]
         g.cage[i], g.shaft[i] = cage - math.floor(cage), shaft - math.floor(shaft)
-        g.spin[i] = spin - math.floor(spin)
+        g.spin[i] = spin - SPIN_TURNS * math.floor(spin / SPIN_TURNS)

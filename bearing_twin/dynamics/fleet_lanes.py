@@ -13,6 +13,7 @@ from bearing_twin.dynamics import fleet_layout as fl
 from bearing_twin.dynamics.fleet_kernel import room_size
 from bearing_twin.dynamics.fleet_kinematics import first_slot
 from bearing_twin.dynamics.vector import aligned, L
+from bearing_twin.dynamics.waviness import Surfaces
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +29,8 @@ __all__ = ['Lanes', 'check_defects']
 FloatArray = npt.NDArray[np.float64]
 Array = npt.NDArray[Any]
 
-_PHASES = 'cage', 'shaft', 'spin'
+_PHASES = {'cage': 1.0, 'shaft': 1.0, 'spin': layout.SPIN_TURNS}
+"""Turns after which each begins anew."""
 
 
 class Lanes:
@@ -57,6 +59,7 @@ class Lanes:
         slots = self.most_balls + 2
         self.groups = aligned((groups,), fl.GROUP)
         self.balls = aligned((groups, slots, fl.BALL_ROWS, L), np.float32)
+        self.surfaces = np.zeros((self.size, 0), np.float32)
         self.law = np.zeros((self.size, coefficients.LAW_SIZE))
         self.values = np.zeros((self.size, coefficients.CONDITION_SIZE))
         self.drift = np.zeros((self.size, 2, coefficients.INPUTS))
@@ -76,6 +79,7 @@ class Lanes:
             members = parameters[number * L : (number + 1) * L]
             group['balls_in'] = max(member.bearing.n_balls for member in members)
             group['spalls_in'] = max(len(member.defects) for member in members)
+            group['wavy'] = any(member.waviness for member in members)
 
     def motion(self, index: int, next_sample: int) -> Array:
         """State of one bearing as `layout.STATE`, before its `kernel.start`."""
@@ -84,8 +88,8 @@ class Lanes:
         for name in 'qvaj':
             state[name] = group[name][:, lane]
         since = next_sample % layout.CHUNK / self._sample_rate
-        for name in _PHASES:
-            state[name] = (group[name][lane] + since * group[name + '_hz'][lane]) % 1.0
+        for name, whole in _PHASES.items():
+            state[name] = (group[name][lane] + since * group[name + '_hz'][lane]) % whole
         for name in ('cage', 'shaft'):
             angle = 2.0 * math.pi * state[name]
             state[name + '_cos'], state[name + '_sin'] = np.cos(angle), np.sin(angle)
@@ -126,17 +130,41 @@ class Lanes:
         hz, slip = simulator.shaft_hz, snapshot.values[coefficients.SLIP]
         carried = hz * (1.0 - slip)
         speeds = m['ftf_order'] * carried, hz, m['spin_order'] * carried
-        for name, speed in zip(_PHASES, speeds, strict=True):
-            turns = state[name] - since * speed
-            put(group, **{name: turns - np.floor(turns)})
+        for (name, whole), speed in zip(_PHASES.items(), speeds, strict=True):
+            put(group, **{name: (state[name] - since * speed) % whole})
         ahead = 2.0 * math.pi * (state['cage'] + first_slot(group['cage'][lane], n) / n)
         shaft = state['shaft_cos'], state['shaft_sin']
         put(group, directions=(math.cos(ahead), math.sin(ahead), *shaft))
         for slot, record in enumerate(group['spalls']):
             defect = snapshot.defects[slot] if slot < len(snapshot.defects) else None
             put(record, **_spall(defect, m))
+        self.roll_on(index, snapshot.surfaces)
         self.law[index], self.values[index] = snapshot.law, snapshot.values
         self.drift[index], self.rings[index] = snapshot.drift, snapshot.rings
+
+    def roll_on(self, index: int, surfaces: Surfaces) -> None:
+        """Take over the surfaces of one bearing."""
+        number, lane = divmod(index, L)
+        group, table = self.groups[number], surfaces.table
+        missing = len(table) - self.surfaces.shape[1]
+        if missing > 0:
+            self.surfaces = np.pad(self.surfaces, ((0, 0), (0, missing)))
+        self.surfaces[index, : len(table)] = table
+        for name in ('outer', 'inner', 'ball'):
+            group[name + '_cells'][lane] = getattr(surfaces, name)
+        group['width'][lane] = surfaces.width
+        group['highest'][lane] = surfaces.highest
+
+    def surfaces_of(self, index: int) -> Surfaces:
+        """Surfaces of one bearing."""
+        number, lane = divmod(index, L)
+        group = self.groups[number]
+        outer, inner, ball, width = (
+            int(group[name][lane])
+            for name in ('outer_cells', 'inner_cells', 'ball_cells', 'width')
+        )
+        room = np.zeros(2 * L * -(-int(group['n_balls'][lane]) // L), np.float32)
+        return Surfaces(self.surfaces[index], width, outer, inner, ball, room, 0.0)
 
     def state(self) -> list[Array]:
         """Motion, phases, decimators and inner rings, as views."""

@@ -13,10 +13,15 @@ from typing import Any
 from bearing_twin.dynamics.vector import L
 import numpy as np
 
-__all__ = ['BALL_COS', 'BALL_ROWS', 'BALL_SIN', 'CARRIED', 'GROUP', 'MAX_SPALLS', 'NUMBER']
+__all__ = [
+    'BALL_COS', 'BALL_ROWS', 'BALL_SIN', 'CARRIED', 'GROUP', 'MAX_SPALLS', 'NUMBER', 'WAVE_STEPS',
+]  # fmt: skip
 
 MAX_SPALLS = 4
 """Most spalls of one bearing of a fleet."""
+
+WAVE_STEPS = 3
+"""Steps between the instants at which the waves under the balls are looked up."""
 
 _F, _D = np.float32, np.float64
 
@@ -61,16 +66,20 @@ GROUP = np.dtype(
         *_lanes('seed', np.uint64),
         *_rows('to_z to_w', 6),  # rows of `filters.resonator`
         *_rows('read', 3),
+        # Cells and columns of the tables of `waviness`; the highest wave of any ball, m.
+        *_lanes('outer_cells inner_cells ball_cells width', np.int64),
+        *_lanes('highest'),
         # Prescribed from a grid point to the next: inputs and their growth per step; directions
         # turned by a step; speeds (rad/s), unbalance (N), random number of the cage's walk.
         *_rows('k_b depth gap foot', 2),
         *_rows('turned', 4),
         *_lanes('turning omega pull walk'),
         ('spalls', SPALL, MAX_SPALLS),
-        # Most balls and spalls of any lane.
+        # Most balls and spalls of any lane, whether any has waviness.
         ('balls_in', np.int64),
         ('spalls_in', np.int64),
-        ('padding', np.int64, 6),
+        ('wavy', np.int64),
+        ('padding', np.int64, 5),
     ]
 )
 CARRIED = slice(24 * L), slice(12 * L, 18 * L)

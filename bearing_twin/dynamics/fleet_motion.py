@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.fleet_kinematics import open_gap
-from bearing_twin.dynamics.fleet_layout import BALL_COS, BALL_ROWS, BALL_SIN, NUMBER
+from bearing_twin.dynamics.fleet_layout import BALL_COS, BALL_ROWS, BALL_SIN, NUMBER, WAVE_STEPS
 from bearing_twin.dynamics.fleet_signal import sense
 from bearing_twin.dynamics.hermite import correct, taylor, ZERO
 from bearing_twin.dynamics.model import contact_force, ring_motion
@@ -37,6 +37,20 @@ class _Machine(NamedTuple):
     outer_light: Any
     outer_stiffness: Any
     outer_damping: Any
+
+
+class _Waves(NamedTuple):
+    """What waviness takes from the contacts, between two instants at which it is known."""
+
+    wavy: Any
+    rows: Any
+    """Gap (m) and its rate (m/s) of each slot: at the earlier instant from row `begin` on, at the
+    later one `stride` rows further."""
+    begin: Any
+    stride: Any
+    share: Any
+    """How far the step is between both, 0 to 1."""
+    seconds: Any
 
 
 class _Drive(NamedTuple):
@@ -95,7 +109,22 @@ def _few_are_enough(slots, few, c0, s0, x, y, gap):
 
 
 @compiled(inline=True, fast=FAST)
-def _contact(group, slots, n_balls, c0, s0, gap, k_b, q, v, a):
+def _wave(waves, slot):
+    """Gap that waviness opens in a slot, m, and its rate, m/s: the cubic through both instants."""
+    row = waves.begin + 2 * slot
+    here, rate = load(waves.rows, row), load(waves.rows, row + 1)
+    row += waves.stride
+    there, later = load(waves.rows, row), load(waves.rows, row + 1)
+    u, v = waves.share, _F(1.0) - waves.share
+    change = there - here
+    gap = here + u * u * (_F(1.0) + _F(2.0) * v) * change
+    gap += waves.seconds * u * v * (v * rate - u * later)
+    steep = _F(6.0) * u * v / waves.seconds
+    return gap, steep * change + v * (v - _F(2.0) * u) * rate + u * (u - _F(2.0) * v) * later
+
+
+@compiled(inline=True, fast=FAST)
+def _contact(group, slots, waves, n_balls, c0, s0, gap, k_b, q, v, a):
     """Force of the balls on the outer ring, N, and its rate, N/s."""
     turning = load(group.turning, 0)
     x, y, vx, vy = q[0] - q[2], q[1] - q[3], v[0] - v[2], v[1] - v[3]
@@ -111,6 +140,9 @@ def _contact(group, slots, n_balls, c0, s0, gap, k_b, q, v, a):
         number = load(slots, j * BALL_ROWS + NUMBER)
         c, s = c0 * pc - s0 * ps, s0 * pc + c0 * ps
         delta, closing = x * c + y * s - gap, ux * c + uy * s
+        if waves.wavy:
+            opened, opening = _wave(waves, j)
+            delta, closing = delta - opened, closing - opening
         for k in range(group.spalls_in):
             spall = group.spalls[k]
             under = load(spall.slot, 0) == number
@@ -127,12 +159,13 @@ def _contact(group, slots, n_balls, c0, s0, gap, k_b, q, v, a):
 
 
 @compiled(fast=FAST, borrows=True)
-def advance(group, slots, first, count, oversample, h, raw, begin, stride):
+def advance(group, slots, waves, most_slots, first, count, oversample, h, raw, begin, stride):
     """
     Advance a group by ``count`` output samples, from ``first`` of the chunk on.
 
     Writes the sensors to ``raw``: two rows a sample, from row ``begin`` on, the internal samples
-    of an output sample ``stride`` rows apart.
+    of an output sample ``stride`` rows apart. ``waves`` are those of `look_up_waves`, for
+    ``most_slots``.
     """
     g, n_balls = group, group.balls_in
     few = 2 * ((n_balls + 3) // 4)
@@ -141,7 +174,8 @@ def advance(group, slots, first, count, oversample, h, raw, begin, stride):
     c, s, cs, ss = _four(g.directions)
     for sample in range(count):
         for phase in range(oversample):
-            now = _F((first + sample) * oversample + phase + 1)
+            number = (first + sample) * oversample + phase + 1
+            now = _F(number)
             cd, sd, csd, ssd = _four(g.turned)
             c, s = c * cd - s * sd, s * cd + c * sd
             cs, ss = cs * csd - ss * ssd, ss * csd + cs * ssd
@@ -150,11 +184,17 @@ def advance(group, slots, first, count, oversample, h, raw, begin, stride):
             further, faster, ahead = taylor(h, q, v, a, j, ZERO)
             gap = _at(g.gap, now)
             enough = _few_are_enough(
-                slots, few, c, s, further[0] - further[2], further[1] - further[3], gap
-            )
+                slots, few, c, s, further[0] - further[2], further[1] - further[3],
+                gap - load(g.highest, 0),
+            )  # fmt: skip
+            before = number // WAVE_STEPS
+            passing = _Waves(
+                g.wavy, waves, 2 * most_slots * before, 2 * most_slots,
+                _F(number - WAVE_STEPS * before) / _F(WAVE_STEPS), _F(WAVE_STEPS) * h,
+            )  # fmt: skip
             force, rate = _contact(
-                g, slots, few if enough else n_balls, c, s, gap, _at(g.k_b, now), further, faster,
-                ahead,
+                g, slots, passing, few if enough else n_balls, c, s, gap, _at(g.k_b, now),
+                further, faster, ahead,
             )  # fmt: skip
             a1, j1 = ring_motion(
                 _machine(g), _drive(g, now, cs, ss), force, rate, further, faster, ahead

@@ -11,6 +11,8 @@ records.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from bearing_twin.dynamics.coefficients import K_B, SHAFT_HZ
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.integrator import FAR, integrate, predict, ring_rates, Scratch
@@ -20,6 +22,7 @@ from bearing_twin.dynamics.kinematics import (
     drive,
     Inputs,
     open_gaps,
+    place_balls,
     wrap_phases,
 )
 from bearing_twin.dynamics.layout import CHUNK, COS, GAP, SIN, STEP
@@ -28,6 +31,9 @@ from bearing_twin.dynamics.random import NOISE, normal_pair, WALK
 from bearing_twin.dynamics.statics import equilibrium
 import numpy as np
 import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from bearing_twin.dynamics.waviness import Surfaces
 
 __all__ = ['FAST_HZ', 'advance', 'ball_forces', 'settle', 'start']
 
@@ -51,6 +57,7 @@ def advance(
     taps: FloatArray,
     defects: Records,
     balls: FloatArray,
+    surfaces: Surfaces,
     ramp: FloatArray,
     drift: FloatArray,
     seed: int,
@@ -72,8 +79,8 @@ def advance(
         where the rings are stiff or the shaft turns faster than `FAST_HZ`.
     taps
         `filters.decimator`.
-    defects, balls
-        See `tables`.
+    defects, balls, surfaces
+        See `tables` and `waviness`.
     ramp : float64[2, INPUTS]
         Inputs at the start and at the end of the block.
     drift : float64[2, INPUTS]
@@ -111,7 +118,7 @@ def advance(
         if state.next_step != machine.step:
             predict(state, machine.step)
         inputs, growth = _inputs(ramp, drift, n, machine.steps, at, since_tick)
-        bearing = Bearing(machine, defects, balls, inputs, growth)
+        bearing = Bearing(machine, defects, balls, surfaces, inputs, growth)
         rows, begin = count * machine.steps, float(within * machine.steps)
         new = count * oversample
         advance_steps(state, bearing, walk, begin, steps[:rows], gaps[:rows])
@@ -198,27 +205,25 @@ def _add_noise(level, seed, first, out):
 @compiled(inline=True, fast=FAST)
 def _instant(state, bearing, here, gaps):
     """Fill a step and its gaps for the present phases and inputs, without the cage's walk."""
-    machine, inputs, balls = bearing.machine, bearing.inputs, bearing.balls
-    c, s = state.cage_cos, state.cage_sin
-    gaps[0, GAP] = inputs.clearance + balls[GAP]
-    gaps[0, COS] = c * balls[COS] - s * balls[SIN]
-    gaps[0, SIN] = s * balls[COS] + c * balls[SIN]
+    machine, inputs = bearing.machine, bearing.inputs
     hz = inputs.shaft_hz
     carried = hz * (1.0 - inputs.slip)
     turning = machine.ftf_order * carried
     rates = (turning, hz, machine.spin_order * carried)
     phases = (state.cage, state.shaft, state.spin)
+    c, s = state.cage_cos, state.cage_sin
+    place_balls(bearing, inputs.clearance, c, s, phases, rates, gaps, 0)
     open_gaps(bearing, phases, rates, inputs.depth, gaps, 0)
     shaft = (state.shaft_cos, state.shaft_sin)
     drive(here, machine, inputs, bearing.growth, 0.0, turning, shaft)
 
 
 @compiled(inline=True)
-def _held(machine, defects, balls, values):
+def _held(machine, defects, balls, surfaces, values):
     """Put together a bearing whose inputs do not change."""
     none = Inputs(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     inputs = Inputs(values[0], values[1], values[2], values[3], values[4], values[5])
-    return Bearing(machine, defects, balls, inputs, none)
+    return Bearing(machine, defects, balls, surfaces, inputs, none)
 
 
 @compiled(fast=FAST)
@@ -227,6 +232,7 @@ def settle(
     machines: Records,
     defects: Records,
     balls: FloatArray,
+    surfaces: Surfaces,
     values: FloatArray,
 ) -> None:
     """
@@ -237,7 +243,7 @@ def settle(
     state, machine = states[0], machines[_LONG]
     wrap_phases(state)
     steps, gaps = np.empty(1, STEP), np.zeros((1, 4, balls.shape[1]))
-    bearing = _held(machine, defects, balls, values)
+    bearing = _held(machine, defects, balls, surfaces, values)
     _instant(state, bearing, steps[0], gaps)
     foot, k_b = bearing.inputs.spring, bearing.inputs.k_b
     inner, outer = machine.inner_stiffness, machine.outer_stiffness
@@ -248,7 +254,12 @@ def settle(
 
 @compiled(fast=FAST)
 def start(
-    states: Records, machines: Records, defects: Records, balls: FloatArray, values: FloatArray
+    states: Records,
+    machines: Records,
+    defects: Records,
+    balls: FloatArray,
+    surfaces: Surfaces,
+    values: FloatArray,
 ) -> None:
     """
     Set what of the state follows from its phases, positions and velocities.
@@ -259,7 +270,7 @@ def start(
     state, machine = states[0], machines[_LONG]
     wrap_phases(state)
     steps, gaps = np.empty(1, STEP), np.zeros((1, 4, balls.shape[1]))
-    _instant(state, _held(machine, defects, balls, values), steps[0], gaps)
+    _instant(state, _held(machine, defects, balls, surfaces, values), steps[0], gaps)
     q = (state.q[0], state.q[1], state.q[2], state.q[3])
     v = (state.v[0], state.v[1], state.v[2], state.v[3])
     a = (0.0, 0.0, 0.0, 0.0)
@@ -276,12 +287,17 @@ def start(
 
 @compiled()
 def ball_forces(
-    states: Records, machines: Records, defects: Records, balls: FloatArray, values: FloatArray
+    states: Records,
+    machines: Records,
+    defects: Records,
+    balls: FloatArray,
+    surfaces: Surfaces,
+    values: FloatArray,
 ) -> npt.NDArray[np.float32]:
     """Contact force of each ball, N, float32[n_balls], at the present state and inputs."""
     state, machine = states[0], machines[_LONG]
     steps, gaps = np.empty(1, STEP), np.zeros((1, 4, balls.shape[1]))
-    _instant(state, _held(machine, defects, balls, values), steps[0], gaps)
+    _instant(state, _held(machine, defects, balls, surfaces, values), steps[0], gaps)
     forces = np.zeros(machine.n_balls, dtype=np.float32)
     x, y = state.q[0] - state.q[2], state.q[1] - state.q[3]
     vx, vy = state.v[0] - state.v[2], state.v[1] - state.v[3]

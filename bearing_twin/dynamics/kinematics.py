@@ -16,11 +16,13 @@ from typing import Any, NamedTuple
 
 from bearing_twin.bearing import PLACES
 from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.layout import COS, GAP, GAP_RATE, LANES, SIN
+from bearing_twin.dynamics.layout import COS, GAP, GAP_RATE, LANES, SIN, SPIN_TURNS
 from bearing_twin.dynamics.model import defect_path
+from bearing_twin.dynamics.waviness import look_up
 
 __all__ = [
-    'Bearing', 'Inputs', 'advance_steps', 'at_time', 'drive', 'kinks', 'open_gaps', 'wrap_phases',
+    'Bearing', 'Inputs', 'advance_steps', 'at_time', 'drive', 'kinks', 'open_gaps', 'place_balls',
+    'wrap_phases',
 ]  # fmt: skip
 
 _TWO_PI = 2.0 * math.pi
@@ -49,6 +51,8 @@ class Bearing(NamedTuple):
     """Records `layout.DEFECT`."""
     balls: Any
     """Direction in the cage and undersize, float64[4, padded]; rows GAP, COS, SIN."""
+    surfaces: Any
+    """See `waviness.Surfaces`."""
     inputs: Any
     growth: Any
 
@@ -168,13 +172,21 @@ def drive(step, machine, inputs, growth, at, turning, shaft):
 
 
 @compiled(inline=True, fast=FAST)
-def _place_balls(clearance, c, s, balls, gaps, i):
-    """Directions and gaps of all balls of a cage at (c, s), without defects."""
+def place_balls(bearing, clearance, c, s, phases, rates, gaps, i):
+    """
+    Directions and gaps of all balls of a cage at (c, s), without defects.
+
+    ``phases`` and ``rates`` are those of cage, shaft and ball spin, turns and turns/s.
+    """
+    balls, surfaces = bearing.balls, bearing.surfaces
+    if surfaces.outer > 0:
+        look_up(surfaces, bearing.machine.n_balls, phases, rates, surfaces.room)
+    opened, rates_from = surfaces.room, surfaces.room.shape[0] // 2
     for group in range(0, balls.shape[1], LANES):
         for lane in range(LANES):
             k = group + lane
-            gaps[i, GAP, k] = clearance + balls[GAP, k]
-            gaps[i, GAP_RATE, k] = 0.0
+            gaps[i, GAP, k] = clearance + balls[GAP, k] + opened[k]
+            gaps[i, GAP_RATE, k] = opened[rates_from + k]
             gaps[i, COS, k] = c * balls[COS, k] - s * balls[SIN, k]
             gaps[i, SIN, k] = s * balls[COS, k] + c * balls[SIN, k]
 
@@ -209,8 +221,9 @@ def advance_steps(state, bearing, walk, begin, steps, gaps):
         spin += h * rolling
         c, s = _rotate(c, s, _TWO_PI * h * turning)
         cs, ss = _rotate(cs, ss, _TWO_PI * h * hz)
-        _place_balls(inputs.clearance + growth.clearance * end, c, s, bearing.balls, gaps, i)
         phases, rates = (cage, shaft, spin), (turning, hz, rolling)
+        clearance = inputs.clearance + growth.clearance * end
+        place_balls(bearing, clearance, c, s, phases, rates, gaps, i)
         open_gaps(bearing, phases, rates, inputs.depth + growth.depth * end, gaps, i)
         step.kinked = _kinked(bearing, phases, rates)
         drive(step, machine, inputs, growth, end, turning, (cs, ss))
@@ -232,16 +245,21 @@ def at_time(time, aside, step, number, bearing, here, gaps):
     at = number + time / bearing.machine.step
     c, s = _rotate(step.cage_cos, step.cage_sin, _TWO_PI * time * turning)
     shaft = _rotate(step.shaft_cos, step.shaft_sin, _TWO_PI * time * hz)
-    _place_balls(inputs.clearance + growth.clearance * at, c, s, bearing.balls, gaps, 0)
-    seen = time + aside
-    phases = (
-        step.phases[0] + seen * turning,
-        step.phases[1] + seen * hz,
-        step.phases[2] + seen * rolling,
-    )
-    depth = inputs.depth + growth.depth * at
-    open_gaps(bearing, phases, (turning, hz, rolling), depth, gaps, 0)
+    rates = turning, hz, rolling
+    clearance, depth = inputs.clearance + growth.clearance * at, inputs.depth + growth.depth * at
+    phases = _after(step.phases, time, rates)
+    place_balls(bearing, clearance, c, s, phases, rates, gaps, 0)
+    open_gaps(bearing, _after(step.phases, time + aside, rates), rates, depth, gaps, 0)
     drive(here, bearing.machine, inputs, growth, at, turning, shaft)
+
+
+@compiled(inline=True, fast=FAST)
+def _after(phases, seconds, rates):
+    return (
+        phases[0] + seconds * rates[0],
+        phases[1] + seconds * rates[1],
+        phases[2] + seconds * rates[2],
+    )
 
 
 @compiled(inline=True, fast=FAST)
@@ -255,10 +273,10 @@ def _rotate(c, s, angle):
 
 @compiled(borrows=True)
 def wrap_phases(state):
-    """Wrap the phases to 0..1 and compute the sines that follow from them."""
+    """Wrap the phases and compute the sines that follow from them."""
     state.cage -= math.floor(state.cage)
     state.shaft -= math.floor(state.shaft)
-    state.spin -= math.floor(state.spin)
+    state.spin -= SPIN_TURNS * math.floor(state.spin / SPIN_TURNS)
     state.cage_cos = math.cos(_TWO_PI * state.cage)
     state.cage_sin = math.sin(_TWO_PI * state.cage)
     state.shaft_cos = math.cos(_TWO_PI * state.shaft)

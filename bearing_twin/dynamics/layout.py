@@ -11,7 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 __all__ = [
-    'CHUNK', 'COS', 'DEFECT', 'GAP', 'GAP_RATE', 'LANES', 'MACHINE', 'SIN', 'STATE', 'STEP',
+    'CHUNK', 'COS', 'DEFECT', 'GAP', 'GAP_RATE', 'LANES', 'MACHINE', 'SIN', 'SPIN_TURNS',
+    'STATE', 'STEP',
 ]  # fmt: skip
 
 _F = np.float64
@@ -78,6 +79,9 @@ GAP, GAP_RATE, COS, SIN = range(4)
 
 LANES = 8
 """Balls are padded to a multiple of this, so that the compiler can use vector instructions."""
+
+SPIN_TURNS = 2.0
+"""Turns after which the phase of the balls' spin begins anew: the length of a ball's track."""
 
 CHUNK = 32
 """Output samples, on a fixed grid, over which the cage's random walk holds its speed. At each

@@ -152,6 +152,9 @@ class TwinParameters:
         [D].
     resonance_hz, resonance_damping
         Sensor resonance [S].
+    waviness
+        0 for perfect surfaces. The limits of a maker's vibration class (V to V4 in GB/T 32325) can
+        be taken as they are; see `waviness`.
     beta0
         The paper's factor and its switches.
     lubricant
@@ -240,6 +243,14 @@ class TwinParameters:
     )
     resonance_damping: float = quantity(
         0.04, "Damping ratio of the sensor's resonance.", '', 0.005, 0.7
+    )
+    waviness: float = quantity(
+        50e-6,
+        'Waviness of races and balls: RMS velocity in each band of the ISO 15242 test.',
+        unit='m/s',
+        low=1e-6,
+        high=1e-3,
+        special=(0.0, 'perfect surfaces'),
     )
     beta0: Beta0 = field(default_factory=Beta0)
     lubricant: Lubricant = field(default_factory=Lubricant)

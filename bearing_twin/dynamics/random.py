@@ -19,10 +19,10 @@ from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.vector import chosen, has_bit, real, root, sines, splat_words, split
 import numpy as np
 
-__all__ = ['NOISE', 'WALK', 'normal_pair', 'normal_pairs', 'philox']
+__all__ = ['NOISE', 'SURFACE', 'WALK', 'normal_pair', 'normal_pairs', 'philox']
 
-NOISE, WALK = 0, 1
-"""Streams of one seed: sensor noise and cage phase."""
+NOISE, WALK, SURFACE = 0, 1, 2
+"""Streams of one seed: sensor noise, cage phase, profiles of races and balls."""
 
 _MULTIPLIER = np.uint64(0xD256D193)
 _WEYL = np.uint64(0x9E3779B9)

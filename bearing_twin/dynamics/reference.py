@@ -3,7 +3,8 @@
 """
 The same model for scipy's adaptive solvers: the yardstick of the kernels' error and speed.
 
-It shares with the kernels the laws of `model` and nothing else. Stiffness, clearance, slip and
+It shares with the kernels the laws of `model` and the random profiles of the surfaces, and nothing
+else. Stiffness, clearance, slip and
 ring temperatures come from the formulas of `bearing` and `thermal`, the foot of the shaft's spring
 and the starting point from a root finder; angles are functions of time, the path over a defect is
 looked up for every ball, and the sensor is two more states. Constant temperature and speed, no
@@ -18,13 +19,15 @@ from typing import NamedTuple, TYPE_CHECKING
 from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.dynamics import filters
 from bearing_twin.dynamics.compiled import compiled
-from bearing_twin.dynamics.layout import CHUNK
+from bearing_twin.dynamics.layout import CHUNK, SPIN_TURNS
 from bearing_twin.dynamics.model import CODES, contact_force, defect_path
 from bearing_twin.dynamics.simulator import RUN_IN
+from bearing_twin.dynamics.waviness import profiles
 from bearing_twin.thermal import friction, gcr15, rings
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq, root
 
 if TYPE_CHECKING:
@@ -40,6 +43,9 @@ _POSITIONS = 8
 """Positions of the cage, over one ball spacing, over which the load is a mean."""
 _MICRON = 1e-6
 _HEALTHY = np.empty((0, 6))
+_SMOOTH = np.empty((0, 1))
+_POINTS = 1 << 16
+"""Points of a surface between which its gap is taken as straight."""
 
 
 class Reference(NamedTuple):
@@ -93,6 +99,7 @@ def solve(
     temperature: float = 20.0,
     shaft_hz: float = 25.4,
     sample_rate: float = 25600.0,
+    seed: int = 0,
     method: str = 'DOP853',
     rtol: float = 1e-8,
 ) -> Reference:
@@ -107,6 +114,8 @@ def solve(
         Output samples.
     temperature, shaft_hz, sample_rate
         degC, Hz and Hz, all constant.
+    seed
+        Of the surfaces.
     method, rtol
         As ``solve_ivp`` takes them.
 
@@ -124,7 +133,7 @@ def solve(
     """
     p = parameters
     constants = _constants(p, temperature, shaft_hz)
-    values = np.array(constants)
+    values, surfaces = np.array(constants), _surfaces(p, seed)
     defects = np.array(
         [
             (PLACES.index(d.place), CODES[d.profile], d.width, d.depth, d.angle, d.ball)
@@ -136,18 +145,18 @@ def solve(
     times = np.arange(1 - before, samples * factor + 1) / (sample_rate * factor)
     first = -before / (sample_rate * factor)
     begin = np.zeros(12)
-    begin[:4] = _at_rest(constants, defects, first)
+    begin[:4] = _at_rest(constants, defects, surfaces, first)
     tolerance = rtol * np.repeat([1e-5, 1e-2, 1e2], 4)
     solution = solve_ivp(
         _rates, (first, times[-1]), begin, method, times, rtol=rtol, atol=tolerance,
-        max_step=_LARGEST_STEP, args=(values, defects),
+        max_step=_LARGEST_STEP, args=(values, defects, surfaces),
     )  # fmt: skip
     if p.resonance_hz:
         sensed = -solution.y[[8, 10]] - 2.0 * p.resonance_damping * solution.y[[9, 11]]
     else:
         sensed = np.array(
             [
-                _rates(t, state, values, defects)[6:8]
+                _rates(t, state, values, defects, surfaces)[6:8]
                 for t, state in zip(times, solution.y.T, strict=True)
             ]
         ).T
@@ -204,7 +213,9 @@ def _constants(p: TwinParameters, temperature: float, shaft_hz: float) -> _Const
     def excess(foot: float) -> float:
         """Mean load of the bearing less what it has to carry, N."""
         standing = (constants._replace(foot=foot, start=angle - 0.5 * math.pi) for angle in angles)
-        carried = [p.outer_stiffness * _at_rest(each, _HEALTHY, 0.0)[3] for each in standing]
+        carried = [
+            p.outer_stiffness * _at_rest(each, _HEALTHY, _SMOOTH, 0.0)[3] for each in standing
+        ]
         return float(-np.mean(carried) - p.load)
 
     lowest = -1e-6
@@ -236,13 +247,28 @@ def _inner_ring(p: TwinParameters, outer: float, shaft_hz: float) -> float:
     return float(brentq(excess, rings.RING_LOW, rings.RING_HIGH, xtol=1e-12))
 
 
-def _at_rest(constants: _Constants, defects: FloatArray, time: float) -> FloatArray:
+def _surfaces(p: TwinParameters, seed: int) -> FloatArray:
+    """Gaps of outer race, inner race and balls around a turn, of a ball around its track, m."""
+    if p.waviness == 0.0:
+        return _SMOOTH
+    turns, rows = np.arange(_POINTS) / _POINTS, []
+    for gaps, slopes in profiles(p, seed):
+        nodes = np.arange(gaps.shape[1] + 1) / gaps.shape[1]
+        around = [np.concatenate([each, each[:, :1]], axis=1) for each in (gaps, slopes)]
+        rows.append(CubicHermiteSpline(nodes, *around, axis=1)(turns))
+    return np.concatenate(rows)
+
+
+def _at_rest(
+    constants: _Constants, defects: FloatArray, surfaces: FloatArray, time: float
+) -> FloatArray:
     """Positions x_i, y_i, x_o, y_o of static equilibrium at an instant, m."""
     values = np.array(constants)
     inner, outer, foot = constants.inner_stiffness, constants.outer_stiffness, constants.foot
 
     def rings_at(apart: FloatArray) -> FloatArray:
-        fx, fy = _contact(time, apart[0] * _MICRON, apart[1] * _MICRON, 0.0, 0.0, values, defects)
+        x, y = apart * _MICRON
+        fx, fy = _contact(time, x, y, 0.0, 0.0, values, defects, surfaces)
         return np.array([-fx / inner, foot - fy / inner, fx / outer, fy / outer])
 
     def excess(apart: FloatArray) -> FloatArray:
@@ -254,8 +280,25 @@ def _at_rest(constants: _Constants, defects: FloatArray, time: float) -> FloatAr
 
 
 @compiled()
+def _profile(surface: FloatArray, angle: float) -> float:
+    """Gap at an angle of one surface, m."""
+    at = angle / (2.0 * math.pi)
+    at = (at - math.floor(at)) * len(surface)
+    point = min(int(at), len(surface) - 1)
+    here, there = surface[point], surface[(point + 1) % len(surface)]
+    return float(here + (at - point) * (there - here))
+
+
+@compiled()
 def _contact(
-    t: float, x: float, y: float, vx: float, vy: float, constants: FloatArray, defects: FloatArray
+    t: float,
+    x: float,
+    y: float,
+    vx: float,
+    vy: float,
+    constants: FloatArray,
+    defects: FloatArray,
+    surfaces: FloatArray,
 ) -> tuple[float, float]:
     """Force of the balls on the outer ring, N."""
     kb, cb, factor, clearance, cage, spin, omega, begin, d, pitch, cosine, n_balls = constants[:12]
@@ -265,6 +308,10 @@ def _contact(
     for j in range(int(n_balls)):
         angle = begin + cage * t + 2.0 * math.pi * j / n_balls
         gap = clearance
+        if surfaces.shape[0]:
+            gap += _profile(surfaces[0], angle)
+            gap += _profile(surfaces[1], angle - begin - omega * t)
+            gap += _profile(surfaces[2 + j], spin * t / SPIN_TURNS)
         for i in range(defects.shape[0]):
             place, profile, width, depth, where = defects[i, :5]
             half = 0.5 * width
@@ -289,13 +336,15 @@ def _contact(
 
 
 @compiled()
-def _rates(t: float, state: FloatArray, constants: FloatArray, defects: FloatArray) -> FloatArray:
+def _rates(
+    t: float, state: FloatArray, constants: FloatArray, defects: FloatArray, surfaces: FloatArray
+) -> FloatArray:
     """Time derivative of the 12 states: positions, velocities, sensor along x and y."""
     omega, begin = constants[6], constants[7]
     mi, ki, ci, mo, ko, co, foot, unbalance, resonance, damping = constants[12:]
     x, y = state[0] - state[2], state[1] - state[3]
     vx, vy = state[4] - state[6], state[5] - state[7]
-    fx, fy = _contact(t, x, y, vx, vy, constants, defects)
+    fx, fy = _contact(t, x, y, vx, vy, constants, defects, surfaces)
     pull = unbalance * omega * omega
     turned = begin + omega * t
     rates = np.empty(12)

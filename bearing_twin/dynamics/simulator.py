@@ -17,6 +17,7 @@ from bearing_twin.dynamics.parameters import check_speed
 from bearing_twin.dynamics.saved import Envelope, identity
 from bearing_twin.dynamics.stability import steps
 from bearing_twin.dynamics.tables import ball_table, defect_table, machine
+from bearing_twin.dynamics.waviness import Surfaces, surfaces
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import check_temperature
 import numpy as np
@@ -71,6 +72,7 @@ class Snapshot:
     machine: Records
     defects: Records
     balls: FloatArray
+    surfaces: Surfaces
     law: FloatArray
     values: FloatArray
     drift: FloatArray
@@ -135,8 +137,9 @@ class Simulator:
         self._drift = np.zeros((2, coefficients.INPUTS))
         self._rings = np.full(2, math.nan)
         self._values = np.zeros(coefficients.CONDITION_SIZE)
+        self._seed = _checked(seed)
         self._configure(parameters)
-        self.reset(seed)
+        self.reset()
 
     @property
     def parameters(self) -> TwinParameters:
@@ -166,10 +169,7 @@ class Simulator:
         sunk into the defects under them, so that the start itself is no impact.
         """
         if seed is not None:
-            if not 0 <= seed < 2**32:
-                msg = f'seed={seed} is outside 0..4294967295'
-                raise BearingTwinError(msg)
-            self._seed = int(seed)
+            self._reseed(_checked(seed))
         self.next_sample = 0
         self._temperature, self._shaft_hz = self._start
         self._history = np.zeros((2, len(self._taps) - self._oversample))
@@ -231,7 +231,7 @@ class Simulator:
             ramp = start + growth * (np.array([[done], [done + count]]) / n)
             kernel.advance(
                 self._state, self._history, self._machines, self._resonators, self._taps,
-                self._defects, self._balls, ramp, self._drift, self._seed, self.next_sample,
+                *self._tables(), ramp, self._drift, self._seed, self.next_sample,
                 self.next_sample % self.tick, out[:, done : done + count],
             )  # fmt: skip
             done += count
@@ -253,9 +253,11 @@ class Simulator:
     def _describe(self) -> Callable[[], Condition]:
         """Return what works out the present condition, whatever becomes of the state."""
         inner = inner_ring.temperature(self._rings, self.next_sample % self.tick, self.tick)
+        # Looked up with room of its own: the simulator may run meanwhile.
+        surfaces = self._surfaces._replace(room=self._surfaces.room.copy())
         return functools.partial(
             condition, self._parameters, self._law, (self._temperature, inner, self._shaft_hz),
-            self._state.copy(), self._machines, self._defects, self._balls,
+            self._state.copy(), self._machines, self._defects, self._balls, surfaces,
         )  # fmt: skip
 
     def save(self) -> bytes:
@@ -315,7 +317,8 @@ class Simulator:
             check_temperature(temperature), temperature, check_speed(shaft_hz)
         )
         self._temperature, self._shaft_hz, self._values = temperature, shaft_hz, values_at
-        self._seed, self.next_sample = seed, next_sample
+        self._reseed(seed)
+        self.next_sample = next_sample
         self._state = state.copy()
         self._history = history.reshape(self._history.shape).copy()
         self._drift = drift.reshape(self._drift.shape).copy()
@@ -343,6 +346,7 @@ class Simulator:
             machine=self._machines[:1],
             defects=self._defects,
             balls=self._balls,
+            surfaces=self._surfaces,
             law=self._law,
             values=self._values,
             drift=self._drift.copy(),
@@ -371,6 +375,16 @@ class Simulator:
         self._law = coefficients.law_table(p)
         self._defects = defect_table(p)
         self._balls = ball_table(p)
+        self._surfaces = surfaces(p, self._seed)
+
+    def _reseed(self, seed: int) -> None:
+        """Take another seed: the random numbers change, and with them the surfaces."""
+        if seed != self._seed:
+            self._seed = seed
+            self._surfaces = surfaces(self._parameters, seed)
+
+    def _tables(self) -> tuple[Records, FloatArray, Surfaces]:
+        return self._defects, self._balls, self._surfaces
 
     def _evaluate(self, outer: float, inner: float, shaft_hz: float) -> FloatArray:
         values = np.empty(coefficients.CONDITION_SIZE)
@@ -389,7 +403,7 @@ class Simulator:
         state['cage'] = turns - seconds * machine['ftf_order'] * carried
         state['shaft'] = turns - seconds * hz
         state['spin'] = -seconds * machine['spin_order'] * carried
-        tables = self._defects, self._balls
+        tables = self._tables()
         kernel.settle(state, machines, *tables, values)
         kernel.start(state, machines, *tables, values)
         kernel.advance(
@@ -408,7 +422,7 @@ class Simulator:
 
     def _start_motion(self) -> None:
         """Make acceleration and jerk follow from positions, velocities and parameters."""
-        kernel.start(self._state, self._machines, self._defects, self._balls, self._inputs())
+        kernel.start(self._state, self._machines, *self._tables(), self._inputs())
 
     def _settle_ring(self) -> None:
         """Put the inner ring into its steady state."""
@@ -421,3 +435,10 @@ class Simulator:
         outer, hz = self._temperature, self._shaft_hz
         self._values = self._evaluate(outer, outer, hz)
         inner_ring.carry(self._law, outer, hz, self._rings, self._drift, self.tick)
+
+
+def _checked(seed: int) -> int:
+    if not 0 <= seed < 2**32:
+        msg = f'seed={seed} is outside 0..4294967295'
+        raise BearingTwinError(msg)
+    return int(seed)

@@ -37,6 +37,7 @@ __all__ = [
     'floor',
     'has_bit',
     'load',
+    'load_from',
     'load_words',
     'magnitude',
     'real',
@@ -196,10 +197,10 @@ def _negative(context, builder, sig, args):
     return builder.fsub(ir.Constant(_VECTOR, [-0.0] * L), args[0], flags=_FLAGS)
 
 
-def _place(context, builder, array, kind, row):
+def _place(context, builder, array, kind, row, length=L):
     """Pointer to a row of ``array``."""
     data = context.make_array(kind)(context, builder, array).data
-    index = builder.mul(row, ir.Constant(row.type, L))
+    index = builder.mul(row, ir.Constant(row.type, length))
     return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
 
 
@@ -209,6 +210,18 @@ def load(typing, array, row):
 
     def code(context, builder, sig, args):
         value = builder.load(_place(context, builder, args[0], sig.args[0], args[1]))
+        value.align = 4
+        return value
+
+    return FLOATS(array, types.intp), code
+
+
+@_intrinsic
+def load_from(typing, array, first):
+    """Sixteen numbers of a flat float32 array, from ``first`` on."""
+
+    def code(context, builder, sig, args):
+        value = builder.load(_place(context, builder, args[0], sig.args[0], args[1], 1))
         value.align = 4
         return value
 

@@ -289,7 +289,7 @@ def _friction_equation() -> Claim:
 
 
 def _solver() -> Claim:
-    p = preset('paper', bearing=settings.BEARING, jitter=0.0, noise=0.0)
+    p = preset('paper', bearing=settings.BEARING, jitter=0.0, noise=0.0, waviness=0.0)
     values = np.linalg.eigvals(system_matrix(p))
     radius = float(np.abs(values).max())
     decay = np.abs(values.real)

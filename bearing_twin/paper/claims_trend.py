@@ -142,7 +142,7 @@ def _by_simulation(study: Study, factor: settings.Factor) -> Claim:
         why=(
             'Rule: A(110)/A(20) - 1 goes the stated way by more than 0.1 %; A is the mean of the '
             'largest 20 % of the maxima per impact of |a - mean a| over 0.7 s, a the vertical '
-            'housing acceleration before the sensor, no jitter, no noise. Over '
+            'housing acceleration before the sensor, no jitter, no noise, no waviness. Over '
             f'{STARTS} starts of the record: {"; ".join(ranges)}. Of the whole space it holds in '
             f'{_share_text(study, factor)}.'
         ),

@@ -89,9 +89,10 @@ def _settings_text() -> str:
         f'Ours, where it gives none: Δh = {settings.DELTA_H:g}, Δμ = {settings.DELTA_MU:g}; '
         'masses, stiffnesses, load and spall of the presets `paper` (3.2 kN, spall 2.45 mm wide, '
         '80 µm deep) and `incipient` (500 N, 0.8 mm, 15 µm), clearance 5 µm. No jitter, no noise, '
-        'no sensor resonance; the signal is the vertical acceleration of the housing, sampled at '
-        '51.2 kHz (12 s records and grids: 25.6 kHz). The equations advance by one step a sample, '
-        'parted where contact or the path is not smooth; three values of each step are decimated. '
+        'no waviness, no sensor resonance; the signal is the vertical acceleration of the '
+        'housing, sampled at 51.2 kHz (12 s records and grids: 25.6 kHz). The equations advance '
+        'by one step a sample, parted where contact or the path is not smooth; three values of '
+        'each step are decimated. '
         f'For the static formula the approach is {settings.APPROACH * 1e6:g} µm.'
     )
 

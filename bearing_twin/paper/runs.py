@@ -37,7 +37,7 @@ _SETTLING_IMPACTS = 50
 @dataclass(frozen=True, kw_only=True)
 class RunSpec:
     """
-    One simulation, free of jitter and noise.
+    One simulation, free of jitter, noise and waviness.
 
     Parameters
     ----------
@@ -109,6 +109,7 @@ class RunSpec:
             slip_model=self.slip_model,
             jitter=0.0,
             noise=0.0,
+            waviness=0.0,
             resonance_hz=0.0,
             beta0=settings.factor_of(self.factor, delta_mu=self.delta_mu),
             **changed,

@@ -20,8 +20,10 @@ STATED = {'expansion': -1, 'hardness': 1, 'friction': -1, 'all': -1}
 
 
 def ideal(**changes):
-    """Return the preset as the audit has it: no sensor, no jitter, no slip, its K_b0."""
-    quiet = {'jitter': 0.0, 'noise': 0.0, 'slip_model': 'none', 'resonance_hz': 0.0}
+    """Return the preset as the audit has it: no sensor, jitter, waviness or slip; its K_b0."""
+    quiet = {
+        'jitter': 0.0, 'noise': 0.0, 'waviness': 0.0, 'slip_model': 'none', 'resonance_hz': 0.0,
+    }  # fmt: skip
     return preset('paper', **{**quiet, 'hertz_stiffness': audit.K_B0, **changes})
 
 
@@ -55,7 +57,7 @@ def test_the_trends_are_those_of_the_audit(shaft_hz, factors, name):
 @pytest.mark.parametrize('sensor', [True, False])
 @pytest.mark.parametrize('shaft_hz', SPEEDS)
 def test_every_trend_of_the_paper_holds_in_every_corner(shaft_hz, sensor):
-    """Clearance 0 to 10 um, load +-20 %, two seeds with the default jitter and noise."""
+    """Clearance 0 to 10 um, load +-20 %, two seeds with the default jitter, noise, surfaces."""
     # beta0 is 1 at 20 degC through expansion and through friction, so one run serves both.
     states = {'expansion': (20.0, 110.0), 'hardness': (20.0, 110.0), 'friction': (110.0,)}
     states['all'] = (110.0,)

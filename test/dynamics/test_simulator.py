@@ -20,7 +20,7 @@ RATE = 25600.0
 
 
 def quiet(name='incipient', **changes):
-    return preset(name, **({'jitter': 0.0, 'noise': 0.0} | changes))
+    return preset(name, **({'jitter': 0.0, 'noise': 0.0, 'waviness': 0.0} | changes))
 
 
 def relative(got, expected):

@@ -17,7 +17,7 @@ BELOW, ABOVE = FAST_HZ - 0.1, FAST_HZ + 0.1
 
 
 def quiet(**changes):
-    return preset('incipient', **({'jitter': 0.0, 'noise': 0.0} | changes))
+    return preset('incipient', **({'jitter': 0.0, 'noise': 0.0, 'waviness': 0.0} | changes))
 
 
 def along_inner_race(p, values, hz, times):

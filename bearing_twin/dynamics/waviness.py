@@ -1,0 +1,226 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+# Compiled functions take tuples and arrays of many shapes; the docstrings give their types.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+"""
+Waviness of races and balls: what a healthy bearing sounds of.
+
+No surface is round. Each race has a random profile around its circumference and each ball one
+around the circle on which it rolls; how far a surface lies below its mean opens the gap of the
+ball that is there. How wavy they are is said by `TwinParameters.waviness`: the velocity that the
+bearing would show in each of the three bands of its vibration test, 50 to 300, 300 to 1800 and
+1800 to 10000 Hz at 1800 rpm (ISO 15242-1 and -2; the limits are the makers' vibration classes).
+
+On that test an axial load presses all Z balls alike, and a ring moves by ``(2/Z) sum w_j cos
+theta_j`` as the gaps w_j of its balls change. With a mean square P_n of order n of a profile
+that passes f_1 times a second and makes the share s of the power,
+
+    s v^2 = (2/Z) sum_band (2 pi n f_1)^2 P_n ,   P_n = c / n^3
+    c = s v^2 Z / (2 (2 pi f_1)^2 ln 6)
+
+since ``sum 1/n`` over a band whose ends are as 1 to 6 is ln 6. Ground and honed surfaces have
+spectra like that, amplitudes that fall with about the power 1.5 of the order (Wensing, On the
+dynamics of ball bearings, thesis, Twente 1998). With the same finish everywhere each race makes a
+quarter of the power, and the balls, which touch both, half of it. Order 1 of a race is an
+eccentricity, which is no waviness. Of a ball only even orders change its diameter (Harris and
+Kotzalas, Advanced Concepts of Bearing Technology, 5th ed., chapter 14), and its axis of spin
+wanders: it rolls along a track that closes only after `layout.SPIN_TURNS` turns. Waves shorter
+than `_SHORTEST` are bridged by the contact, which is as long in the rolling direction. What is
+shorter still, the roughness, is carried by the film and not felt. Since both end the spectrum, the
+lowest and the highest band show a tenth less than v.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple, TYPE_CHECKING
+
+from bearing_twin.bearing import fault_orders
+from bearing_twin.dynamics.compiled import compiled, FAST
+from bearing_twin.dynamics.layout import SPIN_TURNS
+from bearing_twin.dynamics.random import normal_pair, SURFACE
+from bearing_twin.dynamics.vector import L, load_from, store
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from bearing_twin.dynamics.parameters import TwinParameters
+
+__all__ = ['Surfaces', 'look_up', 'profiles', 'surfaces']
+
+FloatArray = npt.NDArray[np.float64]
+
+_F = np.float32
+_TEST_HZ = 30.0
+"""Speed of the test, 1800 rpm."""
+_BAND = math.log(6.0)
+"""Of the ratio of a band's ends."""
+_SHORTEST = 0.02
+"""Shortest wave over the ball's diameter: 0.28 mm for a 6307, whose contact with the inner race is
+0.3 mm long under 1 kN (Hertz)."""
+_NODES = 3
+"""Nodes of a table for the shortest wave."""
+_DRAWS = 1 << 20
+"""Room for the random numbers of one profile."""
+
+
+class Surfaces(NamedTuple):
+    """Tables of all profiles of one bearing, one after the other in `table`."""
+
+    table: Any
+    """float32: for each node a row of gaps, m, and one of slopes, m per cell. Columns of a race
+    are the stretches of one ball spacing, twice around; those of the balls are balls, padded."""
+    width: int
+    """Columns of a row of a race."""
+    outer: int
+    """Cells of the outer race in one ball spacing; 0 for perfect surfaces."""
+    inner: int
+    ball: int
+    """Cells of the track of a ball, `layout.SPIN_TURNS` turns long."""
+    room: Any
+    """float32: what `look_up` finds, for a multiple of `vector.L` balls; else zeros."""
+    highest: float
+    """Most that the gap of a ball can be smaller than that of perfect surfaces, m."""
+
+
+def profiles(p: TwinParameters, seed: int) -> list[tuple[FloatArray, FloatArray]]:
+    """
+    Random profiles of outer race, inner race and balls: gap, m, and its slope, m a round.
+
+    Each at equidistant nodes of a turn of the race or of the track of a ball, shape (1, nodes) or
+    (balls, nodes). The nodes of a race are a multiple of the balls.
+
+    Examples
+    --------
+    A 6307 is out of round by less than a micrometre:
+
+    >>> from bearing_twin.dynamics import preset
+    >>> outer, inner, balls = profiles(preset('paper'), seed=0)
+    >>> outer[0].shape, balls[0].shape
+    ((1, 2400), (8, 942))
+    >>> bool(0.1e-6 < outer[0].std() < 1e-6)
+    True
+
+    """
+    bearing, orders = p.bearing, fault_orders(p.bearing)
+    g, n = bearing.gamma, bearing.n_balls
+    around, turns = math.pi / bearing.d_ball * bearing.d_pitch, SPIN_TURNS
+    # Length over the ball's diameter, parts, passes per turn of the shaft, lowest order, share of
+    # the power, streams of random numbers.
+    kinds = (
+        (around * (1.0 + g), n, orders.ftf, 2, 0.25, [0]),
+        (around * (1.0 - g), n, 1.0 - orders.ftf, 2, 0.25, [1]),
+        (math.pi * turns, 1, orders.bsf / turns, round(2.0 * turns), 0.5, range(2, 2 + n)),
+    )
+    found = []
+    for length, parts, rate, lowest, share, streams in kinds:
+        most = int(length / _SHORTEST)
+        nodes = parts * math.ceil(_NODES * most / parts)
+        order = np.arange(lowest, most + 1)
+        passing = 2.0 * math.pi * rate * _TEST_HZ
+        power = share * p.waviness**2 * n / (2.0 * passing**2 * _BAND)
+        spectrum = np.zeros((len(streams), nodes // 2 + 1), complex)
+        for row, stream in zip(spectrum, streams, strict=True):
+            row[order] = _draws(_DRAWS * stream, len(order), seed)
+        spectrum[:, order] *= np.sqrt(power / order**3.0) * (0.5 * nodes)
+        slopes = 2j * math.pi * np.arange(nodes // 2 + 1) * spectrum
+        found.append((np.fft.irfft(spectrum, nodes), np.fft.irfft(slopes, nodes)))
+    return found
+
+
+@compiled()
+def _draws(first, count, seed):
+    """Complex numbers whose parts are standard normal."""
+    numbers = np.empty(count, np.complex128)
+    for k in range(count):
+        real, imaginary = normal_pair(first + k, SURFACE, seed)
+        numbers[k] = complex(real, imaginary)
+    return numbers
+
+
+def surfaces(p: TwinParameters, seed: int) -> Surfaces:
+    """
+    Tables of the surfaces of one bearing.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> surfaces(preset('paper'), seed=0)[1:5]
+    (24, 300, 183, 942)
+
+    """
+    n = p.bearing.n_balls
+    padded = -(-n // L) * L
+    width, room = n + padded, np.zeros(2 * padded, np.float32)
+    if p.waviness == 0.0:
+        return Surfaces(np.zeros(0, np.float32), width, 0, 0, 0, room, 0.0)
+    tables, cells, highest = [], [], 0.0
+    for gaps, slopes in profiles(p, seed):
+        parts = n if len(gaps) == 1 else 1
+        count = gaps.shape[1] // parts
+        rows = np.stack([gaps, slopes / gaps.shape[1]]).reshape(2, -1, count).transpose(2, 0, 1)
+        # Past the last cell of a stretch comes the first one of the next.
+        last = np.roll(rows[:1], -1 if parts > 1 else 0, axis=2)
+        rows = np.concatenate([rows, last])
+        columns = width if parts > 1 else padded
+        tables.append(np.tile(rows, math.ceil(columns / n))[..., :columns].ravel())
+        cells.append(count)
+        # A cubic may rise above its nodes by a quarter of the slopes at both ends.
+        highest += float(np.abs(gaps).max() + 0.25 * np.abs(slopes).max() / gaps.shape[1])
+    outer, inner, ball = cells
+    table = np.concatenate(tables).astype(np.float32)
+    return Surfaces(table, width, outer, inner, ball, room, highest)
+
+
+@compiled(inline=True, fast=FAST)
+def _cell(share, cells):
+    """Cell ``share`` of the way through a table, and how far within it."""
+    along = share * cells
+    cell = min(int(along), cells - 1)
+    return cell, _F(along - cell)
+
+
+@compiled(inline=True, fast=FAST)
+def _under(table, at, width, u, rate):
+    """Gap and its rate under sixteen balls, ``u`` of the way from a node to the next."""
+    here, slope = load_from(table, at), load_from(table, at + width)
+    there, other = load_from(table, at + 2 * width), load_from(table, at + 3 * width)
+    v, rise = _F(1.0) - u, there - here
+    uv = u * v
+    gap = here + rise * (u * u * (_F(1.0) + _F(2.0) * v)) + (slope * (uv * v) - other * (u * uv))
+    first, last = v * (v - _F(2.0) * u) * rate, u * (u - _F(2.0) * v) * rate
+    return gap, rise * (_F(6.0) * uv * rate) + (slope * first + other * last)
+
+
+@compiled(inline=True, fast=FAST)
+def look_up(surfaces, n_balls, phases, rates, room):
+    """
+    Put into ``room`` the gaps that waviness opens, m, then their rates, m/s.
+
+    ``phases`` and ``rates`` are those of cage, shaft and ball spin, turns and turns/s; ``room`` as
+    in `Surfaces`.
+    """
+    table, width = surfaces.table, surfaces.width
+    turn = phases[0] - phases[1]
+    outer, inner = phases[0] - math.floor(phases[0]), turn - math.floor(turn)
+    round_it = phases[2] / SPIN_TURNS
+    outer, inner, ball = outer * n_balls, inner * n_balls, round_it - math.floor(round_it)
+    outer_cell, outer_u = _cell(outer - int(outer), surfaces.outer)
+    inner_cell, inner_u = _cell(inner - int(inner), surfaces.inner)
+    ball_cell, ball_u = _cell(ball, surfaces.ball)
+    rows = room.shape[0] // (2 * L)
+    begin, columns = 2 * width, rows * L
+    outer_at = begin * outer_cell + int(outer)
+    inner_at = begin * (surfaces.outer + 1 + inner_cell) + int(inner)
+    ball_at = begin * (surfaces.outer + surfaces.inner + 2) + 2 * columns * ball_cell
+    outer_rate = _F(rates[0] * (n_balls * surfaces.outer))
+    inner_rate = _F((rates[0] - rates[1]) * (n_balls * surfaces.inner))
+    ball_rate = _F(rates[2] / SPIN_TURNS * surfaces.ball)
+    for row in range(rows):
+        k = row * L
+        gap, rate = _under(table, outer_at + k, width, outer_u, outer_rate)
+        more, faster = _under(table, inner_at + k, width, inner_u, inner_rate)
+        gap, rate = gap + more, rate + faster
+        more, faster = _under(table, ball_at + k, columns, ball_u, ball_rate)
+        store(room, row, gap + more)
+        store(room, rows + row, rate + faster)
