@@ -6,18 +6,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+import itertools
 import math
-from typing import TYPE_CHECKING
+import threading
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis.comb import accumulate, OrderSpectra
+from bearing_twin.diagnosis.demodulation import (
+    choose_layout,
+    demodulate,
+    highest_fault_order,
+    SECONDS,
+)
 from bearing_twin.diagnosis.evidence import Evidence
-from bearing_twin.diagnosis.gate import check_record, check_speeds
+from bearing_twin.diagnosis.gate import check_extents, check_speeds, Extent
 from bearing_twin.diagnosis.report import insufficient, not_shown, report
 from bearing_twin.diagnosis.rules import decide
 from bearing_twin.diagnosis.search import CombSearch
-from bearing_twin.diagnosis.shaft import resample_to_angle, ShaftSpeed, varies
+from bearing_twin.diagnosis.shaft import ShaftSpeed, Turning
 from bearing_twin.diagnosis.sidebands import sideband_ratio
-from bearing_twin.diagnosis.window import analyse_window, highest_fault_order
+from bearing_twin.diagnosis.window import analyse_window
 import numpy as np
 from scipy import fft
 
@@ -25,28 +33,61 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis.demodulation import Layout, Segment
     from bearing_twin.diagnosis.result import Diagnosis
     from bearing_twin.diagnosis.settings import DiagnosisSettings
     from bearing_twin.diagnosis.verdict import Verdict
     from bearing_twin.diagnosis.window import Window
     from numpy.typing import NDArray
 
-__all__ = ['Analysis', 'Excerpt']
+__all__ = ['Analysis', 'Excerpt', 'Stretch']
 
 _CLEARER = 1.1
 _SIDEBANDS_SHOWN = 0.25
+
+
+class Stretch:
+    """
+    Consecutive samples by which windows move on, and what has been computed of them.
+
+    Parameters
+    ----------
+    samples
+        Shape (n,).
+    turning
+        Speed during each part of them.
+
+    """
+
+    def __init__(self, samples: NDArray[np.float64], turning: Turning) -> None:
+        self.samples = samples
+        self.turning = turning
+        self._segments: dict[Layout, Segment] = {}
+        self._lock = threading.Lock()
+
+    @cached_property
+    def extent(self) -> Extent:
+        """Range of the samples."""
+        return Extent.of(self.samples)
+
+    def segment(self, layout: Layout, before: Sequence[Stretch]) -> Segment:
+        """Segment that ends with this stretch; ``before`` are the stretches right before it."""
+        with self._lock:
+            if layout not in self._segments:
+                parts = [stretch.samples for stretch in (*before, self)]
+                samples = np.concatenate(parts)[-(layout.hop + layout.lap) :]
+                self._segments[layout] = demodulate(samples, layout)
+            return self._segments[layout]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Excerpt:
     """Samples that get one verdict: a window of a stream, or a whole record."""
 
-    samples: NDArray[np.float64]
-    """Shape (n,)."""
-    shaft_hz: NDArray[np.float64]
-    """Speed during each part of them, Hz, shape (b,)."""
-    lengths: NDArray[np.intp]
-    """Samples of each part, shape (b,); they add up to n."""
+    stretches: tuple[Stretch, ...]
+    """They are equally long."""
+    before: Stretch | None = None
+    """Stretch right before them, as long as they, if there is one."""
     sample_rate: float
     bearing: Bearing
     settings: DiagnosisSettings
@@ -59,13 +100,87 @@ class Excerpt:
     """What happened to the stream since the excerpt before."""
     run: int = 0
     """Number of the uninterrupted run of samples that it belongs to."""
-    longest: float = math.inf
-    """Most shaft turns that are analysed together; more are cut, and their spectra averaged."""
+    left_over: int = 0
+    """Samples after the stretches, which are not analysed."""
+    pieces: int = 1
+    """Windows into which it is cut, equally long; their spectra are averaged."""
+
+    @classmethod
+    def of(
+        cls,
+        samples: NDArray[np.float64],
+        turning: Turning,
+        sample_rate: float,
+        bearing: Bearing,
+        settings: DiagnosisSettings,
+        *,
+        longest: float = math.inf,
+        **known: Any,
+    ) -> Excerpt:
+        """
+        Excerpt of samples that are there at once.
+
+        Parameters
+        ----------
+        samples
+            Shape (n,).
+        turning
+            Speed during each part of them.
+        sample_rate, bearing, settings
+            See the fields.
+        longest
+            Most shaft turns of a window.
+        known
+            Other fields.
+
+        >>> from bearing_twin.bearing import find_bearing
+        >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
+        >>> turning = Turning(np.array([25.0]), np.array([51200]))
+        >>> x = np.random.default_rng(0).standard_normal(51200)
+        >>> known = 25600.0, find_bearing('6307'), DiagnosisSettings()
+        >>> Excerpt.of(x, turning, *known).analyse().alone.result
+        'healthy'
+
+        """
+        count, pieces, stretches = len(samples), 1, 1
+        if count and math.isfinite(sample_rate) and sample_rate > 0.0:
+            turns = count / sample_rate * turning.mean_hz
+            pieces = max(1, round(turns / longest)) if math.isfinite(turns) else 1
+            stretches = max(1, round(count / pieces / (SECONDS * sample_rate)))
+        length = fft.prev_fast_len(max(count // (pieces * stretches), 1), real=True)
+        edges = np.arange(pieces * stretches + 1) * min(length, count)
+        return cls(
+            stretches=tuple(
+                Stretch(samples[begin:end], turning.part(begin, end))
+                for begin, end in itertools.pairwise(edges)
+            ),
+            left_over=count - int(edges[-1]),
+            sample_rate=sample_rate,
+            bearing=bearing,
+            settings=settings,
+            pieces=pieces,
+            **known,
+        )
+
+    @property
+    def samples(self) -> NDArray[np.float64]:
+        """Samples of all stretches."""
+        return np.concatenate([stretch.samples for stretch in self.stretches])
+
+    @cached_property
+    def turning(self) -> Turning:
+        """Speed of the shaft."""
+        return _together(self.stretches)
+
+    @cached_property
+    def sample_count(self) -> int:
+        """Number of samples."""
+        return sum(len(stretch.samples) for stretch in self.stretches) + self.left_over
 
     @property
     def end(self) -> int:
         """Index of the sample after the last."""
-        return self.first_sample + len(self.samples)
+        return self.first_sample + self.sample_count
 
     @property
     def simulated(self) -> bool:
@@ -74,39 +189,57 @@ class Excerpt:
 
     def analyse(self) -> Analysis:
         """Analyse the samples: most of the work of a verdict, and a function of them alone."""
-        x, rate, bearing = self.samples, self.sample_rate, self.bearing
-        speeds = self.shaft_hz
-        if len(speeds) > 1:
-            speeds = np.repeat(speeds, self.lengths)
-        mean_hz = float(speeds.mean()) if len(speeds) else math.nan
-        reasons = check_record(x, rate, mean_hz, highest_fault_order(bearing))
+        rate, bearing = self.sample_rate, self.bearing
+        turning = self.turning
+        mean_hz = turning.mean_hz
+        extents = [stretch.extent for stretch in self.stretches]
+        reasons = check_extents(extents, rate, mean_hz, highest_fault_order(bearing))
         if reasons and self.simulated:
             reasons += not_shown(
-                x, rate, mean_hz, temperature=self.temperature, unit=self.unit, bearing=bearing
-            )
-        reasons = reasons or check_speeds(self.shaft_hz)
+                self.samples, rate, mean_hz, temperature=self.temperature, unit=self.unit,
+                bearing=bearing,
+            )  # fmt: skip
+        reasons = reasons or check_speeds(turning.shaft_hz)
         if reasons:
             return Analysis(self, mean_hz, refused=tuple(reasons))
-        if varies(speeds):
-            x, mean_hz = resample_to_angle(x, rate, speeds)
-        pieces = max(1, round(len(x) / rate * mean_hz / self.longest))
-        length = fft.prev_fast_len(len(x) // pieces) if math.isfinite(self.longest) else len(x)
-        windows = [
-            analyse_window(
-                x[i * length : (i + 1) * length],
-                rate,
-                bearing,
-                mean_hz,
-                self.settings,
-                unit=self.unit,
-            )
-            for i in range(pieces)
-        ]
+        count = len(self.stretches) // self.pieces
+        layout = choose_layout(
+            rate,
+            len(self.stretches[0].samples),
+            count,
+            bearing,
+            mean_hz,
+            float(turning.shaft_hz.max()) if turning.varies else 0.0,
+        )
+        windows = [self._window(piece * count, count, layout) for piece in range(self.pieces)]
         analysis = Analysis(self, mean_hz, windows[-1], tuple(w.orders for w in windows[:-1]))
         if not self.settings.averages:
             # Decided here, where there may be other threads to do it, and not when it is asked.
             _ = analysis.alone
         return analysis
+
+    def _window(self, first: int, count: int, layout: Layout) -> Window:
+        """Window of ``count`` stretches."""
+        each = layout.hop // len(self.stretches[0].samples)
+        known = (*((self.before,) if self.before else ()), *self.stretches)
+        offset = first + len(known) - len(self.stretches)
+        segments = [
+            known[end - 1].segment(layout, known[max(end - each - 1, 0) : end - 1])
+            for end in range(offset + each, offset + count + 1, each)
+        ]
+        turning = _together(self.stretches[first : first + count])
+        return analyse_window(
+            segments, layout, self.bearing, turning, self.settings, unit=self.unit
+        )
+
+
+def _together(stretches: Sequence[Stretch]) -> Turning:
+    """Speed during several stretches."""
+    parts = [stretch.turning for stretch in stretches]
+    return Turning(
+        np.concatenate([part.shaft_hz for part in parts]),
+        np.concatenate([part.lengths for part in parts]),
+    )
 
 
 @dataclass(frozen=True)
@@ -139,7 +272,7 @@ class Analysis:
                 [*excerpt.notes, *self.refused],
                 excerpt.bearing,
                 first_sample=excerpt.first_sample,
-                sample_count=len(excerpt.samples),
+                sample_count=excerpt.sample_count,
                 sample_rate=excerpt.sample_rate,
                 shaft_hz=self.shaft_hz,
                 temperature=excerpt.temperature,
@@ -158,7 +291,7 @@ class Analysis:
             replace(self.window, speed=speed),
             excerpt.bearing,
             first_sample=excerpt.first_sample,
-            sample_count=len(excerpt.samples),
+            sample_count=excerpt.sample_count,
             sample_rate=excerpt.sample_rate,
             shaft_hz_given=self.shaft_hz,
             temperature=excerpt.temperature,

@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from bearing_twin.diagnosis.kernels import best_bands, comb_sums, NEUTRAL, three_bins
 import numpy as np
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     'HARMONICS',
+    'NEUTRAL',
     'CombScores',
     'OrderSpectra',
     'accumulate',
@@ -27,12 +29,7 @@ __all__ = [
 HARMONICS = 4
 """Harmonics of a comb. Fault lines fade after a few, and each empty harmonic costs power."""
 
-NEUTRAL = 0.5963474
-"""Mean of log(1 + E) for E ~ Exp(1): e E1(1). What a bin is set to that must not speak."""
-
-_STEPS_PER_BIN = 2
 _LOWEST_ORDER = 0.3
-_PART = 512
 
 
 @dataclass(frozen=True)
@@ -55,6 +52,8 @@ class OrderSpectra:
     """Shaft speed handed in over the refined one, on which the orders rest."""
     weight: float = 1.0
     """Number of independent windows in the mean."""
+    hidden: NDArray[np.bool_] | None = None
+    """(K,) mask of bins that say nothing; None: each says what it holds."""
 
     def rows(self, orders: NDArray[np.floating] | Sequence[float]) -> NDArray[np.intp]:
         """Nearest row of each order; rows beyond the end are the last one."""
@@ -64,11 +63,24 @@ class OrderSpectra:
         return np.minimum(index, len(self.logs) - 1, out=index)
 
     def silenced(self, orders: NDArray[np.float64], half_width: float) -> OrderSpectra:
-        """Copy in which the bins within ``half_width`` orders of ``orders`` say nothing."""
-        logs, excess = self.logs.copy(), self.excess.copy()
-        hidden = self.near(orders, half_width)
-        logs[hidden], excess[hidden] = NEUTRAL, 0.0
-        return replace(self, logs=logs, excess=excess)
+        """Return the same without what bins within ``half_width`` orders of ``orders`` say."""
+        return replace(self, hidden=self.quiet | self.near(orders, half_width))
+
+    @property
+    def quiet(self) -> NDArray[np.bool_]:
+        """(K,) mask of the bins that say nothing."""
+        return np.zeros(len(self.logs), np.bool_) if self.hidden is None else self.hidden
+
+    def line_power(self, orders: NDArray[np.floating], columns: slice) -> NDArray[np.float32]:
+        """Power above the floor of lines, (..., C): each spreads over three bins."""
+        rows = self.rows(orders)
+        power = np.zeros(
+            (*rows.shape, len(range(*columns.indices(self.excess.shape[1])))), np.float32
+        )
+        three_bins(
+            self.excess, self.quiet, rows.ravel(), columns.start or 0, power.reshape(rows.size, -1)
+        )
+        return power
 
     def near(self, orders: NDArray[np.float64], half_width: float) -> NDArray[np.bool_]:
         """(K,) mask of the bins within ``half_width`` orders of any of ``orders``."""
@@ -111,20 +123,17 @@ def order_spectra(
         Shaft speed refined and handed in, Hz.
 
     >>> from bearing_twin.diagnosis.spectra import EnvelopeSpectra
-    >>> power = np.ones((3, 1, 400), np.float32)
-    >>> spectra = EnvelopeSpectra(0.25, power, power)
+    >>> ones = np.ones((400, 3), np.float32)
+    >>> spectra = EnvelopeSpectra(0.25, ones, ones[:, :2], ones[:, :1].T, ones.T, 0.0, 1)
     >>> found = order_spectra(spectra, [0.0], 25.0, 25.0)
     >>> found.step, found.logs.shape
     (0.01, (400, 3))
 
     """
-    whitenings, bands, count = spectra.power.shape
-    logs = spectra.logs.reshape(whitenings * bands, count)
-    excess = np.maximum(spectra.power[:2] - spectra.floor[:2], 0.0).reshape(2 * bands, count)
     return OrderSpectra(
         spectra.bin_hz / shaft_hz,
-        np.ascontiguousarray(logs.T),
-        np.ascontiguousarray(excess.T),
+        spectra.logs,
+        spectra.excess,
         np.asarray(edges, dtype=np.float32) / np.float32(shaft_hz),
         given_hz / shaft_hz,
     )
@@ -164,49 +173,44 @@ class CombScores:
     """(G,): best band, mean over whitenings, in standard deviations over the null."""
     center: NDArray[np.float32]
     """(W B,) median score of each band."""
-    spread: NDArray[np.float32]
-    """(W B,) upper standard deviation of each band's score."""
+    inverse: NDArray[np.float32]
+    """(W B,) one over the upper standard deviation of each band's score."""
     best_center: float
     """Median over the grid of the best-band score."""
     best_spread: float
     """Its upper standard deviation."""
     whitenings: int
 
-    def judge(
-        self, spectra: OrderSpectra, grid: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float32]]:
-        """Score other spectra against this null: z (G,) and the band scores (G, W, B)."""
-        bands, best = _best_bands(_teeth(spectra, grid), self.center, self.spread, self.whitenings)
-        return (best - self.best_center) / self.best_spread, np.moveaxis(bands, -1, 0)
+    def score(self, spectra: OrderSpectra, grid: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Score other spectra against this null: z (G,)."""
+        best = np.empty(len(grid))
+        best_bands(
+            spectra.logs,
+            spectra.quiet,
+            grid,
+            spectra.step,
+            HARMONICS,
+            self.center,
+            self.inverse,
+            self.whitenings,
+            np.empty_like(self.center),
+            best,
+        )
+        best -= self.best_center
+        best /= self.best_spread
+        return best
+
+    def bands(self, spectra: OrderSpectra, order: float) -> NDArray[np.float32]:
+        """Score of one comb in each band, (W, B)."""
+        sums = _sums(spectra, np.array([order]))[0]
+        return np.asarray(((sums - self.center) * self.inverse).reshape(self.whitenings, -1))
 
 
-def _teeth(spectra: OrderSpectra, grid: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Sum over the harmonics of each comb, (W B, G)."""
-    first, *others = (spectra.rows(harmonic * grid) for harmonic in range(1, HARMONICS + 1))
-    sums = np.empty((spectra.logs.shape[1], len(grid)), np.float32)
-    # In parts that stay in the cache until they are turned over.
-    for begin in range(0, len(grid), _PART):
-        part = slice(begin, begin + _PART)
-        total = np.take(spectra.logs, first[part], axis=0)
-        line = np.empty_like(total)
-        for rows in others:
-            # The rows are within bounds; the other modes would buffer what they write.
-            total += np.take(spectra.logs, rows[part], axis=0, out=line, mode='clip')
-        sums[:, part] = total.T
+def _sums(spectra: OrderSpectra, grid: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Sum over the harmonics of each comb, (G, W B)."""
+    sums = np.empty((len(grid), spectra.logs.shape[1]), np.float32)
+    comb_sums(spectra.logs, spectra.quiet, grid, spectra.step, HARMONICS, sums)
     return sums
-
-
-def _best_bands(
-    scores: NDArray[np.float32],
-    center: NDArray[np.float32],
-    spread: NDArray[np.float32],
-    whitenings: int,
-) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
-    """Standardised scores, (W, B, G), and per comb the mean over whitenings of its best band."""
-    bands = scores - center[:, np.newaxis]
-    bands /= spread[:, np.newaxis]
-    bands = bands.reshape(whitenings, -1, scores.shape[-1])
-    return bands, bands.max(axis=1).mean(axis=0, dtype=np.float64)
 
 
 def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) -> CombScores:
@@ -228,17 +232,17 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
     (3.07, True)
 
     """
-    step = spectra.step / (HARMONICS * _STEPS_PER_BIN)
+    step = spectra.step / HARMONICS
     grid = np.arange(_LOWEST_ORDER, highest_order, step)
-    scores = _teeth(spectra, grid)
-    # Neighbours are one bin's fraction apart: every fourth tells the distribution as well.
-    center, upper = _quantiles(scores[:, ::4])
-    spread = np.maximum(upper - center, 1e-3)
-    _, best = _best_bands(scores, center, spread, whitenings)
+    # Neighbours share bins: every fourth tells the distribution as well.
+    center, upper = _quantiles(_sums(spectra, grid[::4]).T)
+    inverse = np.float32(1.0) / np.maximum(upper - center, np.float32(1e-3))
+    plain = CombScores(grid, grid, center, inverse, 0.0, 1.0, whitenings)
+    best = plain.score(spectra, grid)
     best_center, best_upper = (float(q) for q in _quantiles(best))
     best_spread = max(best_upper - best_center, 1e-3)
     z = (best - best_center) / best_spread
-    return CombScores(grid, z, center, spread, best_center, best_spread, whitenings)
+    return replace(plain, z=z, best_center=best_center, best_spread=best_spread)
 
 
 def _quantiles(
@@ -246,7 +250,7 @@ def _quantiles(
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Median and 84 % quantile along the last axis."""
     middle, upper = values.shape[-1] // 2, int(0.8413 * values.shape[-1])
-    ordered = values.copy()
+    ordered = np.array(values, order='C')
     # One at a time: numpy has no fast way for two.
     ordered.partition(middle, axis=-1)
     center = ordered[..., middle].copy()

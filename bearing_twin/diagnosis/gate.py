@@ -4,15 +4,26 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
-__all__ = ['CAGE_TURNS', 'HEALTHY_TURNS', 'SHAFT_TURNS', 'check_record', 'check_speeds']
+__all__ = [
+    'CAGE_TURNS',
+    'HEALTHY_TURNS',
+    'SHAFT_TURNS',
+    'Extent',
+    'check_extents',
+    'check_record',
+    'check_speeds',
+]
 
 SHAFT_TURNS = 20.0
 """Least shaft turns in a window for any statement: the comb has then 20 bins a shaft order."""
@@ -26,6 +37,40 @@ CAGE_TURNS = 40.0
 
 _CLIPPED_SHARE = 0.005
 _RUN = 3
+_ENDS = 1e-6
+"""Part of the range that counts as its end."""
+
+
+@dataclass(frozen=True)
+class Extent:
+    """
+    Range of a part of a record, and how much of it sits at the ends.
+
+    >>> import numpy as np
+    >>> Extent.of(np.array([0.0, 1.0, 1.0, 1.0, -1.0]))
+    Extent(count=5, bad=0, low=-1.0, high=1.0, at_low=0, at_high=3)
+
+    """
+
+    count: int
+    bad: int
+    """Samples that are NaN or infinite."""
+    low: float
+    high: float
+    at_low: int
+    """Samples in runs of three or more at the lowest value."""
+    at_high: int
+
+    @classmethod
+    def of(cls, x: NDArray[np.float64]) -> Extent:
+        """Extent of samples, shape (n,)."""
+        if len(x) == 0:
+            return cls(0, 0, math.nan, math.nan, 0, 0)
+        low, high = float(x.min()), float(x.max())
+        if not (math.isfinite(low) and math.isfinite(high)):
+            return cls(len(x), len(x) - int(np.isfinite(x).sum()), math.nan, math.nan, 0, 0)
+        span = _ENDS * (high - low)
+        return cls(len(x), 0, low, high, _in_runs(x <= low + span), _in_runs(x >= high - span))
 
 
 def check_record(
@@ -52,28 +97,44 @@ def check_record(
     ['the signal is constant at 1: check sensor and cable']
 
     """
-    if len(x) == 0:
+    return check_extents([Extent.of(x)], sample_rate, shaft_hz, highest_order)
+
+
+def check_extents(
+    parts: Sequence[Extent], sample_rate: float, shaft_hz: float, highest_order: float
+) -> list[str]:
+    """
+    Reasons why a record in parts cannot be diagnosed; as :func:`check_record`.
+
+    >>> check_extents([Extent(0, 0, 0.0, 0.0, 0, 0)], 25600.0, 25.0, 5.0)
+    ['the record is empty: give at least a second of vibration']
+
+    """
+    count = sum(part.count for part in parts)
+    if count == 0:
         return ['the record is empty: give at least a second of vibration']
     if not (math.isfinite(sample_rate) and sample_rate > 0.0):
         return [f'sample rate {sample_rate} Hz: a positive number is needed']
-    bad = len(x) - int(np.isfinite(x).sum())
+    bad = sum(part.bad for part in parts)
     if bad:
-        return [f'{bad} of {len(x)} samples are NaN or infinite: repair or leave out that part']
-    low, high = float(x.min()), float(x.max())
+        return [f'{bad} of {count} samples are NaN or infinite: repair or leave out that part']
+    low, high = min(part.low for part in parts), max(part.high for part in parts)
     if high - low <= 1e-12 * max(abs(low), abs(high)):
         return [f'the signal is constant at {low:g}: check sensor and cable']
     if not math.isfinite(shaft_hz) or shaft_hz <= 0.0:
         return ['the shaft speed is unknown: give it (joint_states, rpm or --shaft-hz)']
     reasons = []
-    clipped = _clipped_share(x, low, high)
-    if clipped > _CLIPPED_SHARE:
+    span = _ENDS * (high - low)
+    at_ends = sum(part.at_high for part in parts if part.high >= high - span)
+    at_ends += sum(part.at_low for part in parts if part.low <= low + span)
+    if at_ends > _CLIPPED_SHARE * count:
         reasons.append(
-            f'{100.0 * clipped:.1f} % of the samples sit at the end of the range: the signal is '
-            f'clipped (limit {100.0 * _CLIPPED_SHARE:g} %); lower the gain'
+            f'{100.0 * at_ends / count:.1f} % of the samples sit at the end of the range: the '
+            f'signal is clipped (limit {100.0 * _CLIPPED_SHARE:g} %); lower the gain'
         )
-    turns = len(x) / sample_rate * shaft_hz
+    held = count / sample_rate
+    turns = held * shaft_hz
     if turns < SHAFT_TURNS:
-        held = len(x) / sample_rate
         reasons.append(
             f'{turns:.1f} shaft turns in {held:.3g} s: at least {SHAFT_TURNS:g} are needed, '
             f'{SHAFT_TURNS / shaft_hz - held:.2g} s more, and {HEALTHY_TURNS:g} to call it '
@@ -104,12 +165,10 @@ def check_speeds(shaft_hz: NDArray[np.float64]) -> list[str]:
     return []
 
 
-def _clipped_share(x: NDArray[np.float64], low: float, high: float) -> float:
-    """Share of samples in runs of three or more at either end of the range."""
-    span = 1e-6 * (high - low)
-    at_end = (x >= high - span) | (x <= low + span)
+def _in_runs(at_end: NDArray[np.bool_]) -> int:
+    """Return the number of true values in runs of three or more."""
     if int(at_end.sum()) < _RUN:
-        return 0.0
+        return 0
     edges = np.flatnonzero(np.diff(np.concatenate(([0], at_end.view(np.int8), [0]))))
     runs = edges[1::2] - edges[::2]
-    return float(runs[runs >= _RUN].sum()) / len(x)
+    return int(runs[runs >= _RUN].sum())

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.level import raised
 from bearing_twin.diagnosis.settings import DiagnosisSettings
+from bearing_twin.diagnosis.shaft import Turning
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
@@ -99,15 +100,15 @@ def diagnose_record(
         raise BearingTwinError(msg)
     if speeds.size > 1 and np.ptp(speeds) > 0.0 and speed_tolerance is None:
         settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
-    excerpt = Excerpt(
-        samples=signal,
-        shaft_hz=np.atleast_1d(speeds),
-        lengths=np.full(speeds.size, len(signal) // max(speeds.size, 1), np.intp),
-        sample_rate=sample_rate,
-        bearing=bearing,
-        settings=settings,
+    lengths = np.full(max(speeds.size, 1), len(signal) // max(speeds.size, 1))
+    excerpt = Excerpt.of(
+        signal,
+        Turning(np.atleast_1d(speeds), lengths),
+        sample_rate,
+        bearing,
+        settings,
+        longest=_WINDOW_TURNS,
         temperature=temperature,
         unit=unit,
-        longest=_WINDOW_TURNS,
     )
     return raised(excerpt.analyse().conclude())

@@ -48,12 +48,17 @@ def report(
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.evidence import Evidence
     >>> from bearing_twin.diagnosis.rules import decide
+    >>> from bearing_twin.diagnosis.demodulation import choose_layout, demodulate
     >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
+    >>> from bearing_twin.diagnosis.shaft import Turning
     >>> from bearing_twin.diagnosis.window import analyse_window
     >>> noise, bearing = np.random.default_rng(0).standard_normal(51200), find_bearing('6307')
+    >>> layout = choose_layout(25600.0, 51200, 1, bearing, 25.0)
+    >>> turning = Turning(np.array([25.0]), np.array([51200]))
+    >>> segments = [demodulate(noise, layout)]
     >>> verdict = report(
     ...     decide(Evidence.of()),
-    ...     analyse_window(noise, 25600.0, bearing, 25.0, DiagnosisSettings()),
+    ...     analyse_window(segments, layout, bearing, turning, DiagnosisSettings()),
     ...     bearing,
     ...     first_sample=0,
     ...     sample_count=51200,
@@ -70,7 +75,7 @@ def report(
     strongest = verdict.strongest
     # Without a fault the envelope spectrum shown is that of the whole band.
     band = strongest.band if strongest else 0
-    values, floor = window.envelopes.power[0, band], window.envelopes.floor[0, band]
+    values, floor = window.envelopes.power[band], window.envelopes.floor(band)
     line_hz, line_level = _EMPTY, _EMPTY
     fault_hz = fault_hz_expected = math.nan
     if strongest is not None:
@@ -84,10 +89,10 @@ def report(
         line_level = values[rows] / floor[rows]
     unit = window.severity.unit
     could = (shaft_hz, temperature, window.severity.rms, unit, bearing.d_ball)
-    smallest = smallest_detectable(1.0 / window.bin_hz, *could) if simulated else math.nan
+    smallest = smallest_detectable(window.seconds, *could) if simulated else math.nan
     reasons = verdict.reasons
     if simulated and verdict.result == 'insufficient':
-        shown = shown_by(1.0 / window.bin_hz, *could)
+        shown = shown_by(window.seconds, *could)
         reasons = (*reasons, f'smallest race fault that would have shown: {shown}')
     amplitude, first_hz, group_hz = coarse_spectrum(window.amplitude, window.bin_hz)
     return Diagnosis(

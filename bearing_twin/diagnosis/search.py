@@ -134,18 +134,18 @@ class CombSearch:
         slope = (self._slipped.impacts(place) - order) / SLIP[1]
         ends = sorted(order + slope * slip for slip in slips)
         slack = self._uncertainty * order
-        first = int(np.searchsorted(self._scores.grid, ends[0] - slack))
-        last = int(np.searchsorted(self._scores.grid, ends[1] + slack))
-        first = min(first, len(self._scores.grid) - 1)
-        grid = self._scores.grid[first : max(last, first + 1)]
-        z, bands = self._scores.judge(spectra, grid)
+        # Half a bin of the highest harmonic apart, and at least one.
+        grid = np.arange(ends[0] - slack, ends[1] + slack, 0.5 * self.spectra.step / HARMONICS)
+        grid = grid if len(grid) else np.array([order])
+        z = self._scores.score(spectra, grid)
         # What the uncertainty of the speed may explain is no slip and costs nothing.
         away = np.maximum(np.abs(grid - order) - slack, 0.0) * np.sign(grid - order)
         slip = away / slope
         z = z - (slip / SLIP_COST) ** 2
         at = int(np.argmax(z))
         found = float(grid[at])
-        index, band = modulation_index(spectra, found, bands[at, 0], place)
+        bands = self._scores.bands(spectra, found)
+        index, band = modulation_index(spectra, found, bands[0], place)
         harmonics = found * np.arange(1, HARMONICS + 1)
         alive = int((~self._silent[spectra.rows(harmonics)]).sum())
         tested = place in _RACES and z[at] >= Z_FAULT
@@ -167,9 +167,9 @@ class CombSearch:
         """
         found = self._off_shaft(self._scores.grid, self._scores.z)
         if beyond and found.z < Z_ELSEWHERE:
-            step = 2.0 * (self._scores.grid[1] - self._scores.grid[0])
+            step = self._scores.grid[1] - self._scores.grid[0]
             grid = np.arange(self._scores.grid[-1], self.top / 3.0, step)
-            farther = self._off_shaft(grid, self._scores.judge(self.spectra, grid)[0])
+            farther = self._off_shaft(grid, self._scores.score(self.spectra, grid))
             found = max(found, farther, key=lambda c: c.z)
         # Of impacts beyond the orders looked at a fraction shows, without its first harmonics.
         multiple = missing_harmonics(self._all, found.order, self._columns(found), self._silent)
@@ -184,8 +184,8 @@ class CombSearch:
         off = (away > slack) & ((grid < low - slack) | (grid > high + slack))
         at = int(np.argmax(np.where(off, z, -math.inf)))
         order = float(grid[at])
-        _, bands = self._scores.judge(self.spectra, grid[at : at + 1])
-        index, band = modulation_index(self.spectra, order, bands[0, 0], 'inner')
+        bands = self._scores.bands(self.spectra, order)
+        index, band = modulation_index(self.spectra, order, bands[0], 'inner')
         return Candidate('elsewhere', order, 0.0, float(z[at]), index, band)
 
     def second_look(self, candidate: Candidate) -> Candidate:
@@ -195,7 +195,7 @@ class CombSearch:
         The sidebands of a strong comb are part of the null, and widen it.
         """
         scores = comb_scores(self.without(candidate), self._highest, len(WHITENINGS))
-        z, _ = scores.judge(self.spectra, np.array([candidate.order]))
+        z = scores.score(self.spectra, np.array([candidate.order]))
         return replace(candidate, z=float(z[0]) - (candidate.slip / SLIP_COST) ** 2)
 
     def left_without(self, cause: Candidate, other: Candidate) -> float:
@@ -213,14 +213,9 @@ class CombSearch:
 
     def high_harmonics_ratio(self, candidate: Candidate) -> float:
         """Power of the fifth to eighth harmonic of a comb over that of the first four."""
-        low, high = (
-            self.spectra.excess[self.spectra.rows(lines), candidate.band].sum()
-            for lines in np.split(
-                candidate.order * np.arange(1, 2 * HARMONICS + 1)[:, None]
-                + self.spectra.step * np.arange(-1, 2),
-                2,
-            )
-        )
+        lines = candidate.order * np.arange(1, 2 * HARMONICS + 1)
+        power = self.spectra.line_power(lines, slice(candidate.band, candidate.band + 1))
+        low, high = (half.sum() for half in np.split(power, 2))
         return float(high / max(low, 1e-30))
 
     def shaft_sideband_ratio(self, candidate: Candidate) -> float:
@@ -402,9 +397,8 @@ class CombSearch:
 
     def _columns(self, candidate: Candidate) -> NDArray[np.intp]:
         """Bands in which a comb is highest, one of each whitening."""
-        _, bands = self._scores.judge(self._all, np.array([candidate.order]))
-        best = bands[0].argmax(axis=1)
-        return np.asarray(best + bands.shape[2] * np.arange(len(best)))
+        bands = self._scores.bands(self._all, candidate.order)
+        return np.asarray(bands.argmax(axis=1) + bands.shape[1] * np.arange(len(bands)))
 
     def mains_hz(self, candidate: Candidate) -> float:
         """
@@ -427,7 +421,7 @@ class CombSearch:
         """Best comb within two bins of an order: where it is, and its score."""
         reach = 2.0 * self._all.step
         grid = np.arange(order - reach, order + reach, 0.25 * self._all.step)
-        z, _ = self._scores.judge(self.spectra, grid)
+        z = self._scores.score(self.spectra, grid)
         at = int(np.argmax(z))
         return float(grid[at]), float(z[at])
 

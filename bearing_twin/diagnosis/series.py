@@ -22,7 +22,7 @@ from bearing_twin.diagnosis.dependence import Condition, HealthyRecord, Law, Z90
 from bearing_twin.diagnosis.level import FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.onset import Rise, rise_begins, slope
 from bearing_twin.diagnosis.series_result import SeriesPoint, SeriesReport, SeriesSettings
-from bearing_twin.diagnosis.severity import BANDS_HZ, measure_severity
+from bearing_twin.diagnosis.severity import BANDS_HZ, Levels, measure_severity
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 from scipy import fft
@@ -162,7 +162,7 @@ class SeriesMonitor:
             return None
         signal = signal - signal.mean()
         severity = measure_severity(
-            signal, fft.rfft(signal) / len(signal), sample_rate, unit=unit,
+            Levels.of(signal, fft.rfft(signal) / len(signal), sample_rate), unit=unit,
             power_group=self._settings.power_group, mounting=self._settings.mounting,
         )  # fmt: skip
         heights = np.array([severity.rms, *severity.band_rms[1:]])

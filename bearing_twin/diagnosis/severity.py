@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 import math
 from typing import TYPE_CHECKING
 
@@ -11,11 +12,14 @@ from bearing_twin.diagnosis.result import Severity
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
 __all__ = [
     'BANDS_HZ',
     'ISO_LIMITS',
+    'Levels',
     'acceleration_factor',
     'iso_zone',
     'measure_severity',
@@ -60,64 +64,130 @@ def iso_zone(velocity_rms: float, power_group: int, mounting: str) -> str:
     return 'ABCD'[sum(velocity_rms > limit for limit in limits)]
 
 
+@dataclass(frozen=True)
+class Levels:
+    """
+    Sums over a part of a record, from which the severity of the whole follows.
+
+    >>> x = np.sin(2.0 * np.pi * 100.0 * np.arange(25600) / 25600.0)
+    >>> round(math.sqrt(Levels.of(x, np.fft.rfft(x) / len(x), 25600.0).powers[0]), 4)
+    0.7071
+
+    """
+
+    count: int
+    mean: float
+    sums: tuple[float, float, float]
+    """Sums of the second, third and fourth power of the deviation from the mean."""
+    low: float
+    high: float
+    powers: tuple[float, ...]
+    """Mean squares in the bands of :data:`BANDS_HZ`, and of the integral over time in the first
+    of them."""
+
+    @classmethod
+    def of(
+        cls, x: NDArray[np.float64], spectrum: NDArray[np.complex64], sample_rate: float
+    ) -> Levels:
+        """
+        Levels of samples.
+
+        Parameters
+        ----------
+        x
+            Shape (n,).
+        spectrum
+            Its one-sided transform, ``rfft(x) / n``, at least up to 20 kHz.
+        sample_rate
+            Hz.
+
+        """
+        mean = float(x.mean())
+        away = x - mean
+        square = away * away
+        sums = float(square.sum()), float((square * away).sum()), float((square * square).sum())
+        power = 2.0 * (spectrum.real**2 + spectrum.imag**2)
+        bin_hz = sample_rate / (2 * len(spectrum) - 2)
+        edges = [_rows(*band, bin_hz, len(power)) for band in BANDS_HZ]
+        powers = [float(power[rows].sum(dtype=np.float64)) for rows in edges]
+        omega = 2.0 * math.pi * bin_hz * np.arange(edges[0].start, edges[0].stop)
+        powers.append(float((power[edges[0]] / (omega * omega)).sum()))
+        return cls(len(x), mean, sums, float(x.min()), float(x.max()), tuple(powers))
+
+    @classmethod
+    def together(cls, parts: Sequence[Levels]) -> Levels:
+        """
+        Levels of a record from those of its parts.
+
+        >>> x = np.array([1.0, 2.0, 4.0, 9.0])
+        >>> halves = [Levels.of(part, np.zeros(2, np.complex64), 2.0) for part in (x[:2], x[2:])]
+        >>> whole = Levels.of(x, np.zeros(3, np.complex64), 2.0)
+        >>> bool(np.allclose(Levels.together(halves).sums, whole.sums))
+        True
+
+        """
+        count = sum(part.count for part in parts)
+        mean = sum(part.count * part.mean for part in parts) / count
+        second = third = fourth = 0.0
+        for part in parts:
+            off, n, (s2, s3, s4) = part.mean - mean, part.count, part.sums
+            second += s2 + n * off**2
+            third += s3 + 3.0 * off * s2 + n * off**3
+            fourth += s4 + 4.0 * off * s3 + 6.0 * off**2 * s2 + n * off**4
+        shares = zip(*(part.powers for part in parts), strict=True)
+        return cls(
+            count,
+            mean,
+            (second, third, fourth),
+            min(part.low for part in parts),
+            max(part.high for part in parts),
+            tuple(
+                sum(p.count * share for p, share in zip(parts, band, strict=True)) / count
+                for band in shares
+            ),
+        )
+
+
 def measure_severity(
-    x: NDArray[np.float64],
-    spectrum: NDArray[np.complex64],
-    sample_rate: float,
-    *,
-    unit: str = '',
-    power_group: int = 0,
-    mounting: str = '',
+    levels: Levels, *, unit: str = '', power_group: int = 0, mounting: str = ''
 ) -> Severity:
     """
     Numbers of one window; the baseline and the stage are the stream's to add.
 
     Parameters
     ----------
-    x
-        Samples without their mean, shape (n,), in ``unit``.
-    spectrum
-        Its one-sided transform, ``rfft(x) / n``, at least up to 20 kHz.
-    sample_rate
-        Hz.
+    levels
+        Levels of the window.
     unit
-        Unit of x.
+        Unit of its samples.
     power_group, mounting
         See :func:`iso_zone`.
 
     >>> x = np.sin(2.0 * np.pi * 100.0 * np.arange(25600) / 25600.0)
-    >>> found = measure_severity(x, np.fft.rfft(x) / len(x), 25600.0, unit='m/s^2')
+    >>> found = measure_severity(Levels.of(x, np.fft.rfft(x) / len(x), 25600.0), unit='m/s^2')
     >>> round(found.rms, 4), round(found.crest_factor, 4), round(found.velocity_rms, 4)
     (0.7071, 1.4142, 1.1254)
 
     """
-    square = x * x
-    mean_square = float(square.mean())
+    mean_square = levels.sums[0] / levels.count
     rms = math.sqrt(mean_square)
-    peak = float(max(x.max(), -x.min()))
-    kurtosis = float(np.square(square).mean()) / mean_square**2
-    bin_hz = sample_rate / len(x)
-    power = 2.0 * (spectrum.real.astype(np.float64) ** 2 + spectrum.imag.astype(np.float64) ** 2)
-
-    def rows(low: float, high: float) -> slice:
-        first = max(math.ceil(low / bin_hz), 1)
-        return slice(first, max(min(math.floor(high / bin_hz) + 1, len(power)), first))
-
-    band_rms = tuple(math.sqrt(float(power[rows(*band)].sum())) for band in BANDS_HZ)
+    peak = max(levels.high - levels.mean, levels.mean - levels.low)
     factor = acceleration_factor(unit)
-    velocity = math.nan
-    if math.isfinite(factor):
-        part = rows(10.0, 1000.0)
-        omega = 2.0 * math.pi * bin_hz * np.arange(part.start, part.stop)
-        velocity = 1e3 * factor * math.sqrt(float((power[part] / (omega * omega)).sum()))
+    velocity = 1e3 * factor * math.sqrt(levels.powers[-1])
     return Severity(
         rms=rms,
         peak=peak,
         crest_factor=peak / rms,
-        kurtosis=kurtosis,
+        kurtosis=levels.sums[2] / levels.count / mean_square**2,
         velocity_rms=velocity,
         level_over_baseline=math.nan,
         iso_zone=iso_zone(velocity, power_group, mounting),
         unit=unit,
-        band_rms=band_rms,
+        band_rms=tuple(math.sqrt(power) for power in levels.powers[:-1]),
     )
+
+
+def _rows(low: float, high: float, bin_hz: float, count: int) -> slice:
+    """Bins of a band."""
+    first = max(math.ceil(low / bin_hz), 1)
+    return slice(first, max(min(math.floor(high / bin_hz) + 1, count), first))

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.diagnosis.spectra import local_floor
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
 
-__all__ = ['SHAFT_FOUND', 'ShaftSpeed', 'refine_shaft_hz', 'resample_to_angle', 'varies']
+__all__ = ['SHAFT_FOUND', 'ShaftSpeed', 'Turning', 'refine_shaft_hz', 'resample']
 
 SHAFT_FOUND = 5.0
 """Score from which the harmonics of the shaft are believed."""
@@ -69,8 +70,8 @@ def refine_shaft_hz(
     >>> from bearing_twin.diagnosis.spectra import EnvelopeSpectra
     >>> power = np.ones(2001, np.float32)
     >>> power[1010 * np.arange(1, 7) // 10] = 1e4
-    >>> flat = np.ones((3, 1, 2000), np.float32)
-    >>> envelopes = EnvelopeSpectra(0.25, flat, flat)
+    >>> flat = np.ones((2000, 3), np.float32)
+    >>> envelopes = EnvelopeSpectra(0.25, flat, flat[:, :2], flat.T, flat.T, 0.0, 1)
     >>> round(refine_shaft_hz(power, 0.25, envelopes, 25.0, 0.02).shaft_hz, 1)
     25.2
 
@@ -80,17 +81,16 @@ def refine_shaft_hz(
     near = given_hz + np.arange(-int(reach / step), int(reach / step) + 1) * step
     # The null: combs well away from the shaft and from its simple fractions.
     beside = given_hz * np.concatenate((np.linspace(0.68, 0.73, 64), np.linspace(1.18, 1.23, 64)))
-    last = min(int(np.ceil(8.0 * given_hz / bin_hz)), len(power) - 1)
+    last = min(int(np.ceil(8.0 * given_hz / bin_hz)), len(power) - 1, len(envelopes.logs))
     low = power[1 : last + 1]
     direct = np.log1p(low / local_floor(low, max(int(4.0 * given_hz / bin_hz), 32)))
-    indirect = envelopes.logs[..., :last].mean(axis=(0, 1))
+    indirect = envelopes.logs[:last].mean(axis=1)
+
+    both = direct + np.float32(2.0) * indirect[: len(direct)]
 
     def comb(hertz: NDArray[np.floating]) -> NDArray[np.float64]:
-        lines = np.empty((_HARMONICS, len(hertz)))
-        for harmonic in range(1, _HARMONICS + 1):
-            index = np.rint(harmonic * hertz / bin_hz).astype(np.intp) - 1
-            lines[harmonic - 1] = direct[np.clip(index, 0, len(direct) - 1)]
-            lines[harmonic - 1] += 2.0 * indirect[np.clip(index, 0, len(indirect) - 1)]
+        index = np.rint(np.arange(1, _HARMONICS + 1)[:, None] * hertz / bin_hz).astype(np.intp) - 1
+        lines = np.take(both, index, mode='clip').astype(np.float64)
         # A fault order near an integer fakes one harmonic and its double; the shaft has more.
         lines.sort(axis=0)
         return np.asarray(lines[:-2].sum(axis=0))
@@ -114,54 +114,84 @@ def refine_shaft_hz(
     return ShaftSpeed(shaft_hz, min(uncertainty, tolerance), best, tolerance)
 
 
-def varies(shaft_hz: NDArray[np.float64]) -> bool:
+class Turning(NamedTuple):
     """
-    Whether a speed moves so far within a window that its lines smear.
+    Speed of the shaft during a window, part by part.
 
-    >>> varies(np.array([25.0, 25.1])), varies(np.array([25.0, 26.0]))
-    (False, True)
+    >>> turning = Turning(np.array([25.0, 26.0]), np.array([300, 100]))
+    >>> turning.mean_hz, turning.varies
+    (25.25, True)
 
     """
-    return bool(np.ptp(shaft_hz) > _STEADY * shaft_hz.mean())
+
+    shaft_hz: NDArray[np.float64]
+    """Speed during each part, Hz, shape (b,)."""
+    lengths: NDArray[np.intp]
+    """Samples of each part, shape (b,)."""
+
+    @property
+    def mean_hz(self) -> float:
+        """Mean speed, Hz; NaN without samples."""
+        count = int(self.lengths.sum())
+        return float((self.shaft_hz * self.lengths).sum()) / count if count else math.nan
+
+    @property
+    def varies(self) -> bool:
+        """Whether the speed moves so far that lines smear."""
+        return bool(np.ptp(self.shaft_hz) > _STEADY * self.mean_hz)
+
+    def part(self, begin: int, end: int) -> Turning:
+        """
+        Speed from sample ``begin`` on, before sample ``end``.
+
+        >>> Turning(np.array([25.0, 26.0]), np.array([300, 100])).part(250, 400).lengths
+        array([ 50, 100])
+
+        """
+        ends = np.cumsum(self.lengths)
+        lengths = np.minimum(ends, end) - np.maximum(ends - self.lengths, begin)
+        return Turning(self.shaft_hz[lengths > 0], lengths[lengths > 0])
+
+    def equal_angles(self, count: int) -> NDArray[np.float64]:
+        """
+        Sample, with fractions, at which each of ``count`` equal parts of the angle begins.
+
+        >>> Turning(np.array([20.0, 40.0]), np.array([100, 100])).equal_angles(6)
+        array([  0.,  50., 100., 125., 150., 175.])
+
+        """
+        angle = np.concatenate(([0.0], np.cumsum(self.shaft_hz * self.lengths)))
+        sample = np.concatenate(([0], np.cumsum(self.lengths)))
+        return np.asarray(np.interp(angle[-1] / count * np.arange(count), angle, sample))
 
 
-def resample_to_angle(
-    x: NDArray[np.float64], sample_rate: float, shaft_hz: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], float]:
+def resample(values: NDArray[np.floating], at: NDArray[np.float64]) -> NDArray[np.floating]:
     """
-    Resample a record of varying speed to equal steps of shaft angle.
+    Values at fractional positions along the last axis.
+
+    Four-point Lagrange interpolation: third order, local, exact at whole positions.
 
     Parameters
     ----------
-    x
-        Record, shape (n,).
-    sample_rate
-        Hz.
-    shaft_hz
-        Shaft speed at each sample, Hz, shape (n,), positive.
+    values
+        Shape (..., N), N at least 4.
+    at
+        Positions from 0 to N - 1, shape (M,).
 
-    Returns
-    -------
-    The record over angle, and the mean speed, Hz, at which it would have its old sample rate.
-
-    >>> hertz = np.linspace(20.0, 30.0, 25600)
-    >>> x = np.cos(2.0 * np.pi * np.cumsum(hertz) / 25600.0)
-    >>> even, mean_hz = resample_to_angle(x, 25600.0, hertz)
-    >>> round(mean_hz, 3), int(np.abs(np.fft.rfft(even)).argmax())
-    (25.0, 25)
+    >>> x = np.cos(2.0 * np.pi * 25.0 * np.arange(25600) / 25600.0)
+    >>> bool(np.allclose(resample(x, np.array([512.0, 512.5])), [x[512], x[512]], atol=1e-3))
+    True
 
     """
-    angle = np.concatenate(([0.0], np.cumsum(0.5 * (shaft_hz[1:] + shaft_hz[:-1])))) / sample_rate
-    mean_hz = float(angle[-1] / (len(x) - 1) * sample_rate)
-    even = np.linspace(0.0, angle[-1], len(x))
-    time = np.interp(even, angle, np.arange(len(x), dtype=np.float64))
-    # Four-point Lagrange interpolation: third order, local, exact where the speed is constant.
-    base = np.clip(np.floor(time).astype(np.intp), 1, len(x) - 3)
-    t = time - base
-    resampled = (
-        x[base - 1] * (-t * (t - 1.0) * (t - 2.0) / 6.0)
-        + x[base] * ((t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0)
-        + x[base + 1] * (-(t + 1.0) * t * (t - 2.0) / 2.0)
-        + x[base + 2] * ((t + 1.0) * t * (t - 1.0) / 6.0)
+    base = np.clip(np.floor(at).astype(np.intp), 1, values.shape[-1] - 3)
+    t = (at - base).astype(values.dtype)
+    weights = (
+        -t * (t - 1.0) * (t - 2.0) / 6.0,
+        (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+        -(t + 1.0) * t * (t - 2.0) / 2.0,
+        (t + 1.0) * t * (t - 1.0) / 6.0,
     )
-    return resampled, mean_hz
+    found = np.zeros((*values.shape[:-1], len(at)), values.dtype)
+    for shift, weight in enumerate(weights, start=-1):
+        found += np.take(values, base + shift, axis=-1) * weight
+    return found

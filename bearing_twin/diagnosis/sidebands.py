@@ -25,6 +25,9 @@ __all__ = [
 HANN_BINS = 1.5
 """Noise bandwidth of the Hann window, bins: a line spreads over three."""
 
+_HARMONICS = np.arange(1.0, HARMONICS + 1)
+_SIDES = np.array([0.0, -2.0, -1.0, 1.0, 2.0])
+
 
 def modulation_index(
     spectra: OrderSpectra, order: float, band_scores: NDArray[np.float32], family: str
@@ -54,10 +57,8 @@ def modulation_index(
     """
     bands = len(spectra.carrier)
     lines = slice(0, bands) if family == 'cage' else slice(bands, None)
-    harmonics = order * np.arange(1, HARMONICS + 1)
-    rows = spectra.rows(harmonics[:, None] + spectra.step * np.arange(-1, 2))
     # A line spreads over three bins of the Hann window, whose noise bandwidth is 1.5 bins.
-    power = spectra.excess[rows.ravel(), lines].sum(axis=0) / HANN_BINS
+    power = spectra.line_power(order * _HARMONICS, lines).sum(axis=0) / HANN_BINS
     if family == 'outer':
         # Half of the range stays in any case, for low sample rates.
         limit = min(CARRIER * order, 0.5 * float(spectra.carrier.max()))
@@ -84,9 +85,8 @@ def comb_power(spectra: OrderSpectra, order: float, band: int) -> float:
     4.0
 
     """
-    harmonics = order * np.arange(1, HARMONICS + 1)
-    rows = spectra.rows(harmonics[:, None] + spectra.step * np.arange(-1, 2))
-    return float(spectra.excess[rows, len(spectra.carrier) + band].sum())
+    column = len(spectra.carrier) + band
+    return float(spectra.line_power(order * _HARMONICS, slice(column, column + 1)).sum())
 
 
 def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 1.0) -> float:
@@ -126,10 +126,9 @@ def sideband_ratios(
     [1.0, 0.0]
 
     """
-    harmonics = order * np.arange(1, HARMONICS + 1)
-    sides = gaps[:, None] * np.array([0.0, -2.0, -1.0, 1.0, 2.0])
-    lines = sides[..., None, None] + harmonics[:, None] + spectra.step * np.arange(-1, 2)
-    power = spectra.excess[spectra.rows(lines), len(spectra.carrier) + band].sum(axis=(2, 3))
+    column = len(spectra.carrier) + band
+    lines = gaps[:, None, None] * _SIDES[:, None] + order * _HARMONICS
+    power = spectra.line_power(lines, slice(column, column + 1)).sum(axis=(2, 3))
     ratios: NDArray[np.float32] = np.sqrt(
         power[:, 1:].mean(axis=1) / np.maximum(power[:, 0], 1e-30)
     )

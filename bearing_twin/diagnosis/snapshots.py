@@ -14,6 +14,7 @@ from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.level import raised, UNKNOWN
 from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.diagnosis.series_result import LEAST_BASELINE, MOST_BASELINE, SeriesSettings
+from bearing_twin.diagnosis.shaft import Turning
 from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.diagnosis.streaming import checked_block
 from bearing_twin.diagnosis.trend import Source
@@ -155,14 +156,16 @@ class SeriesDiagnoser:
             return []
         self._due.append(self._last)
         return [
-            Excerpt(
-                samples=np.concatenate([part for part, _ in parts]),
-                shaft_hz=np.array([hz for _, hz in parts]),
-                lengths=np.array([len(part) for part, _ in parts]),
-                sample_rate=self._rate, bearing=self._bearing, settings=settings,
-                first_sample=self._next - count, **known,
+            Excerpt.of(
+                np.concatenate([part for part, _ in parts]),
+                Turning(np.array([hz for _, hz in parts]), np.array([len(x) for x, _ in parts])),
+                self._rate,
+                self._bearing,
+                settings,
+                first_sample=self._next - count,
+                **known,
             )
-        ]  # fmt: skip
+        ]
 
     def judge(self, analysis: Analysis) -> Diagnosis:
         """Judge a snapshot together with all before it."""
@@ -175,9 +178,8 @@ class SeriesDiagnoser:
         if not self._source.same(source):
             self.other_source = f'the series is of {self._source}, this is {source}'
             return replace(found, reasons=(*found.reasons, self.other_source))
-        hertz = float(np.average(excerpt.shaft_hz, weights=excerpt.lengths))
         point = self._monitor.add(
-            time, excerpt.samples, excerpt.sample_rate, hertz,
+            time, excerpt.samples, excerpt.sample_rate, excerpt.turning.mean_hz,
             temperature=excerpt.temperature, unit=excerpt.unit,
         )  # fmt: skip
         report = self._monitor.report()

@@ -10,13 +10,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import functools
-import math
 from typing import TYPE_CHECKING
 
+from bearing_twin.diagnosis.kernels import line_power, over_floor
 import numpy as np
 from scipy import fft
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
 __all__ = [
@@ -25,25 +27,27 @@ __all__ = [
     'EnvelopeSpectra',
     'band_tree',
     'envelope_spectra',
+    'floor_levels',
     'line_cap',
     'local_floor',
+    'squared_envelopes',
     'whiten',
 ]
 
 WHITENINGS = ('flat', 'capped', 'cepstral')
 """Whitenings of :func:`whiten`, in the order of its output."""
 
-_MEDIAN_OF_EXPONENTIAL = math.log(2.0)
 _TINY = 1e-30
 _CAP, _CAP_TURNS = 4.0, 50.0
+_AT_ONCE = 9
 
 
 def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
     """
     Mean power of the noise around each bin, lines ignored.
 
-    The median over half-overlapping blocks, joined linearly, divided by ln 2: the ratio of median
-    and mean of the exponential distribution that the periodogram of stationary noise follows.
+    The median over blocks, joined linearly, divided by that of the exponential distribution of
+    mean 1, which the periodogram of stationary noise follows: ln 2 for many bins.
     This is the threshold of Borghesani and Antoni (2018) made local.
 
     Parameters
@@ -64,18 +68,10 @@ def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
 
     """
     count = power.shape[-1]
-    hop = max(width // 2, 4)
-    blocks = count // hop
-    if blocks < 3:
-        floor = np.median(power, axis=-1, keepdims=True) / _MEDIAN_OF_EXPONENTIAL
-        return np.broadcast_to(np.maximum(floor, _TINY), power.shape).astype(power.dtype)
-    # Centred on the range, so that what the blocks leave over falls on both ends alike.
-    offset = (count - blocks * hop) // 2
-    tiles = power[..., offset : offset + blocks * hop].reshape(*power.shape[:-1], blocks, hop)
-    pairs = np.concatenate((tiles[..., :-1, :], tiles[..., 1:, :]), axis=-1)
-    pairs.partition(hop, axis=-1)
-    levels = np.maximum(pairs[..., hop] / _MEDIAN_OF_EXPONENTIAL, _TINY)
-    bins, weight = _between_blocks(count, offset, hop, blocks)
+    levels, first, hop = floor_levels(power, width)
+    if levels.shape[-1] == 1:
+        return np.broadcast_to(levels, power.shape)
+    bins, weight = _between(count, first, hop, levels.shape[-1])
     floor = np.repeat(levels[..., :-1], bins, axis=-1)
     rise = np.repeat(np.diff(levels, axis=-1), bins, axis=-1)
     rise *= weight.astype(power.dtype)
@@ -83,15 +79,42 @@ def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
     return floor
 
 
+def floor_levels(power: NDArray[np.float32], width: int) -> tuple[NDArray[np.float32], float, int]:
+    """
+    Levels of the floor of :func:`local_floor`, the bin of the first, and the bins between them.
+
+    Each level is the mean of two neighbouring blocks of half the width.
+
+    >>> levels, first, hop = floor_levels(np.ones(4096, np.float32), 256)
+    >>> levels.shape, first, hop
+    ((31,), 127.5, 128)
+
+    """
+    count = power.shape[-1]
+    hop = max(width // 2, 4)
+    blocks = count // hop
+    if blocks < 3:
+        hop, blocks = count, 1
+    # Centred on the range, so that what the blocks leave over falls on both ends alike.
+    offset = (count - blocks * hop) // 2
+    tiles = power[..., offset : offset + blocks * hop].reshape(*power.shape[:-1], blocks, hop)
+    middle = hop // 2
+    medians = np.partition(tiles, middle, axis=-1)[..., middle]
+    # Mean of the middle one of so many exponential variables: near the log of two.
+    medians *= np.float32(1.0 / (1.0 / np.arange(hop - middle, hop + 1)).sum())
+    levels = 0.5 * (medians[..., 1:] + medians[..., :-1]) if blocks > 1 else medians
+    return np.maximum(levels, np.float32(_TINY)), offset + hop - 0.5, hop
+
+
 @functools.lru_cache(maxsize=16)
-def _between_blocks(
-    count: int, offset: int, hop: int, blocks: int
+def _between(
+    count: int, first: float, hop: int, levels: int
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Bins between the centres of each block and the next, and how far on each bin is, 0 to 1."""
-    position = (np.arange(count) - (offset + hop - 0.5)) / hop
-    left = np.clip(np.floor(position).astype(np.intp), 0, blocks - 3)
+    """Bins between each level and the next, and how far on each bin is, 0 to 1."""
+    position = (np.arange(count) - first) / hop
+    left = np.clip(np.floor(position).astype(np.intp), 0, levels - 2)
     weight = np.clip(position - left, 0.0, 1.0)
-    bins = np.bincount(left, minlength=blocks - 2)
+    bins = np.bincount(left, minlength=levels - 1)
     bins.flags.writeable = weight.flags.writeable = False
     return bins, weight
 
@@ -193,30 +216,43 @@ def band_tree(bins: int, bin_hz: float, *, depth: int, narrowest_hz: float) -> B
 
 @dataclass(frozen=True)
 class EnvelopeSpectra:
-    """Squared envelope spectra of all bands: relative power per bin and the floor of it."""
+    """
+    Squared envelope spectra of all bands.
+
+    Power is relative to that of the mean: 1/4 of the squared modulation index of a sinusoidal
+    modulation. Row k belongs to (k + 1) bin_hz, columns are bands, whitening by whitening.
+    """
 
     bin_hz: float
+    logs: NDArray[np.float32]
+    """(K, W B): log(1 + power / floor)."""
+    excess: NDArray[np.float32]
+    """(K, 2 B): power above the floor, lines kept and lines capped."""
     power: NDArray[np.float32]
-    """(W, B, K): power of the squared envelope relative to its mean's; bin k is (k + 1) bin_hz."""
-    floor: NDArray[np.float32]
-    """(W, B, K): its local floor."""
+    """(B, K): power, lines kept."""
+    levels: NDArray[np.float32]
+    """(B, L): its local floor at L bins."""
+    first: float
+    """First of these bins."""
+    hop: int
+    """Bins from one to the next."""
 
-    @functools.cached_property
-    def logs(self) -> NDArray[np.float32]:
-        """(W, B, K): log(1 + power / floor)."""
-        return np.asarray(np.log1p(self.power / self.floor))
+    def floor(self, band: int) -> NDArray[np.float32]:
+        """Local floor under the power of a band."""
+        at = self.first + self.hop * np.arange(self.levels.shape[1])
+        floor = np.interp(np.arange(self.power.shape[1]), at, self.levels[band])
+        return np.asarray(floor, np.float32)
 
 
-def envelope_spectra(
-    whitened: NDArray[np.complex64], tree: BandTree, *, max_hz: float, floor_width: int
-) -> EnvelopeSpectra:
+def squared_envelopes(
+    whitened: NDArray[np.complex64], tree: BandTree, points: int
+) -> NDArray[np.float32]:
     """
-    Demodulate every band and return the spectrum of its squared envelope up to ``max_hz``.
+    Demodulate every band and sample its squared envelope at equal steps.
 
     A slice of the one-sided spectrum, transformed back, is the analytic signal of an ideal band
-    filter, decimated to its bandwidth (Ho and Randall 2000). The slice is padded so that the
-    aliases of the squared envelope fall above ``max_hz``. A Hann window keeps the leakage of
-    strong lines off the floor.
+    filter (Ho and Randall 2000). The spectrum of its squared envelope is the autocorrelation of
+    the slice. It ends at half the rate of the points, so nothing is aliased.
 
     Parameters
     ----------
@@ -224,135 +260,152 @@ def envelope_spectra(
         (W, K) whitened spectra.
     tree
         Bands.
+    points
+        Points over the length of the record, at least 16.
+
+    Returns
+    -------
+    Array of shape (W, B, ``points``).
+
+    >>> noise = np.random.default_rng(0).standard_normal(25600)
+    >>> spectrum = np.fft.rfft(noise).astype(np.complex64)
+    >>> tree = band_tree(12800, 1.0, depth=1, narrowest_hz=500.0)
+    >>> squared_envelopes(whiten(spectrum, 256), tree, 1280).shape
+    (3, 4, 1280)
+
+    """
+    lags = points // 2 + 1
+    lags_of = _lags_by_tile if _tiles_suit(tree, lags) else _lags_by_band
+    correlation = np.concatenate(lags_of(whitened, tree, lags), axis=1)
+    return np.asarray(fft.irfft(correlation, n=points, axis=-1, norm='forward'))
+
+
+def envelope_spectra(
+    envelopes: Iterable[NDArray[np.float32]], rate: float, *, max_hz: float, floor_width: int
+) -> EnvelopeSpectra:
+    """
+    Spectra of squared envelopes up to ``max_hz``.
+
+    A Hann window keeps the leakage of strong lines off the floor.
+
+    Parameters
+    ----------
+    envelopes
+        (B, N) squared envelopes of each whitening.
+    rate
+        Points a second.
     max_hz
         Highest envelope frequency wanted.
     floor_width
         Bins in a block of the floor.
 
-    Returns
-    -------
-    Relative power: 1/4 of the squared modulation index of a sinusoidal modulation.
-
-    >>> noise = np.random.default_rng(0).standard_normal(25600)
-    >>> spectrum = np.fft.rfft(noise).astype(np.complex64)
-    >>> tree = band_tree(12800, 1.0, depth=1, narrowest_hz=500.0)
-    >>> found = envelope_spectra(whiten(spectrum, 256), tree, max_hz=500.0, floor_width=64)
-    >>> found.power.shape, found.bin_hz
-    ((3, 4, 500), 1.0)
+    >>> envelopes = np.random.default_rng(0).exponential(size=(3, 4, 1280)).astype(np.float32)
+    >>> found = envelope_spectra(envelopes, 1280.0, max_hz=500.0, floor_width=64)
+    >>> found.logs.shape, found.power.shape, found.bin_hz
+    ((500, 12), (4, 500), 1.0)
 
     """
-    count = max(int(max_hz / tree.bin_hz), 16)
-    power_of = _power_by_tile if _tiles_suit(tree, count) else _power_by_band
-    power = np.concatenate(power_of(whitened, tree, count), axis=1)
-    return EnvelopeSpectra(tree.bin_hz, power, local_floor(power, floor_width))
+    for number, part in enumerate(envelopes):
+        bands, points = part.shape
+        if not number:
+            bin_hz = rate / points
+            count = min(max(int(max_hz / bin_hz), 16), points // 2 - 1)
+            logs = np.empty((count, len(WHITENINGS) * bands), np.float32)
+            excess = np.empty((count, 2 * bands), np.float32)
+        power = np.empty((bands, count), np.float32)
+        # A few rows at a time: they stay in the cache from one step to the next.
+        for begin in range(0, bands, _AT_ONCE):
+            some = slice(begin, begin + _AT_ONCE)
+            line_power(fft.rfft(part[some], axis=-1), power[some])
+        # Under a Hann window every other bin tells as much.
+        levels, first, hop = floor_levels(power[:, ::2], floor_width // 2)
+        first, hop = 2.0 * first, 2 * hop
+        ratio, above = np.empty_like(power), np.empty_like(power)
+        over_floor(power, levels, first, hop, ratio, above)
+        logs[:, number * bands : (number + 1) * bands] = np.log(ratio, out=ratio).T
+        if number < 2:
+            excess[:, number * bands : (number + 1) * bands] = above.T
+        if not number:
+            kept = power, levels, first, hop
+    return EnvelopeSpectra(bin_hz, logs, excess, *kept)
 
 
-def _tiles_suit(tree: BandTree, count: int) -> bool:
-    """Whether all bands are made of tiles half as wide as the narrowest, and lines reach two."""
+def _tiles_suit(tree: BandTree, lags: int) -> bool:
+    """Whether all bands are made of tiles half as wide as the narrowest, and lags reach two."""
     (bins, _), tile = tree.levels[0], tree.levels[-1][0] // 2
     depth = len(tree.levels) - 1
     return (
         depth > 1
         and bins == tile << (depth + 1)
-        and count + 2 <= 2 * tile
+        and lags <= 2 * tile
         and fft.next_fast_len(2 * tile) == 2 * tile
     )
 
 
-def _power_by_band(
-    whitened: NDArray[np.complex64], tree: BandTree, count: int
-) -> list[NDArray[np.float32]]:
+def _lags_by_band(
+    whitened: NDArray[np.complex64], tree: BandTree, lags: int
+) -> list[NDArray[np.complex64]]:
     """
-    Power of lines 1 to ``count`` of each squared envelope over its mean's, one band at a time.
+    Autocorrelation of each band, one band at a time.
 
     Returns
     -------
-    Per level an array of shape (W, B, ``count``).
+    Per level an array of shape (W, B, ``lags``).
 
     """
     levels = []
     for width, firsts in tree.levels:
-        length = fft.next_fast_len(width + min(count, width) + 1)
+        length = fft.next_fast_len(width + min(lags, width))
         bands = np.zeros((len(whitened), len(firsts), length), np.complex64)
         for i, first in enumerate(firsts):
             bands[:, i, :width] = whitened[:, first : first + width]
-        envelope = _squared(fft.ifft(bands, axis=-1, overwrite_x=True))
-        mean = np.maximum(envelope.mean(axis=-1, keepdims=True), np.float32(_TINY))
-        envelope -= mean
-        envelope *= (1.0 - np.cos(2.0 * np.pi * np.arange(length) / length)).astype(np.float32)
-        lines = fft.rfft(envelope, axis=-1)[..., 1 : count + 1] / (length * mean)
-        power = _squared(lines)
-        missing = count - power.shape[-1]
-        levels.append(np.pad(power, ((0, 0), (0, 0), (0, missing))) if missing else power)
+        envelope = _squared(fft.ifft(bands, axis=-1, norm='forward', overwrite_x=True))
+        level = fft.rfft(envelope, axis=-1, norm='forward')[..., :lags]
+        missing = lags - level.shape[-1]
+        levels.append(np.pad(level, ((0, 0), (0, 0), (0, missing))) if missing else level)
     return levels
 
 
-def _power_by_tile(
-    whitened: NDArray[np.complex64], tree: BandTree, count: int
-) -> list[NDArray[np.float32]]:
+def _lags_by_tile(
+    whitened: NDArray[np.complex64], tree: BandTree, lags: int
+) -> list[NDArray[np.complex64]]:
     """
-    Give the same as :func:`_power_by_band`, for a tree that is made of equal tiles.
+    Give the same as :func:`_lags_by_band`, for a tree that is made of equal tiles.
 
-    The spectrum of a squared envelope is the autocorrelation of its band. Bands overlap, so it is
-    summed from the products within each tile and those of each tile with the next two: every bin
-    is transformed once for all levels, not once per band.
+    Bands overlap, so their autocorrelations are summed from the products within each tile and
+    those of each tile with the next two: every bin is transformed once for all levels, not once
+    per band.
     """
     tile = tree.levels[-1][0] // 2
-    bins = tree.levels[0][0]
-    tiles, lags = bins // tile, count + 2
+    rows, bins = len(whitened), tree.levels[0][0]
+    tiles = bins // tile
+    padded = np.zeros((rows, tiles, 2 * tile), np.complex64)
+    padded[..., :tile] = whitened[:, :bins].reshape(rows, tiles, tile)
+    signal = fft.ifft(padded, axis=-1, norm='forward', overwrite_x=True)
     # What ends with the tile, what it gives to a band that goes on by one, and by two more.
-    last = np.zeros((len(whitened), tiles, lags), np.complex64)
-    inner = np.empty((len(whitened), tiles - 1, lags), np.complex64)
-    far = np.empty((len(whitened), tiles - 2, max(lags - tile, 0)), np.complex64)
+    last = np.zeros((rows, tiles, lags), np.complex64)
     within = min(lags, tile)
-    for row, spectrum in enumerate(whitened):
-        padded = np.zeros((tiles, 2 * tile), np.complex64)
-        padded[:, :tile] = spectrum[:bins].reshape(tiles, tile)
-        signal = fft.ifft(padded, axis=-1, norm='forward', overwrite_x=True)
-        squared = _squared(signal)
-        # Lag 0 apart: its rounding would drown the others beside a strong carrier.
-        mean = squared.mean(axis=-1)
-        squared -= mean[:, np.newaxis]
-        last[row, :, :within] = fft.rfft(squared, axis=-1)[:, :within]
-        last[row, :, 0] = mean * np.float32(2 * tile)
-        # Lag 0 between the first bins of two tiles is lag ``tile`` of the whole spectrum.
-        beside = _cross(signal, 1)
-        np.add(
-            last[row, :-1, :within], beside[:, tile : tile + within], out=inner[row, :, :within]
-        )
-        if far.shape[-1]:
-            inner[row, :, tile:] = beside[:, : lags - tile]
-            far[row] = _cross(signal, 2)[:, tile:lags]
+    last[..., :within] = fft.rfft(_squared(signal), axis=-1, norm='forward')[..., :within]
+    # Lag 0 between the first bins of two tiles is lag ``tile`` of the whole spectrum.
+    beside = _cross(signal, 1)
+    inner = np.empty((rows, tiles - 1, lags), np.complex64)
+    np.add(last[:, :-1, :within], beside[..., tile : tile + within], out=inner[..., :within])
+    inner[..., tile:] = beside[..., : lags - within]
     levels = []
     for _ in tree.levels:
-        levels.append(_line_power(inner + last[:, 1:]))
+        levels.append(inner + last[:, 1:])
         last = inner[:, 0::2] + last[:, 1::2]
-        if len(levels) == 1:
-            inner[:, :-1, tile:] += far
+        if len(levels) == 1 and lags > tile:
+            inner[:, :-1, tile:] += _cross(signal, 2)[..., tile:lags]
         inner = inner[:, 0:-1:2] + inner[:, 1::2]
     return levels[::-1]
 
 
 def _cross(signal: NDArray[np.complex64], apart: int) -> NDArray[np.complex64]:
     """Cross-correlation of each tile with the one so many further on, from their transforms."""
-    product = np.conj(signal)
-    product[:-apart] *= signal[apart:]
-    # Transforms go four at a time: those of the last tiles, which have no partner, are free.
-    return np.asarray(fft.fft(product, axis=-1, overwrite_x=True))[:-apart]
-
-
-def _line_power(correlation: NDArray[np.complex64]) -> NDArray[np.float32]:
-    """Power of the lines over lag 0's, without the mean, under a Hann window: 1 - cos is three."""
-    mean = np.maximum(correlation[..., :1].real, np.float32(_TINY))
-    correlation[..., 0] = 0.0
-    # Real and imaginary parts side by side: half the work of complex products with real factors.
-    parts = correlation.view(np.float32)
-    lines = parts[..., :-4] + parts[..., 4:]
-    lines *= np.float32(-0.5)
-    lines += parts[..., 2:-2]
-    lines *= 1.0 / mean
-    lines *= lines
-    return np.asarray(lines[..., 0::2] + lines[..., 1::2])
+    product = np.conj(signal[:, :-apart])
+    product *= signal[:, apart:]
+    return np.asarray(fft.fft(product, axis=-1, norm='forward', overwrite_x=True))
 
 
 def _squared(signal: NDArray[np.complex64]) -> NDArray[np.float32]:

@@ -6,12 +6,15 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import replace
+import functools
+import itertools
 import math
-from typing import TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.diagnosis.chain import Excerpt
+from bearing_twin.diagnosis.chain import Excerpt, Stretch
 from bearing_twin.diagnosis.comb import OrderSpectra
 from bearing_twin.diagnosis.settings import DiagnosisSettings
+from bearing_twin.diagnosis.shaft import Turning
 from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.diagnosis.trend import Source, Trend
 from bearing_twin.errors import BearingTwinError
@@ -26,6 +29,7 @@ if TYPE_CHECKING:
 __all__ = ['StreamingDiagnoser', 'checked_block']
 
 _VERSION = 5
+_MOST_PARTS = 64
 
 
 def checked_block(x: ArrayLike, sample_rate: float) -> NDArray[np.float64]:
@@ -52,6 +56,51 @@ def checked_block(x: ArrayLike, sample_rate: float) -> NDArray[np.float64]:
         msg = f'sample_rate={sample_rate} Hz; a positive number is needed'
         raise BearingTwinError(msg)
     return block
+
+
+class Cut(NamedTuple):
+    """
+    How a stream is cut: windows and the time between updates are whole numbers of stretches.
+
+    >>> Cut.of(DiagnosisSettings(window=2.5), 25600.0)
+    Cut(stretch=12800, window=5, update=2)
+
+    """
+
+    stretch: int
+    """Samples."""
+    window: int
+    """Stretches."""
+    update: int
+    """Stretches."""
+
+    @classmethod
+    def of(cls, settings: DiagnosisSettings, sample_rate: float) -> Cut:
+        """Return the cut into the longest stretches; a window may be rounded to them."""
+        return cls._of(settings.update_interval, settings.window, sample_rate)
+
+    @classmethod
+    @functools.lru_cache(maxsize=64)
+    def _of(cls, update_interval: float, window: float, sample_rate: float) -> Cut:
+        interval = max(round(update_interval * sample_rate), 1)
+        wanted = window * sample_rate
+        cuts = (
+            cls(interval // parts, max(round(wanted * parts / interval), 1), parts)
+            for parts in range(1, _MOST_PARTS + 1)
+            if interval % parts == 0
+        )
+        # One sample in a thousand is no matter.
+        return min(cuts, key=lambda c: (round(abs(c.samples / wanted - 1.0), 3), c.update))
+
+    @property
+    def samples(self) -> int:
+        """Samples of a window."""
+        return self.stretch * self.window
+
+    @property
+    def interval(self) -> int:
+        """Samples from one update to the next."""
+        return self.stretch * self.update
 
 
 class StreamingDiagnoser:
@@ -202,14 +251,12 @@ class StreamingDiagnoser:
             else:
                 text = f'window restarted: index went back from {self._next} to {first_sample}'
             self._restart(first_sample, f'{text} before sample {first_sample}')
-        due_now = []
+        due_now, cut = [], self._cut
         while len(block):
-            due = self._start + (self._updates + 1) * self._interval
-            part, block = block[: due - self._next], block[due - self._next :]
-            self._blocks.append((part, shaft_hz))
-            self._next += len(part)
-            if self._next == due:
-                self._updates += 1
+            room = cut.stretch - self._filled
+            self._hold(block[:room], shaft_hz)
+            block = block[room:]
+            if not self._filled and (self._next - self._start) % cut.interval == 0:
                 due_now.append(self._excerpt(speed_measured, temperature, unit, sensor))
         return due_now
 
@@ -217,8 +264,8 @@ class StreamingDiagnoser:
         """Judge an analysed window together with the windows and verdicts before it."""
         excerpt = analysis.excerpt
         settings = excerpt.settings
-        wanted = round(settings.window * excerpt.sample_rate)
-        full = len(excerpt.samples) == wanted
+        wanted = Cut.of(settings, excerpt.sample_rate).samples
+        full = excerpt.sample_count == wanted
         if excerpt.run != self._judged:
             self._judged = excerpt.run
             self._earlier.clear()
@@ -229,6 +276,9 @@ class StreamingDiagnoser:
         if analysis.window is None:
             return analysis.conclude()
         earlier = self._before(excerpt, wanted)
+        # Another speed may have other bands.
+        bands = analysis.window.orders.carrier.shape
+        earlier = [orders for orders in earlier if orders.carrier.shape == bands]
         if full and settings.averages:
             self._earlier.append((excerpt.end, analysis.window.orders))
         found, trend = analysis.conclude(earlier), self._trend
@@ -301,28 +351,84 @@ class StreamingDiagnoser:
             msg = f'saved state lacks {error}; use what save() returned'
             raise BearingTwinError(msg) from error
         if rate == self._rate and following == self._next:
-            self._start = start
-            self._updates = (following - start) // self._interval
+            self._cut_again(start)
         else:
             self._rate = math.nan if rate is None else float(rate)
             self._clear(following)
+            # Windows start anew here; those that were saved began earlier.
+            self._began = start
         self._judged, self._earlier = self._run, earlier
         self._trend, self._guest = trend, guest
 
+    def rests_on(self, first_sample: int) -> int:
+        """
+        Index of the first sample on which a window from ``first_sample`` rests.
+
+        Its first segment laps over the stretch before, where the run has one.
+        """
+        if not math.isfinite(self._rate):
+            return first_sample
+        return max(first_sample - self._cut.stretch, min(self._began, first_sample))
+
     @property
-    def _interval(self) -> int:
-        """Return the samples from one update to the next."""
-        return max(round(self._settings.update_interval * self._rate), 1)
+    def _cut(self) -> Cut:
+        return Cut.of(self._settings, self._rate)
 
     def _restart(self, first_sample: int, note: str) -> None:
         self._notes.append(note)
         self._clear(first_sample)
 
     def _clear(self, first_sample: int) -> None:
-        self._blocks: deque[tuple[NDArray[np.float64], float]] = deque()
         self._run += 1
         self._start = self._next = first_sample
-        self._updates = 0
+        self._began = first_sample
+        self._stretches: deque[Stretch] = deque()
+        self._parts: list[tuple[NDArray[np.float64], float]] = []
+        self._filled = 0
+
+    def _hold(self, part: NDArray[np.float64], shaft_hz: float) -> None:
+        """Take samples of one stretch."""
+        self._parts.append((part, shaft_hz))
+        self._next += len(part)
+        self._filled += len(part)
+        if self._filled < self._cut.stretch:
+            return
+        # Parts of one speed are one part, whatever the blocks in which they came.
+        speeds = [
+            (hz, sum(len(x) for x, _ in parts))
+            for hz, parts in itertools.groupby(self._parts, key=lambda part: part[1])
+        ]
+        hertz, lengths = zip(*speeds, strict=True)
+        samples = np.concatenate([x for x, _ in self._parts])
+        self._stretches.append(Stretch(samples, Turning(np.array(hertz), np.array(lengths))))
+        self._parts, self._filled = [], 0
+        # Two more than a window: the one before it, and what another beginning would cut off.
+        while len(self._stretches) > self._cut.window + 2:
+            self._stretches.popleft()
+
+    def _cut_again(self, start: int) -> None:
+        """Cut the samples that are held as if the run had begun at another one."""
+        held = [
+            (part, float(hz))
+            for stretch in self._stretches
+            for part, hz in zip(
+                np.split(stretch.samples, np.cumsum(stretch.turning.lengths)[:-1]),
+                stretch.turning.shaft_hz,
+                strict=True,
+            )
+        ] + self._parts
+        following = self._next
+        first = following - sum(len(part) for part, _ in held)
+        skipped = max(start - first, (start - first) % self._cut.stretch)
+        self._clear(start)
+        self._next = first + skipped
+        for part, hz in held:
+            rest, skipped = part[skipped:], max(skipped - len(part), 0)
+            while len(rest):
+                room = self._cut.stretch - self._filled
+                self._hold(rest[:room], hz)
+                rest = rest[room:]
+        self._next = following
 
     def _excerpt(
         self, speed_measured: bool, temperature: float, unit: str, sensor: str
@@ -330,22 +436,15 @@ class StreamingDiagnoser:
         settings = self._settings
         if speed_measured:
             settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
-        wanted = round(settings.window * self._rate)
-        held = sum(len(part) for part, _ in self._blocks)
-        while held - len(self._blocks[0][0]) >= wanted:
-            held -= len(self._blocks.popleft()[0])
-        lengths = np.array([len(part) for part, _ in self._blocks])
-        lengths[0] -= max(held - wanted, 0)
-        samples = np.concatenate([part for part, _ in self._blocks])[-wanted:]
+        stretches, count = tuple(self._stretches), self._cut.window
         notes, self._notes = tuple(self._notes), []
         return Excerpt(
-            samples=samples,
-            shaft_hz=np.array([hz for _, hz in self._blocks]),
-            lengths=lengths,
+            stretches=stretches[-count:],
+            before=stretches[-count - 1] if len(stretches) > count else None,
             sample_rate=self._rate,
             bearing=self._bearing,
             settings=settings,
-            first_sample=self._next - len(samples),
+            first_sample=self._next - sum(len(s.samples) for s in stretches[-count:]),
             temperature=temperature,
             unit=unit,
             sensor=sensor,

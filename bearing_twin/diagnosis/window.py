@@ -7,25 +7,26 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import fault_orders, PLACES
-from bearing_twin.diagnosis.comb import HARMONICS, order_spectra, OrderSpectra
-from bearing_twin.diagnosis.impulsive_outliers import limit_impulsive_outliers
-from bearing_twin.diagnosis.severity import measure_severity
-from bearing_twin.diagnosis.shaft import refine_shaft_hz, ShaftSpeed
-from bearing_twin.diagnosis.spectra import band_tree, envelope_spectra, line_cap, whiten
+from bearing_twin.diagnosis.comb import order_spectra, OrderSpectra
+from bearing_twin.diagnosis.demodulation import highest_order
+from bearing_twin.diagnosis.severity import Levels, measure_severity
+from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample, ShaftSpeed
+from bearing_twin.diagnosis.spectra import envelope_spectra, WHITENINGS
 import numpy as np
 from scipy import fft
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis.demodulation import Layout, Segment
     from bearing_twin.diagnosis.result import Severity
     from bearing_twin.diagnosis.settings import DiagnosisSettings
+    from bearing_twin.diagnosis.shaft import Turning
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
 
-__all__ = ['Window', 'analyse_window', 'highest_fault_order']
-
-_TREE_DEPTH = 3
+__all__ = ['Window', 'analyse_window']
 
 
 @dataclass(frozen=True)
@@ -40,32 +41,19 @@ class Window:
     """One-sided amplitude spectrum in the signal's unit, bin k at k bin_hz."""
     bin_hz: float
     severity: Severity
-    revolutions: float
+    seconds: float
 
-
-def highest_fault_order(bearing: Bearing) -> float:
-    """
-    Order of the highest fault family.
-
-    >>> from bearing_twin.bearing import find_bearing
-    >>> round(highest_fault_order(find_bearing('6205')), 3)
-    5.415
-
-    """
-    orders = fault_orders(bearing)
-    return max(orders.impacts(name) for name in PLACES)
-
-
-def highest_order(bearing: Bearing) -> float:
-    """Highest order that the chain looks at: four harmonics of the highest family, with slip."""
-    return 1.1 * HARMONICS * highest_fault_order(bearing)
+    @property
+    def revolutions(self) -> float:
+        """Turns of the shaft."""
+        return self.seconds * self.speed.shaft_hz
 
 
 def analyse_window(
-    x: NDArray[np.float64],
-    sample_rate: float,
+    segments: Sequence[Segment],
+    layout: Layout,
     bearing: Bearing,
-    shaft_hz: float,
+    turning: Turning,
     settings: DiagnosisSettings,
     *,
     unit: str = '',
@@ -73,55 +61,78 @@ def analyse_window(
     """
     Everything that is computed before windows are averaged and judged.
 
-    The window must have passed :func:`check_record`.
+    Parameters
+    ----------
+    segments
+        Segments of the window, oldest first.
+    layout
+        Their layout.
+    bearing
+        Geometry.
+    turning
+        Speed of the shaft during the window.
+    settings
+        See :class:`DiagnosisSettings`.
+    unit
+        Unit of the samples.
 
     >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.diagnosis.demodulation import choose_layout, demodulate
     >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
-    >>> noise = np.random.default_rng(0).standard_normal(51200)
-    >>> window = analyse_window(noise, 25600.0, find_bearing('6307'), 25.0, DiagnosisSettings())
+    >>> from bearing_twin.diagnosis.shaft import Turning
+    >>> noise, bearing = np.random.default_rng(0).standard_normal(51200), find_bearing('6307')
+    >>> layout = choose_layout(25600.0, 51200, 1, bearing, 25.0)
+    >>> turning = Turning(np.array([25.0]), np.array([51200]))
+    >>> segments = [demodulate(noise, layout)]
+    >>> window = analyse_window(segments, layout, bearing, turning, DiagnosisSettings())
     >>> window.revolutions, round(window.severity.rms, 1)
     (50.0, 1.0)
 
     """
-    x = x - x.mean()
-    bin_hz = sample_rate / len(x)
-    spectrum = fft.rfft(x.astype(np.float32) / np.float32(len(x)))
-    severity = measure_severity(
-        x,
-        spectrum,
-        sample_rate,
-        unit=unit or settings.unit,
-        power_group=settings.power_group,
-        mounting=settings.mounting,
+    lap = layout.lap // layout.step
+    slow = _joined([segment.slow for segment in segments], lap)
+    envelopes = (
+        _joined([segment.envelopes[number] for segment in segments], lap)
+        for number in range(len(WHITENINGS))
     )
-    scale = np.float32(1.0) / np.float32(severity.rms)
-    limited = limit_impulsive_outliers(x, sample_rate, fault_orders(bearing).ftf * shaft_hz)
-    if limited is x:
-        scaled = spectrum * scale
-    else:
-        scaled = fft.rfft(limited.astype(np.float32) * (scale / np.float32(len(x))))
-    width = max(int(8.0 * shaft_hz / bin_hz), 64)
-    tree = band_tree(
-        len(scaled) - 1,
-        bin_hz,
-        depth=_TREE_DEPTH,
-        narrowest_hz=highest_order(bearing) * shaft_hz,
-    )
-    envelopes = envelope_spectra(
-        whiten(scaled, width, cap=line_cap(len(x) / sample_rate * shaft_hz)),
-        tree,
+    shaft_hz = turning.mean_hz
+    if turning.varies:
+        at = turning.equal_angles(len(slow)) / layout.step
+        slow, envelopes = resample(slow, at), (resample(part, at) for part in envelopes)
+    rate = layout.sample_rate / layout.step
+    bin_hz = rate / len(slow)
+    spectra = envelope_spectra(
+        envelopes,
+        rate,
         max_hz=highest_order(bearing) * shaft_hz,
         floor_width=max(int(4.0 * shaft_hz / bin_hz), 32),
     )
-    power = scaled.real**2 + scaled.imag**2
-    speed = refine_shaft_hz(power, bin_hz, envelopes, shaft_hz, settings.speed_tolerance)
+    low = fft.rfft(slow)
+    power = low.real**2 + low.imag**2
+    speed = refine_shaft_hz(power, bin_hz, spectra, shaft_hz, settings.speed_tolerance)
+    bands = layout.tree.bands
+    lines = sum(segment.lines for segment in segments) / len(segments)
     return Window(
-        order_spectra(envelopes, [band[0] for band in tree.bands], speed.shaft_hz, shaft_hz),
+        order_spectra(spectra, [band[0] for band in bands], speed.shaft_hz, shaft_hz),
         speed,
-        tree.bands,
-        envelopes,
-        2.0 * np.abs(spectrum),
-        bin_hz,
-        severity,
-        len(x) / sample_rate * speed.shaft_hz,
+        bands,
+        spectra,
+        np.sqrt(lines),
+        layout.sample_rate / (layout.hop + layout.lap),
+        measure_severity(
+            Levels.together([segment.levels for segment in segments]),
+            unit=unit or settings.unit,
+            power_group=settings.power_group,
+            mounting=settings.mounting,
+        ),
+        1.0 / bin_hz,
     )
+
+
+def _joined(parts: Sequence[NDArray[np.float32]], lap: int) -> NDArray[np.float32]:
+    """Join segments that fade into one another over ``lap`` points; leave out the first lap."""
+    hop = parts[0].shape[-1] - lap
+    whole = np.concatenate([part[..., lap:] for part in parts], axis=-1)
+    for number, part in enumerate(parts[1:], start=1):
+        whole[..., number * hop - lap : number * hop] += part[..., :lap]
+    return whole

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 __all__ = ['HORIZON', 'DiagnosisCheck']
 
+_REACH = 2.0 * LONGEST_WINDOW
+"""Time for which blocks are kept: a window and the stretch before it, s."""
+
 HORIZON = 3 * NANO
 """Log time within which messages of several publishers are put into the order of sending, ns."""
 
@@ -172,7 +175,7 @@ class DiagnosisCheck:
         if self._run is not None:
             self._note(f'the diagnosis was restarted {at}')
         else:
-            found = self._window_before(sample)
+            found = self._window_before(sample, DiagnosisRun(values, state))
             if found is None:
                 return
             window = found
@@ -213,14 +216,14 @@ class DiagnosisCheck:
         if self._past and int(block.first_sample) != _block_end(self._past[-1]):
             self._past.clear()
         self._past.append(block)
-        while _block_end(block) - _block_end(self._past[0]) > LONGEST_WINDOW * block.sample_rate:
+        while _block_end(block) - _block_end(self._past[0]) > _REACH * block.sample_rate:
             self._past.popleft()
 
-    def _window_before(self, sample: int) -> list[Any] | None:
+    def _window_before(self, sample: int, run: DiagnosisRun) -> list[Any] | None:
         """Blocks before a checkpoint that the next verdict rests on; None if some are missing."""
         for _, verdict in self._verdicts:
             if _end(verdict) > sample:
-                first = int(verdict.first_sample)
+                first = run.rests_on(int(verdict.first_sample))
                 window = [block for block in self._past if _block_end(block) > first]
                 reaches_back = bool(window) and int(window[0].first_sample) <= first
                 whole = reaches_back and _block_end(window[-1]) == sample

@@ -10,6 +10,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.checkpoints import Checkpoints, parameters_of
 from bearing_twin.assets.diagnosis import DiagnosisCore
+from bearing_twin.diagnosis.streaming import StreamingDiagnoser
 from bearing_twin.offline.output import output
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.vibration_input import read_vibration
@@ -59,6 +60,13 @@ class DiagnosisRun:
     def state(self) -> bytes:
         """State before the next block."""
         return self._core.diagnoser.save()
+
+    def rests_on(self, first_sample: int) -> int:
+        """Index of the first sample on which a window from ``first_sample`` rests."""
+        diagnoser = self._core.diagnoser
+        if isinstance(diagnoser, StreamingDiagnoser):
+            return diagnoser.rests_on(first_sample)
+        return first_sample
 
     def load(self, state: bytes) -> None:
         """Take up a state; blocks that were taken right before it stay in the window."""

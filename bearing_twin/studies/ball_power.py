@@ -14,15 +14,17 @@ from __future__ import annotations
 
 from collections import Counter
 from contextlib import ExitStack
+from dataclasses import replace
 import functools
 import sys
 from typing import Any, TYPE_CHECKING
 from unittest.mock import patch
 
-from bearing_twin.diagnosis.comb import comb_scores
+from bearing_twin.diagnosis import comb
+from bearing_twin.diagnosis.comb import comb_scores, CombScores, NEUTRAL
 from bearing_twin.diagnosis.rules import RULES
 from bearing_twin.diagnosis.search import CombSearch
-from bearing_twin.diagnosis.spectra import envelope_spectra, EnvelopeSpectra, local_floor, whiten
+from bearing_twin.diagnosis.spectra import envelope_spectra, EnvelopeSpectra, whiten
 from bearing_twin.diagnosis.thresholds import SLIP
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies import impact_machines, twin_machines
@@ -30,14 +32,12 @@ from bearing_twin.studies.disturbances import CONDITIONS
 from bearing_twin.studies.generalisation import judge_case, MODELS, outcome
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
-from scipy import fft
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from bearing_twin.diagnosis.comb import OrderSpectra
     from bearing_twin.diagnosis.search import Candidate
-    from bearing_twin.diagnosis.spectra import BandTree
     from numpy.typing import NDArray
 
     _Stage = Callable[..., Any]
@@ -55,91 +55,64 @@ def _partial_phase(
     return white
 
 
-class _Told(EnvelopeSpectra):
-    """Envelope spectra whose log scores come from elsewhere."""
-
-    logs: NDArray[np.float32]
-
-    def __init__(self, found: EnvelopeSpectra, logs: NDArray[np.float32]) -> None:
-        for name in ('bin_hz', 'power', 'floor'):
-            object.__setattr__(self, name, getattr(found, name))
-        self.__dict__['logs'] = logs
-
-
 def _of_envelope(
     change: Callable[[NDArray[np.float32]], NDArray[np.float32]],
-    whitened: NDArray[np.complex64],
-    tree: BandTree,
+    envelopes: Iterable[NDArray[np.float32]],
+    rate: float,
     *,
-    max_hz: float,
-    floor_width: int,
     both: bool = False,
+    **known: Any,
 ) -> EnvelopeSpectra:
     """Score the spectrum of a function of the squared envelope; effect sizes stay as they are."""
-    found = envelope_spectra(whitened, tree, max_hz=max_hz, floor_width=floor_width)
-    count, levels = found.power.shape[-1], []
-    for width, firsts in tree.levels:
-        length = fft.next_fast_len(width + min(count, width) + 1)
-        bands = np.zeros((len(whitened), len(firsts), length), np.complex64)
-        for i, first in enumerate(firsts):
-            bands[:, i, :width] = whitened[:, first : first + width]
-        analytic = fft.ifft(bands, axis=-1)
-        envelope = change(analytic.real**2 + analytic.imag**2)
-        envelope -= envelope.mean(axis=-1, keepdims=True)
-        envelope *= np.hanning(length + 1)[:-1].astype(np.float32)
-        lines = fft.rfft(envelope, axis=-1)[..., 1 : count + 1]
-        power = lines.real**2 + lines.imag**2
-        missing = count - power.shape[-1]
-        levels.append(np.pad(power, ((0, 0), (0, 0), (0, missing))))
-    power = np.concatenate(levels, axis=1)
-    logs = np.log1p(power / local_floor(power, floor_width))
-    return _Told(found, np.asarray(0.5 * (logs + found.logs) if both else logs))
+    parts = list(envelopes)
+    found = envelope_spectra(parts, rate, **known)
+    logs = envelope_spectra([change(part) for part in parts], rate, **known).logs
+    return replace(found, logs=np.asarray(0.5 * (logs + found.logs) if both else logs))
 
 
 def _log(squared: NDArray[np.float32]) -> NDArray[np.float32]:
     mean = squared.mean(axis=-1, keepdims=True)
-    return np.asarray(np.log(squared + np.float32(1e-3) * mean))
+    least = np.float32(1e-3)
+    # The offset keeps the mean above zero; lines over their floor do not depend on it.
+    return np.asarray(np.log(np.maximum(squared / mean, least)) - 2.0 * np.log(least))
 
 
 def _enhanced(
-    whitened: NDArray[np.complex64], tree: BandTree, *, max_hz: float, floor_width: int
+    envelopes: Iterable[NDArray[np.float32]], rate: float, *, weighted: bool = False, **known: Any
 ) -> EnvelopeSpectra:
     """
     Put the mean over all narrow bands in the place of the whole range.
 
     The mean of the lines of many narrow bands over their floor is the enhanced envelope spectrum:
     the squared spectral coherence integrated over the carriers (Antoni, Xin and Hamzaoui 2017).
+    Each band may be weighted by how far its lines stand out.
     """
-    found = envelope_spectra(whitened, tree, max_hz=max_hz, floor_width=floor_width)
-    narrow = len(tree.levels[-1][1])
-    ratio = (found.power / found.floor)[:, -narrow:]
+    found = envelope_spectra(envelopes, rate, **known)
+    bands = found.power.shape[0]
+    ratio = np.expm1(found.logs).reshape(len(found.logs), -1, bands)[..., -((bands + 1) // 2) :]
+    weight = np.maximum(ratio.var(axis=0) - 1.0, 0.0) + 1e-3 if weighted else np.ones(1)
     logs = found.logs.copy()
-    logs[:, 0] = np.log1p(ratio.mean(axis=1))
-    return _Told(found, logs)
+    logs[:, ::bands] = np.log1p((weight * ratio).sum(axis=-1) / (weight + 0.0 * ratio[0]).sum(-1))
+    return replace(found, logs=logs)
 
 
-def _weighted(
-    whitened: NDArray[np.complex64], tree: BandTree, *, max_hz: float, floor_width: int
-) -> EnvelopeSpectra:
-    """Do the same with each band weighted by how far its lines stand out in the mean."""
-    found = envelope_spectra(whitened, tree, max_hz=max_hz, floor_width=floor_width)
-    narrow = len(tree.levels[-1][1])
-    ratio = (found.power / found.floor)[:, -narrow:]
-    weight = np.maximum(ratio.var(axis=-1, keepdims=True) - 1.0, 0.0) + 1e-3
-    logs = found.logs.copy()
-    logs[:, 0] = np.log1p((weight * ratio).sum(axis=1) / weight.sum(axis=1))
-    return _Told(found, logs)
-
-
-def _teeth_with(
+def _sums_with(
     factors: Sequence[float], sides: Sequence[float], spectra: OrderSpectra, grid: Any
 ) -> NDArray[np.float32]:
     """Sum over multiples of each order, and lines beside each of them."""
     total = np.zeros((len(grid), spectra.logs.shape[1]), np.float32)
+    logs = np.where(spectra.quiet[:, np.newaxis], np.float32(NEUTRAL), spectra.logs)
     for factor in factors:
         for side in sides:
-            total += spectra.logs[spectra.rows(factor * grid + side)]
-    return np.ascontiguousarray(total.T)
+            total += logs[spectra.rows(factor * grid + side)]
+    return total
+
+
+def _score(self: CombScores, spectra: OrderSpectra, grid: Any) -> NDArray[np.float64]:
+    """Score as the kernel does, from the sums that stand in the place of its own."""
+    bands = (comb._sums(spectra, grid) - self.center) * self.inverse
+    best = bands.reshape(len(grid), self.whitenings, -1).max(axis=2).mean(axis=1)
+    return np.asarray((best - self.best_center) / self.best_spread, np.float64)
 
 
 _best = CombSearch.best
@@ -157,9 +130,9 @@ def _ball_by(
     if place != 'ball':
         return _best(self, place, spectra, slips)
     gap = self.orders.ftf
-    teeth = functools.partial(_teeth_with, factors, (0.0, -gap, gap) if caged else (0.0,))
+    sums = functools.partial(_sums_with, factors, (0.0, -gap, gap) if caged else (0.0,))
     plain = self._scores
-    with patch('bearing_twin.diagnosis.comb._teeth', teeth):
+    with patch.object(comb, '_sums', sums), patch.object(CombScores, 'score', _score):
         if '_ball_scores' not in self.__dict__:
             self.__dict__['_ball_scores'] = comb_scores(self.spectra, self._highest, 3)
         self._scores = self.__dict__['_ball_scores']
@@ -181,6 +154,7 @@ def _anywhere(self: CombSearch, grid: Any, z: Any) -> Candidate:
 _OFF_SHAFT = 'bearing_twin.diagnosis.search.CombSearch._off_shaft'
 _BEST = 'bearing_twin.diagnosis.search.CombSearch.best'
 _WINDOW = 'bearing_twin.diagnosis.window'
+_WHITEN = 'bearing_twin.diagnosis.demodulation.whiten'
 
 _FOUR = (1.0, 2.0, 3.0, 4.0)
 _EIGHT = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0)
@@ -201,9 +175,11 @@ VARIANTS: dict[str, dict[str, Any]] = {
     'log and squared envelope': {
         f'{_WINDOW}.envelope_spectra': functools.partial(_of_envelope, _log, both=True)
     },
-    'partial cepstral pre-whitening': {f'{_WINDOW}.whiten': _partial_phase},
+    'partial cepstral pre-whitening': {_WHITEN: _partial_phase},
     'enhanced envelope (coherence)': {f'{_WINDOW}.envelope_spectra': _enhanced},
-    'weighted coherence': {f'{_WINDOW}.envelope_spectra': _weighted},
+    'weighted coherence': {
+        f'{_WINDOW}.envelope_spectra': functools.partial(_enhanced, weighted=True)
+    },
     'both impacts of a spin (odd harmonics)': {_BEST: _method(_EIGHT, caged=False)},
     'cage sidebands': {_BEST: _method(_FOUR, caged=True)},
     'both impacts and cage sidebands': {_BEST: _method(_EIGHT, caged=True)},

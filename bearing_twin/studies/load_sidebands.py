@@ -25,10 +25,11 @@ import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, find_bearing
+from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.search import CombSearch
 from bearing_twin.diagnosis.settings import DiagnosisSettings
+from bearing_twin.diagnosis.shaft import Turning
 from bearing_twin.diagnosis.thresholds import SWAY
-from bearing_twin.diagnosis.window import analyse_window
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
 
@@ -88,7 +89,9 @@ def measured(spread: float, seed: int) -> float:
     at = (places / SHAFT_HZ * RATE).astype(int)
     strength = rng.uniform(2.5, 8.0)
     x[at] += strength * (1.0 + m * np.cos(2.0 * np.pi * places + phase))
-    window = analyse_window(x, RATE, bearing, SHAFT_HZ, DiagnosisSettings())
+    turning = Turning(np.array([SHAFT_HZ]), np.array([len(x)]))
+    window = Excerpt.of(x, turning, RATE, bearing, DiagnosisSettings()).analyse().window
+    assert window is not None
     combs = CombSearch(window.orders, bearing, window.speed)
     return combs.shaft_sideband_ratio(combs.best('inner'))
 

@@ -18,11 +18,13 @@ import sys
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import find_bearing, PLACES
+from bearing_twin.diagnosis.chain import Excerpt
+from bearing_twin.diagnosis.demodulation import highest_fault_order
 from bearing_twin.diagnosis.evidence import Evidence
-from bearing_twin.diagnosis.gate import check_record
 from bearing_twin.diagnosis.rules import decide
 from bearing_twin.diagnosis.search import CombSearch
 from bearing_twin.diagnosis.settings import DiagnosisSettings
+from bearing_twin.diagnosis.shaft import Turning
 from bearing_twin.diagnosis.thresholds import (
     INDEX_FAULT,
     INDEX_SUSPECT,
@@ -31,7 +33,6 @@ from bearing_twin.diagnosis.thresholds import (
     Z_FAULT,
     Z_SECOND_LOOK,
 )
-from bearing_twin.diagnosis.window import analyse_window, highest_fault_order
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
@@ -122,12 +123,13 @@ def _lines(
 
 def _judge(window: NoiseWindow) -> tuple[Verdict, Reached] | None:
     """Verdict on a window and what it reaches; None where the record gate refuses it."""
-    highest = highest_fault_order(window.bearing)
-    if check_record(window.x, window.sample_rate, window.given_hz, highest):
-        return None
-    found = analyse_window(
-        window.x, window.sample_rate, window.bearing, window.given_hz, DiagnosisSettings()
+    turning = Turning(np.array([window.given_hz]), np.array([len(window.x)]))
+    excerpt = Excerpt.of(
+        window.x, turning, window.sample_rate, window.bearing, DiagnosisSettings()
     )
+    found = excerpt.analyse().window
+    if found is None:
+        return None
     combs = CombSearch(found.orders, window.bearing, found.speed)
     evidence = Evidence(combs, found.revolutions)
     candidates = evidence.candidates

@@ -8,13 +8,14 @@ from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.comb import accumulate, comb_scores, NEUTRAL, order_spectra
 from bearing_twin.diagnosis.gate import check_record
 from bearing_twin.diagnosis.report import coarse_spectrum
-from bearing_twin.diagnosis.severity import iso_zone, measure_severity
-from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample_to_angle
+from bearing_twin.diagnosis.severity import iso_zone, Levels, measure_severity
+from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample, Turning
 from bearing_twin.diagnosis.spectra import (
     band_tree,
     BandTree,
     envelope_spectra,
     local_floor,
+    squared_envelopes,
     whiten,
 )
 import numpy as np
@@ -22,6 +23,15 @@ import pytest
 from scipy import signal, stats
 
 RATE = 12800.0
+
+
+def _envelope_spectra(whitened, tree, *, max_hz, floor_width):
+    """Spectra of a whole record that is one segment: at each of its samples, nothing left out."""
+    points = 2 * (tree.levels[0][0])
+    envelopes = squared_envelopes(whitened, tree, points)
+    return envelope_spectra(
+        envelopes, points * tree.bin_hz, max_hz=max_hz, floor_width=floor_width
+    )
 
 
 @pytest.fixture
@@ -67,9 +77,9 @@ def test_modulation_index_of_a_modulated_carrier(depth):
     x = (1.0 + depth * np.cos(2 * np.pi * 75.0 * t)) * np.cos(2 * np.pi * 3000.0 * t)
     spectrum = (np.fft.rfft(x) / len(x)).astype(np.complex64)[None]
     tree = band_tree(spectrum.shape[1] - 1, 0.25, depth=2, narrowest_hz=500.0)
-    found = envelope_spectra(spectrum, tree, max_hz=400.0, floor_width=64)
+    found = _envelope_spectra(np.repeat(spectrum, 3, axis=0), tree, max_hz=400.0, floor_width=64)
     band = next(i for i, (low, high) in enumerate(tree.bands) if low < 2500 and high > 3500)
-    index = 2.0 * np.sqrt(found.power[0, band])
+    index = 2.0 * np.sqrt(found.power[band])
     mean = 1.0 + depth**2 / 2
     assert index[int(75 / 0.25) - 1] == pytest.approx(2 * depth / mean, rel=1e-3)
     assert index[int(150 / 0.25) - 1] == pytest.approx(depth**2 / 2 / mean, rel=1e-3)
@@ -81,13 +91,13 @@ def test_envelope_spectrum_agrees_with_hilbert(rng):
     )
     spectrum = (np.fft.rfft(x) / len(x)).astype(np.complex64)[None]
     tree = band_tree(spectrum.shape[1] - 1, RATE / len(x), depth=0, narrowest_hz=1.0)
-    found = envelope_spectra(spectrum, tree, max_hz=500.0, floor_width=64)
+    found = _envelope_spectra(np.repeat(spectrum, 3, axis=0), tree, max_hz=500.0, floor_width=64)
     squared = np.abs(signal.hilbert(x)) ** 2
     window = signal.windows.hann(len(x), sym=False) * 2.0
     lines = np.fft.rfft((squared - squared.mean()) * window) / len(x) / squared.mean()
     reference = np.abs(lines[1 : found.power.shape[-1] + 1]) ** 2
     strong = reference > np.median(reference)
-    assert found.power[0, 0][strong] == pytest.approx(reference[strong], rel=0.05)
+    assert found.power[0][strong] == pytest.approx(reference[strong], rel=0.05)
 
 
 @pytest.mark.parametrize('carrier', [0.0, 30.0])
@@ -98,39 +108,59 @@ def test_band_of_a_tree_is_the_band_alone_and_the_autocorrelation(rng, samples, 
     x = rng.standard_normal(samples) * (1.0 + 0.5 * np.sin(0.01 * n)) + carrier * np.cos(0.7 * n)
     spectra = whiten((np.fft.rfft(x) / samples).astype(np.complex64), 128, cap=30.0)
     tree = band_tree(samples // 2, 1.0, depth=3, narrowest_hz=700.0)
-    found = envelope_spectra(spectra, tree, max_hz=700.0, floor_width=64).power
+    # Points for 700 lags and no more, as the window has them.
+    found = np.fft.rfft(squared_envelopes(spectra, tree, 1400), axis=-1)
     bands = [(width, first) for width, firsts in tree.levels for first in firsts]
-    assert found.shape == (3, len(bands), 700)
+    assert found.shape == (3, len(bands), 701)
     for i, (width, first) in enumerate(bands):
         part = spectra[:, first : first + width]
         alone = BandTree(1.0, ((width, (0,)),))
-        same = envelope_spectra(part, alone, max_hz=700.0, floor_width=64).power[:, 0]
-        scale = np.sqrt(same.mean(axis=-1, keepdims=True))
-        assert np.abs(np.sqrt(found[:, i]) - np.sqrt(same)).max() < 1e-4 * scale.min()
+        same = np.fft.rfft(squared_envelopes(part, alone, 1400), axis=-1)[:, 0]
         exact = np.stack(
-            [signal.correlate(row, row)[width - 1 : width + 701] for row in part.astype(complex)]
+            [signal.correlate(row, row)[width - 1 : width + 699] for row in part.astype(complex)]
         )
-        total = exact[:, :1].real.copy()
-        exact[:, 0] = 0.0
-        lines = np.abs(exact[:, 1:-1] - (exact[:, :-2] + exact[:, 2:]) / 2.0) / total
-        assert np.abs(np.sqrt(found[:, i]) - lines).max() < 1e-4 * scale.min()
+        scale = 1400.0 * np.sqrt(np.mean(np.abs(exact[:, 1:]) ** 2, axis=-1, keepdims=True))
+        for lines in (found[:, i, :700], same[:, :700]):
+            assert np.abs(lines / scale - 1400.0 * exact / scale)[:, 1:].max() < 1e-3
+            assert lines[:, 0] == pytest.approx(1400.0 * exact[:, 0], rel=1e-5)
+
+
+@pytest.mark.parametrize('points', [1280, 12_800])
+def test_points_of_an_envelope_do_not_change_its_spectrum(rng, points):
+    x = rng.standard_normal(25_600)
+    white = whiten((np.fft.rfft(x) / len(x)).astype(np.complex64), 128)
+    tree = band_tree(12_800, 1.0, depth=3, narrowest_hz=700.0)
+    few, many = (
+        envelope_spectra(
+            squared_envelopes(white, tree, count), float(count), max_hz=500.0, floor_width=64
+        )
+        for count in (points, 25_600)
+    )
+    assert few.power == pytest.approx(many.power, rel=1e-2, abs=1e-3 * float(many.power.mean()))
 
 
 def test_envelope_spectrum_of_noise_over_its_floor_is_exponential(rng):
     x = rng.standard_normal(1 << 16)
     spectrum = (np.fft.rfft(x) / len(x)).astype(np.complex64)[None]
     tree = band_tree(spectrum.shape[1] - 1, RATE / len(x), depth=2, narrowest_hz=500.0)
-    found = envelope_spectra(spectrum, tree, max_hz=300.0, floor_width=200)
-    ratio = (found.power / found.floor)[0, 2, 5::3]  # every third bin: the window joins neighbours
-    assert stats.kstest(ratio, 'expon').pvalue > 0.01
-    assert np.log1p(found.power / found.floor).mean() == pytest.approx(NEUTRAL, abs=0.03)
+    found = _envelope_spectra(np.repeat(spectrum, 3, axis=0), tree, max_hz=300.0, floor_width=200)
+    ratio = found.power[2] / found.floor(2)
+    # Every third bin: the window joins neighbours.
+    assert stats.kstest(ratio[5::3], 'expon').pvalue > 0.01
+    assert found.logs[:, 2] == pytest.approx(np.log1p(ratio), rel=1e-3)
+    assert found.excess[:, 2] == pytest.approx(
+        np.maximum(found.power[2] - found.floor(2), 0.0),
+        rel=1e-3,
+        abs=1e-3 * float(found.power.mean()),
+    )
+    assert found.logs.mean() == pytest.approx(NEUTRAL, abs=0.03)
 
 
 def _orders(x, shaft_hz, top=25.0):
     spectrum = (np.fft.rfft(x) / len(x)).astype(np.complex64)
     bin_hz = RATE / len(x)
     tree = band_tree(len(spectrum) - 1, bin_hz, depth=2, narrowest_hz=500.0)
-    envelopes = envelope_spectra(
+    envelopes = _envelope_spectra(
         whiten(spectrum, 256), tree, max_hz=top * shaft_hz, floor_width=200
     )
     power = np.abs(spectrum).astype(np.float32) ** 2
@@ -153,7 +183,7 @@ def test_comb_peaks_at_the_planted_order(rng):
     assert scores.z.max() > 8.0
     # Silenced lines leave nothing behind.
     silent = orders.silenced(3.61 * np.arange(1, 8), 0.03)
-    z, _ = scores.judge(silent, scores.grid[np.abs(scores.grid - 3.61) < 0.005])
+    z = scores.score(silent, scores.grid[np.abs(scores.grid - 3.61) < 0.005])
     assert z.max() < 4.0
 
 
@@ -183,8 +213,10 @@ def test_angular_resampling_turns_a_sweep_into_a_line():
     n = int(4 * RATE)
     shaft = np.linspace(20.0, 30.0, n)
     phase = 2 * np.pi * np.cumsum(shaft) / RATE
-    even, mean_hz = resample_to_angle(np.cos(7.3 * phase), RATE, shaft)
+    turning = Turning(shaft, np.ones(n, np.intp))
+    even, mean_hz = resample(np.cos(7.3 * phase), turning.equal_angles(n)), turning.mean_hz
     assert mean_hz == pytest.approx(25.0, rel=1e-3)
+    assert turning.varies
     spectrum = np.abs(np.fft.rfft(even * np.hanning(n)))
     peak = np.argmax(spectrum) * RATE / n
     assert peak == pytest.approx(7.3 * mean_hz, abs=0.3)
@@ -218,16 +250,17 @@ def test_severity_of_a_sine():
     t = np.arange(int(2 * RATE)) / RATE
     x = np.sin(2 * np.pi * 160.0 * t)
     spectrum = (np.fft.rfft(x) / len(x)).astype(np.complex64)
-    found = measure_severity(x, spectrum, RATE, unit='m/s^2', power_group=2, mounting='rigid')
+    levels = Levels.of(x, spectrum, RATE)
+    found = measure_severity(levels, unit='m/s^2', power_group=2, mounting='rigid')
     assert found.rms == pytest.approx(math.sqrt(0.5), rel=1e-6)
     assert found.crest_factor == pytest.approx(math.sqrt(2), rel=1e-3)
     assert found.kurtosis == pytest.approx(1.5, rel=1e-3)
     assert found.velocity_rms == pytest.approx(1e3 / (2 * math.pi * 160 * math.sqrt(2)), rel=1e-3)
     assert found.band_rms == pytest.approx((math.sqrt(0.5), 0.0, 0.0), abs=1e-5)
     assert found.iso_zone == 'A'
-    in_g = measure_severity(x / 9.80665, spectrum / 9.80665, RATE, unit='g')
+    in_g = measure_severity(Levels.of(x / 9.80665, spectrum / 9.80665, RATE), unit='g')
     assert in_g.velocity_rms == pytest.approx(found.velocity_rms, rel=1e-6)
-    assert math.isnan(measure_severity(x, spectrum, RATE, unit='V').velocity_rms)
+    assert math.isnan(measure_severity(levels, unit='V').velocity_rms)
 
 
 def test_iso_zones_of_group_1_flexible():

@@ -61,6 +61,15 @@ def test_a_state_goes_on_within_the_window_before_it():
     assert len(rest) == 9 - before > 3
 
 
+def test_a_loaded_state_knows_on_which_samples_a_window_rests():
+    diagnoser, again = StreamingDiagnoser(BEARING, SHORT), StreamingDiagnoser(BEARING, SHORT)
+    _push(diagnoser, fault_signal(5.0), first=1000)
+    again.load(diagnoser.save())
+    # On the second before it, where the run has one.
+    assert again.rests_on(1000 + 3 * 25600) == 1000 + 2 * 25600
+    assert again.rests_on(1000) == 1000
+
+
 def test_full_window_equals_the_record():
     x = fault_signal(4.0)
     streamed = _push(StreamingDiagnoser(BEARING, DiagnosisSettings(window=4.0, memory=4.0)), x)[-1]

@@ -1,0 +1,259 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Segments: about a second of vibration, demodulated once for all windows that hold it.
+
+A window is made of segments that lap over a little. Their ends fade as sine and cosine, so the
+squared envelopes of neighbours add up to those of the whole.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import functools
+import math
+from typing import NamedTuple, TYPE_CHECKING
+
+from bearing_twin.bearing import fault_orders, PLACES
+from bearing_twin.diagnosis.comb import HARMONICS
+from bearing_twin.diagnosis.gate import SHAFT_TURNS
+from bearing_twin.diagnosis.impulsive_outliers import limit_impulsive_outliers
+from bearing_twin.diagnosis.severity import Levels
+from bearing_twin.diagnosis.spectra import (
+    band_tree,
+    BandTree,
+    line_cap,
+    squared_envelopes,
+    whiten,
+)
+import numpy as np
+from scipy import fft
+
+if TYPE_CHECKING:
+    from bearing_twin.bearing import Bearing
+    from numpy.typing import NDArray
+
+__all__ = [
+    'SECONDS',
+    'Layout',
+    'Segment',
+    'choose_layout',
+    'demodulate',
+    'highest_fault_order',
+    'highest_order',
+]
+
+SECONDS = 1.0
+"""Least length of a segment, where the window has it."""
+
+_TREE_DEPTH = 3
+_LAP, _LONGEST_LAP = 0.05, 0.25
+"""Part of a segment by which it laps over the one before."""
+_CLASSES = 4
+"""Speed classes in an octave: layouts change from class to class, not with each speed."""
+_OVERSAMPLED, _ANGULAR = 1.03, 1.7
+"""Rate of the envelope points over twice the highest frequency; more where they are taken over
+angle by interpolation."""
+
+
+def highest_fault_order(bearing: Bearing) -> float:
+    """
+    Order of the highest fault family.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> round(highest_fault_order(find_bearing('6205')), 3)
+    5.415
+
+    """
+    orders = fault_orders(bearing)
+    return max(orders.impacts(name) for name in PLACES)
+
+
+def highest_order(bearing: Bearing) -> float:
+    """
+    Highest order that the chain looks at: four harmonics of the highest family, with slip.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> round(highest_order(find_bearing('6205')), 2)
+    23.83
+
+    """
+    return 1.1 * HARMONICS * highest_fault_order(bearing)
+
+
+class Layout(NamedTuple):
+    """How segments are cut and demodulated. Those of one layout fit together."""
+
+    sample_rate: float
+    hop: int
+    """Samples from one segment to the next."""
+    lap: int
+    """Samples by which a segment laps over the one before; its length is hop + lap."""
+    step: int
+    """Samples from one envelope point to the next; hop and lap are multiples."""
+    floor_width: int
+    """Bins in a block of the floor under the spectrum."""
+    cap: float
+    """Power over the floor at which lines are capped."""
+    cage_hz: float
+    tree: BandTree
+
+
+@dataclass(frozen=True)
+class Segment:
+    """What is computed of a segment once."""
+
+    envelopes: NDArray[np.float32]
+    """(W, B, (lap + hop) / step): squared envelope of each band; its ends fade."""
+    slow: NDArray[np.float32]
+    """((lap + hop) / step,): low-passed signal over its RMS; its ends fade."""
+    lines: NDArray[np.float32]
+    """Squared one-sided amplitude spectrum, bin k at k sample_rate / (hop + lap)."""
+    levels: Levels
+
+
+@functools.lru_cache(maxsize=64)
+def speed_class(shaft_hz: float) -> int:
+    """
+    Class of a shaft speed, a quarter of an octave wide.
+
+    >>> speed_class(25.0), speed_class(25.4), speed_class(50.0)
+    (19, 19, 23)
+
+    """
+    return math.ceil(_CLASSES * math.log2(shaft_hz))
+
+
+def choose_layout(
+    sample_rate: float,
+    stretch: int,
+    count: int,
+    bearing: Bearing,
+    shaft_hz: float,
+    fastest_hz: float = 0.0,
+) -> Layout:
+    """
+    Layout of the segments of a window.
+
+    Parameters
+    ----------
+    sample_rate
+        Hz.
+    stretch, count
+        The window is ``count`` stretches of ``stretch`` samples; a segment has some of them.
+    bearing
+        Geometry.
+    shaft_hz
+        Mean speed, Hz.
+    fastest_hz
+        Highest speed where the speed varies, Hz, else 0.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> layout = choose_layout(25600.0, 25600, 8, find_bearing('6307'), 25.0)
+    >>> layout.hop, layout.step, layout.lap / layout.step
+    (25600, 20, 64.0)
+
+    """
+    top = speed_class(_ANGULAR * fastest_hz if fastest_hz else shaft_hz)
+    return _layout(sample_rate, stretch, count, bearing, speed_class(shaft_hz), top)
+
+
+@functools.lru_cache(maxsize=64)
+def _layout(
+    sample_rate: float, stretch: int, count: int, bearing: Bearing, turning: int, top: int
+) -> Layout:
+    shaft_hz = 2.0 ** ((turning - 0.5) / _CLASSES)
+    narrowest_hz = highest_order(bearing) * 2.0 ** ((turning - 1) / _CLASSES)
+    highest_hz = highest_order(bearing) * 2.0 ** (top / _CLASSES)
+    least = max(SECONDS, SHAFT_TURNS / shaft_hz) * sample_rate
+    parts = (k for k in range(1, count + 1) if count % k == 0)
+    hop = stretch * next((k for k in parts if k * stretch >= 0.98 * least), count)
+    most = max(int(sample_rate / (2.0 * _OVERSAMPLED * highest_hz)), 1)
+    step = next(s for s in range(most, 0, -1) if stretch % s == 0)
+    lap = _lap(hop, step)
+    length = hop + lap
+    bin_hz = sample_rate / length
+    return Layout(
+        sample_rate,
+        hop,
+        lap,
+        step,
+        max(int(8.0 * shaft_hz / bin_hz), 64),
+        line_cap(hop / sample_rate * shaft_hz),
+        fault_orders(bearing).ftf * shaft_hz,
+        band_tree(length // 2, bin_hz, depth=_TREE_DEPTH, narrowest_hz=narrowest_hz),
+    )
+
+
+def _lap(hop: int, step: int) -> int:
+    """Lap with which a segment is transformed quickly, and is cut into tiles of bands."""
+    points, tiles = hop // step, 4 << _TREE_DEPTH
+    lengths = range(math.ceil((1.0 + _LAP) * points), int((1.0 + _LONGEST_LAP) * points) + 1)
+    quick = [n for n in lengths if fft.next_fast_len(n) == n]
+    tiled = (n for n in quick if n * step % tiles == 0)
+    return step * (next(tiled, quick[0] if quick else lengths[0]) - points)
+
+
+def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
+    """
+    Demodulate a segment.
+
+    Parameters
+    ----------
+    x
+        Shape (n,): the ``hop`` samples of the segment, and before them those of the lap, as far
+        as there are any. They are finite.
+    layout
+        Layout.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> layout = choose_layout(25600.0, 25600, 8, find_bearing('6307'), 25.0)
+    >>> segment = demodulate(np.random.default_rng(0).standard_normal(25600), layout)
+    >>> segment.envelopes.shape
+    (3, 26, 1344)
+
+    """
+    lap, length, step = layout.lap, layout.hop + layout.lap, layout.step
+    fade = _fade(lap)
+    plain = x - x.mean()
+    spectrum = _spectrum(plain, fade, length)
+    power = spectrum.real**2 + spectrum.imag**2
+    taper_sum, taper_power = len(x) - 2.0 * lap + 2.0 * fade.sum(), len(x) - lap
+    of_noise = np.float32(math.sqrt(length / taper_power))
+    levels = Levels.of(x[-layout.hop :], spectrum * of_noise, layout.sample_rate)
+    limited = limit_impulsive_outliers(plain, layout.sample_rate, layout.cage_hz)
+    scale = np.float32(1.0 / max(math.sqrt(float(power.sum())), 1e-30))
+    scaled = (spectrum if limited is plain else _spectrum(limited, fade, length)) * scale
+    points = length // step
+    slow = fft.irfft(scaled[: points // 2 + 1], n=points, norm='forward')
+    ends = fade[::step]
+    slow[: len(ends)] *= ends
+    slow[-len(ends) :] *= _fade(lap)[::-1][::step]
+    white = whiten(scaled, layout.floor_width, cap=layout.cap)
+    return Segment(
+        squared_envelopes(white, layout.tree, points),
+        slow,
+        power * np.float32((2.0 * length / taper_sum) ** 2),
+        levels,
+    )
+
+
+def _spectrum(
+    x: NDArray[np.float64], fade: NDArray[np.float32], length: int
+) -> NDArray[np.complex64]:
+    """One-sided transform, over the length, of samples that fade at both ends, zeros before."""
+    padded = np.zeros(length, np.float32)
+    part = padded[length - len(x) :]
+    part[:] = x
+    part[: len(fade)] *= fade
+    part[-len(fade) :] *= fade[::-1]
+    padded *= np.float32(1.0 / length)
+    return np.asarray(fft.rfft(padded))
+
+
+@functools.lru_cache(maxsize=16)
+def _fade(lap: int) -> NDArray[np.float32]:
+    """Rise by which a segment begins; with its mirror image the squares add up to one."""
+    fade = np.sin(0.5 * np.pi * (np.arange(lap) + 0.5) / lap).astype(np.float32)
+    fade.flags.writeable = False
+    return fade

@@ -1,0 +1,232 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Compiled inner loops of the diagnosis: each bin and each comb is touched once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bearing_twin.dynamics.compiled import compiled, FAST
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ['NEUTRAL', 'best_bands', 'comb_sums', 'line_power', 'over_floor', 'three_bins']
+
+NEUTRAL = 0.5963474
+"""Mean of log(1 + E) for E ~ Exp(1): e E1(1). What a bin counts for that must not speak."""
+
+
+@compiled(fast=FAST, borrows=True)
+def line_power(lines: NDArray[np.complex64], power: NDArray[np.float32]) -> None:
+    """
+    Write the power of the lines under a Hann window relative to that of the mean.
+
+    In the frequency domain the window takes half of both neighbours from each line.
+
+    Parameters
+    ----------
+    lines
+        (B, > K + 1) transforms of squared envelopes.
+    power
+        (B, K), written: line k + 1.
+
+    """
+    for band in range(len(power)):
+        row, out = lines[band], power[band]
+        mean = max(row[0].real, np.float32(1e-30))
+        scale = np.float32(1.0) / mean
+        half = np.float32(0.5)
+        for k in range(len(out)):
+            below, at, above = row[k], row[k + 1], row[k + 2]
+            # The mean itself leaks into the first line.
+            if k == 0:
+                below = np.complex64(0.0)
+            real = (at.real - half * (below.real + above.real)) * scale
+            imag = (at.imag - half * (below.imag + above.imag)) * scale
+            out[k] = real * real + imag * imag
+
+
+@compiled(fast=FAST, borrows=True)
+def over_floor(
+    power: NDArray[np.float32],
+    levels: NDArray[np.float32],
+    first: float,
+    hop: int,
+    ratio: NDArray[np.float32],
+    excess: NDArray[np.float32],
+) -> None:
+    """
+    Write one plus power over floor, and power above the floor, bin by bin.
+
+    Parameters
+    ----------
+    power
+        (B, K).
+    levels
+        (B, L) floor at the bins ``first + n hop``; it is linear between them and flat outside.
+    first, hop
+        See ``levels``.
+    ratio, excess
+        (B, K), written.
+
+    """
+    bands, count = power.shape
+    parts = levels.shape[1]
+    zero, one = np.float32(0.0), np.float32(1.0)
+    for band in range(bands):
+        for part in range(parts + 1):
+            # From each level to the next; before the first and after the last it is flat.
+            begin = 0 if part == 0 else min(max(int(np.ceil(first + (part - 1) * hop)), 0), count)
+            end = count if part == parts else min(int(np.ceil(first + part * hop)), count)
+            low = levels[band, max(part - 1, 0)]
+            rise = (levels[band, min(part, parts - 1)] - low) / np.float32(hop)
+            away = np.float32(begin - (first + (part - 1) * hop))
+            values = power[band, begin:end]
+            over, above = ratio[band, begin:end], excess[band, begin:end]
+            for k in range(len(values)):
+                floor = low + (away + np.float32(k)) * rise
+                over[k] = one + values[k] / floor
+                left = values[k] - floor
+                above[k] = left if left > zero else zero
+
+
+@compiled(fast=FAST, borrows=True)
+def _add_harmonics(
+    logs: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    order: float,
+    step: float,
+    harmonics: int,
+    out: NDArray[np.float32],
+) -> None:
+    """Write the sum of the logs over the harmonics of one comb."""
+    rows, columns = logs.shape
+    neutral = np.float32(NEUTRAL)
+    out[:] = np.float32(0.0)
+    for harmonic in range(1, harmonics + 1):
+        at = min(max(int(np.rint(harmonic * order / step)) - 1, 0), rows - 1)
+        row = logs[at]
+        if hidden[at]:
+            for c in range(columns):
+                out[c] += neutral
+        else:
+            for c in range(columns):
+                out[c] += row[c]
+
+
+@compiled(fast=FAST, borrows=True)
+def comb_sums(
+    logs: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    orders: NDArray[np.float64],
+    step: float,
+    harmonics: int,
+    sums: NDArray[np.float32],
+) -> None:
+    """
+    Write the sum of the logs over the harmonics of each comb.
+
+    Parameters
+    ----------
+    logs
+        (K, C); row k belongs to order (k + 1) step.
+    hidden
+        (K,) mask of the rows that say nothing.
+    orders
+        (G,) fundamental orders.
+    step
+        Orders a bin.
+    harmonics
+        Harmonics of a comb.
+    sums
+        (G, C), written.
+
+    """
+    for g in range(len(orders)):
+        _add_harmonics(logs, hidden, orders[g], step, harmonics, sums[g])
+
+
+@compiled(fast=FAST, borrows=True)
+def best_bands(
+    logs: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    orders: NDArray[np.float64],
+    step: float,
+    harmonics: int,
+    center: NDArray[np.float32],
+    inverse: NDArray[np.float32],
+    whitenings: int,
+    sums: NDArray[np.float32],
+    best: NDArray[np.float64],
+) -> None:
+    """
+    Write the mean over whitenings of each comb's best standardised band.
+
+    Parameters
+    ----------
+    logs, hidden, orders, step, harmonics
+        See :func:`comb_sums`; columns are bands, whitening by whitening.
+    center, inverse
+        (C,) median, and one over the spread, of each column.
+    whitenings
+        Number of whitenings.
+    sums
+        (C,) room to work in.
+    best
+        (G,), written.
+
+    """
+    bands = logs.shape[1] // whitenings
+    for g in range(len(orders)):
+        _add_harmonics(logs, hidden, orders[g], step, harmonics, sums)
+        total = 0.0
+        for whitening in range(whitenings):
+            first = whitening * bands
+            part = sums[first : first + bands]
+            middle, scale = center[first : first + bands], inverse[first : first + bands]
+            highest = (part[0] - middle[0]) * scale[0]
+            for c in range(bands):
+                score = (part[c] - middle[c]) * scale[c]
+                highest = score if score > highest else highest
+            total += highest
+        best[g] = total / whitenings
+
+
+@compiled(fast=FAST, borrows=True)
+def three_bins(
+    excess: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    rows: NDArray[np.intp],
+    first: int,
+    power: NDArray[np.float32],
+) -> None:
+    """
+    Add up each line's row and the two beside it: a line spreads over three bins.
+
+    Parameters
+    ----------
+    excess
+        (K, C).
+    hidden
+        (K,) mask of the rows that say nothing.
+    rows
+        (N,) middle row of each line.
+    first
+        First column wanted.
+    power
+        (N, B) sums over as many columns, added to.
+
+    """
+    lines, columns = power.shape
+    last = len(excess) - 1
+    for n in range(lines):
+        out = power[n]
+        for beside in range(-1, 2):
+            at = min(max(rows[n] + beside, 0), last)
+            if hidden[at]:
+                continue
+            row = excess[at, first : first + columns]
+            for c in range(columns):
+                out[c] += row[c]
