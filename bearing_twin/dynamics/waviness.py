@@ -97,7 +97,7 @@ def profiles(p: TwinParameters, seed: int) -> list[tuple[FloatArray, FloatArray]
     >>> from bearing_twin.dynamics import preset
     >>> outer, inner, balls = profiles(preset('paper'), seed=0)
     >>> outer[0].shape, balls[0].shape
-    ((1, 2400), (8, 942))
+    ((1, 2408), (8, 942))
     >>> bool(0.1e-6 < outer[0].std() < 1e-6)
     True
 
@@ -146,7 +146,7 @@ def surfaces(p: TwinParameters, seed: int) -> Surfaces:
     --------
     >>> from bearing_twin.dynamics import preset
     >>> surfaces(preset('paper'), seed=0)[1:5]
-    (24, 300, 183, 942)
+    (24, 301, 183, 942)
 
     """
     n = p.bearing.n_balls
