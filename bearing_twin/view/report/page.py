@@ -140,7 +140,11 @@ def _measurement(machine: Machine, worst: Any) -> list[tuple[str, str]]:
         ('Asset', machine.hardware or machine.namespace or 'not named'),
         ('Sensor', machine.source.frame or 'not named'),
         ('Bearing', _geometry(str(worst.bearing))),
-        ('Window', f'{worst.sample_count / worst.sample_rate:.1f} s at {worst.sample_rate:g} Hz'),
+        (
+            'Window',
+            f'{worst.sample_count / (worst.sample_rate or math.nan):.1f} s '
+            f'at {worst.sample_rate:g} Hz',
+        ),
         ('Peak', number(worst.peak, unit)),
         ('Crest factor, kurtosis', f'{number(worst.crest_factor)}, {number(worst.kurtosis)}'),
     ]
