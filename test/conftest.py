@@ -28,19 +28,17 @@ settings.register_profile('untimed', deadline=None, suppress_health_check=[Healt
 settings.load_profile('untimed')
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_itemcollected(item: pytest.Item) -> None:
     """
     Divide the tests among the processes of ``pytest -n``.
 
     Those with real processes follow one another in one of them, so that nothing but the tests of
     one other file runs beside a node; files stay whole for what their fixtures prepare.
     """
-    for item in items:
-        live = 'ros_domain' in getattr(item, 'fixturenames', ()) or any(
-            item.get_closest_marker(name) for name in ('ros', 'vulkan')
-        )
-        item.add_marker(pytest.mark.xdist_group('live' if live else str(item.path)))
+    live = 'ros_domain' in getattr(item, 'fixturenames', ()) or any(
+        item.get_closest_marker(name) for name in ('ros', 'vulkan')
+    )
+    item.add_marker(pytest.mark.xdist_group('live' if live else str(item.path)))
 
 
 @pytest.fixture(scope='session')
