@@ -123,6 +123,8 @@ def parameters(situation: Situation, values: dict[str, float]) -> TwinParameters
     """
     Twin of one candidate, without noise and resonance of the sensor's path.
 
+    Its surfaces are perfect: what wavy ones add counts as noise, `noise_ratio`.
+
     Examples
     --------
     >>> from bearing_twin.bearing import find_bearing
@@ -161,6 +163,7 @@ def parameters(situation: Situation, values: dict[str, float]) -> TwinParameters
         jitter=values['jitter'],
         noise=0.0,
         resonance_hz=0.0,
+        waviness=0.0,
     )
 
 
