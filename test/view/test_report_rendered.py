@@ -73,6 +73,7 @@ def test_nothing_overflows_overlaps_or_is_too_small(page, tmp_path, width):
     shown = chromium(tmp_path, '--virtual-time-budget=5000', '--dump-dom', wrapper.as_uri())
     found = json.loads(html.unescape(re.search(r'<pre>(.*?)</pre>', shown, re.DOTALL)[1]))
     assert found['texts'] > 100
+    assert 'mathdefault' not in page
     assert found['width'] <= width
     assert found['smallest'] >= 9.0
     assert found['overlaps'] == []

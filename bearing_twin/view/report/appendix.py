@@ -126,7 +126,7 @@ def _health(
         missing = str(topic.samples_missing) if topic.blocks else '-'
         kind = info.topics[name].type_name if name in info.topics else ''
         cells.append(
-            f'<tr><td>{escape(name)}<br><small>{escape(kind)}</small></td>'
+            f'<tr><td>{escape(name)} <small>{escape(kind)}</small></td>'
             f'<td class="n">{topic.count}</td><td class="n">{topic.longest_gap:.2f} s</td>'
             f'<td class="n">{missing}</td></tr>'
         )

@@ -49,7 +49,8 @@ ul { margin: 6px 0; padding-left: 20px; font-size: 14px; overflow-wrap: anywhere
   ul { font-size: 9pt; } figcaption { font-size: 8pt; } h2 { break-after: avoid; }
   figure { margin: 6px 0; } figure svg { min-width: 0; }
   .columns { grid-template-columns: 1fr 1fr; }
-  .appendix { break-before: page; border: 0; margin: 0; padding: 0; } }
+  .appendix { break-before: page; border: 0; margin: 0; padding: 0; }
+  .appendix table, .appendix ul { font-size: 7.5pt; } }
 """
 
 

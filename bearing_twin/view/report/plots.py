@@ -24,7 +24,7 @@ import matplotlib as mpl
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, NullFormatter
 import numpy as np
 
 if TYPE_CHECKING:
@@ -331,6 +331,8 @@ def _explained(machine: Machine) -> tuple[str, Figure] | None:
     below.bar(hertz, measured - twin, width=0.2 * hertz, color='#c62828')
     below.set_title('machine over twin [dB]')
     below.set_xscale('log')
+    below.xaxis.set_major_formatter('{x:g}')
+    below.xaxis.set_minor_formatter(NullFormatter())
     below.set_xlabel('frequency [Hz]')
     return f'Machine and fitted twin; {message.residual_reason}', figure
 

@@ -70,6 +70,8 @@ def draw_spectrum(axes: Axes, picture: SpectrumPicture, band: tuple[float, float
         color='#37474f',
         linewidth=0.6,
     )
+    # Powers of ten would be written in TeX, which is not read here.
+    axes.yaxis.set_major_formatter('{x:g}')
     floor = max(float(np.median(picture.values)) / 30.0, 1e-6 * peak)
     axes.set(
         xlim=(picture.start / 1e3, picture.end / 1e3), ylim=(floor, 2.0 * peak),
