@@ -53,7 +53,8 @@ def test_help_of_a_node_lists_its_parameters(node, capsys):
     names = re.findall(r'^  ([a-z0-9_.]+)  ', out, re.MULTILINE)
     assert len(names) == len(set(names)) >= 5
     expected = {'twin': 'defect', 'diagnosis': 'bearing', 'recorder': 'output', 'replay': 'loop',
-                'fleet': 'assets_file', 'adapter': 'sample_rate'}  # fmt: skip
+                'fleet': 'assets_file', 'adapter': 'sample_rate',
+                'calibration': 'bearing'}  # fmt: skip
     assert expected[node] in names
 
 

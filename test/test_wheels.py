@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Wheels of both packages work in a bare environment, away from the tree."""
 
+import importlib.metadata
 import importlib.util
 import os
 from pathlib import Path
@@ -18,7 +19,7 @@ LEFT_OUT = ('.*', 'build', 'install', 'log', '*.egg-info', 'runs', '__pycache__'
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(
-        not importlib.util.find_spec('build'),
+        not any(importlib.metadata.distributions(name='build')),
         reason="build is not installed ('make release' does)",
     ),
     pytest.mark.skipif(

@@ -48,7 +48,9 @@ def test_every_state_of_the_temperature_is_seen_and_answered(nodes, probe):
         probe.until(shown, f'temperature status {status}', every=every)
         name = next(k[len('TEMPERATURE_') :] for k, v in CONSTANTS.items() if v == status)
         probe.until(
-            lambda: probe.statuses.get(INPUT, (0, '', {}))[2].get('status') == name,
+            lambda: (
+                probe.statuses.get(INPUT, (0, '', {}))[2].get('temperature_status') == str(status)
+            ),
             f'{name} on /diagnostics',
             every=every,
         )
@@ -204,7 +206,7 @@ def test_names_and_quality_of_service_can_be_changed_from_outside(nodes, probe):
     def at_work():
         """Return the status of the deadlines; while it comes up the node says that it does."""
         status = probe.statuses.get(name)
-        return status if status and 'blocks published' in status[2] else None
+        return status if status and 'blocks_published' in status[2] else None
 
     _, message, values = probe.until(at_work, 'the status of real time')
     assert message

@@ -129,7 +129,7 @@ def test_a_pulled_cable_costs_the_samples_of_that_time_and_nothing_else(
     # The diagnosis said so while it lasted, counted what is missing, and came back by itself.
     assert any('no vibration for' in status['message'] for status in inputs)
     assert int(inputs[-1]['samples_lost']) >= 1024
-    assert inputs[-1]['restarts of the source'] == '0'
+    assert inputs[-1]['source_restarts'] == '0'
     first, last = gaps[0][0] * 1024, gaps[-1][1] * 1024
     assert verdicts[-1].first_sample > first
     assert not [

@@ -309,7 +309,7 @@ def _ask(clock: _Clock, report: SoakReport) -> None:
     report.published = clock.state.blocks_published
     report.dropped = clock.state.blocks_dropped
     report.clock_steps = int(clock.statuses['twin: real time']['clock_steps'])
-    report.messages_missed = int(clock.statuses['recorder: recording']['messages lost on the way'])
+    report.messages_missed = int(clock.statuses['recorder: recording']['messages_lost_on_the_way'])
     report.samples_missed = int(clock.statuses['diagnosis: vibration input']['samples_lost'])
 
 

@@ -295,8 +295,11 @@ def test_nothing_is_overwritten_and_unfinished_ones_are_offered(
         # A service that is started again, and a lifecycle manager that configures it once more.
         nodes.start('recorder', {'output': str(tmp_path / 'first')}, name='again')
         source.publish_until(lambda: RECORDING in source.statuses)
+        source.wait_for_recorder()
+        source.publish_for(1.0)
         for transition in ('deactivate', 'cleanup', 'configure', 'activate'):
             source.change('/recorder', transition)
+        source.wait_for_recorder()
         source.publish_for(1.0)
         assert nodes.end('again') == 0
     log = (tmp_path / 'logs' / 'again.log').read_text()

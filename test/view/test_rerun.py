@@ -36,7 +36,7 @@ def recording(tmp_path_factory):
     from bearing_twin.offline.run import run_offline
 
     target = tmp_path_factory.mktemp('view') / 'inner'
-    run_offline(SCHEDULE, target, twin={'defect': 'inner', 'preset': 'incipient'})
+    run_offline(SCHEDULE, target, twin={'defect': 'inner', 'preset': 'incipient', 'waviness': 0.0})
     return target
 
 
