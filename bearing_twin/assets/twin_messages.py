@@ -168,7 +168,7 @@ class TwinBytes:
 
 class StateTurns:
     """
-    Choose the blocks of which the state is published.
+    Choose the blocks whose state is published.
 
     Parameters
     ----------

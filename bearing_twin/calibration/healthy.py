@@ -51,7 +51,7 @@ class Shown:
     """What a record would have shown."""
 
     width_mm: float
-    """Smallest width of which `SHOWN_SHARE` of the candidates show, from there on; NaN if none."""
+    """Smallest width that `SHOWN_SHARE` of the candidates show, from there on; NaN if none."""
     shares: tuple[float, ...]
     """Share of the candidates that show, of each of `WIDTHS_MM`."""
 

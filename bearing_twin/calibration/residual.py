@@ -147,8 +147,8 @@ class Residual:
     The median of the last five differences is compared with their healthy mean and standard
     deviation, at one false alarm a year of one decision a minute over all bands and orders
     together (Bonferroni). The limit is a tolerance limit: the standard deviation is taken as large
-    as it may be (95 %) by the effective number of healthy decisions, of which those with a memory
-    count less. Where the healthy record itself has longer tails than the normal distribution, by a
+    as it may be (95 %) by the effective number of healthy decisions; those with a memory count
+    less. Where the healthy record itself has longer tails than the normal distribution, by a
     bootstrap in blocks, the limit is raised by as much.
 
     Examples
@@ -169,7 +169,7 @@ class Residual:
     names: tuple[str, ...] = ()
     rows: list[list[float]] = field(default_factory=list)
     recent: list[list[float]] = field(default_factory=list)
-    """The newest decisions, of which the median is judged."""
+    """The newest decisions; their median is judged."""
     waiting: list[list[float]] = field(default_factory=list)
     """Decisions that are learnt from if no alarm follows."""
 

@@ -7,7 +7,7 @@ Waviness of races and balls: what a healthy bearing sounds of.
 
 No surface is round. Each race has a random profile around its circumference and each ball one
 around the circle on which it rolls; how far a surface lies below its mean opens the gap of the
-ball that is there. How wavy they are is said by `TwinParameters.waviness`: the velocity that the
+ball that is there. `TwinParameters.waviness` says how wavy they are: it is the velocity that the
 bearing would show in each of the three bands of its vibration test, 50 to 300, 300 to 1800 and
 1800 to 10000 Hz at 1800 rpm (ISO 15242-1 and -2; the limits are the makers' vibration classes).
 

@@ -56,7 +56,7 @@ class TwinTopics:
     prefix
         Put before the topics: '' or ``NAMESPACE/``.
     turns
-        Choose the blocks of which the state is published.
+        Choose the blocks whose state is published.
     checkpoints
         Whether there is a topic for checkpoints.
 

@@ -6,7 +6,7 @@ How often the answers of the diagnosis are right: what its confidence rests on.
 ``python -m bearing_twin.studies.reliability OUT.json [TWINS IMPACTS [FIRST]] [--fresh TWINS
 IMPACTS FIRST] [--picture PNG]`` diagnoses machines drawn at random, from number FIRST (510000) on,
 with both models of :mod:`bearing_twin.studies.generalisation`, and as many machines with impacts
-again of which the diagnosis is given another bearing or a speed 3 to 5 % off. It fits the weights
+again, whose diagnosis is given another bearing or a speed 3 to 5 % off. It fits the weights
 that the diagnosis reads as ``bearing_twin/diagnosis/reliability.json`` (logistic regression, one
 for each kind of answer). With fresh draws, which no weight has seen, it prints, and draws, how far
 the confidence holds. No real record takes part.
@@ -44,7 +44,7 @@ HEALTHY_SHARE = 0.2
 """Of the machines drawn; they are weighted to be as many as the damaged ones."""
 
 MISLED_WEIGHT = 0.25
-"""Of a machine of which the diagnosis is given another bearing or speed: one in five of those with
+"""Of a machine whose diagnosis is given another bearing or speed: one in five of those with
 impacts, as many as the makers' and the nameplates' errors may be."""
 
 STRIKING = ('impacts', 'pulses')

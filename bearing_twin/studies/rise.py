@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-How often a healthy machine is said to rise, and how soon one that does.
+How often a rise is found in a healthy machine, and how soon in one that gets louder.
 
 ``python -m bearing_twin.studies.rise [MACHINES]`` simulates a year of levels, one a minute, that
 wander (an autoregressive process) over the median of their first hour, and prints how often

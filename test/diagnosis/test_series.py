@@ -278,7 +278,7 @@ def test_series_is_saved_and_resumed_to_the_bit():
     ]
     assert resumed.save() == straight.save()
     assert later[0][-1].level == 'fault'
-    # Another source is judged alone, and said.
+    # Another source is judged alone, with a note.
     other = straight.take(10**12, np.ones(20_000), RATE, 25.0, sensor='x')
     assert 'the series is of' in straight.judge(other[0].analyse()).reasons[-1]
     before = straight.save()

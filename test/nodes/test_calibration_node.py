@@ -118,7 +118,7 @@ def test_a_hidden_twin_with_a_defect_is_fitted_while_no_block_is_lost(nodes, pro
     nodes.start('calibration', {'window': 4.0, 'period': 2.0, 'candidates': 64})
     hidden = {'preset': 'incipient', 'defect': 'outer', 'width': 0.002, 'noise': 0.2}
     nodes.start('twin', hidden | DEEP)
-    # Nothing is said before there is a window, then the twin that nobody told of is fitted.
+    # Nothing is published before there is a window; then the twin is fitted, unknown as it is.
     probe.until(lambda: [m for m in found if m.defect == 'outer'], 'a calibration', timeout=240.0)
     said = next(m for m in found if m.defect == 'outer')
     width = said.quantity.index('defect_width_mm')
