@@ -216,19 +216,26 @@ class Fitter:
             seed=self._seed,
         )  # fmt: skip
         width = found.quantities['defect_width_mm']
-        if found.spacing_s is None or not width.identifiable:
+        if found.spacing_s is None:
             return found
-        for other, hz, spacing in self._seen:
+        # A spacing tells ringing from a passage whether or not a width was told from it.
+        seen, self._seen = (
+            self._seen,
+            [
+                *self._seen[-99:],
+                (found.defect, shaft_hz, found.spacing_s),
+            ],
+        )
+        for other, hz, spacing in seen:
             apart = max(hz, shaft_hz) / min(hz, shaft_hz)
             same = abs(spacing / found.spacing_s - 1.0) < SAME_TIME
-            if other == found.defect and apart > OTHER_SPEED and same:
+            if width.identifiable and other == found.defect and apart > OTHER_SPEED and same:
                 why = (
                     f'the impacts are {1e3 * spacing:.2f} ms apart at {hz:.1f} and at '
                     f'{shaft_hz:.1f} Hz: ringing, which does not follow the speed'
                 )
                 limited = replace(width, q05=0.0, identifiable=False, why=why)
                 return replace(found, quantities=found.quantities | {'defect_width_mm': limited})
-        self._seen = [*self._seen[-99:], (found.defect, shaft_hz, found.spacing_s)]
         return found
 
 
