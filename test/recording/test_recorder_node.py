@@ -294,13 +294,16 @@ def test_nothing_is_overwritten_and_unfinished_ones_are_offered(
         source.statuses.clear()
         # A service that is started again, and a lifecycle manager that configures it once more.
         nodes.start('recorder', {'output': str(tmp_path / 'first')}, name='again')
-        source.publish_until(lambda: RECORDING in source.statuses)
-        source.wait_for_recorder()
-        source.publish_for(1.0)
+
+        def records():
+            # The killed one seems to listen for a while: what is written tells of the new one.
+            return RECORDING in source.statuses and messages_written(source) > 40
+
+        source.publish_until(records)
         for transition in ('deactivate', 'cleanup', 'configure', 'activate'):
             source.change('/recorder', transition)
-        source.wait_for_recorder()
-        source.publish_for(1.0)
+        source.statuses.clear()
+        source.publish_until(records)
         assert nodes.end('again') == 0
     log = (tmp_path / 'logs' / 'again.log').read_text()
     assert 'Traceback' not in log
