@@ -48,7 +48,7 @@ class Rise:
     """
 
     total: float = 0.0
-    """Sum of what stands over the reference, dB."""
+    """Sum of how far the levels are above the reference, dB."""
     lasting: int = 0
     """Levels since the sum was last zero."""
     found: bool = False

@@ -4,8 +4,8 @@
 How often a residual is a false alarm, and what it sees: :mod:`bearing_twin.calibration.residual`.
 
 ``python -m bearing_twin.studies.residual [MACHINES]`` lets each of MACHINES simulated machines
-learn from its first 60 healthy decisions and judges the 1000 after them, none of which it has
-learnt from; then it changes a machine and prints after how many decisions that is seen.
+learn from its first 60 healthy decisions and judges the 1000 after them, which are all new to it;
+then it changes a machine and prints after how many decisions that is seen.
 """
 
 from __future__ import annotations
