@@ -111,8 +111,7 @@ def test_a_measured_bearing_from_the_file_to_the_alarm(probe, terminals, tmp_pat
     states = probe.collect(*twin_state('/fan_7/twin_state'))
     twin = next(c for c in commands(section(5)) if c.startswith('ros2 run'))
     terminals(twin)
-    heat(probe, '/fan/bearing_temperature', 60.0)
-    probe.until(lambda: any(s.temperature_used == 60.0 for s in states), 'the temperature')
+    heat(probe, '/fan/bearing_temperature', 60.0, states)
     assert all(process.poll() is None for process in terminals.running.values())
     assert verdicts[-1].result_name == 'inner'
 
@@ -125,8 +124,7 @@ def test_the_nodes_one_by_one_and_their_recording(probe, terminals, tmp_path):
         # The port of the page may be in use on this machine.
         terminals(command.replace('rerun_port:=9876', 'rerun_port:=0'))
     probe.until(lambda: len(states) > 50, 'the twin')
-    heat(probe, '/temperature', 80.0)
-    probe.until(lambda: states[-1].temperature_used == 80.0, 'the temperature')
+    heat(probe, '/temperature', 80.0, states)
     for command in listed if shutil.which('ros2') else ():
         if re.match(r'ros2 (topic|param|service)', command) and 'jitter' not in command:
             finish(command, tmp_path)
@@ -145,10 +143,14 @@ def twin_state(topic):
     return TwinState, topic
 
 
-def heat(probe, topic, value):
-    """Publish what the page publishes by ``ros2 topic pub``."""
+def heat(probe, topic, value, states):
+    """Publish what the page publishes by ``ros2 topic pub``, until the twin has taken it."""
     from sensor_msgs.msg import Temperature
 
-    message = Temperature(temperature=value)
-    message.header.stamp = probe.node.get_clock().now().to_msg()
-    probe.publish(topic, message)
+    def tell():
+        # The first subscriber that is found may be the recorder, and the twin a moment later.
+        message = Temperature(temperature=value)
+        message.header.stamp = probe.node.get_clock().now().to_msg()
+        probe.publish(topic, message)
+
+    probe.until(lambda: states and states[-1].temperature_used == value, 'the heat', every=tell)
