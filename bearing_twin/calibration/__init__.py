@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The twin fitted to its machine: path of the sensor, width of a defect, and what is not told."""
 
-from bearing_twin.calibration.fit import fit, Fitter
-from bearing_twin.calibration.path import PathFilter, SensorPath
+from bearing_twin.calibration.fit import fit
 from bearing_twin.calibration.result import Calibration, Estimate
 
-__all__ = ['Calibration', 'Estimate', 'Fitter', 'PathFilter', 'SensorPath', 'fit']
+__all__ = ['Calibration', 'Estimate', 'fit']

@@ -13,15 +13,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Any
 
 from bearing_twin.calibration.summaries import levinson
+from bearing_twin.dynamics.sensor_path import SensorPath
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
-from scipy import fft, linalg, signal
+from scipy import fft, linalg
 
-__all__ = ['PathFilter', 'Resonance', 'SensorPath', 'identify', 'resonances', 'spectral_distance']
+__all__ = ['Resonance', 'identify', 'resonances']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -37,7 +37,6 @@ _LEAST_STRENGTH = 0.01
 SEGMENTS = 8
 """Parts of a record whose resonances are compared."""
 MOST_MODES = 4
-_DISTANCE_WINDOW_S = 0.01
 _SHARE_OF_POWER = 0.05
 """Least share of a resonance in the power of the signal."""
 
@@ -52,79 +51,6 @@ class Resonance:
     """Of the power of the vibration."""
     found: float
     """Share of the parts of the record in which it is found."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class SensorPath:
-    """Filter from the twin's acceleration to the machine's samples."""
-
-    sample_rate: float
-    numerator: tuple[float, ...]
-    """The twin's prediction error filter, times the gain."""
-    denominator: tuple[float, ...]
-    """The machine's prediction error filter: its poles are the resonances."""
-    noise: float
-    """White noise that is added to the twin's acceleration before the filter, m/s^2."""
-
-    @property
-    def gain(self) -> float:
-        """Machine over twin after whitening both: units of the sensor a m/s^2."""
-        return self.numerator[0]
-
-    def filter(self, seed: int = 0) -> PathFilter:
-        """Return a filter that goes on from block to block."""
-        return PathFilter(self, seed)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the path as plain numbers."""
-        return {
-            'sample_rate': self.sample_rate,
-            'numerator': list(self.numerator),
-            'denominator': list(self.denominator),
-            'noise': self.noise,
-        }
-
-    @classmethod
-    def from_dict(cls, values: dict[str, Any]) -> SensorPath:
-        """Return the path that :meth:`to_dict` wrote."""
-        return cls(
-            sample_rate=float(values['sample_rate']),
-            numerator=tuple(map(float, values['numerator'])),
-            denominator=tuple(map(float, values['denominator'])),
-            noise=float(values['noise']),
-        )
-
-
-class PathFilter:
-    """
-    Lets the vibration of a twin pass for its machine's, block by block.
-
-    Examples
-    --------
-    A path that only has a gain of two:
-
-    >>> path = SensorPath(sample_rate=25600.0, numerator=(2.0,), denominator=(1.0,), noise=0.0)
-    >>> path.filter().apply(np.array([1.0, -1.0]))
-    array([ 2., -2.])
-
-    """
-
-    def __init__(self, path: SensorPath, seed: int = 0) -> None:
-        self._path = path
-        self._rng = np.random.default_rng(seed)
-        order = max(len(path.numerator), len(path.denominator)) - 1
-        self._memory = np.zeros(order)
-
-    def apply(self, x: FloatArray) -> FloatArray:
-        """Filter the next block, shape (n,), m/s^2; the result is in the sensor's unit."""
-        path = self._path
-        driven = np.asarray(x, dtype=np.float64)
-        if path.noise:
-            driven = driven + path.noise * self._rng.standard_normal(driven.shape)
-        if not len(self._memory):
-            return np.asarray(path.numerator[0] * driven)
-        y, self._memory = signal.lfilter(path.numerator, path.denominator, driven, zi=self._memory)
-        return np.asarray(y)
 
 
 def _power(x: FloatArray) -> FloatArray:
@@ -152,6 +78,7 @@ def identify(
 
     Examples
     --------
+    >>> from scipy import signal
     >>> rng = np.random.default_rng(1)
     >>> twin, machine = rng.standard_normal((2, 25600))
     >>> machine = signal.lfilter([3.0], [1.0, -0.9], machine)
@@ -182,29 +109,6 @@ def identify(
     )
 
 
-def spectral_distance(one: FloatArray, other: FloatArray, sample_rate: float) -> float:
-    """
-    Log-spectral distance of two signals, dB: root mean square of the difference of their spectra.
-
-    In bands of 100 Hz, up to 0.86 of half the sample rate, where an anti-aliasing filter begins.
-
-    Examples
-    --------
-    >>> rng = np.random.default_rng(1)
-    >>> x, y = rng.standard_normal((2, 51200))
-    >>> round(spectral_distance(x, 10.0 * y, 25600.0))
-    20
-
-    """
-    length = max(16, round(_DISTANCE_WINDOW_S * sample_rate))
-    levels = [
-        10.0 * np.log10(signal.welch(x, sample_rate, nperseg=min(length, len(x)))[1] + 1e-300)
-        for x in (one, other)
-    ]
-    last = int(0.86 * len(levels[0]))
-    return float(np.sqrt(np.mean((levels[0] - levels[1])[1:last] ** 2)))
-
-
 def resonances(x: FloatArray, sample_rate: float) -> list[Resonance]:
     """
     Return the resonances of a path, strongest first: frequency, damping and their scatter.
@@ -223,6 +127,7 @@ def resonances(x: FloatArray, sample_rate: float) -> list[Resonance]:
     --------
     Noise through a resonance at 3 kHz with a damping ratio of 0.03:
 
+    >>> from scipy import signal
     >>> rng = np.random.default_rng(1)
     >>> pole = np.exp(2 * np.pi * 3000 / 25600 * (-0.03 + 1j))
     >>> denominator = np.poly([pole, pole.conjugate()]).real

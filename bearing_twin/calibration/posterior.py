@@ -75,6 +75,14 @@ class Posterior:
         """Share of the posterior below a value."""
         return float(self.weights[self.values[name] < truth].sum())
 
+    def or_else(self, other: Posterior) -> Posterior:
+        """Return what is left possible if either of two holds, one as likely as the other."""
+        return replace(
+            self,
+            values={n: np.concatenate([v, other.values[n]]) for n, v in self.values.items()},
+            weights=0.5 * np.concatenate([self.weights, other.weights]),
+        )
+
     def narrowed(self, name: str) -> float:
         """Width of the 90 % interval over that of the prior, in the prior's own measure."""
         prior = self.prior[name]

@@ -10,8 +10,8 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing
 from bearing_twin.calibration.cloud import parameters, Situation
-from bearing_twin.calibration.path import SensorPath
 from bearing_twin.calibration.posterior import weighted_quantile
+from bearing_twin.dynamics.sensor_path import SensorPath
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics import TwinParameters
     from numpy.typing import NDArray
 
-__all__ = ['Calibration', 'Estimate']
+__all__ = ['Calibration', 'Estimate', 'in_words']
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +33,14 @@ class Estimate:
     identifiable: bool
     """Whether the vibration tells it; else the interval is what was supposed, or a limit."""
     why: str
+
+
+def in_words(place: str, width: Estimate) -> str:
+    """Return place and width of a race defect in words."""
+    if width.identifiable:
+        between = f'{width.q05:.2f} to {width.q95:.2f}'
+        return f'{place} race defect, {width.median:.2f} mm wide ({between})'
+    return f'{place} race defect, at most {width.q95:.2f} mm wide'
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,6 +61,10 @@ class Calibration:
     """Level of an unfitted twin over the machine's, dB; NaN if the unit is not known."""
     level: float
     """The same of the fitted twin."""
+    spectrum: NDArray[np.float64] = field(repr=False)
+    """`dynamics.sensor_path.band_levels` of the machine."""
+    rms: float
+    """Of the machine's vibration."""
     candidates: dict[str, NDArray[np.float64]] = field(repr=False)
     """A value a candidate of each unknown of `cloud.unknowns`, shape (n,)."""
     weights: NDArray[np.float64] = field(repr=False)
@@ -90,6 +102,18 @@ class Calibration:
         """
         return parameters(self.situation, self.typical())
 
+    def _running(self) -> dict[str, Any]:
+        """Return what a twin takes that already runs, as plain numbers."""
+        twin = self.twin_parameters()
+        fields = (
+            'load', 'clearance', 'hertz_stiffness', 'contact_damping', 'inner_mass', 'slip',
+            'jitter',
+        )  # fmt: skip
+        return {
+            'defects': [asdict(defect) for defect in twin.defects],
+            **{name: getattr(twin, name) for name in fields},
+        }
+
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain numbers, from which :meth:`from_dict` makes it again."""
         bearing = {
@@ -106,7 +130,10 @@ class Calibration:
                 'distance_after_db': self.distance,
                 'level_before_db': None if math.isnan(self.level_before) else self.level_before,
                 'level_after_db': self.level,
+                'machine_db': self.spectrum.tolist(),
+                'machine_rms': self.rms,
             },
+            'twin': self._running(),
             'machine': {
                 'bearing': bearing,
                 'shaft_hz': self.situation.shaft_hz,
@@ -153,6 +180,8 @@ class Calibration:
                 distance=float(spectrum['distance_after_db']),
                 level_before=math.nan if before is None else float(before),
                 level=float(spectrum['level_after_db']),
+                spectrum=np.array(spectrum['machine_db'], float),
+                rms=float(spectrum['machine_rms']),
                 candidates={k: np.array(v, float) for k, v in values['candidates'].items()},
                 weights=np.array(values['weights'], float),
                 sensor_unit=str(machine['unit']),

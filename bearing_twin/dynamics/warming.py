@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.dynamics.presets import preset
+from bearing_twin.dynamics.sensor_path import SensorPath
 from bearing_twin.dynamics.simulator import Simulator
 
 __all__ = ['warm_up']
@@ -24,5 +25,7 @@ def warm_up(*, fleet: bool = False) -> None:
     """
     parameters = preset('incipient', thermal_mode='physical')
     Simulator(parameters).advance(16, 30.0, 25.0)
+    path = SensorPath(sample_rate=25600.0, numerator=(1.0,), denominator=(1.0,), noise=0.0)
+    path.filter().apply([0.0])
     if fleet:
         Fleet([parameters]).advance(16, 30.0, 25.0)

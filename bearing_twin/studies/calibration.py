@@ -25,10 +25,11 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import fault_frequencies, find_bearing
 from bearing_twin.calibration import fit
 from bearing_twin.calibration.cloud import simulate, Situation, unknowns, vibrations
-from bearing_twin.calibration.fit import FOUND, NARROWED, TOLD, unresolved, untold
+from bearing_twin.calibration.estimates import FOUND, TOLD
 from bearing_twin.calibration.passage import contact_speed, widest
 from bearing_twin.calibration.path import resonances
 from bearing_twin.calibration.posterior import features, keep, weighted_quantile
+from bearing_twin.calibration.refusals import NARROWED, unresolved, untold
 from bearing_twin.calibration.summaries import summarise
 from bearing_twin.recording.foreign import read_signal
 from bearing_twin.studies.output import arguments, print_table, write_table
@@ -124,7 +125,7 @@ def fit_twins(number: int) -> list[dict[str, Any]]:
         y, modes = _ring(x, rate, rng)
         measured = summarise(y, rate, situation.longest)
         left = keep(drawn, rows, features([measured], situation)[0], prior)
-        why = unresolved(measured) or untold(left, situation, max(modes)[0])
+        why = unresolved(measured) or untold(measured, left, situation, max(modes)[0])
         q05, q25, median, q75, q95 = map(
             float, left.quantiles('defect_width_mm', (0.05, 0.25, 0.5, 0.75, 0.95))
         )
@@ -140,6 +141,19 @@ def fit_twins(number: int) -> list[dict[str, Any]]:
             },
         })  # fmt: skip
     return found
+
+
+def fit_unseen(number: int) -> dict[str, Any]:
+    """Fit a record of a twin whose unknowns come from the prior, by `fit` as it is used."""
+    rng, situation = _machine(number, 5)
+    rate = situation.sample_rate
+    truth = {name: u.place(rng.random(1)) for name, u in unknowns(situation).items()}
+    x = next(vibrations(situation, truth, SECONDS, number + 1))[0]
+    found = fit(
+        _ring(x, rate, rng)[0], rate, situation.bearing, situation.shaft_hz,
+        place=situation.place, seed=number + 2,
+    )  # fmt: skip
+    return _row(found, float(truth['defect_width_mm'][0]))
 
 
 def find_resonances(number: int) -> list[dict[str, float]]:

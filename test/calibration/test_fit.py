@@ -2,12 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The twin fitted to machines whose truth is known: closed forms, twins, impacts, real slots."""
 
+from dataclasses import replace
 import json
 import math
 from pathlib import Path
 
 from bearing_twin.bearing import fault_frequencies, find_bearing
-from bearing_twin.calibration import Calibration, fit, Fitter
+from bearing_twin.calibration import Calibration, fit
+from bearing_twin.calibration.joint import compared, joined
 from bearing_twin.calibration.passage import (
     contact_speed,
     impact_spacing,
@@ -16,11 +18,12 @@ from bearing_twin.calibration.passage import (
     path_curvature,
     widest,
 )
-from bearing_twin.calibration.path import identify, resonances, SensorPath, spectral_distance
+from bearing_twin.calibration.path import identify, resonances
 from bearing_twin.calibration.summaries import summarise
 from bearing_twin.calibration.whatif import expect, features
 from bearing_twin.cli import main
 from bearing_twin.dynamics import preset, Simulator
+from bearing_twin.dynamics.sensor_path import band_levels, distance, SensorPath
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import pytest
@@ -130,7 +133,7 @@ def test_twin_through_its_path_passes_for_the_machine():
     model = twin(defect='outer', noise=0.0, resonance_hz=0.0)
     path = identify(machine, RATE, model, 0.05)
     fitted = path.filter().apply(model)[2560:]
-    assert spectral_distance(machine, fitted, RATE) < 2.0
+    assert distance(band_levels(machine, RATE), band_levels(fitted, RATE)) < 2.0
     assert 20.0 * math.log10(fitted.std() / machine.std()) == pytest.approx(0.0, abs=0.5)
 
 
@@ -218,13 +221,32 @@ def test_spots_of_half_a_millimetre_on_a_fast_shaft_are_not_measured(data_dir):
 
 def test_ringing_at_two_speeds_is_no_width():
     """The same time between impacts at another speed: not a passage."""
-    fitter = Fitter(BEARING, RATE, candidates=64)
     apart = 2e-3 / contact_speed(BEARING, 'outer', 12.0)
-    first = fitter.update(impact_train(2e-3, 'outer', 12.0), 12.0, place='outer')
-    assert first.spacing_s == pytest.approx(apart, rel=0.02)
     slow = impact_train(apart * contact_speed(BEARING, 'outer', 10.0), 'outer', 10.0)
-    second = fitter.update(slow, 10.0, place='outer')
-    assert not second.quantities['defect_width_mm'].identifiable
+    both = [
+        fit(x, RATE, BEARING, hz, place='outer', candidates=64)
+        for x, hz in ((impact_train(2e-3, 'outer', 12.0), 12.0), (slow, 10.0))
+    ]
+    assert both[0].spacing_s == pytest.approx(apart, rel=0.02)
+    told = {'q05': 1.0, 'median': 2.0, 'q95': 3.0, 'identifiable': True}
+    both = [
+        replace(found, quantities={'defect_width_mm': replace(
+            found.quantities['defect_width_mm'], **told)})
+        for found in both
+    ]  # fmt: skip
+    alone = compared(both[1], [])
+    assert alone is both[1]
+    _, width, statement = joined(both)
+    assert not width.identifiable and 'does not follow the speed' in width.why
+    assert statement.startswith('outer race defect, at most')
+    # A time that follows the speed is a passage, and both records tell one width.
+    moved = replace(both[1], spacing_s=both[1].spacing_s * 1.2)
+    found, width, _ = joined([both[0], moved])
+    assert width.why == '2 of 2 records tell it' and len(found) == 2
+    ends = [x.candidates['defect_width_mm'] for x in both]
+    assert min(map(np.min, ends)) <= width.q05 < width.median < width.q95
+    with pytest.raises(BearingTwinError, match='not of one defect'):
+        joined([both[0], replace(moved, situation=replace(moved.situation, place='inner'))])
 
 
 def test_the_command_writes_what_it_found(slot, tmp_path, capsys, data_dir):

@@ -1,0 +1,169 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a fit says of each quantity: an interval, whether the vibration tells it, and why."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from bearing_twin.calibration.cloud import unknowns
+from bearing_twin.calibration.healthy import LOSS_DB, smallest_shown
+from bearing_twin.calibration.passage import widest
+from bearing_twin.calibration.posterior import weighted_quantile
+from bearing_twin.calibration.refusals import NARROWED
+from bearing_twin.calibration.result import Estimate
+import numpy as np
+import numpy.typing as npt
+from scipy import signal
+
+if TYPE_CHECKING:
+    from bearing_twin.calibration.cloud import Situation
+    from bearing_twin.calibration.path import Resonance
+    from bearing_twin.calibration.posterior import Posterior
+    from bearing_twin.dynamics.sensor_path import SensorPath
+
+__all__ = ['FOUND', 'LINE_DAMPING', 'TOLD', 'of_defect', 'of_path', 'supposed', 'without_defect']
+
+FloatArray = npt.NDArray[np.float64]
+
+TOLD = ('defect_width_mm',)
+"""Quantities of the bearing that a vibration may tell; intervals of the others held too seldom."""
+FOUND = 0.75
+"""Least share of the parts of a record in which a resonance has to be found."""
+LINE_DAMPING = 0.002
+"""Damping below which a pole is a line of the mains or of a drive, not a resonance."""
+
+
+def of_path(
+    x: FloatArray, path: SensorPath, modes: list[Resonance], situation: Situation, unit: str
+) -> dict[str, Estimate]:
+    """
+    Return the quantities of the sensor's path.
+
+    Parameters
+    ----------
+    x
+        The record, shape (n,).
+    path, modes
+        What was identified.
+    situation
+        Of the machine.
+    unit
+        Of the samples; '' if unknown.
+
+    """
+    rate = situation.sample_rate
+    parts = np.array_split(x, 8)
+    floors = []
+    for part in parts:
+        density = signal.welch(part, rate, nperseg=min(len(part), max(64, int(0.02 * rate))))[1]
+        floors.append(math.sqrt(float(np.quantile(density[: int(0.86 * len(density))], 0.05))))
+    middle, half = float(np.mean(floors)), 1.645 * float(np.std(floors)) / math.sqrt(7.0)
+    unit = unit or 'unit of the samples'
+    quantities = {
+        'gain': Estimate(
+            q05=0.1 * path.gain, median=path.gain, q95=10.0 * path.gain,
+            unit=f'{unit} per m/s^2', identifiable=False,
+            why='only its product with the strength of the impacts is seen; a factor of 10 is '
+            'supposed',
+        ),
+        'noise_floor': Estimate(
+            q05=middle - half, median=middle, q95=middle + half, unit=f'{unit}/sqrt(Hz)',
+            identifiable=True, why='from the quietest twentieth of the spectrum in eight parts',
+        ),
+    }  # fmt: skip
+    told = [mode for mode in modes if mode.damping[1] >= LINE_DAMPING]
+    for number, mode in enumerate(told, start=1):
+        known = mode.found >= FOUND and math.isfinite(mode.hz[2])
+        why = (
+            f'found in {100.0 * mode.found:.0f} % of the parts of the record, '
+            f'{100.0 * mode.share:.0f} % of the power'
+        )
+        for name, at, of in (
+            (f'resonance_{number}_hz', mode.hz, 'Hz'),
+            (f'resonance_{number}_damping', mode.damping, ''),
+        ):
+            low, high = (at[0], at[2]) if known else (0.0, rate / 2.0 if of else 1.0)
+            quantities[name] = Estimate(
+                q05=low, median=at[1], q95=high, unit=of, identifiable=known, why=why
+            )
+    return quantities
+
+
+def of_defect(
+    left: Posterior, situation: Situation, spacing: float, refusal: str
+) -> dict[str, Estimate]:
+    """
+    Return the quantities of a bearing with a race defect.
+
+    Parameters
+    ----------
+    left
+        What is left possible.
+    situation
+        Of the machine.
+    spacing
+        Time between the impacts of a passage, s.
+    refusal
+        Why the width is not told, or ''.
+
+    """
+    quantities = {}
+    for name, about in left.prior.items():
+        low, median, high = (float(v) for v in left.quantiles(name))
+        narrowed = left.narrowed(name)
+        if name == 'defect_width_mm':
+            told = not refusal
+            why = refusal or (
+                f'from impacts {1e3 * spacing * situation.speed:.2f} mm apart on the race; the '
+                'rest is the path of a ball over the edges'
+            )
+            if refusal:
+                why = f'at most {high:.2f} mm: {refusal}'
+        else:
+            told = name in TOLD and not refusal and narrowed <= NARROWED
+            why = f'the interval is {100.0 * narrowed:.0f} % of what was supposed'
+        quantities[name] = Estimate(
+            q05=low, median=median, q95=high, unit=about.unit, identifiable=told, why=why
+        )
+    return quantities
+
+
+def without_defect(
+    x: FloatArray, situation: Situation, scale: float, unit: str, seed: int
+) -> tuple[Estimate, str]:
+    """Return the width of a defect that the record would have shown, and that in words."""
+    highest = 1e3 * widest(situation.bearing)
+    if situation.place in ('ball', 'cage'):
+        why = f'the width of a {situation.place} defect is not fitted'
+        width = Estimate(
+            q05=0.0, median=0.5 * highest, q95=highest, unit='mm', identifiable=False, why=why
+        )
+        return width, f'{situation.place} defect, at most {highest:.1f} mm wide'
+    found = smallest_shown(x, situation, scale, LOSS_DB if unit else 0.0, seed)
+    largest = found.width_mm if math.isfinite(found.width_mm) else highest
+    statement = f'no defect above {largest:.2g} mm'
+    why = f'{statement}: wider ones, added to this record, show in 80 of 100 simulated machines'
+    if not math.isfinite(found.width_mm):
+        why = f'{statement}: none of any width, added to this record, is sure to show'
+    if not unit:
+        why += '; the unit is not known, so the healthy twin sets the scale'
+    width = Estimate(q05=0.0, median=0.0, q95=largest, unit='mm', identifiable=False, why=why)
+    return width, statement
+
+
+def supposed(
+    values: dict[str, FloatArray], weights: FloatArray, situation: Situation
+) -> dict[str, Estimate]:
+    """Return the quantities of a bearing without a race defect: what was supposed of them."""
+    quantities = {}
+    for name, about in unknowns(situation).items():
+        if name != 'defect_width_mm':
+            at = weighted_quantile(values[name], weights, (0.05, 0.5, 0.95))
+            quantities[name] = Estimate(
+                q05=float(at[0]), median=float(at[1]), q95=float(at[2]), unit=about.unit,
+                identifiable=False,
+                why='the vibration of a bearing without a race defect does not tell it',
+            )  # fmt: skip
+    return quantities
