@@ -16,8 +16,10 @@ from bearing_twin.bearing import PLACES
 from bearing_twin.calibration import Calibration as Fitted
 from bearing_twin.calibration import fit
 from bearing_twin.calibration.fit import fitted_vibration
+from bearing_twin.calibration.joint import compared
 from bearing_twin.calibration.residual import Residual, spectral_levels, Unexplained
 from bearing_twin.diagnosis.state import pack, unpack
+from bearing_twin.dynamics.sensor_path import BAND_HZ, band_levels
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import samples_ns
 from bearing_twin_msgs.msg import Calibration
@@ -36,6 +38,10 @@ __all__ = ['CalibrationCore', 'Fit', 'Task', 'work']
 _VERSION = 2001
 SHARE = 1.0 / 3.0
 """Most of one core that is used, over time: 10 s each 30 s."""
+SHOWN_S = 2.0
+"""Length of the fitted twin's vibration that is shown beside the machine's, s."""
+MOST_SEEN = 100
+"""Fits whose spacing of the impacts is compared with the newest, at another speed."""
 DECISION_S = 60.0
 """Time from one decision on the residual to the next: its alarm rate is counted for that."""
 
@@ -53,6 +59,8 @@ class Task:
     place: str | None
     load: tuple[float, float] | None
     candidates: int
+    others: tuple[tuple[str, float, float], ...]
+    """Place, shaft speed in Hz and time between the impacts in s of the fits before."""
     reference: dict[str, Any] | None
     """The calibration that the residual is taken from; None: the one that is found."""
     stamp: int
@@ -72,6 +80,10 @@ class Fit:
     """Level of the machine in each band, dB, shape (m,)."""
     twin: NDArray[np.float64]
     """Level of the twin of the reference, dB, shape (m,)."""
+    spectrum: NDArray[np.float64]
+    """`band_levels` of the fitted twin, dB; those of the machine are in ``found``."""
+    turns: NDArray[np.float64]
+    """One revolution of machine and fitted twin, shape (2, n)."""
 
 
 def work(task: Task) -> Fit:
@@ -89,6 +101,7 @@ def work(task: Task) -> Fit:
         temperature=task.temperature, unit=task.unit, place=task.place,
         candidates=task.candidates,
     )  # fmt: skip
+    found = compared(found, task.others)
     reference = Fitted.from_dict(task.reference) if task.reference else found
     here = reference.at(shaft_hz=task.shaft_hz)
     if math.isfinite(task.temperature):
@@ -101,7 +114,13 @@ def work(task: Task) -> Fit:
     )
     own = dict(zip(names, levels, strict=True))
     twin = np.array([own.get(band, math.nan) for band in bands])
-    return Fit(found=found.to_dict(), bands=bands, measured=measured, twin=twin)
+    shown, rate = fitted_vibration(found, SHOWN_S), found.situation.sample_rate
+    n, every = int(rate / task.shaft_hz), round(task.sample_rate / rate)
+    return Fit(
+        found=found.to_dict(), bands=bands, measured=measured, twin=twin,
+        spectrum=band_levels(shown, rate),
+        turns=np.array([task.samples[::every][:n] - task.samples.mean(), shown[:n]]),
+    )  # fmt: skip
 
 
 @dataclass
@@ -154,6 +173,7 @@ class CalibrationCore:
         self._decided = -math.inf
         self._residual = Residual()
         self._reference: dict[str, Any] | None = None
+        self._seen: deque[tuple[str, float, float]] = deque(maxlen=MOST_SEEN)
         self.unexplained = Unexplained(math.nan, '', math.nan, 'nothing was fitted yet')
 
     def verdict(self, message: Diagnosis) -> None:
@@ -197,7 +217,8 @@ class CalibrationCore:
         return Task(
             samples=samples, sample_rate=block.sample_rate, bearing=self.bearing,
             shaft_hz=hertz, temperature=temperature, unit=block.unit, place=self._place,
-            load=self._load, candidates=self._values['candidates'], reference=self._reference,
+            load=self._load, candidates=self._values['candidates'], others=tuple(self._seen),
+            reference=self._reference,
             stamp=stamp + samples_ns(first - block.first_sample, block.sample_rate),
             frame_id=frame_id, first_sample=first,
         )  # fmt: skip
@@ -206,6 +227,8 @@ class CalibrationCore:
         """Take what was fitted; return the message, and put the next fit off if it cost much."""
         cost = float(done.found['cost_s'])
         self._next = max(self._next, now + cost * (1.0 / SHARE - 1.0))
+        if done.found['spacing_s'] is not None:
+            self._seen.append((done.found['defect'], task.shaft_hz, done.found['spacing_s']))
         decides = now - self._decided >= DECISION_S
         if self._well and self._reference is None and done.found['defect'] == 'none':
             self._reference = done.found
@@ -255,6 +278,13 @@ class CalibrationCore:
             band=list(done.bands),
             measured_level=floats(done.measured),
             twin_level=floats(done.twin),
+            unit=task.unit,
+            spectrum_step=BAND_HZ,
+            measured_spectrum=floats(np.array(spectrum['machine_db'])),
+            twin_spectrum=floats(done.spectrum),
+            turn_rate=found['machine']['sample_rate'],
+            measured_turn=floats(done.turns[0]),
+            twin_turn=floats(done.turns[1]),
             cost=float(found['cost_s']),
             json=json.dumps(found),
         )

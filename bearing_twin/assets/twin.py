@@ -4,28 +4,41 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
+import struct
 import time
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.assets.checkpoints import Checkpoints, parameters_of
-from bearing_twin.assets.twin_messages import TwinBlock
+from bearing_twin.assets.fitted import read_fitted, Sensor
+from bearing_twin.assets.twin_messages import ACCELERATION, TwinBlock
 from bearing_twin.assets.twin_parameters import (
     build_parameters,
     build_simulator,
     FASTEST_LIVE_SHAFT,
 )
+from bearing_twin.dynamics.saved import Envelope
+from bearing_twin.dynamics.successor import successor
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.thermal.gate import TemperatureGate
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from bearing_twin.assets.fitted import Fitted
+    from bearing_twin.dynamics.parameters import TwinParameters
+    from bearing_twin.dynamics.simulator import Block
     from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
     from bearing_twin_msgs.msg import Checkpoint
 
 __all__ = ['Twin', 'TwinChannel', 'TwinInputs']
+
+_SAVED = Envelope(b'BTfit\x00\x01\x00', struct.Struct('<?4I'), 'one fitted twin')
+"""Whether the next block changes the twin; sizes of state, calibration, sensor and next one."""
 
 
 class TwinInputs(NamedTuple):
@@ -116,6 +129,20 @@ class Twin(TwinChannel):
             super().__init__(values, clock=clock)
             self.simulator = build_simulator(values)
             self._checkpoints = Checkpoints('twin', node, values['checkpoint_period'])
+        self.sensor: Sensor | None = None
+        """The sensor of the machine whose calibration the twin has taken."""
+        self._changing = False
+        self._next: Fitted | None = None
+
+    @property
+    def fitted(self) -> Fitted | None:
+        """The calibration in force."""
+        return self.sensor.fitted if self.sensor is not None else None
+
+    @property
+    def unit(self) -> str:
+        """Unit of the vibration."""
+        return ACCELERATION if self.fitted is None else self.fitted.unit
 
     def warm(self) -> None:
         """Compile what a block needs: the first one has a deadline."""
@@ -126,21 +153,78 @@ class Twin(TwinChannel):
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; the motion goes on from where it is."""
         super().apply(values)
-        self.simulator.reconfigure(build_parameters(values))
+        self.simulator.reconfigure(self._parameters(self.fitted))
         self.ask_checkpoint()
+
+    def take(self, fitted: Fitted | None) -> None:
+        """
+        Take a calibration, or give it up, with the next block: that one fades from twin to twin.
+
+        Raises
+        ------
+        BearingTwinError
+            If it is of another bearing or sample rate.
+
+        """
+        if fitted is not None:
+            fitted.check(build_parameters(self.values), self.values['sample_rate'])
+            # Compiled, or loaded, before a block needs it.
+            fitted.path.filter().apply([0.0])
+        if (fitted and fitted.text) != (self.fitted and self.fitted.text):
+            self._changing, self._next = True, fitted
+            self.ask_checkpoint()
 
     def reset(self) -> None:
         """Go back to the start."""
         self.simulator.reset()
+        if self.sensor is not None:
+            self.sensor = Sensor(self.sensor.fitted)
         self.ask_checkpoint()
 
     def save(self) -> bytes:
-        """Return the state before the next block."""
-        return self.simulator.save()
+        """Return the state before the next block, with the calibration in force."""
+        state = self.simulator.save()
+        if self.sensor is None and not self._changing:
+            return state
+        parts = [
+            state,
+            self.sensor.fitted.text.encode() if self.sensor else b'',
+            self.sensor.save() if self.sensor else b'',
+            self._next.text.encode() if self._next else b'',
+        ]
+        return _SAVED.seal((self._changing, *map(len, parts)), b''.join(parts))
 
     def load(self, state: bytes) -> None:
-        """Go on from a saved state; an invalid one raises BearingTwinError."""
-        self.simulator.load(state)
+        """
+        Go on from a saved state, with the calibration that was in force.
+
+        Raises
+        ------
+        BearingTwinError
+            If it is invalid; the twin then goes on as it was.
+
+        """
+        changing, parts = False, [bytes(state), b'', b'', b'']
+        if parts[0].startswith(_SAVED.magic):
+            (changing, *sizes), body = _SAVED.open(parts[0])
+            ends = np.cumsum([0, *sizes])
+            parts = [body[a:b] for a, b in pairwise(ends)]
+        fitted, following = (
+            read_fitted(text.decode(errors='replace')) if text else None
+            for text in (parts[1], parts[3])
+        )
+        for each in filter(None, (fitted, following)):
+            each.check(build_parameters(self.values), self.values['sample_rate'])
+        sensor = Sensor(fitted) if fitted is not None else None
+        if sensor is not None:
+            sensor.load(parts[2])
+        simulator = self.simulator
+        if (fitted and fitted.text) != (self.fitted and self.fitted.text):
+            simulator = build_simulator(self.values, self._parameters(fitted))
+        simulator.load(parts[0])
+        self.simulator, self.sensor = simulator, sensor
+        self._changing, self._next = bool(changing), following
+        self.values = dict(self.values)
         self.ask_checkpoint()
 
     def ask_checkpoint(self) -> None:
@@ -162,5 +246,30 @@ class Twin(TwinChannel):
     def advance(self) -> TwinBlock:
         """Compute the next block with the inputs of now."""
         temperature, shaft_hz = self.inputs()
-        block = self.simulator.advance(self.values['block_size'], temperature.used, shaft_hz)
-        return TwinBlock(block, temperature, shaft_hz)
+        block = self.block(self.values['block_size'], temperature.used, shaft_hz)
+        fitted = self.fitted
+        defect = fitted.defect if fitted and self.values['defect'].strip() == 'none' else ''
+        return TwinBlock(block, temperature, shaft_hz, self.unit, defect)
+
+    def block(self, n: int, temperature: float, shaft_hz: float) -> Block:
+        """Compute the next ``n`` samples as the sensor gives them."""
+        if not self._changing:
+            return self._heard(self.simulator.advance(n, temperature, shaft_hz))
+        following, before = successor(self.simulator, self._parameters(self._next))
+        old = self._heard(self.simulator.advance(n, temperature, shaft_hz))
+        self.simulator = following
+        self.sensor = Sensor(self._next) if self._next is not None else None
+        self._changing, self._next = False, None
+        # Messages are made anew where they are not of the same values.
+        self.values = dict(self.values)
+        self._heard(before)
+        new = self._heard(self.simulator.advance(n, temperature, shaft_hz))
+        share = (0.5 - 0.5 * np.cos(np.pi * (np.arange(n) + 0.5) / n)).astype(np.float32)
+        return replace(new, x=old.x + share * (new.x - old.x), y=old.y + share * (new.y - old.y))
+
+    def _heard(self, block: Block) -> Block:
+        return block if self.sensor is None else self.sensor.take(block)
+
+    def _parameters(self, fitted: Fitted | None) -> TwinParameters:
+        own = build_parameters(self.values)
+        return own if fitted is None else fitted.parameters(own)

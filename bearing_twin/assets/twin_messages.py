@@ -57,6 +57,8 @@ REALTIME = (
     'lateness',
     'execution_time',
 )
+ACCELERATION = 'm/s^2'
+"""Unit of a twin that has no machine whose sensor has another one."""
 _condition = attrgetter(*OF_CONDITION)
 
 
@@ -66,10 +68,17 @@ class TwinBlock(NamedTuple):
     block: Block
     temperature: GatedTemperature
     shaft_hz: float
+    unit: str = ACCELERATION
+    defect: str = ''
+    """What a calibration says of the defects; '': what the parameters say."""
 
 
 def vibration_message(
-    block: Block, due: Due, values: Mapping[str, Any], shaft_hz: float
+    block: Block,
+    due: Due,
+    values: Mapping[str, Any],
+    shaft_hz: float,
+    unit: str = ACCELERATION,
 ) -> Vibration:
     """Return the acceleration of a block at the time of ``due``."""
     return Vibration(
@@ -77,7 +86,7 @@ def vibration_message(
         sample_rate=values['sample_rate'],
         first_sample=due.first_sample,
         source=Vibration.SOURCE_SIMULATED,
-        unit='m/s^2',
+        unit=unit,
         shaft_hz=shaft_hz,
         x=floats(block.x),
         y=floats(block.y),
@@ -93,7 +102,7 @@ def state_message(made: TwinBlock, due: Due, values: Mapping[str, Any]) -> TwinS
         sample_count=made.block.x.size,
         bearing=values['bearing'] or values['geometry'],
         thermal_mode=values['thermal_mode'],
-        defect=values['defect'].strip() or 'none',
+        defect=made.defect or values['defect'].strip() or 'none',
         temperature_status=int(temperature.status),
         temperature_measured=temperature.measured,
         temperature_used=temperature.used,
@@ -125,7 +134,7 @@ class TwinBytes:
         self._renew(values)
         if self._vibration is None:
             self._vibration = MessageTemplate(
-                vibration_message(made.block, due, values, made.shaft_hz),
+                vibration_message(made.block, due, values, made.shaft_hz, made.unit),
                 (*STAMP, 'first_sample', 'shaft_hz'),
                 ('x', 'y'),
                 self._serialize,

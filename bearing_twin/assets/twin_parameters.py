@@ -28,7 +28,7 @@ from bearing_twin.thermal.rings import ThermalNetwork
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ['FASTEST_LIVE_SHAFT', 'SPECS', 'build_parameters', 'build_simulator']
+__all__ = ['FASTEST_LIVE_SHAFT', 'FITTED', 'SPECS', 'build_parameters', 'build_simulator']
 
 FASTEST_LIVE_SHAFT = 100.0
 """
@@ -171,6 +171,26 @@ SPECS = (
     *_NETWORK,
 )
 
+FITTED = (
+    Spec(
+        name='calibration',
+        default='',
+        description=(
+            "What 'bearing-twin fit --json' wrote, as a file in the state folder: the twin takes "
+            "path of the sensor, load, slip and defect from it; '' for none."
+        ),
+        implied=True,
+    ),
+    Spec(
+        name='follow_calibration',
+        default=False,
+        description='Take each calibration of the topic calibration.',
+        running=False,
+        implied=True,
+    ),
+)
+"""Parameters of a twin of its own that its machine is fitted to; a fleet has none."""
+
 _DEFAULTS = {spec.name: spec.default for spec in SPECS if spec.implied}
 
 
@@ -200,10 +220,12 @@ def build_parameters(values: Mapping[str, Any]) -> TwinParameters:
     )
 
 
-def build_simulator(values: Mapping[str, Any]) -> Simulator:
-    """Return a simulator at its start."""
+def build_simulator(
+    values: Mapping[str, Any], parameters: TwinParameters | None = None
+) -> Simulator:
+    """Return a simulator at its start; ``parameters`` take the place of those in ``values``."""
     return Simulator(
-        build_parameters(values),
+        parameters or build_parameters(values),
         sample_rate=values['sample_rate'],
         seed=values['seed'],
         temperature=values['start_temperature'],

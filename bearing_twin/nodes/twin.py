@@ -10,9 +10,10 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.shared_specs import STATE_RATE, SUBSCRIBERS
 from bearing_twin.assets.twin import Twin
 from bearing_twin.assets.twin_messages import StateTurns
-from bearing_twin.assets.twin_parameters import build_parameters, SPECS
+from bearing_twin.assets.twin_parameters import build_parameters, FITTED, SPECS
 from bearing_twin.dynamics.presets import PRESETS
 from bearing_twin.dynamics.trend import trend_sentence
+from bearing_twin.nodes.twin_calibration import named, TwinCalibration
 from bearing_twin.nodes.twin_services import TwinServices
 from bearing_twin.nodes.twin_topics import TwinTopics
 from bearing_twin.ros import realtime
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ['PUBLISHING', 'SPECS', 'TwinNode', 'main']
 
-PUBLISHING = (*realtime.SPECS, SUBSCRIBERS, STATE_RATE)
+PUBLISHING = (*realtime.SPECS, SUBSCRIBERS, STATE_RATE, *FITTED)
 """Parameters of the node that its twin does not have."""
 
 
@@ -43,7 +44,9 @@ class TwinNode(ManagedNode):
 
     def check(self, values: Mapping[str, Any]) -> None:
         """Refuse parameters that do not fit together."""
-        build_parameters(values)
+        own, fitted = build_parameters(values), named(values)
+        if fitted is not None:
+            fitted.check(own, values['sample_rate'])
         realtime.check_thresholds(values)
 
     def prepare(self) -> None:
@@ -69,6 +72,7 @@ class TwinNode(ManagedNode):
         self._health = Health(self, p['hardware_id'] or self.get_namespace())
         self._health.add('temperature input', self._topics.status)
         self._health.add('real time', self._cycle.status)
+        self._calibration = TwinCalibration(self, self._twin, p.values, self._health)
 
     def start(self) -> None:
         """Start the clock of the blocks."""
@@ -88,12 +92,14 @@ class TwinNode(ManagedNode):
     def teardown(self) -> None:
         """Destroy what setup created."""
         self._health.destroy()
+        self._calibration.destroy()
         self._topics.destroy()
         self._answers.destroy()
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; the motion goes on from where it is."""
         self._twin.apply(values)
+        self._calibration.apply(values)
 
     def _publish_block(self, due: Due) -> None:
         self._topics.publish_checkpoint(self._twin.checkpoint(due, self.parameters.text))

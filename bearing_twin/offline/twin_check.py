@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from bearing_twin.assets.checkpoints import configuration_values
 from bearing_twin.assets.fleet import build_fleet
 from bearing_twin.assets.twin import Twin
-from bearing_twin.assets.twin_messages import vibration_message
+from bearing_twin.assets.twin_messages import ACCELERATION, vibration_message
 from bearing_twin.offline.agreement import Agreement
 from bearing_twin.offline.output import output
 from bearing_twin.stamps import stamp_ns
@@ -135,12 +135,14 @@ class TwinCheck:
         if self._twin is None:
             self.skip()
             return
-        made = self._twin.simulator.advance(block.length, block.temperature, block.shaft_hz)
-        self.compare(block, made, self._twin.values)
+        made = self._twin.block(block.length, block.temperature, block.shaft_hz)
+        self.compare(block, made, self._twin.values, self._twin.unit)
 
-    def compare(self, block: Recorded, made: Block, values: Mapping[str, Any]) -> None:
+    def compare(
+        self, block: Recorded, made: Block, values: Mapping[str, Any], unit: str = ACCELERATION
+    ) -> None:
         """Compare a recorded block with the one that was made again."""
-        message = vibration_message(made, block.due, values, block.shaft_hz)
+        message = vibration_message(made, block.due, values, block.shaft_hz, unit)
         again = output('/vibration', message)
         what = f'{self.topic} at sample {block.due.first_sample}'
         self._agreement.compare(block.message, again.cdr, what)

@@ -70,7 +70,10 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new():
     def minute(number, extra):
         [task] = take(core, range(2000 * number, 2000 * number + 50))
         levels = rng.standard_normal(2) + extra
-        done = Fit(found=found, bands=bands, measured=levels, twin=np.zeros(2))
+        done = Fit(
+            found=found, bands=bands, measured=levels, twin=np.zeros(2), spectrum=np.zeros(129),
+            turns=np.ones((2, 1024)),
+        )  # fmt: skip
         return core.conclude(task, done, 60.0 * number)
 
     message = minute(0, 0.0)

@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A running twin takes calibrations: from a file, or from the topic of the calibration node."""
+
+from __future__ import annotations
+
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.assets.fitted import read_fitted
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.ros.health import Level, Status
+from bearing_twin.ros.qos import RESULT
+from bearing_twin.ros.subscribing import subscribe
+from bearing_twin.streams.statefile import StateFolder
+from bearing_twin_msgs.msg import Calibration
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from bearing_twin.assets.fitted import Fitted
+    from bearing_twin.assets.twin import Twin
+    from bearing_twin.ros.health import Health
+    from bearing_twin.ros.lifecycle import ManagedNode
+
+__all__ = ['TwinCalibration', 'named']
+
+FARTHEST, LOUDEST = 3.0, 3.0
+"""Log-spectral distance and level, dB, from which on a twin does not pass for its machine: between
+the 0.3 to 0.6 dB of fits to healthy records and the 6 dB that are an alarm of the diagnosis."""
+
+
+def named(values: Mapping[str, Any]) -> Fitted | None:
+    """
+    Return the calibration that the parameters name; None if they name none.
+
+    Raises
+    ------
+    BearingTwinError
+        If the file cannot be read, or is no calibration.
+
+    """
+    if not values['calibration']:
+        return None
+    file = StateFolder(values['state_directory']).load(values['calibration'])
+    return read_fitted(file.decode(errors='replace'))
+
+
+class TwinCalibration:
+    """Hand a twin its calibrations, and say how alike it and its machine are."""
+
+    def __init__(
+        self, node: ManagedNode, twin: Twin, values: Mapping[str, Any], health: Health
+    ) -> None:
+        self._node, self._twin, self._health = node, twin, health
+        self._name, self._problem = '', ''
+        self._topic = (
+            subscribe(node, Calibration, 'calibration', self._on_calibration, RESULT)
+            if values['follow_calibration']
+            else None
+        )
+        self.apply(values)
+
+    def apply(self, values: Mapping[str, Any]) -> None:
+        """Take the calibration that changed parameters name."""
+        if values['calibration'] or values['follow_calibration']:
+            self._health.add('calibration', self.status)
+        if values['calibration'] != self._name:
+            self._twin.take(named(values))
+            self._name = values['calibration']
+
+    def destroy(self) -> None:
+        """Hear no more."""
+        if self._topic is not None:
+            self._node.destroy_subscription(self._topic)
+
+    def _on_calibration(self, message: Calibration, _: object) -> None:
+        try:
+            self._twin.take(read_fitted(message.json))
+        except BearingTwinError as error:
+            self._problem = str(error)
+            self._node.get_logger().warning(f'not taken: {error}', throttle_duration_sec=60.0)
+        else:
+            self._problem = ''
+
+    def status(self) -> Status:
+        """Status for /diagnostics: what the twin has taken, and how alike it is since then."""
+        sensor = self._twin.sensor
+        if self._problem:
+            return Status(Level.WARN, f'calibration not taken: {self._problem}', {})
+        if sensor is None:
+            waits = self._topic is not None
+            text = 'no calibration yet' if waits else 'runs by its own parameters'
+            return Status(Level.STALE if waits else Level.OK, text, {})
+        fitted, alike = sensor.fitted, sensor.likeness()
+        values: dict[str, object] = {
+            'statement': fitted.statement,
+            'machine_shaft_hz': fitted.shaft_hz,
+            'machine_temperature_degc': fitted.temperature,
+        }
+        if alike is None:
+            return Status(Level.OK, f'taken: {fitted.statement}', values, kind='taken')
+        values |= {'distance_db': alike.distance, 'level_over_machine_db': alike.level}
+        far = alike.distance > FARTHEST or abs(alike.level) > LOUDEST
+        text = (
+            f'{alike.level:+.1f} dB over the machine, log-spectral distance '
+            f'{alike.distance:.1f} dB; {fitted.statement}'
+        )
+        return Status(Level.WARN if far else Level.OK, text, values, kind='compared')

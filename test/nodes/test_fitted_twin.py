@@ -1,0 +1,169 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A running twin takes a calibration: without a jump, and so that its recording is verified."""
+
+from itertools import pairwise
+import json
+
+import numpy as np
+import pytest
+
+pytest.importorskip('rclpy', reason='ROS 2 is not installed')
+
+from bearing_twin.assets.fitted import read_fitted
+from bearing_twin.assets.twin import Twin
+from bearing_twin.assets.twin_parameters import SPECS
+from bearing_twin.bearing import find_bearing
+from bearing_twin.calibration import fit
+from bearing_twin.dynamics import preset, Simulator
+from bearing_twin.dynamics.sensor_path import band_levels, distance, PathFilter, SensorPath
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.offline.verify import reproduce
+from block_streams import DEEP
+from scipy import signal
+
+RATE, SHAFT = 25600.0, 25.0
+VALUES = {spec.name: spec.default for spec in SPECS} | {
+    'bearing': '6205', 'preset': 'incipient', 'shaft_hz': SHAFT, 'start_temperature': 40.0,
+}  # fmt: skip
+
+
+@pytest.fixture(scope='module')
+def machine():
+    """Vibration of a machine with a slot of 2 mm, in g, whose sensor rings at 4 kHz."""
+    hidden = preset('incipient', bearing='6205', defect='inner', width=2e-3, load=300.0)
+    simulator = Simulator(hidden, seed=5, shaft_hz=SHAFT, temperature=40.0)
+    x = simulator.advance(6 * 25600, 40.0, SHAFT).y.astype(float)[25600:] / 9.81
+    pole = np.exp(2.0 * np.pi * 4000.0 / RATE * (-0.03 + 1j))
+    return 0.2 * signal.lfilter([1.0], np.poly([pole, pole.conjugate()]).real, x)
+
+
+@pytest.fixture(scope='module')
+def calibration(machine):
+    """Return the JSON of a fit."""
+    found = fit(
+        machine, RATE, find_bearing('6205'), SHAFT, unit='g', temperature=40.0, place='inner',
+        candidates=64,
+    )  # fmt: skip
+    return json.dumps(found.to_dict())
+
+
+def run(twin, blocks):
+    return np.concatenate([twin.advance().block.y for _ in range(blocks)])
+
+
+def test_the_filter_is_that_of_scipy_in_any_blocks():
+    numerator, denominator = (0.5, 0.2, -0.1, 0.3), (1.0, -0.9, 0.4)
+    x = np.random.default_rng(1).standard_normal(1000)
+    path = SensorPath(sample_rate=RATE, numerator=numerator, denominator=denominator, noise=0.0)
+    expected = signal.lfilter(numerator, denominator, x)
+    np.testing.assert_allclose(path.filter().apply(x), expected, atol=1e-12)
+    parts = PathFilter(path)
+    again = np.concatenate([parts.apply(part) for part in np.array_split(x, 7)])
+    assert (again == path.filter().apply(x)).all()
+
+
+def test_levels_are_those_of_welch():
+    x = np.random.default_rng(1).standard_normal(30000)
+    _, density = signal.welch(x, RATE, nperseg=256)
+    np.testing.assert_allclose(band_levels(x, RATE), 10.0 * np.log10(density), atol=1e-6)
+
+
+def test_a_running_twin_takes_a_calibration_without_a_jump(machine, calibration):
+    twin, other = Twin(VALUES), Twin(VALUES)
+    before = run(twin, 50)
+    run(other, 50)
+    twin.take(read_fitted(calibration))
+    changing = run(twin, 1)
+    after = run(twin, 60)
+    # No step larger than those of the signal itself, at the seams and within.
+    own = max(np.abs(np.diff(before)).max(), np.abs(np.diff(after)).max())
+    assert np.abs(np.diff(np.concatenate([before[-1:], changing, after[:1]]))).max() <= own
+    # Sequence and phase go on as if nothing had happened.
+    run(other, 61)
+    assert twin.simulator.next_sample == other.simulator.next_sample == 111 * 1024
+    here, there = twin.simulator.condition(), other.simulator.condition()
+    assert here.shaft_angle == there.shaft_angle
+    # It passes for the machine, in its unit, and says so; as it was it did not.
+    levels = band_levels(machine, RATE)
+    alike = twin.sensor.likeness()
+    assert twin.unit == 'g'
+    assert alike.distance == pytest.approx(distance(band_levels(after[-51200:], RATE), levels))
+    assert alike.distance < 1.5 and abs(alike.level) < 1.0
+    assert distance(band_levels(before, RATE), levels) > 6.0
+    # Given up, it is the twin of its parameters again.
+    twin.take(None)
+    run(twin, 60)
+    assert twin.unit == 'm/s^2' and twin.fitted is None
+    assert twin.simulator.parameters == other.simulator.parameters
+    now, then = run(twin, 25), run(other, 85)[-25 * 1024 :]
+    assert now.std() == pytest.approx(then.std(), rel=0.1)
+
+
+def test_a_state_saved_in_between_goes_on_to_the_byte(calibration):
+    twin = Twin(VALUES)
+    run(twin, 3)
+    twin.take(read_fitted(calibration))
+    for _ in range(3):
+        again = Twin(VALUES)
+        again.load(twin.save())
+        assert (run(again, 2) == run(twin, 2)).all()
+        assert again.unit == twin.unit == 'g'
+    bare = Twin(VALUES).save()
+    twin.load(bare)
+    assert twin.fitted is None and twin.save() == bare
+    with pytest.raises(BearingTwinError, match='truncated or damaged'):
+        twin.load(again.save()[:-1])
+
+
+@pytest.mark.parametrize(
+    ('values', 'change', 'text'),
+    [
+        ({'bearing': '6307'}, {}, 'of another bearing than 6307'),
+        ({'sample_rate': 51200.0}, {}, 'start it with sample_rate:=25600.0'),
+        ({}, {'path': None}, 'no calibration'),
+        ({}, {'twin': {'defects': [], 'colour': 1.0}}, 'of another version'),
+    ],
+)
+def test_a_calibration_that_is_not_of_this_twin_is_refused(values, change, text, calibration):
+    twin = Twin(VALUES | values)
+    with pytest.raises(BearingTwinError, match=text):
+        twin.take(read_fitted(json.dumps(json.loads(calibration) | change)))
+    assert twin.fitted is None
+
+
+def test_an_unstable_path_is_refused(calibration):
+    values = json.loads(calibration)
+    values['path']['denominator'] = [1.0, -1.1]
+    with pytest.raises(BearingTwinError, match='no stable filter'):
+        read_fitted(json.dumps(values))
+
+
+@pytest.mark.usefixtures('compiled')
+def test_a_recording_of_a_twin_that_took_one_is_verified(nodes, probe, calibration, tmp_path):
+    from bearing_twin_msgs.msg import Vibration
+
+    (tmp_path / 'pump.json').write_text(calibration)
+    blocks = probe.collect(Vibration, 'vibration')
+    probe.watch_diagnostics()
+    nodes.start('recorder', {'output': str(tmp_path / 'bag')})
+    given = {name: VALUES[name] for name in ('bearing', 'preset', 'shaft_hz', 'start_temperature')}
+    nodes.start('twin', given | {'state_directory': str(tmp_path)} | DEEP)
+    probe.until(lambda: len(blocks) > 30, 'vibration')
+    assert probe.set_parameters('twin', calibration='none.json')[0] is False
+    assert probe.set_parameters('twin', calibration='pump.json') == (True, '')
+    probe.until(lambda: blocks[-1].unit == 'g', 'the unit of the machine')
+    probe.until(
+        lambda: 'distance_db' in probe.statuses.get('twin: calibration', ('', '', {}))[2],
+        'how alike twin and machine are',
+    )
+    assert float(probe.statuses['twin: calibration'][2]['distance_db']) < 3.0
+    assert probe.set_parameters('twin', calibration='') == (True, '')
+    probe.until(lambda: blocks[-1].unit == 'm/s^2', 'the own unit')
+    nodes.end('twin')
+    nodes.end('recorder')
+    assert {b.first_sample - a.first_sample for a, b in pairwise(blocks)} == {1024}
+    result = reproduce(tmp_path / 'bag')
+    # Also those in which it changed; it ran fitted for two seconds.
+    assert result.identical, result
+    assert result.topics['/vibration'].identical > 50
