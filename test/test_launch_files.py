@@ -99,6 +99,6 @@ def test_launch_file_starts_its_nodes(name, ros_domain, tmp_path):
         finally:
             # Ctrl-C reaches the whole group.
             os.killpg(launched.pid, signal.SIGINT)
-            launched.wait(30.0)
+            launched.wait(120.0)
     assert launched.returncode == 0
     assert 'process has died' not in log.read_text()

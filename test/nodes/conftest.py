@@ -63,8 +63,17 @@ class Probe:
 
         self.node.create_subscription(DiagnosticArray, '/diagnostics', keep, 100)
 
+    def status(self, name):
+        """Return level, message and values of a part as it reported last; empty before that."""
+        return self.statuses.get(name, (b'', '', {}))
+
     def publish(self, topic, message, depth=100):
-        """Publish on a topic, after the first subscriber is there."""
+        """
+        Publish on a topic, after the first subscriber is there.
+
+        Others may be found later, and one that listens by best effort may not have found the probe
+        yet: what they have to hear is sent until they have shown that they have.
+        """
         if topic not in self._publishers:
             publisher = self.node.create_publisher(type(message), topic, depth)
             self._publishers[topic] = publisher
@@ -140,7 +149,7 @@ class Probe:
             # It stood still, too, while it waited for a node that was held up.
             self.statuses.pop(name, None)
             self.until(
-                lambda: 'stands still' in self.statuses.get(name, ('', ''))[1],
+                lambda: 'stands still' in self.status(name)[1],
                 'the standing clock',
             )
         self.spin(0.5)

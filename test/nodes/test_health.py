@@ -39,21 +39,23 @@ def test_trouble_with_the_temperature_is_logged_once_and_so_is_its_end(nodes, pr
 
         code = str(int(TemperatureStatus[status]))
         probe.until(
-            lambda: probe.statuses.get(INPUT, (0, '', {}))[2].get('temperature_status') == code,
+            lambda: probe.status(INPUT)[2].get('temperature_status') == code,
             status,
             every=send,
         )
 
     expect('OK', 40.0)
     expect('INVALID', math.nan)
-    probe.spin(2.5)
+    began = probe.clocks['twin']
+    probe.until(lambda: probe.clocks['twin'] > began + 2.5, 'the trouble to last')
     expect('CLAMPED', 150.0)
     expect('OK', 40.0)
     assert probe.set_parameters('twin', temperature_timeout=0.1) == (True, '')
     probe.until(lambda: probe.statuses[INPUT][2]['temperature_status'] == STALE, 'silence')
-    probe.spin(2.5)
+    path = tmp_path / 'logs' / 'twin.log'
+    probe.until(lambda: 'temperature is stale' in path.read_text(), 'what is logged')
     assert nodes.end('twin') == 0
-    log = (tmp_path / 'logs' / 'twin.log').read_text()
+    log = path.read_text()
     found = re.findall(r'\[(\w+)\].*temperature input: (.*) \(before, for (\d+) s: ', log)
     assert [(level, text.split(':')[0]) for level, text, _ in found] == [
         ('WARN', 'temperature is no number or impossible'),

@@ -65,7 +65,7 @@ def test_blocks_of_vibration_go_on_over_the_end_of_a_loop(probe, files):
     playing = play(files / 'a.npz', '--as', 'vibration', '--loop', '--speed', 3, '--unit', 'g')
     probe.until(lambda: len(came) >= 8, 'more than one round')
     playing.terminate()
-    assert playing.wait(30) == 0, playing.stdout.read()
+    assert playing.wait(120) == 0, playing.stdout.read()
     first, *_, last = came
     assert (first.unit, first.shaft_hz, first.source) == ('g', 10.0, Vibration.SOURCE_MEASURED)
     assert [m.first_sample for m in came] == [1024 * k for k in range(len(came))]
@@ -80,7 +80,7 @@ def test_single_samples_have_their_own_stamps(probe, files):
     came = probe.collect(Imu, '/imu', depth=SIGNAL.size)
     playing = play(files / 'a.npz', '--as', 'imu', '--speed', 0.5, '--frame-id', 'fan')
     probe.until(lambda: len(came) == SIGNAL.size, 'all samples')
-    assert playing.wait(30) == 0
+    assert playing.wait(120) == 0
     assert [m.linear_acceleration.x for m in came] == SIGNAL.tolist()
     assert np.diff([stamp(m) for m in came]) == pytest.approx(1.0 / RATE, abs=2e-6)
     assert came[0].header.frame_id == 'fan'
@@ -93,6 +93,6 @@ def test_what_cannot_be_played_is_refused_with_the_remedy(files):
         (('a.npz', '--block', 0), '--block 0'),
     ):
         playing = play(files / words[0], *words[1:])
-        output, _ = playing.communicate(timeout=60)
+        output, _ = playing.communicate(timeout=120)
         assert playing.returncode == 1
         assert said in output

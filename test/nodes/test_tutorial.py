@@ -65,7 +65,7 @@ def terminals(tmp_path):
     yield start
     for process in running.values():
         process.send_signal(signal.SIGINT)
-    assert [process.wait(60) for process in running.values()] == [0] * len(running)
+    assert [process.wait(120) for process in running.values()] == [0] * len(running)
 
 
 def finish(command, folder):
@@ -102,9 +102,8 @@ def test_a_measured_bearing_from_the_file_to_the_alarm(probe, terminals, tmp_pat
     for command in live:
         terminals(command)
     until(probe, 'ALARM BEARING_INNER_RACE', alarm)
-    probe.until(lambda: len(verdicts) > 3, 'more verdicts')
-    assert verdicts[-1].result_name == 'inner'
-    assert verdicts[-1].fault_hz == pytest.approx(161.7, abs=0.2)
+    found = probe.until(lambda: named(verdicts)[3:], 'more verdicts')
+    assert found[-1].fault_hz == pytest.approx(161.7, abs=0.2)
     if shutil.which('ros2'):
         assert 'inner' in finish(echo, tmp_path)
 
@@ -113,28 +112,47 @@ def test_a_measured_bearing_from_the_file_to_the_alarm(probe, terminals, tmp_pat
     terminals(twin)
     heat(probe, '/fan/bearing_temperature', 60.0, states)
     assert all(process.poll() is None for process in terminals.running.values())
-    assert verdicts[-1].result_name == 'inner'
+    # Where the machine is too busy for all blocks, a verdict may be insufficient.
+    assert {verdict.result_name for verdict in named(verdicts)} == {'inner'}
 
 
 def test_the_nodes_one_by_one_and_their_recording(probe, terminals, tmp_path):
     listed = commands(section(4))
+    from bearing_twin_msgs.msg import Diagnosis
+    from std_srvs.srv import Trigger
+
     states = probe.collect(*twin_state('/twin_state'))
+    verdicts = probe.collect(Diagnosis, '/diagnosis')
+    probe.watch_diagnostics()
     nodes = [c for c in listed if c.startswith('ros2 run')]
     for command in nodes:
         # The port of the page may be in use on this machine.
         terminals(command.replace('rerun_port:=9876', 'rerun_port:=0'))
-    probe.until(lambda: len(states) > 50, 'the twin')
+    probe.until(
+        lambda: int(probe.status('recorder: recording')[2].get('messages_written', 0)) > 200,
+        'the recording of all three, whichever came up first',
+    )
+    # What is compared at the end begins with the checkpoints of a reset.
+    for node in ('twin', 'diagnosis'):
+        assert probe.call(Trigger, f'/{node}/reset').success
+    del verdicts[:]
+    probe.until(lambda: named(verdicts), 'a verdict')
     heat(probe, '/temperature', 80.0, states)
     for command in listed if shutil.which('ros2') else ():
         if re.match(r'ros2 (topic|param|service)', command) and 'jitter' not in command:
             finish(command, tmp_path)
     for process in terminals.running.values():
         process.send_signal(signal.SIGINT)
-        assert process.wait(60) == 0
+        assert process.wait(120) == 0
     reads = [c for c in listed if re.match(r'bearing-twin (info|report|verify)', c)]
     assert len(reads) == 3
     for command in reads:
         finish(command, tmp_path)
+
+
+def named(verdicts):
+    """Return the verdicts that name a fault."""
+    return [verdict for verdict in verdicts if verdict.faults]
 
 
 def twin_state(topic):

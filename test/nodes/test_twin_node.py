@@ -48,9 +48,7 @@ def test_every_state_of_the_temperature_is_seen_and_answered(nodes, probe):
         probe.until(shown, f'temperature status {status}', every=every)
         name = next(k[len('TEMPERATURE_') :] for k, v in CONSTANTS.items() if v == status)
         probe.until(
-            lambda: (
-                probe.statuses.get(INPUT, (0, '', {}))[2].get('temperature_status') == str(status)
-            ),
+            lambda: probe.status(INPUT)[2].get('temperature_status') == str(status),
             f'{name} on /diagnostics',
             every=every,
         )
@@ -241,7 +239,7 @@ def test_simulated_time_stands_still_runs_faster_and_jumps_back(nodes, probe):
     assert all(49.9 <= block_end(block) <= 52.04 for block in after)
     assert all(a.first_sample + 1024 == b.first_sample for a, b in pairwise(blocks))
     probe.until(
-        lambda: probe.statuses[name][2]['clock_steps'] == '2',
+        lambda: probe.status(name)[2].get('clock_steps') == '2',
         'the start of /clock and its jump counted',
     )
     assert probe.statuses[name][2]['blocks_dropped'] == '0'

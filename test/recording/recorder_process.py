@@ -43,7 +43,10 @@ def on_disk(bag: Path) -> RecordingInfo:
     """Return what a crash would leave now of a bag that is being written."""
     with tempfile.TemporaryDirectory() as folder:
         copy_of_now, saved = Path(folder) / 'now', Path(folder) / 'saved'
-        shutil.copytree(bag, copy_of_now)
+        copy_of_now.mkdir()
+        # Not what is about to be renamed.
+        for file in bag.glob('*.mcap'):
+            shutil.copy(file, copy_of_now)
         recover(copy_of_now, saved)
         return recording_info(saved)
 
@@ -110,6 +113,10 @@ class Source:
         """Wait, without publishing, until a part of a node has reported."""
         self.wait_until(lambda: status in self.statuses, f'a report of {status}')
 
+    def values(self, status: str) -> dict[str, str]:
+        """Return the values that a part has reported last."""
+        return {item.key: item.value for item in self.statuses[status].values}
+
     def settle(self) -> None:
         """Wait, without publishing, until what was sent has arrived at those who listen."""
         assert self._vibration.wait_for_all_acked(Duration(seconds=TIMEOUT))
@@ -121,6 +128,12 @@ class Source:
         while not ready():
             assert time.monotonic() < end, f'not so within {TIMEOUT} s'
             self.publish_for(0.2)
+
+    def publish_until_told(self, status: str) -> dict[str, str]:
+        """Publish until a part reports anew; return the values of that."""
+        self.statuses.pop(status, None)
+        self.publish_until(lambda: status in self.statuses)
+        return self.values(status)
 
     def wait_for_recorder(self, *, recorders: int = 1) -> None:
         """Wait, without publishing, until so many listen."""

@@ -88,7 +88,8 @@ def test_what_was_sent_before_it_was_heard_is_counted(ros_domain: int, tmp_path:
         before = len(source.sent)
         nodes.start('recorder', {'output': str(bag)})
         source.wait_for_recorder()
-        source.publish_for(2.5)
+        for _ in range(3):
+            source.publish_until_told(RECORDING)
         source.settle()
         assert nodes.end('recorder') == 0
     told = [sent_before(m.decode()) for m in read_messages(bag, topics=['/diagnostics'])]
@@ -157,8 +158,12 @@ def test_topics_regex_and_exclude(ros_domain: int, tmp_path: Path) -> None:
 
 
 def messages_written(source: Source) -> int:
-    values = {item.key: item.value for item in source.statuses[RECORDING].values}
-    return int(values['messages_written'])
+    return int(source.values(RECORDING)['messages_written'])
+
+
+def longest_wait(source: Source) -> float:
+    """Return how long a message lay with the recorder until its next report, s."""
+    return float(source.publish_until_told(RECORDING)['longest_wait_s'])
 
 
 def killed_recorder(folder: Path, moments: list[float]) -> list[float]:
@@ -232,13 +237,11 @@ def test_full_disk_is_said_and_recording_goes_on(ros_domain: int, tmp_path: Path
 
 
 SLOW_DISK = """
-import os, sys, threading, time
+import os, sys, time
 write = os.write
-held = threading.Event()
 def slow(descriptor, data):
-    if os.path.exists(sys.argv[1]) and not held.is_set():
-        held.set()
-        time.sleep(3.0)
+    while os.path.exists(sys.argv[1]):
+        time.sleep(0.05)
     return write(descriptor, data)
 os.write = slow
 from bearing_twin.nodes.recorder import main
@@ -254,8 +257,10 @@ def test_a_disk_that_holds_the_recorder_up_costs_nothing(ros_domain: int, tmp_pa
         source.publish_for(1.0)
         slow.touch()
         # More blocks than the source keeps for whoever has not taken them.
-        source.publish_for(4.0)
-        source.settle()
+        for _ in range(4):
+            source.publish_for(1.0)
+            source.settle()
+        slow.unlink()
         recorder.send_signal(signal.SIGINT)
     assert recorder.returncode == 0
     assert numbers(bag) == list(range(len(source.sent)))
@@ -266,10 +271,16 @@ def test_removed_folder_is_said_and_recording_goes_on(ros_domain: int, tmp_path:
     with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(bag)})
         source.wait_for_recorder()
-        source.publish_for(1.0)
+        source.wait_for(RECORDING)
+        source.publish_until(lambda: messages_written(source) > 20)
         shutil.rmtree(bag)
         source.publish_until(lambda: bag.exists())
-        source.publish_for(2.5)
+        # What was in the removed file is counted, on /diagnostics for good.
+        source.publish_until(
+            lambda: 'messages were lost by the disk' in source.statuses[RECORDING].message
+        )
+        for _ in range(2):
+            source.publish_until_told(RECORDING)
         source.settle()
         status = source.statuses[RECORDING]
         assert nodes.end('recorder') == 0
@@ -277,7 +288,6 @@ def test_removed_folder_is_said_and_recording_goes_on(ros_domain: int, tmp_path:
     assert 'was removed while it was written' in log
     found = numbers(bag)
     assert found == list(range(found[0], len(source.sent)))
-    # What was in the removed file is counted, on /diagnostics for good.
     assert re.search(r'messages, [0-9.]+ MB, [1-9][0-9]* lost', log)
     assert 'messages were lost by the disk' in status.message
 
@@ -321,18 +331,26 @@ def test_snapshot_on_request(ros_domain: int, tmp_path: Path) -> None:
     with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', parameters)
         source.wait_for_recorder()
-        source.publish_for(3.0)
+        fill(source)
         assert not bag.exists()
         asked = time.time_ns()
         assert source.call('/recorder/snapshot').success
         answered = time.time_ns()
-        source.publish_for(2.0)
+        waits = [longest_wait(source) for _ in range(2)]
         source.settle()
         assert nodes.end('recorder') == 0
-    check_snapshot(bag, source, asked, answered)
+    check_snapshot(bag, source, asked, answered, max(waits))
 
 
-def check_snapshot(bag: Path, source: Source, earliest: int, latest: int) -> None:
+def fill(source: Source) -> None:
+    """Publish until the recorder, which may be held up, has had blocks to leave out."""
+    source.publish_for(1.0)
+    source.settle()
+    for _ in range(3):
+        source.publish_until_told(RECORDING)
+
+
+def check_snapshot(bag: Path, source: Source, earliest: int, latest: int, wait: float) -> None:
     """
     Check that a snapshot holds the second before it was asked for and the half after it, whole.
 
@@ -342,17 +360,21 @@ def check_snapshot(bag: Path, source: Source, earliest: int, latest: int) -> Non
         The recording, and where its blocks come from.
     earliest, latest
         Times between which it was asked for, ns.
+    wait
+        Longest that a message lay with the recorder meanwhile, s: what it had not looked at yet
+        does not count as before.
 
     """
+    waited = round(wait * NANO)
     found = numbers(bag)
     assert found == list(range(found[0], found[-1] + 1))
     times = [message.log_time for message in read_messages(bag)]
     # The second is counted from the last message that came before.
-    assert times[0] >= max(t for t in times if t <= earliest) - NANO
+    assert times[0] >= max(t for t in times if t <= earliest) - NANO - waited
     assert times[-1] <= latest + NANO // 2
     # What was left out was sent too early for it.
     assert found[0] > 0
-    assert source.sent[found[0] - 1][0] < latest - NANO
+    assert source.sent[found[0] - 1][0] < latest - NANO + waited
     assert source.sent[found[-1]][1] > earliest
 
 
@@ -366,14 +388,15 @@ def test_snapshot_when_the_diagnosis_turns_to_fault(ros_domain: int, tmp_path: P
         verdicts = source.node.create_publisher(Diagnosis, 'diagnosis', 10)
         source.wait_for_recorder()
         source.wait_for_subscribers(verdicts)
-        source.publish_for(2.0)
+        fill(source)
         verdicts.publish(Diagnosis(level=Diagnosis.LEVEL_SUSPECT))
         source.publish_for(0.5)
         assert not bag.exists()
+        waits = []
         for _ in range(3):
             # That it stays a fault is no news.
             verdicts.publish(Diagnosis(level=Diagnosis.LEVEL_FAULT, fault_code='BEARING_X'))
-            source.publish_for(1.0)
+            waits.append(longest_wait(source))
         source.settle()
         assert nodes.end('recorder') == 0
     turned = [
@@ -381,7 +404,7 @@ def test_snapshot_when_the_diagnosis_turns_to_fault(ros_domain: int, tmp_path: P
         for message in read_messages(bag, topics=['/diagnosis'])
         if message.decode().level == Diagnosis.LEVEL_FAULT
     ]
-    check_snapshot(bag, source, turned[0], turned[0])
+    check_snapshot(bag, source, turned[0], turned[0], max(waits))
     assert len(list(bag.glob('*.mcap'))) == 1
     assert 'BEARING_X' in (tmp_path / 'logs' / 'recorder.log').read_text()
 
@@ -432,7 +455,7 @@ def test_topics_of_other_kinds_are_recorded_as_they_are_offered(
             temperature.publish(Temperature(temperature=44.0))
             spectrum.publish(Float64(data=3.0))
             two.publish(Float64(data=4.0))
-            said = {item.key: item.value for item in source.statuses[RECORDING].values}
+            said = source.values(RECORDING)
             return '/two: ' in said.get('why_left_out', '') and on_disk(bag).topics.keys() >= {
                 '/temperature',
                 '/spectrum',

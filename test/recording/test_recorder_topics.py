@@ -27,7 +27,7 @@ SENT = 20
 
 
 def until(happened: Callable[[], bool]) -> None:
-    end = time.monotonic() + 60.0
+    end = time.monotonic() + 120.0
     while not happened():
         assert time.monotonic() < end
         time.sleep(0.02)

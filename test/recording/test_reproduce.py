@@ -22,6 +22,8 @@ from bearing_twin.recording.schedule import paper_schedule, write_temperature_re
 from bearing_twin.recording.schema import canonical_cdr, MessageSchema
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.ros.qos import RESULT, STREAM
+from bearing_twin_msgs.msg import Diagnosis, Vibration
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
@@ -297,9 +299,12 @@ def test_an_interrupted_run_is_a_sound_recording(
 def test_a_live_run_is_reproduced_offline(ros_domain: int, tmp_path: Path, schedule: Path) -> None:
     with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'bag')})
-        nodes.start('diagnosis', {'bearing': '6307'})
-        source.wait_for_recorder()
+        # What one of them is held up for, the other shall not have alone.
+        deep = {'qos_overrides./vibration.subscription.depth': 1000}
+        nodes.start('diagnosis', {'bearing': '6307', **deep})
+        source.wait_for_recorder(recorders=2)
         source.wait_for('diagnosis: vibration input')
+        source.wait_for('recorder: recording')
         own = {
             'defect': 'outer:angle=-1.3,width=0.001+ball:ball=2',
             'lubricant.viscosity_40': 46e-6,
@@ -307,18 +312,23 @@ def test_a_live_run_is_reproduced_offline(ros_domain: int, tmp_path: Path, sched
             'resonance_hz': 4500.0,
         }
         # No verdict of a block that the diagnosis had and the recorder had not.
-        nodes.start('twin', {'bearing': '6307', 'wait_for_subscribers': 2, **own})
+        deep = {f'qos_overrides./{t}.publisher.depth': 1000 for t in ('vibration', 'twin_state')}
+        nodes.start('twin', {'bearing': '6307', 'wait_for_subscribers': 2, **own, **deep})
         source.wait_for('twin: real time')
         # Blocks before the recorder had found the twin are lost; a reset gives a checkpoint now.
         assert source.call('/twin/reset').success
-        nodes.start('replay', {'recording': str(schedule)})
+        verdicts: list[Diagnosis] = []
+        source.node.create_subscription(Diagnosis, 'diagnosis', verdicts.append, RESULT)
+        nodes.start('replay', {'recording': str(schedule), 'wait_for_subscribers': TIMEOUT})
         assert nodes.wait('replay', TIMEOUT) == 0
+        source.wait_until(lambda: len(verdicts) > 10, 'verdicts')
         for name in ('twin', 'diagnosis', 'recorder'):
             assert nodes.end(name) == 0
     result = reproduce(tmp_path / 'bag')
     assert result.identical, result
-    assert result.topics['/vibration'].identical > 200
-    assert result.topics['/diagnosis'].identical > 5
+    # Fewer where a machine that is busy with something else makes the twin give up blocks.
+    assert result.topics['/vibration'].identical > 100
+    assert result.topics['/diagnosis'].identical > 3
     assert result.topics['/diagnosis'].skipped == 0
     kept = [
         configuration_values(message.decode())
@@ -353,10 +363,13 @@ def test_a_fleet_is_reproduced_offline(ros_domain: int, tmp_path: Path) -> None:
         )
         source.wait_for('p1/fleet: real time')
         source.wait_for('p1/recorder: recording')
-        time.sleep(4.0)
+        blocks: list[Vibration] = []
+        source.node.create_subscription(Vibration, '/p1/fan/vibration', blocks.append, STREAM)
+        source.wait_until(lambda: len(blocks) > 100, 'blocks')
         assert source.call('/p1/fleet/reset').success
         assert source.call('/p1/pump/left/twin/reset').success
-        time.sleep(6.0)
+        until = len(blocks) + 200
+        source.wait_until(lambda: len(blocks) > until, 'blocks after the reset')
         assert nodes.end('fleet') == 0
         assert nodes.end('recorder') == 0
     result = reproduce(bag)
