@@ -30,7 +30,9 @@ TOPICS = {'float32_multi_array': 'samples', 'imu': 'imu', 'vibration': 'vibratio
 SINGLE_PERIOD = 0.01
 """Samples that are messages of their own are sent this long at a time, s."""
 LISTENER_WAIT = 3.0
-"""Longest wait for somebody to listen, s."""
+"""Time after which it is said that nobody listens yet, s."""
+LONGEST_ACK = 10.0
+"""Longest wait at the end for those who have not taken the last samples yet, s."""
 LONGEST_SLEEP = 0.5
 
 
@@ -62,7 +64,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Play; status 0 at the end of the file, or when a loop is ended."""
+    """Play once somebody listens; status 0 at the end of the file, or when a loop is ended."""
     if not (0.0 < args.speed <= 1000.0 and 1 <= args.block <= 65536):
         msg = f'--speed {args.speed:g}, --block {args.block}: above 0 to 1000, and 1 to 65536'
         raise BearingTwinError(msg)
@@ -96,11 +98,11 @@ def _play(signal: Signal, args: argparse.Namespace) -> int:
             # A second, as of blocks at the least.
             qos.depth = math.ceil(signal.sample_rate)
         publisher: Publisher[Any] = node.create_publisher(source.type, topic, qos)
-        began = time.monotonic()
+        said = time.monotonic() + LISTENER_WAIT
         while not publisher.get_subscription_count() and rclpy.ok():
-            if time.monotonic() - began > LISTENER_WAIT:
-                print(f'nobody listens to {publisher.topic_name} yet', flush=True)
-                break
+            if time.monotonic() > said:
+                print(f'waiting: nobody listens to {publisher.topic_name} yet', flush=True)
+                said = math.inf
             time.sleep(0.02)
         rounds = ', again and again until Ctrl-C' if args.loop else ''
         print(
@@ -110,7 +112,7 @@ def _play(signal: Signal, args: argparse.Namespace) -> int:
         )
         source.send(publisher.publish, rclpy.ok)
         if rclpy.ok():
-            publisher.wait_for_all_acked(Duration(seconds=1))
+            publisher.wait_for_all_acked(Duration(seconds=LONGEST_ACK))
         return 0 if args.loop or source.finished else 143
     finally:
         rclpy.try_shutdown()

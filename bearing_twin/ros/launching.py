@@ -23,6 +23,12 @@ COMPILING = 'compiling the kernel (first start only)'
 """What a twin logs when its start takes long for that reason."""
 LOADING = 'loading the kernel'
 """The same where the kernel has been compiled before."""
+RUN_NODE = (
+    'import sys; sys.path[:] = filter(None, sys.path); '
+    "import runpy; runpy.run_module(sys.argv.pop(1), run_name='__main__', alter_sys=True)"
+)
+"""As ``python -m`` does, but nothing is imported from the working directory, whatever lies there:
+the option for that, -P, is one of Python 3.11."""
 
 
 def local_environment(domain_id: int) -> dict[str, str]:
@@ -111,7 +117,8 @@ class NodeProcesses:
             Command that runs the process, such as ``ip netns exec HOST``.
 
         """
-        words = [*within, sys.executable, '-m', f'bearing_twin.nodes.{module}', '--ros-args']
+        words = [*within, sys.executable, '-c', RUN_NODE]
+        words += [f'bearing_twin.nodes.{module}', '--ros-args']
         for key, value in parameters.items():
             words += ['-p', f'{key}:={_yaml(value)}']
         name = name or module
@@ -121,8 +128,7 @@ class NodeProcesses:
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
-                # Nothing is imported from the working directory, whatever lies there.
-                env={**self._environment, 'PYTHONSAFEPATH': '1'},
+                env=self._environment,
             )
 
     def running(self, name: str) -> bool:

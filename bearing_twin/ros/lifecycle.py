@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import gc
 import os
+from pathlib import Path
 import signal
 import sys
 import threading
@@ -37,11 +38,9 @@ if TYPE_CHECKING:
 
 __all__ = ['AUTOSTART', 'ManagedNode', 'run']
 
-TRANSPORT_SETTINGS = (
-    'FASTDDS_BUILTIN_TRANSPORTS',
-    'FASTDDS_DEFAULT_PROFILES_FILE',
-    'FASTRTPS_DEFAULT_PROFILES_FILE',
-)
+PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
+TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
+"""Settings of Fast DDS in the environment."""
 
 SLOW = 2.0
 """Time after which a node says why its preparation takes long, s."""
@@ -235,16 +234,21 @@ def _without_info(callback: Callable[[Any], None]) -> Callable[[Any, MessageInfo
     return lambda message, _: callback(message)
 
 
-def _never_wait_for_the_network() -> None:
+def _set_up_fast_dds() -> None:
     """
-    Let Fast DDS drop what a pulled cable cannot take, instead of holding up the publisher.
+    Let Fast DDS neither hold up a publisher nor keep the memory of large messages.
 
     By default its sockets block for seconds when the other host has gone, and so would every
-    deadline. What was dropped is sent again if it is still in the writer's history. A user who
-    has set up the transports keeps them; other middleware does not look at this.
+    deadline: what a pulled cable cannot take is dropped, and sent again if it is still in the
+    writer's history. And by default each place of a queue stays as large as the largest message
+    that it has ever held. A user who has set up either keeps it; other middleware does not look at
+    this.
     """
-    if not any(name in os.environ for name in TRANSPORT_SETTINGS):
-        os.environ['FASTDDS_BUILTIN_TRANSPORTS'] = 'DEFAULT?non_blocking=true'
+    if any(name in os.environ for name in PROFILES):
+        return
+    os.environ.setdefault(TRANSPORTS, 'DEFAULT?non_blocking=true')
+    os.environ[PROFILES[0]] = str(Path(__file__).with_name('fastdds.xml'))
+    os.environ.setdefault('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')
 
 
 def _prepare(node: ManagedNode, executor: Executor) -> None:
@@ -319,7 +323,7 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
             file=sys.stderr,
         )
         return 2
-    _never_wait_for_the_network()
+    _set_up_fast_dds()
     ensure_log_folder()
     keep_freed_memory()
     status = _run(node_class, args)

@@ -24,6 +24,8 @@ __all__ = ['read_message', 'subscribe', 'validated']
 
 HEADER = 4
 """Bytes before the message: its encoding, and how many bytes of padding end it."""
+LARGEST = 16 * 1024 * 1024
+"""Most bytes of a message: twice the longest block of both axes."""
 
 
 def read_message(cdr: bytes, kind: type) -> Any:
@@ -37,9 +39,12 @@ def read_message(cdr: bytes, kind: type) -> Any:
     Raises
     ------
     BearingTwinError
-        If the bytes are no such message.
+        If the bytes are no such message, or more than one may have.
 
     """
+    if len(cdr) > LARGEST:
+        msg = f'{len(cdr)} bytes are too large a {kind.__name__}: {LARGEST} at most are taken'
+        raise BearingTwinError(msg)
     if len(cdr) < HEADER or len(cdr) - HEADER < cdr[HEADER - 1] & 3:
         msg = f'{len(cdr)} bytes are no {kind.__name__}: refused'
         raise BearingTwinError(msg)

@@ -116,7 +116,7 @@ def test_a_pulled_cable_costs_the_samples_of_that_time_and_nothing_else(
     # A machine that is busy with something else may cost some, which it counts.
     given_up = states[-1].blocks_dropped
     assert states[-1].blocks_published + given_up == states[-1].first_sample // 1024 + 1
-    assert given_up * 0.04 < 0.5 * cut
+    assert given_up * 0.04 < 0.9 * cut
     # In order, and no more is missing than the cut explains; the last blocks were sent again.
     assert all(a < b for a, b in pairwise(blocks))
     missing = [(a, b) for a, b in pairwise(blocks) if b != a + 1]

@@ -16,9 +16,11 @@ from bearing_twin.ros.launching import NodeProcesses
 from bearing_twin.ros.qos import CHECKPOINT, STREAM
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
 import pytest
+from rclpy.duration import Duration
 from rclpy.serialization import serialize_message
-from recorder_process import Source
+from recorder_process import Source, TIMEOUT
 from sensor_msgs.msg import JointState, Temperature
+from std_msgs.msg import Float32MultiArray
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,6 +28,10 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.ros
 
 NODES = ('twin', 'diagnosis', 'recorder')
+LARGE = 50_000_000
+"""Size of a large array, bytes."""
+MOST_KEPT = LARGE
+"""Memory that a node may keep of many of them, bytes: heap that is not given back."""
 MOST_MEMORY = 400_000_000
 """Memory that a node may gain by all of it, bytes: windows, queues and spectra of odd sizes."""
 NUMBERS = [0.0, -0.0, 1.0, -1.0, 1e-300, 1e300, -1e300, math.nan, math.inf, -math.inf, 25600.0]
@@ -154,6 +160,41 @@ def attack(folder: Path, count: int, seed: int) -> None:
 
 def test_hostile_messages(ros_domain: int, tmp_path: Path) -> None:
     attack(tmp_path, 600, ros_domain)
+
+
+def test_the_memory_of_large_arrays_comes_back(ros_domain: int, tmp_path: Path) -> None:
+    named = ('diagnosis', 'recorder')
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(tmp_path / 'bag')})
+        nodes.start('diagnosis', {'bearing': '6307', 'window': 1.0})
+        source.wait_for_recorder(recorders=2)
+        source.publish_until(lambda: 'diagnosis: bearing' in source.statuses)
+        for _ in range(3):
+            source.publish_until_told('diagnosis: bearing')
+        before = {name: resident(nodes.pid(name)) for name in named}
+        large = source.node.create_publisher(Vibration, 'vibration', STREAM)
+        other = source.node.create_publisher(Float32MultiArray, 'other', STREAM)
+        source.wait_for_subscribers(large, 2)
+        source.wait_for_subscribers(other)
+        samples = array.array('f', bytes(LARGE))
+        for publisher, message in (
+            (large, Vibration(sample_rate=25600.0, y=samples)),
+            (other, Float32MultiArray(data=samples)),
+        ):
+            for _ in range(5):
+                publisher.publish(message)
+                assert publisher.wait_for_all_acked(Duration(seconds=TIMEOUT))
+                source.publish_for(0.05)
+        for name in ('diagnosis: vibration input', 'recorder: recording') * 2:
+            source.publish_until_told(name)
+        kept = {name: resident(nodes.pid(name)) - before[name] for name in named}
+        print(f'10 arrays of {LARGE / 1e6:.0f} MB: {kept} bytes are kept')
+        for name in named:
+            assert nodes.end(name) == 0, name
+    assert max(kept.values()) < MOST_KEPT, kept
+    assert 'too large a Vibration' in (tmp_path / 'logs' / 'diagnosis.log').read_text()
+    topics = recording_info(tmp_path / 'bag').topics
+    assert topics['/other'].count == 5
 
 
 @pytest.mark.fuzz
