@@ -24,6 +24,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import samples_ns
 from bearing_twin_msgs.msg import Calibration
 import numpy as np
+from scipy import signal
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -114,12 +115,17 @@ def work(task: Task) -> Fit:
     )
     own = dict(zip(names, levels, strict=True))
     twin = np.array([own.get(band, math.nan) for band in bands])
-    shown, rate = fitted_vibration(found, SHOWN_S), found.situation.sample_rate
-    n, every = int(rate / task.shaft_hz), round(task.sample_rate / rate)
+    rate = found.situation.sample_rate
+    shown = fitted_vibration(found, max(SHOWN_S, 2.0 / task.shaft_hz))
+    turn = task.samples[:: round(task.sample_rate / rate)][: int(rate / task.shaft_hz)]
+    turn = turn - turn.mean()
+    # The twin turns at an angle of its own: shown where it is most like the machine.
+    alike = signal.correlate(np.abs(shown), np.abs(turn), 'valid')
+    first = int(np.argmax(alike))
     return Fit(
         found=found.to_dict(), bands=bands, measured=measured, twin=twin,
         spectrum=band_levels(shown, rate),
-        turns=np.array([task.samples[::every][:n] - task.samples.mean(), shown[:n]]),
+        turns=np.array([turn, shown[first : first + len(turn)]]),
     )  # fmt: skip
 
 

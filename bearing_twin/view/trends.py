@@ -73,6 +73,8 @@ class Panel:
     trends: tuple[Trend, ...]
     limit: Limit | None = None
     from_zero: bool = False
+    band: tuple[str, ...] = ()
+    """Keys of the two quantities between which a page is filled."""
 
 
 def _per_family(field: str) -> tuple[Trend, ...]:
@@ -153,8 +155,11 @@ DIAGNOSIS = (
     ),
     Panel(
         'baseline',
-        'Level over its own baseline [dB]',
-        (Trend('baseline', 'over baseline', LINE['third'], 'level_over_baseline'),),
+        'Level over its own baseline, and what was taken off for temperature and speed [dB]',
+        (
+            Trend('baseline', 'over baseline', LINE['third'], 'level_over_baseline'),
+            Trend('correction', 'taken off', LINE['measured'], 'level_correction'),
+        ),
     ),
     Panel(
         'shape',
@@ -177,6 +182,7 @@ CALIBRATION = (
             Trend('q05', '5 %', LINE['second'], 'width_q05'),
         ),
         from_zero=True,
+        band=('q05', 'q95'),
     ),
     Panel(
         'residual',

@@ -98,6 +98,7 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new():
     assert [caption.split(';')[0].split(':')[0] for caption, _ in shown] == [
         'The twin fitted to the machine',
         'Machine and fitted twin',
+        'Machine and fitted twin',
     ]
     marks, asset = [], Asset()
     canvas = Canvas(lambda mark, **_: marks.append(mark), '/calibration', Timebase())
@@ -105,7 +106,9 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new():
     assert picture.draw(message, 10**18)
     picture.flush(slow=True)
     assert len(marks) > 3
-    assert asset.panels == {'width', 'residual', 'distance'}
+    assert asset.panels == {
+        'width', 'residual', 'distance', 'fitted_spectrum', 'fitted_turn',
+    }  # fmt: skip
 
 
 @pytest.mark.usefixtures('compiled')

@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
-import re
 from textwrap import wrap
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.view.report.fitted import explained, over_each_other
 from bearing_twin.view.report.spectra import CAPTION, draw_envelope_spectrum, draw_spectrum
 from bearing_twin.view.report.svg import (
     BINS,
@@ -24,7 +24,7 @@ import matplotlib as mpl
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from matplotlib.ticker import MaxNLocator, NullFormatter
+from matplotlib.ticker import MaxNLocator
 import numpy as np
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
     """
     plots = (
         _envelope_spectrum, _history, _over_temperature, _evidence, _waterfall, _fitted,
-        _explained,
+        explained, over_each_other,
     )  # fmt: skip
     return _all(machine, prefix, plots)
 
@@ -309,34 +309,6 @@ def _fitted(machine: Machine) -> tuple[str, Figure] | None:
     return _panels(caption, CALIBRATION, machine.calibrations)
 
 
-def _explained(machine: Machine) -> tuple[str, Figure] | None:
-    """Draw the third octaves of machine and twin over each other, their difference below."""
-    if not machine.calibrations:
-        return None
-    message = machine.calibrations[-1][1]
-    bands = [n for n, name in enumerate(message.band) if re.fullmatch(r'\d+ Hz', name)]
-    if not bands:
-        return None
-    hertz = np.array([float(message.band[n].split()[0]) for n in bands])
-    measured, twin = (
-        np.array(levels, dtype=float)[bands]
-        for levels in (message.measured_level, message.twin_level)
-    )
-    figure = Figure(figsize=(WIDTH, 2.6), layout='constrained')
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-    above.step(hertz, measured, where='mid', color='#424242', label='machine')
-    above.step(hertz, twin, where='mid', color='#1565c0', label='twin', linewidth=1.1)
-    above.set_title('third octaves [dB]')
-    above.legend(loc='upper left', ncols=2)
-    below.bar(hertz, measured - twin, width=0.2 * hertz, color='#c62828')
-    below.set_title('machine over twin [dB]')
-    below.set_xscale('log')
-    below.xaxis.set_major_formatter('{x:g}')
-    below.xaxis.set_minor_formatter(NullFormatter())
-    below.set_xlabel('frequency [Hz]')
-    return f'Machine and fitted twin; {message.residual_reason}', figure
-
-
 def _panels(
     caption: str, panels: Sequence[Panel], items: Sequence[tuple[float, Any]]
 ) -> tuple[str, Figure] | None:
@@ -359,6 +331,9 @@ def _panels(
         for trend, values in lines:
             colour = hex_colour(trend.colour)
             axes.plot(time, values, color=colour, label=trend.label, linewidth=1.1)
+        of = {trend.key: values for trend, values in lines}
+        if panel.band and of.keys() >= set(panel.band):
+            axes.fill_between(time, *(of[key] for key in panel.band), color='#bbdefb')
         if panel.limit is not None:
             axes.axhline(panel.limit.value, color='#616161', linewidth=0.8, dashes=(4, 2))
         title = panel.title.replace('[unit]', f'[{pretty(unit) or "unit unknown"}]')

@@ -286,6 +286,21 @@ def _temperatures(scene: Scene) -> list[View]:
     return [_lines('Temperature [°C]', contents)] if contents else []
 
 
+def _over_each_other(scene: Scene) -> list[View]:
+    """Return views of machine (grey) and fitted twin (blue)."""
+    views: list[View] = []
+    for path in _of(scene, 'calibration'):
+        if 'fitted_spectrum' in scene.asset.panels:
+            views.append(_bars('Machine grey, twin blue [dB over Hz]', f'{path}/spectrum'))
+        if 'fitted_turn' in scene.asset.panels:
+            turns = (
+                _bars(f'One revolution, {name} [over ms]', f'{path}/turn_{name}')
+                for name in ('machine', 'twin')
+            )
+            views.append(rrb.Vertical(*turns))
+    return views
+
+
 def _numbers(scene: Scene) -> list[View]:
     """Return views of topics that are not the bearing's."""
     return [_lines(path, [f'{path}/fields/**']) for path in _of(scene, 'numbers')]
@@ -329,7 +344,12 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
             name='Temperature',
         ),
         _rows((4, twin[:3]), (4, twin[3:]), name='Twin'),
-        _rows((4, _panels(scene, 'calibration', CALIBRATION)), (5, fitted), name='Calibration'),
+        _rows(
+            (3, _panels(scene, 'calibration', CALIBRATION)),
+            (3, _over_each_other(scene)),
+            (4, fitted),
+            name='Calibration',
+        ),
     )
     return [page for page in pages if page is not None]
 

@@ -8,13 +8,20 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import samples_ns
 from bearing_twin.view.rerun.picture import Asset, Picture, Trends
+from bearing_twin.view.style import LINE
 from bearing_twin.view.trends import CALIBRATION
+import numpy as np
 import rerun as rr
 
 if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
+    from numpy.typing import NDArray
 
 __all__ = ['CalibrationPicture']
+
+NAMES = 'machine', 'twin'
+BARS = 400
+"""Most bars of one revolution."""
 
 
 class CalibrationPicture(Picture):
@@ -33,7 +40,52 @@ class CalibrationPicture(Picture):
         self._trends.hold(message, time)
         words = rr.TextDocument(_words(message), media_type=rr.MediaType.MARKDOWN)
         self.canvas.put('words', time, words)
+        self._draw_spectra(message, time)
+        self._draw_turns(message, time)
         return True
+
+    def _draw_spectra(self, message: Any, time: int) -> None:
+        """Draw the spectra over each other, from the lowest level up: bars begin at zero."""
+        both = [
+            np.array(getattr(message, name, ()), dtype=np.float32)[1:]
+            for name in ('measured_spectrum', 'twin_spectrum')
+        ]
+        if not all(map(len, both)):
+            return
+        ground = min(float(levels.min()) for levels in both)
+        for name, levels, width in zip(NAMES, both, (1.0, 0.4), strict=True):
+            hertz = message.spectrum_step * np.arange(1, len(levels) + 1, dtype=np.float32)
+            self._bars(f'spectrum/{name}', time, hertz, levels - ground, width)
+        self.asset.panels.add('fitted_spectrum')
+
+    def _draw_turns(self, message: Any, time: int) -> None:
+        """Draw one revolution of each over ms: of neighbouring samples the largest."""
+        for name, field in zip(NAMES, ('measured_turn', 'twin_turn'), strict=True):
+            turn = np.array(getattr(message, field, ()), dtype=np.float32)
+            if not len(turn):
+                return
+            group = -(-len(turn) // BARS)
+            rows = turn[: len(turn) // group * group].reshape(-1, group)
+            largest = rows[np.arange(len(rows)), np.abs(rows).argmax(axis=1)]
+            step = 1e3 * group / message.turn_rate
+            place = step * np.arange(len(rows), dtype=np.float32)
+            self._bars(f'turn_{name}', time, place, largest, 1.0)
+        self.asset.panels.add('fitted_turn')
+
+    def _bars(
+        self,
+        name: str,
+        time: int,
+        places: NDArray[np.float32],
+        values: NDArray[np.float32],
+        share: float,
+    ) -> None:
+        width = share * float(places[1] - places[0]) if len(places) > 1 else share
+        colour = LINE['first' if name.endswith('twin') else 'ground']
+        widths = np.full(values.shape, np.float32(width))
+        self.canvas.put(
+            name, time, rr.BarChart(values, abscissa=places, widths=widths, color=colour)
+        )
 
     def flush(self, *, slow: bool) -> None:
         """Send the trends."""
