@@ -115,6 +115,7 @@ class Excerpt:
         settings: DiagnosisSettings,
         *,
         longest: float = math.inf,
+        divided: bool = True,
         **known: Any,
     ) -> Excerpt:
         """
@@ -130,6 +131,8 @@ class Excerpt:
             See the fields.
         longest
             Most shaft turns of a window.
+        divided
+            Whether a window is whitened in segments, each by its own noise, or as a whole.
         known
             Other fields.
 
@@ -146,7 +149,8 @@ class Excerpt:
         if count and math.isfinite(sample_rate) and sample_rate > 0.0:
             turns = count / sample_rate * turning.mean_hz
             pieces = max(1, round(turns / longest)) if math.isfinite(turns) else 1
-            stretches = max(1, round(count / pieces / (SECONDS * sample_rate)))
+            if divided:
+                stretches = max(1, round(count / pieces / (SECONDS * sample_rate)))
         length = fft.prev_fast_len(max(count // (pieces * stretches), 1), real=True)
         edges = np.arange(pieces * stretches + 1) * min(length, count)
         return cls(

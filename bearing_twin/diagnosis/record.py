@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+import functools
 import math
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,11 @@ __all__ = ['diagnose_record']
 
 _WINDOW_TURNS = 256.0
 """Shaft turns of the windows into which a record is cut."""
+
+_TOO_WEAK = 'weak_modulation'
+"""Rule whose answer gets a second look at windows that are whitened as a whole."""
+
+_BURSTS = 'second by second the modulation is weaker: the impacts come in bursts'
 
 
 def diagnose_record(
@@ -101,7 +107,8 @@ def diagnose_record(
     if speeds.size > 1 and np.ptp(speeds) > 0.0 and speed_tolerance is None:
         settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
     lengths = np.full(max(speeds.size, 1), len(signal) // max(speeds.size, 1))
-    excerpt = Excerpt.of(
+    cut = functools.partial(
+        Excerpt.of,
         signal,
         Turning(np.atleast_1d(speeds), lengths),
         sample_rate,
@@ -111,4 +118,12 @@ def diagnose_record(
         temperature=temperature,
         unit=unit,
     )
-    return raised(excerpt.analyse().conclude())
+    excerpt = cut()
+    found = excerpt.analyse().conclude()
+    if found.rule == _TOO_WEAK and len(excerpt.stretches) > excerpt.pieces:
+        # Each segment is taken relative to its own noise, so impacts in bursts of seconds weigh
+        # little in the mean.
+        whole = cut(divided=False).analyse().conclude()
+        if whole.level == 'fault':
+            found = replace(whole, reasons=(*whole.reasons, _BURSTS))
+    return raised(found)
