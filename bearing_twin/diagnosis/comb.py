@@ -45,7 +45,7 @@ class OrderSpectra:
     logs: NDArray[np.float32]
     """(K, W B): mean of log(1 + power / floor)."""
     excess: NDArray[np.float32]
-    """(K, 2 B): relative power above the floor, lines kept and lines capped."""
+    """(K, B): relative power above the floor, lines capped."""
     carrier: NDArray[np.float32]
     """(B,): lower edge of each band, orders."""
     given: float = 1.0
@@ -124,7 +124,7 @@ def order_spectra(
 
     >>> from bearing_twin.diagnosis.spectra import EnvelopeSpectra
     >>> ones = np.ones((400, 3), np.float32)
-    >>> spectra = EnvelopeSpectra(0.25, ones, ones[:, :2], ones[:, :1].T, ones.T, 0.0, 1)
+    >>> spectra = EnvelopeSpectra(0.25, ones, ones[:, :1], ones[:, :1].T, ones.T, 0.0, 1)
     >>> found = order_spectra(spectra, [0.0], 25.0, 25.0)
     >>> found.step, found.logs.shape
     (0.01, (400, 3))
@@ -143,7 +143,7 @@ def accumulate(windows: Sequence[OrderSpectra]) -> OrderSpectra:
     """
     Mean of several windows on the order grid of the last, which is the newest.
 
-    >>> one = OrderSpectra(0.01, np.zeros((9, 1)), np.zeros((9, 2)), np.zeros(1))
+    >>> one = OrderSpectra(0.01, np.zeros((9, 1)), np.zeros((9, 1)), np.zeros(1))
     >>> mean = accumulate([one, replace(one, logs=np.ones((9, 1)))])
     >>> float(mean.logs.mean()), mean.weight
     (0.5, 2.0)
@@ -226,7 +226,7 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
     >>> rng = np.random.default_rng(0)
     >>> power = rng.exponential(size=(2000, 3))
     >>> power[np.rint(3.07 * np.arange(1, 5) / 0.01).astype(int) - 1] *= 20.0
-    >>> spectra = OrderSpectra(0.01, np.log1p(power), np.zeros((2000, 2)), np.zeros(1))
+    >>> spectra = OrderSpectra(0.01, np.log1p(power), np.zeros((2000, 1)), np.zeros(1))
     >>> scores = comb_scores(spectra, 5.0, 3)
     >>> round(float(scores.grid[scores.z.argmax()]), 2), bool(scores.z.max() > 5.5)
     (3.07, True)

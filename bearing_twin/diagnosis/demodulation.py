@@ -210,7 +210,7 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
     >>> layout = choose_layout(25600.0, 25600, 8, find_bearing('6307'), 25.0)
     >>> segment = demodulate(np.random.default_rng(0).standard_normal(25600), layout)
     >>> segment.envelopes.shape
-    (3, 26, 1344)
+    (2, 26, 1344)
 
     """
     lap, length, step = layout.lap, layout.hop + layout.lap, layout.step

@@ -240,11 +240,6 @@ class Evidence:
             )
         )
 
-    @_measured(undisturbed=0.0)
-    def capped_cage_index(self) -> float:
-        """Modulation index of the cage's comb with lines capped."""
-        return self._combs.capped_index(self.candidates['cage'])
-
     @cached_property
     def ball_or_cage(self) -> tuple[str, str]:
         """

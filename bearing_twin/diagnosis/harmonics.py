@@ -80,7 +80,7 @@ def missing_harmonics(
     >>> rows = np.rint(6.14 * np.arange(1, 4) / 0.01).astype(int) - 1
     >>> logs = np.full((2000, 1), 0.6, np.float32)
     >>> logs[rows] = 3.0
-    >>> excess = np.zeros((2000, 2), np.float32)
+    >>> excess = np.zeros((2000, 1), np.float32)
     >>> excess[rows] = 1.0
     >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
     >>> nothing = np.zeros(2000, bool)
@@ -136,7 +136,7 @@ def denser_series(
     >>> rows = np.rint(1.02 * np.arange(1, 19) / 0.01).astype(int) - 1
     >>> logs = np.full((2000, 1), 0.6, np.float32)
     >>> logs[rows] = 3.0
-    >>> excess = np.zeros((2000, 2), np.float32)
+    >>> excess = np.zeros((2000, 1), np.float32)
     >>> excess[rows] = 1.0
     >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
     >>> nothing = np.zeros(2000, bool)
@@ -211,7 +211,7 @@ def masked_by_shaft(
     >>> rows = np.rint(1.0 * np.arange(1, 20) / 0.01).astype(int) - 1
     >>> logs = np.full((2000, 1), 0.6, np.float32)
     >>> logs[rows] = 3.0
-    >>> excess = np.zeros((2000, 2), np.float32)
+    >>> excess = np.zeros((2000, 1), np.float32)
     >>> excess[rows] = 1.0
     >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
     >>> known = {'precision': 0.0005, 'uncertainty': 0.002}

@@ -99,7 +99,7 @@ def _cage_ripple(e: Evidence) -> Verdict | None:
     # ball's order better than that is the ripple of a ball in and out of the load.
     outer, ball, cage = (e.candidates[place] for place in ('outer', 'ball', 'cage'))
     few_harmonics = outer.z < max(ball.z, Z_FAULT)
-    if not few_harmonics and min(cage.index, e.capped_cage_index) >= INDEX_STRIKE:
+    if not few_harmonics and cage.index >= INDEX_STRIKE:
         return None
     text = (
         'ball and cage coincide: the envelope ripples with the cage; a ball strikes while it '

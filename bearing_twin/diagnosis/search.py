@@ -14,7 +14,6 @@ from bearing_twin.diagnosis.harmonics import denser_series, masked_by_shaft, mis
 from bearing_twin.diagnosis.shaft import SHAFT_FOUND
 from bearing_twin.diagnosis.sidebands import (
     comb_power,
-    HANN_BINS,
     modulation_index,
     sideband_ratio,
     sideband_ratios,
@@ -205,11 +204,6 @@ class CombSearch:
         lines = cause.order * np.arange(1, int(self.top / cause.order) + 2)[:, None] + sides
         rest = self.spectra.silenced(lines.ravel(), 2.0 * self.spectra.step)
         return self.best(other.place, rest).z
-
-    def capped_index(self, candidate: Candidate) -> float:
-        """Modulation index of a comb in its band with lines capped."""
-        power = comb_power(self.spectra, candidate.order, candidate.band)
-        return 2.0 * math.sqrt(power / HANN_BINS)
 
     def high_harmonics_ratio(self, candidate: Candidate) -> float:
         """Power of the fifth to eighth harmonic of a comb over that of the first four."""

@@ -36,9 +36,8 @@ def modulation_index(
     Modulation index of a comb, the largest of the bands that show it, and that band.
 
     Root of the sum over harmonics of the squared relative amplitudes of the squared envelope,
-    noise floor taken off: m for an envelope 1 + m cos. It is taken from the spectrum with capped
-    lines, so that steady lines beating with one another do not count. The cage's, whose pulses
-    are slow and smooth, is taken with lines kept. A healthy bearing forces its housing at the
+    noise floor taken off: m for an envelope 1 + m cos. Lines are capped, so that
+    steady ones beating with one another do not count. A healthy bearing forces its housing at the
     outer race's frequency and its low multiples (variable compliance); for that family the index
     counts only in bands that begin above ``CARRIER`` multiples.
 
@@ -47,7 +46,7 @@ def modulation_index(
     >>> rows = np.rint(3.07 * np.arange(1, 5) / 0.01).astype(int) - 1
     >>> logs = np.full((2000, 1), 0.6, np.float32)
     >>> logs[rows] = 3.0
-    >>> excess = np.zeros((2000, 2), np.float32)
+    >>> excess = np.zeros((2000, 1), np.float32)
     >>> excess[rows] = 1.0
     >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
     >>> index, band = modulation_index(spectra, 3.07, np.ones(1, np.float32), 'inner')
@@ -55,10 +54,8 @@ def modulation_index(
     (3.27, 0)
 
     """
-    bands = len(spectra.carrier)
-    lines = slice(0, bands) if family == 'cage' else slice(bands, None)
     # A line spreads over three bins of the Hann window, whose noise bandwidth is 1.5 bins.
-    power = spectra.line_power(order * _HARMONICS, lines).sum(axis=0) / HANN_BINS
+    power = spectra.line_power(order * _HARMONICS, slice(None)).sum(axis=0) / HANN_BINS
     if family == 'outer':
         # Half of the range stays in any case, for low sample rates.
         limit = min(CARRIER * order, 0.5 * float(spectra.carrier.max()))
@@ -71,22 +68,21 @@ def modulation_index(
 
 def comb_power(spectra: OrderSpectra, order: float, band: int) -> float:
     """
-    Relative power of the lines of a comb in one band, lines capped.
+    Relative power of the lines of a comb in one band.
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.comb import OrderSpectra
     >>> rows = np.rint(3.07 * np.arange(1, 5) / 0.01).astype(int) - 1
     >>> logs = np.full((2000, 1), 0.6, np.float32)
     >>> logs[rows] = 3.0
-    >>> excess = np.zeros((2000, 2), np.float32)
+    >>> excess = np.zeros((2000, 1), np.float32)
     >>> excess[rows] = 1.0
     >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
     >>> comb_power(spectra, 3.07, 0)
     4.0
 
     """
-    column = len(spectra.carrier) + band
-    return float(spectra.line_power(order * _HARMONICS, slice(column, column + 1)).sum())
+    return float(spectra.line_power(order * _HARMONICS, slice(band, band + 1)).sum())
 
 
 def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 1.0) -> float:
@@ -98,7 +94,7 @@ def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 
     >>> rows = np.rint(1.0 * np.arange(1, 19) / 0.01).astype(int) - 1
     >>> logs = np.full((2000, 1), 0.6, np.float32)
     >>> logs[rows] = 3.0
-    >>> excess = np.zeros((2000, 2), np.float32)
+    >>> excess = np.zeros((2000, 1), np.float32)
     >>> excess[rows] = 1.0
     >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
     >>> sideband_ratio(spectra, 4.0, 0), sideband_ratio(spectra, 4.0, 0, 0.5)
@@ -119,16 +115,15 @@ def sideband_ratios(
     >>> rows = np.rint(1.0 * np.arange(1, 19) / 0.01).astype(int) - 1
     >>> logs = np.full((2000, 1), 0.6, np.float32)
     >>> logs[rows] = 3.0
-    >>> excess = np.zeros((2000, 2), np.float32)
+    >>> excess = np.zeros((2000, 1), np.float32)
     >>> excess[rows] = 1.0
     >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
     >>> sideband_ratios(spectra, 4.0, 0, np.array([1.0, 0.25])).tolist()
     [1.0, 0.0]
 
     """
-    column = len(spectra.carrier) + band
     lines = gaps[:, None, None] * _SIDES[:, None] + order * _HARMONICS
-    power = spectra.line_power(lines, slice(column, column + 1)).sum(axis=(2, 3))
+    power = spectra.line_power(lines, slice(band, band + 1)).sum(axis=(2, 3))
     ratios: NDArray[np.float32] = np.sqrt(
         power[:, 1:].mean(axis=1) / np.maximum(power[:, 0], 1e-30)
     )

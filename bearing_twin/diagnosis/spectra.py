@@ -34,12 +34,13 @@ __all__ = [
     'whiten',
 ]
 
-WHITENINGS = ('flat', 'capped', 'cepstral')
+WHITENINGS = ('capped', 'cepstral')
 """Whitenings of :func:`whiten`, in the order of its output."""
 
 _TINY = 1e-30
 _CAP, _CAP_TURNS = 4.0, 50.0
 _AT_ONCE = 9
+_MOST_TILES = 4
 
 
 def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
@@ -138,11 +139,12 @@ def whiten(
     spectrum: NDArray[np.complex64], width: int, *, cap: float = 4.0
 ) -> NDArray[np.complex64]:
     """
-    Remove the colour of a record in three ways that fail differently.
+    Remove the colour of a record in two ways that fail differently.
 
-    ``flat`` divides by the local floor; ``capped`` also limits each line to a few times the
-    floor, so that gear and mains lines lose their weight; ``cepstral`` keeps the phase alone
-    (cepstrum pre-whitening, Borghesani et al. 2013), which ranks best but destroys effect size.
+    ``capped`` divides by the local floor and limits each line to a few times the floor, so that
+    gear and mains lines lose their weight; ``cepstral`` keeps the phase alone (cepstrum
+    pre-whitening, Borghesani et al. 2013), which ranks best but destroys effect size. Division by
+    the floor alone names no fault that these two do not name.
 
     Parameters
     ----------
@@ -155,21 +157,17 @@ def whiten(
 
     Returns
     -------
-    Array of shape (3, K) in the order of :data:`WHITENINGS`.
+    Array of shape (2, K) in the order of :data:`WHITENINGS`.
 
     >>> spectrum = np.fft.rfft(np.random.default_rng(0).standard_normal(4096)).astype(np.complex64)
-    >>> flat, capped, cepstral = whiten(spectrum, 256)
+    >>> capped, cepstral = whiten(spectrum, 256)
     >>> bool(np.allclose(np.abs(cepstral), 1.0, atol=1e-3))
     True
 
     """
     power = spectrum.real**2 + spectrum.imag**2
     floor = local_floor(power, width)
-    gains = (
-        floor,
-        np.maximum(floor, power / np.float32(cap)),
-        np.maximum(power, _TINY),
-    )
+    gains = np.maximum(floor, power / np.float32(cap)), np.maximum(power, _TINY)
     white = np.empty((len(gains), len(spectrum)), np.complex64)
     for row, gain in zip(white, gains, strict=True):
         np.multiply(spectrum, np.float32(1.0) / np.sqrt(gain), out=row)
@@ -227,9 +225,9 @@ class EnvelopeSpectra:
     logs: NDArray[np.float32]
     """(K, W B): log(1 + power / floor)."""
     excess: NDArray[np.float32]
-    """(K, 2 B): power above the floor, lines kept and lines capped."""
+    """(K, B): power above the floor, lines capped."""
     power: NDArray[np.float32]
-    """(B, K): power, lines kept."""
+    """(B, K): power, lines capped."""
     levels: NDArray[np.float32]
     """(B, L): its local floor at L bins."""
     first: float
@@ -271,7 +269,7 @@ def squared_envelopes(
     >>> spectrum = np.fft.rfft(noise).astype(np.complex64)
     >>> tree = band_tree(12800, 1.0, depth=1, narrowest_hz=500.0)
     >>> squared_envelopes(whiten(spectrum, 256), tree, 1280).shape
-    (3, 4, 1280)
+    (2, 4, 1280)
 
     """
     lags = points // 2 + 1
@@ -299,10 +297,10 @@ def envelope_spectra(
     floor_width
         Bins in a block of the floor.
 
-    >>> envelopes = np.random.default_rng(0).exponential(size=(3, 4, 1280)).astype(np.float32)
+    >>> envelopes = np.random.default_rng(0).exponential(size=(2, 4, 1280)).astype(np.float32)
     >>> found = envelope_spectra(envelopes, 1280.0, max_hz=500.0, floor_width=64)
     >>> found.logs.shape, found.power.shape, found.bin_hz
-    ((500, 12), (4, 500), 1.0)
+    ((500, 8), (4, 500), 1.0)
 
     """
     for number, part in enumerate(envelopes):
@@ -311,7 +309,7 @@ def envelope_spectra(
             bin_hz = rate / points
             count = min(max(int(max_hz / bin_hz), 16), points // 2 - 1)
             logs = np.empty((count, len(WHITENINGS) * bands), np.float32)
-            excess = np.empty((count, 2 * bands), np.float32)
+            excess = np.empty((count, bands), np.float32)
         power = np.empty((bands, count), np.float32)
         # A few rows at a time: they stay in the cache from one step to the next.
         for begin in range(0, bands, _AT_ONCE):
@@ -323,21 +321,20 @@ def envelope_spectra(
         ratio, above = np.empty_like(power), np.empty_like(power)
         over_floor(power, levels, first, hop, ratio, above)
         logs[:, number * bands : (number + 1) * bands] = np.log(ratio, out=ratio).T
-        if number < 2:
-            excess[:, number * bands : (number + 1) * bands] = above.T
         if not number:
+            excess[:] = above.T
             kept = power, levels, first, hop
     return EnvelopeSpectra(bin_hz, logs, excess, *kept)
 
 
 def _tiles_suit(tree: BandTree, lags: int) -> bool:
-    """Whether all bands are made of tiles half as wide as the narrowest, and lags reach two."""
+    """Whether all bands are made of tiles half as wide as the narrowest, and lags reach few."""
     (bins, _), tile = tree.levels[0], tree.levels[-1][0] // 2
     depth = len(tree.levels) - 1
     return (
         depth > 1
         and bins == tile << (depth + 1)
-        and lags <= 2 * tile
+        and lags <= _MOST_TILES * tile
         and fft.next_fast_len(2 * tile) == 2 * tile
     )
 
@@ -373,32 +370,45 @@ def _lags_by_tile(
     Give the same as :func:`_lags_by_band`, for a tree that is made of equal tiles.
 
     Bands overlap, so their autocorrelations are summed from the products within each tile and
-    those of each tile with the next two: every bin is transformed once for all levels, not once
-    per band.
+    those of each tile with the next ones, as far as the lags reach: every bin is transformed once
+    for all levels, not once per band.
     """
     tile = tree.levels[-1][0] // 2
     rows, bins = len(whitened), tree.levels[0][0]
-    tiles = bins // tile
+    tiles, reach = bins // tile, -(-lags // tile)
     padded = np.zeros((rows, tiles, 2 * tile), np.complex64)
     padded[..., :tile] = whitened[:, :bins].reshape(rows, tiles, tile)
     signal = fft.ifft(padded, axis=-1, norm='forward', overwrite_x=True)
-    # What ends with the tile, what it gives to a band that goes on by one, and by two more.
-    last = np.zeros((rows, tiles, lags), np.complex64)
-    within = min(lags, tile)
-    last[..., :within] = fft.rfft(_squared(signal), axis=-1, norm='forward')[..., :within]
-    # Lag 0 between the first bins of two tiles is lag ``tile`` of the whole spectrum.
-    beside = _cross(signal, 1)
-    inner = np.empty((rows, tiles - 1, lags), np.complex64)
-    np.add(last[:, :-1, :within], beside[..., tile : tile + within], out=inner[..., :within])
-    inner[..., tile:] = beside[..., : lags - within]
+    within = fft.rfft(_squared(signal), axis=-1, norm='forward')[..., :tile]
+    # Products of tiles so far apart, from a lag on: the first bins of two neighbours lie one tile
+    # from one another, so theirs begin before and go on after that lag.
+    sums = [(0, 0, _running(within[..., :lags]))]
+    for apart in range(1, reach + 1):
+        across, lag = _cross(signal, apart), apart * tile
+        sums.append((apart, lag - tile, _running(across[..., tile : lags - lag + 2 * tile])))
+        if lags > lag:
+            sums.append((apart, lag, _running(across[..., : min(lags - lag, tile)])))
     levels = []
-    for _ in tree.levels:
-        levels.append(inner + last[:, 1:])
-        last = inner[:, 0::2] + last[:, 1::2]
-        if len(levels) == 1 and lags > tile:
-            inner[:, :-1, tile:] += _cross(signal, 2)[..., tile:lags]
-        inner = inner[:, 0:-1:2] + inner[:, 1::2]
-    return levels[::-1]
+    for width, firsts in tree.levels:
+        wide, count = width // tile, len(firsts)
+        level = np.zeros((rows, count, lags), np.complex64)
+        for apart, lag, total in sums:
+            if apart < wide:
+                part = level[..., lag : lag + total.shape[-1]]
+                part += total[:, wide - apart :: wide // 2]
+                part -= total[:, :: wide // 2][:, :count]
+        levels.append(level)
+    return levels
+
+
+def _running(products: NDArray[np.complex64]) -> NDArray[np.complex64]:
+    """Sum over the tiles before each, and over all."""
+    rows, tiles, lags = products.shape
+    total = np.empty((rows, tiles + 1, lags), np.complex64)
+    total[:, 0] = 0.0
+    for number in range(tiles):
+        np.add(total[:, number], products[:, number], out=total[:, number + 1])
+    return total
 
 
 def _cross(signal: NDArray[np.complex64], apart: int) -> NDArray[np.complex64]:

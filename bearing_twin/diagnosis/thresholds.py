@@ -55,8 +55,8 @@ SLIP = (-0.015, 0.06)
 """Cage slip looked for. Below zero: a contact angle that the geometry does not know of."""
 
 INDEX_STRIKE = 2.0
-"""Modulation index of the cage's comb, with lines kept and with lines capped, above which the
-envelope is more strike than ripple: half of the 4 that sharp impacts reach with four harmonics."""
+"""Modulation index of the cage's comb above which the envelope is more strike than ripple: half of
+the 4 that sharp impacts reach with four harmonics."""
 
 RIPPLE = 0.2
 """Power of the fifth to eighth harmonic of the cage's comb over that of the first four below which

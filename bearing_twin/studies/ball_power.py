@@ -24,7 +24,13 @@ from bearing_twin.diagnosis import comb
 from bearing_twin.diagnosis.comb import comb_scores, CombScores, NEUTRAL
 from bearing_twin.diagnosis.rules import RULES
 from bearing_twin.diagnosis.search import CombSearch
-from bearing_twin.diagnosis.spectra import envelope_spectra, EnvelopeSpectra, whiten
+from bearing_twin.diagnosis.spectra import (
+    envelope_spectra,
+    EnvelopeSpectra,
+    local_floor,
+    whiten,
+    WHITENINGS,
+)
 from bearing_twin.diagnosis.thresholds import SLIP
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies import impact_machines, twin_machines
@@ -50,8 +56,8 @@ def _partial_phase(
 ) -> NDArray[np.complex64]:
     """Keep the root of each line's height over the floor where the cepstral one keeps none."""
     white = whiten(spectrum, width, cap=cap)
-    flat = white[0]
-    white[2] = flat / np.sqrt(np.maximum(np.abs(flat), 1e-6))
+    flat = spectrum / np.sqrt(local_floor(np.abs(spectrum) ** 2, width))
+    white[1] = flat / np.sqrt(np.maximum(np.abs(flat), 1e-6))
     return white
 
 
@@ -134,7 +140,9 @@ def _ball_by(
     plain = self._scores
     with patch.object(comb, '_sums', sums), patch.object(CombScores, 'score', _score):
         if '_ball_scores' not in self.__dict__:
-            self.__dict__['_ball_scores'] = comb_scores(self.spectra, self._highest, 3)
+            self.__dict__['_ball_scores'] = comb_scores(
+                self.spectra, self._highest, len(WHITENINGS)
+            )
         self._scores = self.__dict__['_ball_scores']
         try:
             return _best(self, place, spectra, slips)

@@ -39,13 +39,13 @@ CASES = {
         ('ball', 'cage'),
     ),
     'few_cage_turns': (
-        Evidence.of(*CAGE_IMPACTS, capped_cage_index=3.0, cage_turns=39.0),
+        Evidence.of(*CAGE_IMPACTS, cage_turns=39.0),
         'suspect',
         'suspect',
         ('cage',),
     ),
     'cage_impacts': (
-        Evidence.of(*CAGE_IMPACTS, capped_cage_index=3.0),
+        Evidence.of(*CAGE_IMPACTS),
         'cage',
         'fault',
         ('cage',),
@@ -213,7 +213,7 @@ def test_a_doubtful_second_fault_that_is_much_weaker_leaves_the_first():
 
 
 def test_cage_does_not_lead_where_a_stronger_fault_is_off_its_harmonics():
-    said = decide(Evidence.of(comb('outer', order=3.2), CAGE, capped_cage_index=3.0))
+    said = decide(Evidence.of(comb('outer', order=3.2), CAGE))
     assert said.faults == ('outer',)
 
 
