@@ -206,3 +206,16 @@ def test_another_speed_is_said_and_no_other_fault_is_named(rng, off):
     said = diagnose_record(x, RATE, bearing, SHAFT_HZ * off)
     assert said.level == 'suspect', said.reasons
     assert f'{SHAFT_HZ:.3g} Hz (outer)' in said.reasons[-1] or said.faults in (('outer',), ())
+
+
+def test_impacts_in_bursts_of_seconds_are_an_alarm(rng):
+    """Two loud seconds of eight modulate their noise; relative to each second that is little."""
+    bearing, t = find_bearing('6205'), np.arange(2 * N) / RATE
+    passed = (t * fault_orders(bearing).bpfo * SHAFT_HZ) % 1.0
+    burst = 3.0 * (0.6 + 0.9 * np.exp(-passed / 0.15))
+    x = rng.standard_normal(2 * N) * np.where((t >= 3.0) & (t < 5.0), burst, 1.0)
+    known = Turning(np.array([SHAFT_HZ]), np.array([2 * N])), RATE, bearing, DiagnosisSettings()
+    assert Excerpt.of(x, *known).analyse().conclude().rule == 'weak_modulation'
+    said = diagnose_record(x, RATE, bearing, SHAFT_HZ)
+    assert (said.level, said.faults) == ('fault', ('outer',))
+    assert 'bursts' in said.reasons[-1]
