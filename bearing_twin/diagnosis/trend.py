@@ -22,6 +22,16 @@ __all__ = ['Source', 'Trend', 'fault_stage']
 
 _DEEP = 1.0
 _SAME_RATE = 0.05
+_DOUBTFUL = 0.1
+"""Share of doubtful windows above which the baseline says that it was learnt beside them."""
+_NOT_YET = (
+    'no baseline: {doubtful} windows were suspect or faulty and {count} of {wanted} healthy; '
+    'what combs and the ISO zone say holds without it'
+)
+_LEARNT_IN_DOUBT = (
+    'the baseline was learnt from {wanted} healthy windows among {doubtful} that were suspect or '
+    'faulty: a level over it may be that over a damaged machine; ~/reset learns it anew'
+)
 _FIRST = 60
 """Minutes over which a rise is looked for: what a machine does in its first healthy hour."""
 
@@ -82,6 +92,8 @@ class Trend:
 
     count: int = 0
     """Healthy windows learnt from so far."""
+    doubtful: int = 0
+    """Windows that were suspect or faulty meanwhile."""
     mean: float = 0.0
     """Their mean level, dB."""
     temperature: float = math.nan
@@ -159,8 +171,16 @@ class Trend:
         now = Condition.at(diagnosis.temperature, diagnosis.shaft_hz)
         if not self.sample_rate:
             self.sensor, self.bearing, self.unit, self.sample_rate = source
-        if raised(diagnosis).level == 'ok' and self.count < wanted:
-            self._learn(level, now)
+        if self.count < wanted:
+            alone = raised(diagnosis).level
+            self.doubtful += full and alone in ('suspect', 'fault')
+            # A healthy window among faulty ones shows a damaged machine.
+            if alone == 'ok' and self.level in ('', 'ok'):
+                self._learn(level, now)
+        if self.doubtful > _DOUBTFUL * wanted:
+            said = _NOT_YET if self.count < wanted else _LEARNT_IN_DOUBT
+            said = said.format(count=self.count, wanted=wanted, doubtful=self.doubtful)
+            diagnosis = replace(diagnosis, reasons=(*diagnosis.reasons, said))
         over = math.nan
         if self.count >= wanted:
             law = next(iter(self.record.laws()), Law())
@@ -296,7 +316,8 @@ class Trend:
         sound &= bool(trend.level) == bool(trend.answer)
         readings = [*trend.first, *trend.minute]
         sound &= all(isinstance(row, list) and len(row) == 3 for row in readings)
-        if not sound or min(trend.count, trend.pending_count, trend.other_count) < 0:
+        counts = trend.count, trend.doubtful, trend.pending_count, trend.other_count
+        if not sound or min(counts) < 0:
             msg = f'saved trend is out of range: {values}; use what save() returned'
             raise BearingTwinError(msg)
         return trend

@@ -5,7 +5,7 @@
 from dataclasses import replace
 import math
 
-from bearing_twin.bearing import find_bearing
+from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
 from bearing_twin.diagnosis.level import raised
 from bearing_twin.diagnosis.report import insufficient
@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 RATE = 25_600.0
-NOTHING = insufficient(['by hand'], find_bearing('6307'))
+BEARING = find_bearing('6307')
+NOTHING = insufficient(['by hand'], BEARING)
 MACHINE = Source('imu y', '6307', 'g', RATE)
 
 
@@ -125,3 +126,36 @@ def test_no_level_is_known_before_the_first_full_window():
     nothing = said('insufficient', 'none')
     assert trend.update(nothing, MACHINE, wanted=60, hold=3, full=True).result == 'insufficient'
     assert Trend.of(trend.values()) == trend
+
+
+def _windows(diagnoser, impacts, count, first=0):
+    """Diagnoses of windows of noise, those with impacts of the inner race where asked for."""
+    rng, rate, found = np.random.default_rng(7), 25600, []
+    gap = rate / (fault_orders(BEARING).bpfi * 25.0)
+    for number in range(count):
+        x = rng.standard_normal(rate)
+        if impacts(number):
+            x[np.arange(0.0, rate, gap).astype(int)] += 25.0
+        found += diagnoser.push(first + number * rate, x, float(rate), 25.0)
+    return found
+
+
+def test_a_machine_that_is_faulty_from_the_start_is_not_its_own_baseline():
+    settings = DiagnosisSettings(window=2.0, memory=2.0, baseline_windows=5, hold_updates=2)
+    diagnoser = StreamingDiagnoser(BEARING, settings)
+    # Two healthy windows now and then do not end the alarm for good, nor make a baseline.
+    said = _windows(diagnoser, lambda n: n % 12 < 9, 60)
+    assert {s.level for s in said[2:]} >= {'fault'}
+    assert all(math.isnan(s.severity.level_over_baseline) for s in said)
+    assert any(reason.startswith('no baseline: ') for reason in said[-1].reasons)
+
+
+def test_a_baseline_learnt_beside_doubtful_windows_says_so():
+    settings = DiagnosisSettings(window=2.0, memory=2.0, baseline_windows=5, hold_updates=2)
+    diagnoser = StreamingDiagnoser(BEARING, settings)
+    said = _windows(diagnoser, lambda n: n < 10, 25)
+    assert math.isfinite(said[-1].severity.level_over_baseline)
+    assert any('that were suspect or faulty' in reason for reason in said[-1].reasons)
+    sound = _windows(StreamingDiagnoser(BEARING, settings), lambda n: False, 25)
+    assert math.isfinite(sound[-1].severity.level_over_baseline)
+    assert not any('suspect or faulty' in reason for reason in sound[-1].reasons)
