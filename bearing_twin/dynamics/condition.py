@@ -109,31 +109,33 @@ def condition(
     """
     values = np.empty(coefficients.CONDITION_SIZE)
     coefficients.evaluate(law, *inputs, values)
-    state = states[0]
-    hz, slip = float(values[coefficients.SHAFT_HZ]), float(values[coefficients.SLIP])
+    # As plain numbers at once: each look into an array takes longer.
+    of, state = values.tolist(), states[0]
+    hz, slip = of[coefficients.SHAFT_HZ], of[coefficients.SLIP]
+    q = state['q'].tolist()
     deepest = max((defect.depth for defect in parameters.defects), default=0.0)
     return Condition(
-        alpha=float(values[coefficients.ALPHA]),
-        hardness=float(values[coefficients.HARDNESS]),
-        friction=float(values[coefficients.FRICTION]),
-        beta0=float(values[coefficients.BETA0]),
-        k_b=float(values[coefficients.K_B]),
-        c_d=float(values[coefficients.DEPTH]) * deepest,
-        radial_clearance=float(values[coefficients.CLEARANCE]),
-        thermal_clearance=float(values[coefficients.THERMAL_GAP]),
+        alpha=of[coefficients.ALPHA],
+        hardness=of[coefficients.HARDNESS],
+        friction=of[coefficients.FRICTION],
+        beta0=of[coefficients.BETA0],
+        k_b=of[coefficients.K_B],
+        c_d=of[coefficients.DEPTH] * deepest,
+        radial_clearance=of[coefficients.CLEARANCE],
+        thermal_clearance=of[coefficients.THERMAL_GAP],
         slip=slip,
-        inner_ring_temperature=float(values[coefficients.INNER]),
-        outer_ring_temperature=float(values[coefficients.OUTER]),
-        viscosity=float(values[coefficients.VISCOSITY]),
-        kappa=float(values[coefficients.KAPPA]),
-        friction_moment=float(values[coefficients.MOMENT]),
-        life_hours=float(values[coefficients.LIFE]),
+        inner_ring_temperature=of[coefficients.INNER],
+        outer_ring_temperature=of[coefficients.OUTER],
+        viscosity=of[coefficients.VISCOSITY],
+        kappa=of[coefficients.KAPPA],
+        friction_moment=of[coefficients.MOMENT],
+        life_hours=of[coefficients.LIFE],
         shaft_hz=hz,
         **fault_frequencies(parameters.bearing, hz, slip)._asdict(),
-        shaft_angle=2.0 * math.pi * float(state['shaft'] % 1.0),
-        cage_angle=2.0 * math.pi * float(state['cage'] % 1.0),
-        ball_angle=2.0 * math.pi * float(state['spin'] % 1.0),
-        inner_x=float(state['q'][0] - state['q'][2]),
-        inner_y=float(state['q'][1] - state['q'][3]),
+        shaft_angle=2.0 * math.pi * (float(state['shaft']) % 1.0),
+        cage_angle=2.0 * math.pi * (float(state['cage']) % 1.0),
+        ball_angle=2.0 * math.pi * (float(state['spin']) % 1.0),
+        inner_x=q[0] - q[2],
+        inner_y=q[1] - q[3],
         ball_force=kernel.ball_forces(states, machines, defects, balls, surfaces, values),
     )

@@ -107,16 +107,11 @@ class Fleet:
         self.next_sample = 0
         self.sample_rate = filters.check_rate(sample_rate)
         self._lanes = lanes = Lanes(parameters, self.sample_rate)
+        self._tables = [self._tables_of(p) for p in parameters]
         self._tick = inner_ring.tick_length(self.sample_rate)
         for index in range(lanes.size):
-            source = min(index, size - 1)
-            simulator = Simulator(
-                parameters[source],
-                sample_rate=sample_rate,
-                seed=seeds[source],
-                temperature=float(self._temperatures[source]),
-                shaft_hz=float(self._shaft_hz[source]),
-            )
+            if index < size:
+                simulator = self._fresh(index, parameters[index], seeds[index])
             lanes.place(index, simulator)
             lanes.fill_filters(index, simulator.snapshot())
         lanes.survey(self._parameters)
@@ -203,8 +198,7 @@ class Fleet:
         inputs = self._temperatures[index], inner, self._shaft_hz[index]
         return condition(
             p, lanes.law[index], inputs, lanes.motion(index, self.next_sample),
-            machine(p, self.sample_rate, lanes.oversample), defect_table(p), ball_table(p),
-            lanes.surfaces_of(index),
+            *self._tables[index], lanes.surfaces_of(index),
         )  # fmt: skip
 
     def reconfigure(self, index: int, parameters: TwinParameters) -> None:
@@ -224,6 +218,7 @@ class Fleet:
         check_defects(index, parameters)
         simulator = self._simulator(index, parameters)
         self._parameters[index] = parameters
+        self._tables[index] = self._tables_of(parameters)
         self._lanes.place(index, simulator)
         self._lanes.survey(self._parameters)
 
@@ -341,6 +336,10 @@ class Fleet:
                 self._lanes.law[index], self._temperatures[index], self._temperatures[index],
                 self._shaft_hz[index], self._lanes.values[index],
             )  # fmt: skip
+
+    def _tables_of(self, p: TwinParameters) -> tuple[Array, Array, FloatArray]:
+        """Return the records of one bearing that its condition needs."""
+        return machine(p, self.sample_rate, self._lanes.oversample), defect_table(p), ball_table(p)
 
     def _state(self) -> list[Array]:
         """Arrays that a saved state consists of."""

@@ -253,11 +253,9 @@ class Simulator:
     def _describe(self) -> Callable[[], Condition]:
         """Return what works out the present condition, whatever becomes of the state."""
         inner = inner_ring.temperature(self._rings, self.next_sample % self.tick, self.tick)
-        # Looked up with room of its own: the simulator may run meanwhile.
-        surfaces = self._surfaces._replace(room=self._surfaces.room.copy())
         return functools.partial(
-            condition, self._parameters, self._law, (self._temperature, inner, self._shaft_hz),
-            self._state.copy(), self._machines, self._defects, self._balls, surfaces,
+            _condition, self._parameters, self._law, (self._temperature, inner, self._shaft_hz),
+            self._state.tobytes(), self._machines, *self._tables(),
         )  # fmt: skip
 
     def save(self) -> bytes:
@@ -435,6 +433,23 @@ class Simulator:
         outer, hz = self._temperature, self._shaft_hz
         self._values = self._evaluate(outer, outer, hz)
         inner_ring.carry(self._law, outer, hz, self._rings, self._drift, self.tick)
+
+
+def _condition(
+    parameters: TwinParameters,
+    law: FloatArray,
+    inputs: tuple[float, float, float],
+    state: bytes,
+    machines: Records,
+    defects: Records,
+    balls: FloatArray,
+    surfaces: Surfaces,
+) -> Condition:
+    """Return the condition at a state that has been put aside as bytes, which is quickest."""
+    # Looked up with room of its own: the simulator may run meanwhile.
+    surfaces = surfaces._replace(room=surfaces.room.copy())
+    states = np.frombuffer(state, STATE).copy()
+    return condition(parameters, law, inputs, states, machines, defects, balls, surfaces)
 
 
 def _checked(seed: int) -> int:

@@ -158,8 +158,10 @@ class ParameterSet:
         return tuple(self._specs.values())
 
     def _ours(self, parameters: list[Parameter[Any]]) -> dict[str, Any]:
-        named = {p.name: p.value for p in parameters}
-        return {n: named[self._prefix + n] for n in self._specs if self._prefix + n in named}
+        # In a fleet every set is asked whenever one declares a parameter.
+        named = [(p.name, p.value) for p in parameters if p.name.startswith(self._prefix)]
+        ours = {n.removeprefix(self._prefix): value for n, value in named}
+        return {n: value for n, value in ours.items() if n in self._specs}
 
     def _on_set(self, parameters: list[Parameter[Any]]) -> SetParametersResult:
         if self._locked() and any(p.name == 'use_sim_time' for p in parameters):
