@@ -191,6 +191,7 @@ class StateTurns:
     """
 
     def __init__(self, rate: float, period: float, turn: int = 0) -> None:
+        self.period = period
         self._every = max(1, round(1.0 / (rate * period))) if rate else 1
         self._turn = turn
         self._seen: object = None

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 __all__ = ['cpu_seconds', 'live_run', 'wait_for']
 
-START_TIMEOUT = 90.0
+START_TIMEOUT = 600.0
 RECORDED = 100_000
-"""Size of a recording that holds blocks, bytes."""
+"""Size of a recording that holds blocks, bytes for each bearing."""
 SETTLE = 3.0
 """Time after which discovery and the first, short windows are over, s."""
 STEP = 30.0
@@ -97,21 +97,21 @@ def _watch(nodes: NodeProcesses, seconds: float, progress: Callable[[float], Non
             progress(time.monotonic() - began)
 
 
-def wait_for(bag: Path, nodes: NodeProcesses) -> None:
+def wait_for(bag: Path, nodes: NodeProcesses, *, bearings: int = 1) -> None:
     """
-    Wait until a recording grows.
+    Wait until a recording holds blocks of each of so many bearings.
 
     Raises
     ------
     BearingTwinError
-        If a process ends or nothing is recorded.
+        If a process ends, or there are no blocks within ten minutes.
 
     """
     deadline = time.monotonic() + START_TIMEOUT
-    while sum(path.stat().st_size for path in bag.glob('*.mcap')) < RECORDED:
+    while sum(path.stat().st_size for path in bag.glob('*.mcap')) < RECORDED * bearings:
         nodes.check()
         if time.monotonic() > deadline:
-            msg = f'the nodes recorded nothing within {START_TIMEOUT:g} s'
+            msg = f'the nodes recorded no blocks within {START_TIMEOUT:g} s'
             raise BearingTwinError(msg)
         time.sleep(0.2)
 

@@ -13,6 +13,7 @@ from typing import NamedTuple
 from bearing_twin.bench.end_to_end import cpu_seconds, wait_for
 from bearing_twin.dynamics import Fleet, preset
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.nodes.fleet import BLOCK
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.ros.domain import own_domain
 from bearing_twin.ros.launching import local_environment, NodeProcesses
@@ -26,9 +27,8 @@ PROVED = 0.5
 SETTLE, SETTLE_DIAGNOSIS = 4.0, 14.0
 """Time that is not measured, s; windows of 8 s grow until the last diagnosis has a full one."""
 MEASURED = 20.0
-BLOCK, BLOCKS = 1024, 60
-STATES = 5
-"""Blocks for each state of a twin in a fleet."""
+BLOCKS = 15
+"""Blocks of the equations alone."""
 
 
 class FleetRun(NamedTuple):
@@ -89,9 +89,9 @@ def _advance_share() -> float:
     fleet.advance(BLOCK, 20.0, 25.4)
     fleet.condition(0)
     began = time.process_time()
-    for number in range(BLOCKS):
+    for _ in range(BLOCKS):
         fleet.advance(BLOCK, 20.0, 25.4)
-        for index in range(number % STATES, MANY, STATES):
+        for index in range(MANY):
             fleet.condition(index)
     spent = time.process_time() - began
     return spent * fleet.sample_rate / (BLOCKS * BLOCK * MANY)
@@ -122,7 +122,7 @@ def _run_fleet(count: int, *, diagnosis: bool) -> FleetRun:
         with NodeProcesses(folder / 'logs', environment) as nodes:
             nodes.start('recorder', {'output': str(folder / 'bag')})
             nodes.start('fleet', {'assets_file': str(folder / 'assets.yaml')})
-            wait_for(folder / 'bag', nodes)
+            wait_for(folder / 'bag', nodes, bearings=count)
             time.sleep(SETTLE_DIAGNOSIS if diagnosis else SETTLE)
             began, cpu = time.time_ns(), cpu_seconds(nodes.pid('fleet'))
             time.sleep(MEASURED)

@@ -20,8 +20,7 @@ from bearing_twin.assets.spec import Spec
 from bearing_twin.assets.twin import TwinChannel
 from bearing_twin.assets.twin_messages import StateTurns, TwinBlock, vibration_message
 from bearing_twin.assets.twin_parameters import build_parameters, build_simulator
-from bearing_twin.dynamics import preset
-from bearing_twin.dynamics.fleet import Fleet
+from bearing_twin.dynamics.warming import warm_up
 from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics
 from bearing_twin.nodes.fleet_member import Member
 from bearing_twin.nodes.twin_services import TwinServices
@@ -31,6 +30,7 @@ from bearing_twin.ros.cycle import BlockCycle
 from bearing_twin.ros.health import Health
 from bearing_twin.ros.lifecycle import ManagedNode, run
 from bearing_twin.ros.qos import CHECKPOINT
+from bearing_twin.streams.pacer import Due
 from bearing_twin_msgs.msg import Checkpoint
 import yaml
 
@@ -38,11 +38,13 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from bearing_twin.assets.twin import TwinInputs
-    from bearing_twin.dynamics.fleet import FleetBlock
+    from bearing_twin.dynamics.fleet import Fleet, FleetBlock
     from bearing_twin.dynamics.simulator import Simulator
-    from bearing_twin.streams.pacer import Due
 
 __all__ = ['SPECS', 'FleetNode', 'main']
+
+BLOCK = 4096
+"""Samples per block, 160 ms: to send a block costs the same as one of 40 ms."""
 
 SPECS = (
     Spec(
@@ -59,7 +61,11 @@ SPECS = (
         running=False,
         read_only=True,
     ),
-    *(replace(spec, read_only=True) for spec in twin_parameters.SPECS if spec.name in SHARED),
+    *(
+        replace(spec, read_only=True, default=BLOCK if spec.name == 'block_size' else spec.default)
+        for spec in twin_parameters.SPECS
+        if spec.name in SHARED
+    ),
     Spec(
         name='slots',
         default=4,
@@ -117,7 +123,7 @@ class FleetNode(ManagedNode):
     def prepare(self) -> None:
         """Compile the kernel, if there is a twin."""
         if any(asset.twin is not None for asset in self._assets):
-            _warm(Fleet([preset('incipient')]), self.parameters['block_size'])
+            warm_up(fleet=True)
 
     def setup(self) -> None:
         """Warm the kernel; create what the assets need."""
@@ -126,9 +132,6 @@ class FleetNode(ManagedNode):
         self._pending: deque[Pending] = deque()
         self._twins = [m for m in self._members if m.twin_parameters is not None]
         self._fleet = self._build_fleet()
-        if self._fleet is not None:
-            _warm(self._fleet, p['block_size'])
-            self._fleet = self._build_fleet()
         node = self.get_fully_qualified_name()
         self._checkpoints = Checkpoints('fleet', node, p['checkpoint_period'])
         self._checkpoint = self.create_lifecycle_publisher(Checkpoint, '~/checkpoint', CHECKPOINT)
@@ -140,7 +143,21 @@ class FleetNode(ManagedNode):
             self, p, self._compute, slots=p['slots'], between=self._publish_share
         )
         self._health.add('real time', self._cycle.status)
+        self._warm()
         self._reset = self.offer('~/reset', self._reset_all)
+
+    def _warm(self) -> None:
+        """Make a block and its messages and take it back: the first one has a deadline."""
+        if self._fleet is None:
+            return
+        start, due = self._fleet.save(), Due(0, 0, 0.0)
+        inputs = [member.channel.inputs() for member in self._twins if member.channel]
+        block = self._advance(inputs)
+        fields = self._cycle.fields(due)
+        for index, (member, each) in enumerate(zip(self._twins, inputs, strict=True)):
+            assert member.twin is not None
+            member.twin.warm(TwinBlock(self._fleet.of_bearing(block, index), *each), due, fields)
+        self._fleet.load(start)
 
     def _build_fleet(self) -> Fleet | None:
         """Return all twins at their start; None where only diagnoses are hosted."""
@@ -238,13 +255,17 @@ class FleetNode(ManagedNode):
         if self._checkpoints.is_due(due.first_sample):
             self._publish_checkpoint(due)
         inputs = [member.channel.inputs() for member in self._twins if member.channel]
-        block = self._fleet.advance(
+        block = self._advance(inputs)
+        for index, each in enumerate(inputs):
+            self._pending.append(Pending(index, block, due, each))
+
+    def _advance(self, inputs: list[TwinInputs]) -> FleetBlock:
+        assert self._fleet is not None
+        return self._fleet.advance(
             self.parameters['block_size'],
             [temperature.used for temperature, _ in inputs],
             [shaft_hz for _, shaft_hz in inputs],
         )
-        for index, each in enumerate(inputs):
-            self._pending.append(Pending(index, block, due, each))
 
     def _publish_share(self, phase: float) -> None:
         """Publish as many of the blocks as the part of the period that is over asks for."""
@@ -309,12 +330,6 @@ class FleetNode(ManagedNode):
             if member.diagnosis is not None:
                 member.diagnosis.reset()
         return f'{len(self._members)} assets start anew'
-
-
-def _warm(fleet: Fleet, block_size: int) -> None:
-    """Compile and touch what a block and its state need: the first block has a deadline."""
-    fleet.advance(block_size, 20.0, 0.0)
-    fleet.condition(0)
 
 
 def main(args: list[str] | None = None) -> int:

@@ -10,7 +10,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.twin_messages import TwinBytes
 from bearing_twin.ros.health import Level, Status
-from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, STREAM
+from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, stream
 from bearing_twin.ros.subscribing import subscribe
 from bearing_twin.thermal.gate import TABLE_HIGH, TABLE_LOW, TemperatureStatus
 from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration
@@ -76,11 +76,12 @@ class TwinTopics:
         self._turns = turns
         self._bytes = TwinBytes(serialize_message)
         self._clearance_problem = ''
+        qos = stream(turns.period)
         self._vibration = node.create_lifecycle_publisher(
-            Vibration, f'{prefix}vibration', own(STREAM), qos_overriding_options=OVERRIDES
+            Vibration, f'{prefix}vibration', own(qos), qos_overriding_options=OVERRIDES
         )
         self._state = node.create_lifecycle_publisher(
-            TwinState, f'{prefix}twin_state', own(STREAM), qos_overriding_options=OVERRIDES
+            TwinState, f'{prefix}twin_state', own(qos), qos_overriding_options=OVERRIDES
         )
         self._publishers = [self._vibration, self._state]
         if checkpoints:
@@ -115,6 +116,11 @@ class TwinTopics:
         """Publish a checkpoint, if there is one."""
         if checkpoint is not None:
             self._checkpoint.publish(checkpoint)
+
+    def warm(self, made: TwinBlock, due: Due, fields: Mapping[str, float]) -> None:
+        """Make the messages of a block that is not published: the first one has a deadline."""
+        self._bytes.vibration(made, due, self._twin.values)
+        self._bytes.state(made, due, self._twin.values, fields)
 
     def publish(
         self, made: TwinBlock, due: Due, realtime: Callable[[Due], Mapping[str, float]]

@@ -5,16 +5,36 @@
 from __future__ import annotations
 
 import copy
+import math
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-__all__ = ['CHECKPOINT', 'MEASUREMENT', 'OVERRIDES', 'RESULT', 'SENSOR', 'STREAM', 'own']
+__all__ = [
+    'CHECKPOINT',
+    'MEASUREMENT',
+    'OVERRIDES',
+    'RESULT',
+    'SENSOR',
+    'STREAM',
+    'own',
+    'stream',
+]
 
-STREAM = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST, depth=50, reliability=ReliabilityPolicy.RELIABLE
-)
-"""Vibration and what comes with each block: reliable, two seconds of blocks of 40 ms."""
+HELD = 2.0
+"""Time whose blocks a publisher holds for those who have missed one, s."""
+
+
+def stream(period: float) -> QoSProfile:
+    """Return the profile of vibration, and of what comes with each block of ``period`` s."""
+    depth = max(10, math.ceil(HELD / period))
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST, depth=depth, reliability=ReliabilityPolicy.RELIABLE
+    )
+
+
+STREAM = stream(0.04)
+"""The same for blocks of 40 ms, and for those who listen."""
 
 MEASUREMENT = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=10, reliability=ReliabilityPolicy.BEST_EFFORT

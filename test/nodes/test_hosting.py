@@ -127,7 +127,7 @@ def test_one_process_hosts_many_bearings(nodes, probe, tmp_path):
         f'qos_overrides./p1/pump/left/{topic}.publisher.depth': 1000
         for topic in ('vibration', 'twin_state')
     }
-    assets = {'assets_file': str(tmp_path / 'assets.yaml')}
+    assets = {'assets_file': str(tmp_path / 'assets.yaml'), 'block_size': 1024}
     nodes.start('fleet', {**assets, **deep}, ros=('-r', '__ns:=/p1'))
     left = probe.collect(TwinState, '/p1/pump/left/twin_state')
     right = probe.collect(TwinState, '/p1/pump/right/twin_state')
@@ -185,7 +185,7 @@ def test_one_process_hosts_many_bearings(nodes, probe, tmp_path):
 
 def test_fleet_and_adapter_follow_simulated_time(nodes, probe):
     simulated = {'use_sim_time': True}
-    nodes.start('fleet', {**simulated, 'names': ['a', 'b']})
+    nodes.start('fleet', {**simulated, 'names': ['a', 'b'], 'block_size': 1024})
     adapter = {**simulated, **DEEP_ADAPTER, 'sample_rate': 25600.0, 'block_size': 1024}
     nodes.start('adapter', adapter, ros=('-r', 'vibration:=measured'))
     twin = probe.collect(Vibration, '/b/vibration')
