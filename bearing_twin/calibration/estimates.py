@@ -8,7 +8,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.calibration.cloud import unknowns
-from bearing_twin.calibration.healthy import LOSS_DB, smallest_shown
+from bearing_twin.calibration.healthy import LOSS_DB, smallest_shown, UNKNOWN_DB
 from bearing_twin.calibration.passage import widest
 from bearing_twin.calibration.posterior import weighted_quantile
 from bearing_twin.calibration.refusals import NARROWED
@@ -141,14 +141,14 @@ def without_defect(
             q05=0.0, median=0.5 * highest, q95=highest, unit='mm', identifiable=False, why=why
         )
         return width, f'{situation.place} defect, at most {highest:.1f} mm wide'
-    found = smallest_shown(x, situation, scale, LOSS_DB if unit else 0.0, seed)
+    found = smallest_shown(x, situation, scale, LOSS_DB if unit else UNKNOWN_DB, seed)
     largest = found.width_mm if math.isfinite(found.width_mm) else highest
     statement = f'no defect above {largest:.2g} mm'
     why = f'{statement}: wider ones, added to this record, show in 80 of 100 simulated machines'
     if not math.isfinite(found.width_mm):
         why = f'{statement}: none of any width, added to this record, is sure to show'
     if not unit:
-        why += '; the unit is not known, so the healthy twin sets the scale'
+        why += '; the unit is not known: a machine up to 20 dB louder than the twin is supposed'
     width = Estimate(q05=0.0, median=0.0, q95=largest, unit='mm', identifiable=False, why=why)
     return width, statement
 

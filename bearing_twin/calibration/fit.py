@@ -30,7 +30,7 @@ from bearing_twin.calibration.passage import load_range
 from bearing_twin.calibration.path import identify, REACH_S, resonances
 from bearing_twin.calibration.refusals import MANY_WIDTHS, unresolved, untold
 from bearing_twin.calibration.result import Calibration, in_words
-from bearing_twin.calibration.summaries import LOW_SHARE, summarise
+from bearing_twin.calibration.summaries import summarise
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.severity import acceleration_factor
 from bearing_twin.dynamics import warm_up
@@ -281,12 +281,9 @@ def _defect(
     if refusal:
         return posterior.limit(measured, situation, candidates=candidates, seed=seed), refusal
     left = posterior.sample(measured, situation, candidates=candidates, seed=seed)
-    # What rings below the band in which impacts are looked for is not excited by them.
-    lowest = LOW_SHARE * 0.5 * situation.sample_rate
-    strongest = next(
-        (m.hz[1] for m in modes if m.damping[1] >= LINE_DAMPING and m.hz[1] >= lowest), math.nan
-    )
-    refusal = untold(measured, left, situation, strongest)
+    # Two impacts are apart if one resonance that they excite has swung between them.
+    fastest = max((m.hz[1] for m in modes if m.damping[1] >= LINE_DAMPING), default=math.nan)
+    refusal = untold(measured, left, situation, fastest)
     # The impacts are those of a passage, or they are not and hide it: one as likely as the other.
     if refusal not in ('', MANY_WIDTHS):
         left = left.or_else(posterior.limit(measured, situation, candidates=candidates, seed=seed))

@@ -25,7 +25,7 @@ from scipy import fft
 if TYPE_CHECKING:
     from bearing_twin.calibration.cloud import Situation
 
-__all__ = ['SHOWN_SHARE', 'WIDTHS_MM', 'Shown', 'shown', 'smallest_shown']
+__all__ = ['LOSS_DB', 'UNKNOWN_DB', 'WIDTHS_MM', 'Shown', 'shown', 'smallest_shown']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -38,6 +38,9 @@ LOUDER = 2.0
 LOSS_DB = 20.0
 """Most that is supposed to be lost between the twin's housing, which is one rigid mass, and the
 sensor: joints and distance take 10 dB and more each."""
+UNKNOWN_DB = 2.0 * LOSS_DB
+"""The same where the unit is not known and the record is brought to the level of the healthy twin:
+the healthy machine of CWRU is 17 dB louder than that."""
 _EACH = 16
 """Candidates of each width: a group of lanes of the fleet."""
 _SECONDS = 1.2

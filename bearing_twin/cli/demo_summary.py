@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import asdict, dataclass
-import json
 import math
 from pathlib import Path
 import shlex
@@ -80,9 +79,9 @@ class Summary:
             )
         return f'{text}; the paper states a decrease'
 
-    def to_json(self) -> str:
-        """Return one JSON object."""
-        return json.dumps({**asdict(self), 'good': self.good})
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        return asdict(self)
 
     def to_text(self) -> str:
         """Return the table."""

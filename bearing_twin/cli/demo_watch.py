@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import sys
 import time
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.qos import RESULT, STREAM
@@ -48,20 +48,33 @@ class Watcher:
     def _on_verdict(self, message: Diagnosis) -> None:
         self._verdict = message
 
-    def wait_for_listeners(self, count: int, check: Callable[[], None], timeout: float) -> None:
+    def hear(self, kind: Any, topic: str, take: Callable[[Any], None]) -> None:
+        """Hand the messages of a topic of results to ``take``."""
+        self._node.create_subscription(kind, topic, take, RESULT)
+
+    def wait_for_listeners(
+        self, count: int, check: Callable[[], None], timeout: float, topic: str = 'vibration'
+    ) -> None:
         """Wait until ``count`` nodes listen to the vibration."""
-        self._wait(lambda: self._node.count_subscribers('vibration') >= count, check, timeout)
+        self.wait(lambda: self._node.count_subscribers(topic) >= count, check, timeout)
 
     def wait_for_vibration(self, check: Callable[[], None], timeout: float) -> None:
         """Wait until the twin publishes."""
-        self._wait(lambda: self._state is not None, check, timeout)
+        self.wait(lambda: self._state is not None, check, timeout)
 
-    def _wait(self, ready: Callable[[], bool], check: Callable[[], None], timeout: float) -> None:
+    def wait(
+        self,
+        ready: Callable[[], object],
+        check: Callable[[], None],
+        timeout: float,
+        what: str = 'the nodes did not come up',
+    ) -> None:
+        """Listen until ``ready`` returns something; ``what`` says what was waited for."""
         deadline = time.monotonic() + timeout
         while not ready():
             check()
             if time.monotonic() > deadline:
-                msg = f'the nodes did not come up within {timeout:.0f} s; see their logs'
+                msg = f'{what} within {timeout:.0f} s; see their logs'
                 raise BearingTwinError(msg)
             self._executor.spin_once(timeout_sec=0.1)
 

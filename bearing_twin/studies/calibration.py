@@ -52,6 +52,8 @@ TWINS = 40
 PASSAGES = 60.0
 BINS = 10
 """Of the histogram of ranks."""
+UNITS = {'hitsm': '', 'cwru': 'g'}
+"""Of the records, which do not say it."""
 RACES_MM = {'inner': 15.55, 'outer': 23.5}
 """Radii of the races of HIT-SM, over which its slots are given in degrees."""
 
@@ -201,7 +203,8 @@ def fit_record(path: Path, rpm: float, width: float) -> dict[str, Any]:
     """Fit a real record of a 6205 and say where its width lies, mm."""
     record = read_signal(path)
     found = fit(
-        record.x, record.sample_rate, find_bearing('6205'), rpm / 60.0, unit=record.unit
+        record.x, record.sample_rate, find_bearing('6205'), rpm / 60.0,
+        unit=UNITS[path.stem.partition('_')[0]],
     )  # fmt: skip
     return {'name': path.stem, **_row(found, width)}
 

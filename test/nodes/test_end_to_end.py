@@ -37,6 +37,12 @@ def test_demo_on_the_warm_up_of_a_real_machine(tmp_path, data_dir):
     result = json.loads(ran.stdout)
     assert ran.returncode == (0 if result['good'] else 1), ran.stdout + ran.stderr
 
+    # The second machine: its place is found, and the width where the vibration tells it.
+    hidden = result['hidden']
+    assert hidden['place'] == 'inner'
+    assert hidden['statement'].startswith('inner race defect')
+    assert hidden['width_q05'] < hidden['width_q95']
+    assert 'dB over the machine' in hidden['followed']
     assert result['temperature_low'] < 45.0
     assert result['temperature_high'] > 109.0
     assert result['verdicts']['inner'] > 0

@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Second part of the demo: a machine whose defect nobody is told, fitted and then followed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.ros.launching import NodeProcesses
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from pathlib import Path
+
+__all__ = ['Found', 'find_hidden']
+
+WIDTH_MM = 2.0
+HIDDEN = {
+    'bearing': '6205', 'preset': 'incipient', 'shaft_hz': 15.0, 'start_temperature': 40.0,
+    'load': 150.0, 'defect': 'inner', 'defect_width': 1e-3 * WIDTH_MM, 'seed': 5,
+    'resonance_hz': 3000.0, 'resonance_damping': 0.01,
+}  # fmt: skip
+"""The machine: a twin too, with another load and sensor than the one that follows."""
+KNOWN = ('bearing', 'shaft_hz', 'start_temperature')
+"""What the others are told of it."""
+TIMEOUT = 300.0
+
+
+@dataclass(frozen=True)
+class Found:
+    """What became of it."""
+
+    place: str
+    """Defect by the diagnosis."""
+    confidence: float
+    statement: str
+    """By the calibration."""
+    width_q05: float
+    """mm."""
+    width_median: float
+    width_q95: float
+    width_hidden: float
+    followed: str
+    """What the twin says that has taken the calibration."""
+
+    def to_text(self) -> str:
+        """Return a few lines."""
+        return '\n'.join(
+            f'{name:<10} {text}'
+            for name, text in (
+                ('machine', f'{HIDDEN["bearing"]} with a defect that no other node is told'),
+                ('diagnosis', f'{self.place}, confidence {self.confidence:.2f}'),
+                ('calibrated', f'{self.statement}; the hidden one is {self.width_hidden:g} mm'),
+                ('twin', f'follows: {self.followed}'),
+            )
+        )
+
+
+def find_hidden(logs: Path, environment: Mapping[str, str], say: Callable[[str], object]) -> Found:
+    """
+    Run a hidden machine, its diagnosis and calibration, and a twin that follows it.
+
+    Parameters
+    ----------
+    logs
+        Folder for what the nodes print.
+    environment
+        Of the nodes.
+    say
+        Called with what begins.
+
+    Raises
+    ------
+    BearingTwinError
+        If a node fails, or there is no calibration in time.
+
+    """
+    from bearing_twin.cli.demo_watch import Watcher
+    from bearing_twin_msgs.msg import Calibration, Diagnosis
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    known = {name: HIDDEN[name] for name in KNOWN}
+    speed = {name: HIDDEN[name] for name in ('bearing', 'shaft_hz')}
+    newest: dict[str, Any] = {}
+
+    def on_calibration(message: Calibration) -> None:
+        if message.defect == HIDDEN['defect']:
+            newest['calibration'] = message
+
+    def on_verdict(message: Diagnosis) -> None:
+        if message.level == Diagnosis.LEVEL_FAULT:
+            newest['verdict'] = message
+
+    def on_health(message: DiagnosticArray) -> None:
+        for status in message.status:
+            values = {item.key: item.value for item in status.values}
+            if status.name.startswith('twin') and 'level_over_machine_db' in values:
+                newest['followed'] = status.message.partition(';')[0]
+
+    with NodeProcesses(logs, environment) as nodes, Watcher() as watcher:
+        watcher.hear(Calibration, '/machine/calibration', on_calibration)
+        watcher.hear(Diagnosis, '/machine/diagnosis', on_verdict)
+        watcher.hear(DiagnosticArray, '/diagnostics', on_health)
+        there = ('-r', '__ns:=/machine')
+        window = {'window': 4.0, 'memory': 4.0, 'update_interval': 1.0}
+        nodes.start('diagnosis', speed | window, name='machine_diagnosis', ros=there)
+        nodes.start('calibration', speed | {'period': 5.0}, name='calibration', ros=there)
+        follower = known | {'preset': HIDDEN['preset'], 'follow_calibration': True}
+        away = ('-r', '__ns:=/follower', '-r', 'calibration:=/machine/calibration')
+        nodes.start('twin', follower, name='follower', ros=away)
+        watcher.wait_for_listeners(2, nodes.check, TIMEOUT, '/machine/vibration')
+        say('           a machine with a hidden defect runs; it is diagnosed and fitted')
+        nodes.start('twin', HIDDEN, name='machine', ros=there)
+        watcher.wait(
+            lambda: newest.keys() >= {'calibration', 'verdict', 'followed'},
+            nodes.check,
+            TIMEOUT,
+            'the hidden machine was not fitted and followed',
+        )
+    said, verdict = newest['calibration'], newest['verdict']
+    return Found(
+        place=verdict.result_name,
+        confidence=verdict.confidence,
+        statement=said.statement,
+        width_q05=said.width_q05,
+        width_median=said.width_median,
+        width_q95=said.width_q95,
+        width_hidden=WIDTH_MM,
+        followed=newest['followed'],
+    )
