@@ -95,7 +95,8 @@ def find_hidden(logs: Path, environment: Mapping[str, str], say: Callable[[str],
     def on_health(message: DiagnosticArray) -> None:
         for status in message.status:
             values = {item.key: item.value for item in status.values}
-            if status.name.startswith('twin') and 'level_over_machine_db' in values:
+            name = status.name.partition(':')[0]
+            if name.endswith('twin') and 'level_over_machine_db' in values:
                 newest['followed'] = status.message.partition(';')[0]
 
     with NodeProcesses(logs, environment) as nodes, Watcher() as watcher:
