@@ -118,7 +118,7 @@ SPECS = (
         default=25600.0,
         description='Rate of the published samples.',
         unit='Hz',
-        low=12800.0,
+        low=5000.0,
         high=51200.0,
         running=False,
     ),

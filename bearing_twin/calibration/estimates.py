@@ -11,7 +11,7 @@ from bearing_twin.calibration.cloud import unknowns
 from bearing_twin.calibration.healthy import LOSS_DB, smallest_shown, UNKNOWN_DB
 from bearing_twin.calibration.passage import widest
 from bearing_twin.calibration.posterior import weighted_quantile
-from bearing_twin.calibration.refusals import NARROWED
+from bearing_twin.calibration.refusals import MANY_WIDTHS, NARROWED
 from bearing_twin.calibration.result import Estimate
 import numpy as np
 import numpy.typing as npt
@@ -119,8 +119,9 @@ def of_defect(
                 f'from impacts {1e3 * spacing * situation.speed:.2f} mm apart on the race; the '
                 'rest is the path of a ball over the edges'
             )
-            if refusal:
-                why = f'at most {high:.2f} mm: {refusal}'
+            if refusal and refusal != MANY_WIDTHS:
+                # What hides the spacing hides it in narrower defects too, whatever was supposed.
+                low, why = 0.0, f'at most {high:.2f} mm: {refusal}'
         else:
             told = name in TOLD and not refusal and narrowed <= NARROWED
             why = f'the interval is {100.0 * narrowed:.0f} % of what was supposed'

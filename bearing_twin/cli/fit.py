@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 import json
 import math
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import named_bearing
 from bearing_twin.calibration import Calibration, fit
+from bearing_twin.calibration.joint import joined
 from bearing_twin.cli.diagnose import add_reading, channels_of, picture
 from bearing_twin.cli.signal_arguments import given_bearing, given_speed
 from bearing_twin.cli.terminal import progress, shown
@@ -41,6 +43,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         choices=('none', 'inner', 'outer'),
         help='part with the defect (default: what the diagnosis says)',
     )
+    parser.add_argument(
+        '--one-machine',
+        action='store_true',
+        help='the files are of one machine at several speeds: compare them, and give one width',
+    )
     parser.add_argument('--seed', type=int, default=0, help='of all draws (default 0)')
     parser.add_argument('--json', action='store_true', help='one JSON object a file')
     parser.add_argument('--plot', metavar='DIR', help='draw machine against twin, and the width')
@@ -54,6 +61,7 @@ def run(args: argparse.Namespace) -> int:
         Path(args.plot).mkdir(parents=True, exist_ok=True)
     tasks = [(name, channel) for name in args.files for channel in channels_of(name, args.channel)]
     failed = 0
+    fitted: list[tuple[str, Calibration]] = []
     for done, (name, channel) in enumerate(tasks, start=1):
         try:
             record = read_signal(Path(name), channel=channel, sample_rate=args.sample_rate)
@@ -81,12 +89,38 @@ def run(args: argparse.Namespace) -> int:
             from bearing_twin.cli.fit_plot import draw
 
             draw(found, record.x, record.sample_rate, picture(Path(args.plot), name, channel))
-        if args.json:
-            print(json.dumps({'file': name, **found.to_dict()}, allow_nan=False), flush=True)
+        if args.one_machine:
+            fitted.append((name, found))
         else:
-            print(_page(name, found), flush=True)
+            _print(name, found, as_json=args.json)
         progress(done, len(tasks), 'files')
+    if fitted:
+        _print_joined(fitted, as_json=args.json)
     return 1 if failed else 0
+
+
+def _print(name: str, found: Calibration, *, as_json: bool) -> None:
+    if as_json:
+        print(json.dumps({'file': name, **found.to_dict()}, allow_nan=False), flush=True)
+    else:
+        print(_page(name, found), flush=True)
+
+
+def _print_joined(fitted: list[tuple[str, Calibration]], *, as_json: bool) -> None:
+    """Print each record as the others leave it, and what they say together."""
+    names = [name for name, _ in fitted]
+    records, width, statement = joined([found for _, found in fitted])
+    for name, found in zip(names, records, strict=True):
+        _print(name, found, as_json=as_json)
+    if as_json:
+        together = {
+            'files': names,
+            'statement': statement,
+            'quantities': {'defect_width_mm': asdict(width)},
+        }
+        print(json.dumps(together), flush=True)
+    else:
+        print(f'together  {statement}: {width.why}')
 
 
 def load_range(text: str) -> tuple[float, float]:

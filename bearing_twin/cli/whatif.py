@@ -68,6 +68,8 @@ def _fits(name: str) -> list[dict[str, object]]:
     except (OSError, ValueError) as error:
         msg = f"{name} cannot be read as what 'fit --json' wrote ({error})"
         raise BearingTwinError(msg) from None
+    # What several records say together is no machine to run.
+    rows = [row for row in rows if not isinstance(row, dict) or 'files' not in row]
     if not rows or not all(isinstance(row, dict) for row in rows):
         msg = f"{name} holds no fit; write one with 'bearing-twin fit FILE --json > FIT'"
         raise BearingTwinError(msg)

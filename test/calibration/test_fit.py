@@ -265,6 +265,20 @@ def test_the_command_writes_what_it_found(slot, tmp_path, capsys, data_dir):
     assert [path.suffix for path in Path(tmp_path).iterdir()] == ['.png']
 
 
+def test_files_of_one_machine_at_two_speeds_give_one_width(data_dir, capsys):
+    names = [str(data_dir / 'hitsm' / f'hitsm_sq_IR8_{rpm}.npz') for rpm in (600, 900)]
+    words = ['fit', *names, '--bearing', '6205', '--place', 'inner', '--one-machine']
+    assert main([*words, '--json']) == 0
+    *records, together = map(json.loads, capsys.readouterr().out.splitlines())
+    assert [row['file'] for row in records] == together['files'] == names
+    widths = [row['quantities']['defect_width_mm'] for row in [*records, together]]
+    # An arc of 8 degrees on the race.
+    truth = math.radians(8.0) * 15.55
+    assert all(width['identifiable'] for width in widths)
+    assert all(width['q05'] < truth < width['q95'] for width in widths)
+    assert widths[-1]['why'] == '2 of 2 records tell it'
+
+
 def test_a_file_that_cannot_be_fitted_is_named(tmp_path, capsys):
     path = tmp_path / 'short.npz'
     np.savez(path, x=np.zeros(10), fs=RATE)

@@ -82,8 +82,9 @@ def until(probe, text, log):
 
 
 def test_a_measured_bearing_from_the_file_to_the_alarm(probe, terminals, tmp_path, data_dir):
-    from bearing_twin_msgs.msg import Diagnosis
+    from bearing_twin_msgs.msg import Calibration, Diagnosis
 
+    probe.watch_diagnostics()
     record = np.load(data_dir / 'cwru' / 'cwru_0105_DE.npz')
     # The file that the page downloads, with the names that it has.
     signal_ = record['x'][:, None].astype(float)
@@ -111,6 +112,21 @@ def test_a_measured_bearing_from_the_file_to_the_alarm(probe, terminals, tmp_pat
     twin = next(c for c in commands(section(5)) if c.startswith('ros2 run'))
     terminals(twin)
     heat(probe, '/fan/bearing_temperature', 60.0, states)
+    fitted = probe.collect(Calibration, '/fan_7/calibration')
+    terminals(next(c for c in commands(section(5)) if ' calibration ' in c))
+    said = probe.until(
+        lambda: [m for m in fitted if m.defect == 'inner'], 'a calibration', timeout=240.0
+    )
+    # The pit is passed in one to two samples: no width is told, and it is not above the limit.
+    width = said[0].quantity.index('defect_width_mm')
+    assert not said[0].identifiable[width] and said[0].q95[width] > 0.18
+    probe.until(
+        lambda: any(
+            name.endswith('twin: calibration') and 'distance_db' in values
+            for name, (_, _, values) in probe.statuses.items()
+        ),
+        'how alike twin and machine are',
+    )
     assert all(process.poll() is None for process in terminals.running.values())
     # Where the machine is too busy for all blocks, a verdict may be insufficient.
     assert {verdict.result_name for verdict in named(verdicts)} == {'inner'}
