@@ -64,8 +64,8 @@ def simulated_slopes(
     """
     Change of level with temperature, dB/K, and with speed, dB per doubling, of each twin.
 
-    Their surfaces are perfect: the vibration of wavy ones changes by less than 0.01 dB/K, so this
-    is the most that the physical mode makes of a healthy bearing.
+    Their surfaces are perfect: the vibration of wavy ones changes by about 0.01 dB/K or less, so
+    this is the most that the physical mode makes of a healthy bearing.
     """
     slopes, octaves = [], []
     for load, clearance in product(loads, clearances):
