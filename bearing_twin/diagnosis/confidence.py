@@ -44,6 +44,9 @@ class Trust:
     elsewhere_z: float = 0.0
     """Score of the best comb at any order."""
     elsewhere_index: float = 0.0
+    impacts: float = 0.0
+    """How far the second to fourth harmonic of the clearer of the two combs rise above noise, in
+    mean log score: 0 for a smooth modulation, which has a first harmonic only."""
     turns: float = HEALTHY_TURNS
     """Shaft turns."""
     steady: bool = True
@@ -60,6 +63,7 @@ class Trust:
             'slip': min(abs(self.slip) / SLIP_COST, 3.0),
             'elsewhere': max(elsewhere - significance, 0.0),
             'elsewhere_effect': elsewhere * min(self.elsewhere_index, 1.0),
+            'impacts': min(max(self.impacts, 0.0), 3.0),
             'turns': math.log(self.turns / HEALTHY_TURNS),
             'unsteady': 0.0 if self.steady else 1.0,
         }

@@ -12,6 +12,7 @@ from bearing_twin.diagnosis.search import Candidate
 from bearing_twin.diagnosis.thresholds import (
     BLURRED,
     INDEX_FAULT,
+    INDEX_NOISE,
     INDEX_SUSPECT,
     LOAD_ZONE,
     RIPPLE,
@@ -167,6 +168,15 @@ class Evidence:
             if c.place != 'cage' and c.z >= Z_SECOND_LOOK and c.index >= INDEX_FAULT
         )
         return tuple(filter(_significant, map(self._combs.second_look, strong)))
+
+    @cached_property
+    def faint(self) -> tuple[Candidate, ...]:
+        """Combs of races and balls that are not chance and modulate by more than noise does."""
+        return tuple(
+            c
+            for c in self.candidates.values()
+            if c.place != 'cage' and c.z >= Z_FAULT and c.index >= INDEX_NOISE
+        )
 
     @_measured(undisturbed={})
     def extraneous_orders(self) -> Mapping[str, float]:
@@ -398,6 +408,17 @@ class Evidence:
         """Best comb at any order off the multiples of the shaft, whatever makes it."""
         return self._combs.strongest_anywhere(beyond=not self.remaining)
 
+    @_measured(undisturbed={'elsewhere': 2.0})
+    def impacts(self) -> Mapping[str, float]:
+        """
+        Height over noise of the second to fourth harmonic of each comb, mean log score.
+
+        Parts without damage modulate the noise smoothly, by 1 + a cos: the second harmonic has
+        a/4 of the height of the first, the others nothing. Impacts, however faint, have all.
+        """
+        combs = (*self.candidates.values(), self.elsewhere)
+        return {c.place: self._combs.impacts(c) for c in combs}
+
     @_measured(undisturbed=False)
     def elsewhere_explains(self) -> bool:
         """Whether a more significant comb at another order makes the lines of the leading one."""
@@ -408,11 +429,15 @@ class Evidence:
         # A ball that strikes one race only has its highest lines at the spin.
         if shares_lines and (multiple == 1 or (multiple, leading.place) == (2, 'ball')):
             return False
-        return (
-            comb.index >= INDEX_FAULT
-            and comb.z > (RIVAL if shares_lines else 1.0) * leading.z
-            and self._combs.left_without(comb, leading) < Z_FAULT
+        if comb.index < INDEX_FAULT or comb.z <= leading.z:
+            return False
+        # A comb an order beside the leading one, and lower, may be made of its shaft sidebands.
+        sideband = (
+            comb.index < leading.index and self._combs.score_without(leading, comb) < Z_FAULT
         )
+        if (shares_lines or sideband) and comb.z <= RIVAL * leading.z:
+            return False
+        return self._combs.left_without(comb, leading) < Z_FAULT
 
     @_measured(undisturbed=())
     def others(self) -> tuple[Candidate, ...]:

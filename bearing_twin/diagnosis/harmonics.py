@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.comb import OrderSpectra
     from numpy.typing import NDArray
 
-__all__ = ['denser_series', 'masked_by_shaft', 'missing_harmonics']
+__all__ = ['denser_series', 'line_heights', 'masked_by_shaft', 'missing_harmonics']
 
 _SPREAD = 0.42
 """Standard deviation of log(1 + E) for E ~ Exp(1), one window."""
@@ -47,7 +47,7 @@ _FEWEST = 4
 """Lines between the harmonics that are needed to tell."""
 
 
-def _heights(
+def line_heights(
     spectra: OrderSpectra, lines: NDArray[np.floating], columns: NDArray[np.intp]
 ) -> NDArray[np.float64]:
     """Mean log score of each line over some bands, noise taken off."""
@@ -91,7 +91,7 @@ def missing_harmonics(
 
     """
     harmonics = np.arange(1, HARMONICS + 1)
-    heights = _heights(spectra, harmonics * order, columns)
+    heights = line_heights(spectra, harmonics * order, columns)
     alive = ~hidden[spectra.rows(harmonics * order)]
     for multiple in range(HARMONICS, 1, -1):
         shared = harmonics % multiple == 0
@@ -148,13 +148,13 @@ def denser_series(
     alive = ~hidden[spectra.rows(harmonics)]
     if not alive.any():
         return 0.0
-    own = _heights(spectra, harmonics[alive], columns).mean()
+    own = line_heights(spectra, harmonics[alive], columns).mean()
     most = int(order / max(_SLOWEST, 4.0 * spectra.step))
     if most < 2:
         return 0.0
     parts, lines = _between(most)
     rows = spectra.rows(order * lines)
-    heights = _heights(spectra, order * lines, columns)
+    heights = line_heights(spectra, order * lines, columns)
     best, found = 0.0, 0
     hidden = hidden | mine
     away = np.abs(order / np.maximum(np.arange(most + 1), 1) - 1.0)
@@ -228,8 +228,8 @@ def masked_by_shaft(
     lines = np.arange(1.0, HARMONICS * turns + 1.0)
     harmonics = lines % turns == 0
     others = ~harmonics & (lines > 2.0)
-    comb = _heights(spectra, lines * order / turns, columns)
-    shaft = _heights(spectra, lines, columns)
+    comb = line_heights(spectra, lines * order / turns, columns)
+    shaft = line_heights(spectra, lines, columns)
     if away <= precision:
         comb = shaft = np.maximum(comb, shaft)
     higher = shaft[harmonics].mean() >= comb[harmonics].mean()

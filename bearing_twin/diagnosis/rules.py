@@ -23,6 +23,7 @@ from bearing_twin.diagnosis.confidence import confidence, LEAST_CONFIDENCE, Trus
 from bearing_twin.diagnosis.fits import fitting_bearings, fitting_speeds
 from bearing_twin.diagnosis.gate import CAGE_TURNS, HEALTHY_TURNS
 from bearing_twin.diagnosis.thresholds import (
+    IMPACTS,
     INDEX_FAULT,
     INDEX_STRIKE,
     INDEX_SUSPECT,
@@ -167,7 +168,28 @@ def _impacts_elsewhere(e: Evidence) -> Verdict | None:
     comb = e.elsewhere
     if e.remaining or comb.z < Z_ELSEWHERE or comb.index < INDEX_FAULT:
         return None
+    if e.impacts['elsewhere'] < IMPACTS:
+        return None
     return _elsewhere(e, 'fit no part of')
+
+
+@_rule(
+    'insufficient',
+    'Combs of two places of the bearing are not chance together, and sound bearings show none.',
+)
+def _two_faint_places(e: Evidence) -> Verdict | None:
+    if e.remaining or len(e.faint) < 2:
+        return None
+    text = (
+        'too weak for a fault, but two places of one bearing are not chance: compare with an '
+        'earlier record of this machine, and repeat it with a longer window or a nearer sensor'
+    )
+    return Verdict(
+        result='insufficient',
+        level='none',
+        reasons=(*map(str, e.faint), text),
+        candidates=e.candidates,
+    )
 
 
 @_rule('insufficient', 'Of machines with such combs more are damaged than sound.')
@@ -435,6 +457,7 @@ def _trust(e: Evidence, comb: Candidate | None) -> Trust:
     anywhere = Trust(
         elsewhere_z=strongest.z,
         elsewhere_index=strongest.index,
+        impacts=e.impacts.get(strongest.place, 0.0),
         turns=e.turns,
         steady=e.steady,
     )

@@ -10,7 +10,12 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.diagnosis.comb import comb_scores, HARMONICS, OrderSpectra
-from bearing_twin.diagnosis.harmonics import denser_series, masked_by_shaft, missing_harmonics
+from bearing_twin.diagnosis.harmonics import (
+    denser_series,
+    line_heights,
+    masked_by_shaft,
+    missing_harmonics,
+)
 from bearing_twin.diagnosis.shaft import SHAFT_FOUND
 from bearing_twin.diagnosis.sidebands import (
     comb_power,
@@ -211,6 +216,18 @@ class CombSearch:
         power = self.spectra.line_power(lines, slice(candidate.band, candidate.band + 1))
         low, high = (half.sum() for half in np.split(power, 2))
         return float(high / max(low, 1e-30))
+
+    def score_without(self, cause: Candidate, other: Candidate) -> float:
+        """Score of a comb at its order without the lines that a fault of the bearing explains."""
+        return float(self._scores.score(self.without(cause), np.array([other.order]))[0])
+
+    def impacts(self, candidate: Candidate) -> float:
+        """Mean log score, noise taken off, of the second to fourth harmonic of a comb."""
+        lines = candidate.order * np.arange(2, HARMONICS + 1)
+        lines = lines[~self._silent[self.spectra.rows(lines)]]
+        if not len(lines):
+            return 0.0
+        return float(line_heights(self.spectra, lines, self._columns(candidate)).mean())
 
     def shaft_sideband_ratio(self, candidate: Candidate) -> float:
         """Mean amplitude of the shaft sidebands of a comb over that of its harmonics."""

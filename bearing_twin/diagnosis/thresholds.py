@@ -7,6 +7,7 @@ from __future__ import annotations
 __all__ = [
     'BLURRED',
     'CARRIER',
+    'IMPACTS',
     'INDEX_FAULT',
     'INDEX_NOISE',
     'INDEX_STRIKE',
@@ -41,6 +42,11 @@ of windows of noise such a comb then reaches ``Z_FAULT``, never with the index (
 Z_ELSEWHERE = 8.0
 """Score above which a comb at any order is not chance: the best of some thousand orders and not of
 a few. Noise passes it in six of a thousand windows (studies.noise_windows)."""
+
+IMPACTS = 1.0
+"""Mean log score over noise of the second to fourth harmonic above which a comb is of impacts and
+not of a smooth modulation: four times the 0.24 by which the mean of three lines of noise scatters
+in one window."""
 
 INDEX_FAULT = 0.6
 """Modulation index above which a significant comb is a fault."""

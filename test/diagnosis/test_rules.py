@@ -68,6 +68,12 @@ CASES = {
         'suspect',
         (),
     ),
+    'two_faint_places': (
+        Evidence.of(comb('inner', z=6.3, index=0.17), comb('outer', z=5.6, index=0.17)),
+        'insufficient',
+        'none',
+        (),
+    ),
     'uncertain_health': (
         Evidence.of(
             comb('inner', z=12.0, index=0.25),
@@ -233,6 +239,12 @@ def test_faint_impacts_elsewhere_are_no_suspicion(z, index):
     assert decide(Evidence.of(elsewhere=impacts)).rule in ('no_comb', 'uncertain_health')
 
 
+def test_one_faint_place_or_two_that_may_be_chance_are_no_doubt():
+    for second in (comb('outer', z=5.4, index=0.17), comb('outer', z=20.0, index=0.12)):
+        said = decide(Evidence.of(comb('inner', z=6.3, index=0.17), second))
+        assert said.rule in ('no_comb', 'uncertain_health')
+
+
 def test_a_comb_without_effect_does_not_make_health_uncertain():
     """Variable compliance: a healthy bearing forces its housing at the outer race's order."""
     assert decide(Evidence.of(comb('outer', z=20.0, index=0.1))).result == 'healthy'
@@ -297,3 +309,11 @@ def test_a_quantity_is_computed_once():
 def test_an_unknown_quantity_is_refused():
     with pytest.raises(TypeError, match='no such quantity: shocks'):
         Evidence.of(INNER, shocks=3)
+
+
+def test_a_smooth_modulation_elsewhere_is_no_impact():
+    """Noise that swells with a belt has a first harmonic only."""
+    swell = comb('elsewhere', order=3.7, z=15.0, index=0.9)
+    assert decide(Evidence.of(elsewhere=swell)).rule == 'impacts_elsewhere'
+    said = decide(Evidence.of(elsewhere=swell, impacts={'elsewhere': 0.9}))
+    assert said.rule in ('no_comb', 'uncertain_health')
