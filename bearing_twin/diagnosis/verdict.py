@@ -60,7 +60,10 @@ class Verdict:
         if self.result in PLACES:
             # A place that is named without an alarm has the trust of a suspicion.
             return 'suspect' if self.level == 'suspect' else 'fault'
-        return 'elsewhere' if self.result == 'suspect' and not self.faults else self.result
+        if self.result == 'suspect' and (not self.faults or self.rule == 'extraneous'):
+            # The lines at a fault order are said to be of something else.
+            return 'elsewhere'
+        return self.result
 
     @property
     def confidence(self) -> float:

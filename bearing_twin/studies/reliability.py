@@ -50,6 +50,9 @@ impacts, as many as the makers' and the nameplates' errors may be."""
 STRIKING = ('impacts', 'pulses')
 """Machines around a bearing that strike at an order of their own."""
 
+UNRATED = ('record_gate', 'two_faint_places')
+"""Rules that answer *insufficient* whatever the confidence."""
+
 BINS = np.linspace(0.0, 1.0, 11)
 """Ranges of confidence in which answers are counted together."""
 
@@ -61,13 +64,15 @@ GROWS = {
     'slip': -1,
     'elsewhere': -1,
     'elsewhere_effect': 0,
+    'impacts': 0,
     'unsteady': -1,
 }
 """Whether the share of right answers grows or falls with a term, whatever a few answers say. That
 of *healthy* falls with all of them."""
 
-_SHRINK = 3e-3
-"""Weight of the squares of the weights: what few answers say against the others is chance."""
+_SHRINK = 4.0
+"""Answers that the squares of the weights count as: what few answers say is mostly chance, so the
+confidence of a kind with few of them stays near their share."""
 
 
 class Told(NamedTuple):
@@ -80,8 +85,8 @@ class Told(NamedTuple):
 
 
 def tell(case: Machine, said: Diagnosis, *, misled: bool = False) -> Told | None:
-    """Return an answer with its kind, and whether it is right; None where the gate refused it."""
-    if said.rule == 'record_gate':
+    """Return an answer with its kind, and whether it is right; None if not rated."""
+    if said.rule in UNRATED:
         return None
     sound = case.condition == 'none'
     weight = (1.0 - HEALTHY_SHARE) / HEALTHY_SHARE if sound else 1.0
@@ -122,6 +127,11 @@ def fit(told: Sequence[Told]) -> dict[str, dict[str, float]]:
         terms = _matrix(rows)
         right = np.array([t.right for t in rows])
         share = np.array([t.weight for t in rows])
+        # One right and one wrong answer more, so that no kind is certain.
+        typical = np.average(terms, axis=0, weights=share)
+        terms = np.vstack((terms, typical, typical))
+        right = np.append(right, (True, False))
+        share = np.append(share, [share.mean()] * 2)
         share /= share.sum()
 
         def loss(
@@ -129,10 +139,11 @@ def fit(told: Sequence[Told]) -> dict[str, dict[str, float]]:
             terms: NDArray[np.float64] = terms,
             right: NDArray[np.bool_] = right,
             share: NDArray[np.float64] = share,
+            shrink: float = _SHRINK / len(rows),
         ) -> float:
             total = terms @ values
             unlikely = np.logaddexp(0.0, np.where(right, -total, total))
-            return float((share * unlikely).sum() + _SHRINK * (values[1:] ** 2).sum())
+            return float((share * unlikely).sum() + shrink * (values[1:] ** 2).sum())
 
         found = optimize.minimize(loss, np.zeros(len(TERMS)), bounds=_bounds(kind)).x
         weights[kind] = {name: round(float(v), 4) for name, v in zip(TERMS, found, strict=True)}
