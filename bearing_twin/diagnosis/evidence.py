@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+import math
 from typing import Any, NamedTuple, TYPE_CHECKING, TypeVar
 
 from bearing_twin.bearing import find_bearing, PLACES
@@ -13,6 +14,7 @@ from bearing_twin.diagnosis.thresholds import (
     BLURRED,
     INDEX_FAULT,
     INDEX_NOISE,
+    INDEX_NOISE_TURNS,
     INDEX_SUSPECT,
     LOAD_ZONE,
     RIPPLE,
@@ -171,11 +173,16 @@ class Evidence:
 
     @cached_property
     def faint(self) -> tuple[Candidate, ...]:
-        """Combs of races and balls that are not chance and modulate by more than noise does."""
+        """
+        Combs of races and balls that are not chance and modulate by more than noise does.
+
+        What noise modulates falls with the root of the time.
+        """
+        noise = INDEX_NOISE * math.sqrt(min(INDEX_NOISE_TURNS / self.turns, 1.0))
         return tuple(
             c
             for c in self.candidates.values()
-            if c.place != 'cage' and c.z >= Z_FAULT and c.index >= INDEX_NOISE
+            if c.place != 'cage' and c.z >= Z_FAULT and c.index >= noise
         )
 
     @_measured(undisturbed={})

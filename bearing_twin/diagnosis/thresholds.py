@@ -10,6 +10,7 @@ __all__ = [
     'IMPACTS',
     'INDEX_FAULT',
     'INDEX_NOISE',
+    'INDEX_NOISE_TURNS',
     'INDEX_STRIKE',
     'INDEX_SUSPECT',
     'JOINT_SLIP',
@@ -59,6 +60,9 @@ INDEX_NOISE = 0.13
 
 SLIP = (-0.015, 0.06)
 """Cage slip looked for. Below zero: a contact angle that the geometry does not know of."""
+
+INDEX_NOISE_TURNS = 100.0
+"""Shaft turns to which ``INDEX_NOISE`` belongs: 4 s at 25 Hz. At 1 s it is twice as much."""
 
 INDEX_STRIKE = 2.0
 """Modulation index of the cage's comb above which the envelope is more strike than ripple: half of

@@ -241,8 +241,11 @@ def test_faint_impacts_elsewhere_are_no_suspicion(z, index):
 
 def test_one_faint_place_or_two_that_may_be_chance_are_no_doubt():
     for second in (comb('outer', z=5.4, index=0.17), comb('outer', z=20.0, index=0.12)):
-        said = decide(Evidence.of(comb('inner', z=6.3, index=0.17), second))
+        said = decide(Evidence.of(comb('inner', z=6.3, index=0.17), second, turns=100.0))
         assert said.rule in ('no_comb', 'uncertain_health')
+    # Four times as long a record shows half as much of noise.
+    faint = comb('inner', z=6.3, index=0.07), comb('outer', z=6.0, index=0.07)
+    assert decide(Evidence.of(*faint, turns=400.0)).rule == 'two_faint_places'
 
 
 def test_a_comb_without_effect_does_not_make_health_uncertain():
