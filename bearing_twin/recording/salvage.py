@@ -25,7 +25,6 @@ from bearing_twin.recording.mcapfile import (
 )
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
-import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
@@ -53,10 +52,16 @@ IDLE = (
     Opcode.STATISTICS,
 )
 """Kinds that agree with their length, whatever is inside."""
+REPEATABLE = (*TABLES, Opcode.ATTACHMENT)
+"""Kinds that tell nothing new when they come again; an empty chunk does not either."""
+MOST_REMEMBERED = 1000
+LENGTH = struct.Struct('<I')
 SHORT = 4096
-"""Records up to this length are stepped over together where many alike follow one another."""
+"""Idle records up to this length are stepped over together."""
 PRIVATE = 0x80
 """Opcodes from here on are free for anybody's use."""
+STEPPED_OVER = {*IDLE, *range(PRIVATE, 256)}
+"""Kinds of which nobody wants the content."""
 
 
 def sound_records(
@@ -101,13 +106,13 @@ def sound_records(
         if raw.opcode == Opcode.FOOTER:
             return
         end = raw.end
-        if data is None and (raw.opcode in IDLE or raw.opcode >= PRIVATE):
-            end = search.end_of_run(raw)
-        if damaged is not None and raw.opcode >= PRIVATE:
-            text = f'the record at byte {offset} is of the unknown kind {raw.opcode}'
-            if end > raw.end:
-                text += f', and so are all up to byte {end}'
-            damaged(BrokenRecording(text, offset, end - offset))
+        private = end - offset if raw.opcode >= PRIVATE else 0
+        if raw.length <= SHORT and raw.opcode != Opcode.MESSAGE:
+            end, more = search.end_of_run(raw)
+            private += more
+        if damaged is not None and private:
+            text = f'{private} bytes from byte {offset} on are records of unknown kinds'
+            damaged(BrokenRecording(text, offset, private))
         if data is not None:
             yield raw, data
         offset = end
@@ -158,6 +163,7 @@ class _Search:
         self.file = file
         self.size = size
         self._room = 4 * size + 64 * 1024 * 1024
+        self._read_before: set[bytes] = set()
 
     def consistent(self, raw: RawRecord) -> bool:
         """
@@ -187,28 +193,41 @@ class _Search:
             return rest == raw.end or not self._plausible(rest)
         return True
 
-    def end_of_run(self, raw: RawRecord) -> int:
+    def end_of_run(self, raw: RawRecord) -> tuple[int, int]:
         """
-        Return where the records end that follow ``raw`` and begin as it does.
+        Return where the idle records end that follow ``raw``, and their bytes of private kinds.
 
-        Millions of empty records are a small file: one by one they would take minutes.
+        Idle are kinds of which nobody wants the content, and what has been read before, byte for
+        byte. Millions of them are a small file: one by one they would take minutes.
         """
-        step, end = raw.end - raw.offset, raw.end
-        if step > SHORT:
-            return end
-        head = np.frombuffer(read_at(self.file, raw.offset, RECORD_HEAD.size), np.uint8)
-        room = step
+        end, private = raw.end, 0
+        told_again = raw.opcode in REPEATABLE or raw.length == CHUNK_FIXED
+        if told_again and len(self._read_before) < MOST_REMEMBERED:
+            self._read_before.add(read_at(self.file, raw.offset, end - raw.offset))
+        # Most records have no like behind them: look ahead only as far as it pays.
+        room = 2 * (raw.end - raw.offset)
         while end < self.size:
-            block = read_at(self.file, end, min(room, self.size - end))
-            rows = np.frombuffer(block, np.uint8, len(block) // step * step).reshape(-1, step)
-            alike = (rows[:, : head.size] == head).all(axis=1)
-            count = len(alike) if alike.all() else int(alike.argmin())
-            end += count * step
-            if count < room // step:
-                break
-            # Most records have no like behind them: look ahead only as far as it pays.
+            block = read_at(self.file, end, room)
+            at, last = 0, len(block) - RECORD_HEAD.size
+            while at <= last:
+                opcode, length = RECORD_HEAD.unpack_from(block, at)
+                step = RECORD_HEAD.size + length
+                if length > SHORT or end + at + step > self.size:
+                    return end + at, private
+                if opcode not in STEPPED_OVER and block[at : at + step] not in self._read_before:
+                    entries = block[at + RECORD_HEAD.size + 2 : at + RECORD_HEAD.size + 6]
+                    if opcode != Opcode.MESSAGE_INDEX or entries != LENGTH.pack(
+                        max(6, length) - 6
+                    ):
+                        return end + at, private
+                if opcode >= PRIVATE:
+                    private += step
+                at += step
+            if not at:
+                return end, private
+            end += at
             room = min(8 * room, BLOCK)
-        return end
+        return end, private
 
     def sound_from(self, offset: int) -> int:
         """Return where to go on after the damaged record at ``offset``: the end, at last."""
