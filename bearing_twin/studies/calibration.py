@@ -3,12 +3,13 @@
 """
 How far the intervals of a calibration hold: the tables of docs/calibration.md.
 
-``python -m bearing_twin.studies.calibration OUT.json [TWINS IMPACTS PATHS] [--data FOLDER]``
+``python -m bearing_twin.studies.calibration OUT.json [TWINS IMPACTS PATHS UNSEEN] --data FOLDER``
 fits the twin to machines drawn at random: twins whose unknowns come from the prior, behind
-resonances at random (TWINS groups of 40), trains of impacts, which share nothing with the twin,
-and noise behind resonances. With the folder of the real recordings it also fits those of slots and
-spots of known width. No interval was set by them but for what `calibration.posterior.RESOLVED` and
-`calibration.fit.RIVAL` say of CWRU.
+resonances at random (TWINS groups of 40, on which the spread was fixed, and UNSEEN others, each by
+`fit` itself), trains of impacts, which share nothing with the twin, and noise behind resonances.
+With the folder of the real recordings it also fits those of slots and spots of known width. No
+interval was set by them but for what `calibration.posterior.RESOLVED` and
+`calibration.refusals.RIVAL` say of CWRU.
 """
 
 from __future__ import annotations
@@ -255,6 +256,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument('twins', type=int, nargs='?', default=12)
     parser.add_argument('impacts', type=int, nargs='?', default=60)
     parser.add_argument('paths', type=int, nargs='?', default=60)
+    parser.add_argument('unseen', type=int, nargs='?', default=120)
     parser.add_argument('--data', type=Path, help='folder of the real recordings')
     parser.add_argument('--jobs', type=int, default=len(os.sched_getaffinity(0)))
     args = parser.parse_args(argv)
@@ -268,6 +270,7 @@ def main(argv: Sequence[str] | None = None) -> None:
             if real
             else [],
             'impact trains': list(pool.map(fit_impacts, range(args.impacts))),
+            'twins, by fit': list(pool.map(fit_unseen, range(args.unseen))),
             'twins': [row for rows in pool.map(fit_twins, range(args.twins)) for row in rows],
         }
         modes = [row for rows in pool.map(find_resonances, range(args.paths)) for row in rows]
