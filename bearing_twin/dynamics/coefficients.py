@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.parameters import SLIP_MODELS
-from bearing_twin.dynamics.statics import spring_position
+from bearing_twin.dynamics.statics import spring_position, Supports, supports
 from bearing_twin.thermal import friction, gcr15, life, lubricant, rings
 import numpy as np
 import numpy.typing as npt
@@ -45,7 +45,8 @@ K_B, DEPTH, CLEARANCE, SHAFT_HZ, SLIP, SPRING, INPUTS, *_ = _ROWS
 
 # What it takes: one row of constants a bearing.
 (
-    PHYSICAL, K_B0, CLEARANCE0, LOAD, COMPLIANCE, N_BALLS, SLIP_MODEL, SLIP0, ALPHA_UNIT, EXPANDS,
+    PHYSICAL, K_B0, CLEARANCE0, LOAD, ACROSS, SKEW, ALONG, ASIDE, N_BALLS, SLIP_MODEL, SLIP0,
+    ALPHA_UNIT, EXPANDS,
     DELTA_H, DELTA_MU, T0, H0, MU0, D_PITCH, D_MEAN, SECTION, ASTM_A, ASTM_B, REPLENISHMENT,
     BOUNDARY, FILM, CONTAMINATION, ROLLING, SLIDING, RATING, LIMIT, CAPACITY, RING_TO_RING,
     RING_TO_SHAFT, AMBIENT, SHAFT_RATIO,
@@ -80,7 +81,7 @@ def law_table(p: TwinParameters) -> FloatArray:
     row = np.zeros(LAW_SIZE)
     row[PHYSICAL] = p.thermal_mode == 'physical'
     row[K_B0], row[CLEARANCE0], row[LOAD] = p.k_b0, p.clearance, p.load
-    row[COMPLIANCE] = 1.0 / p.inner_stiffness + 1.0 / p.outer_stiffness
+    (row[ACROSS], row[SKEW], row[ALONG]), row[ASIDE] = supports(p)
     row[N_BALLS], row[D_PITCH] = p.bearing.n_balls, p.bearing.d_pitch
     row[D_MEAN], row[SECTION] = p.bearing.mean_diameter, friction.section_height(p.bearing)
     row[SLIP_MODEL], row[SLIP0] = SLIP_MODELS.index(p.slip_model), p.slip
@@ -143,9 +144,8 @@ def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatA
         out[CLEARANCE] = min(max(gap, rings.CLEARANCE_LOW), rings.CLEARANCE_HIGH)
         out[INNER], out[OUTER] = inner, outer
         _lubricate(law, outer, inner, hz, out)
-    out[SPRING] = spring_position(
-        law[LOAD], out[K_B], out[CLEARANCE], law[COMPLIANCE], int(law[N_BALLS])
-    )
+    held = Supports((law[ACROSS], law[SKEW], law[ALONG]), law[ASIDE])
+    out[SPRING] = spring_position(law[LOAD], out[K_B], out[CLEARANCE], held, int(law[N_BALLS]))
 
 
 @compiled()

@@ -29,7 +29,9 @@ _KEYS = {'width': float, 'depth': float, 'angle': float, 'ball': int, 'profile':
 _BETWEEN = re.compile(r'\+(?![\d.])')  # not the sign of a number
 
 
-def read_defects(text: str, *, width: float, depth: float, profile: Profile) -> tuple[Defect, ...]:
+def read_defects(
+    text: str, *, width: float, depth: float, profile: Profile, angle: float = -math.pi / 2
+) -> tuple[Defect, ...]:
     """
     Return the defects that ``text`` describes.
 
@@ -38,10 +40,10 @@ def read_defects(text: str, *, width: float, depth: float, profile: Profile) -> 
     text
         ``'none'`` or places joined by '+', each with ``:KEY=VALUE,...`` where it differs; the
         keys are those of :class:`Defect`: width and depth in m, angle in rad, ball, profile.
-        Outer race and cage: at the bottom, in the direction of the load, unless an angle says
-        otherwise.
     width, depth, profile
         Of the defects for which the text gives none.
+    angle
+        Of those of outer race and cage for which it gives none: the direction of the load, rad.
 
     Raises
     ------
@@ -66,7 +68,7 @@ def read_defects(text: str, *, width: float, depth: float, profile: Profile) -> 
             'width': width,
             'depth': depth,
             'profile': profile,
-            'angle': -math.pi / 2 if place in ('outer', 'cage') else 0.0,
+            'angle': angle if place in ('outer', 'cage') else 0.0,
         }
         defects.append(Defect(place=cast('Any', place), **{**common, **_values(place, given)}))
     return tuple(defects)

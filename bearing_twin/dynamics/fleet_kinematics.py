@@ -29,8 +29,6 @@ import numpy as np
 
 __all__ = ['first_slot', 'grid_point', 'look_up_waves', 'open_gap', 'wrap_phases']
 
-_LOAD = -0.25
-"""Direction of the load, turns."""
 _NOWHERE = 1e4
 """Number of no slot."""
 _F = np.float32
@@ -39,9 +37,9 @@ _TWO_PI = 2.0 * math.pi
 
 
 @compiled(inline=True)
-def first_slot(cage: float, n_balls: float) -> float:
-    """Ball of slot 0, at a cage angle in turns."""
-    before = math.floor((_LOAD - cage) * n_balls)
+def first_slot(cage: float, n_balls: float, load: float) -> float:
+    """Ball of slot 0, at a cage angle and a direction of the load in turns."""
+    before = math.floor((load - cage) * n_balls)
     return before - n_balls * math.floor(before / n_balls)
 
 
@@ -100,7 +98,7 @@ def grid_point(group, inputs, growth, index, within, steps, h):
     for i in range(L):
         cage, shaft, spin = g.cage[i], g.shaft[i], g.spin[i]
         n_balls = g.n_balls[i] * 1.0
-        first = first_slot(cage, n_balls)
+        first = first_slot(cage, n_balls, g.load_turns[i])
         if within == 0:
             g.directions[0, i], g.directions[1, i] = _sines(cage + first / n_balls)
             g.directions[2, i], g.directions[3, i] = _sines(shaft)
@@ -115,7 +113,9 @@ def grid_point(group, inputs, growth, index, within, steps, h):
         g.k_b[0, i], g.k_b[1, i] = inputs[K_B, i], growth[K_B, i]
         g.depth[0, i], g.depth[1, i] = inputs[DEPTH, i], growth[DEPTH, i]
         g.gap[0, i], g.gap[1, i] = inputs[CLEARANCE, i], growth[CLEARANCE, i]
-        g.foot[0, i], g.foot[1, i] = inputs[SPRING, i], growth[SPRING, i]
+        spring, rise = inputs[SPRING, i], growth[SPRING, i]
+        g.foot_x[0, i], g.foot_x[1, i] = g.up_x[i] * spring + g.aside_x[i], g.up_x[i] * rise
+        g.foot_y[0, i], g.foot_y[1, i] = g.up_y[i] * spring + g.aside_y[i], g.up_y[i] * rise
         g.turned[0, i], g.turned[1, i] = _small_sines(_TWO_PI * h * turning)
         g.turned[2, i], g.turned[3, i] = _small_sines(_TWO_PI * h * hz)
         for k in range(g.spalls_in):
@@ -146,7 +146,7 @@ def look_up_waves(group, tables, first_step, last_step, h, balls, found, waves):
     begin, end = first_step // WAVE_STEPS, (last_step - 1) // WAVE_STEPS + 2
     for i in range(L):
         n = int(g.n_balls[i])
-        first = int(first_slot(g.cage[i], n * 1.0))
+        first = int(first_slot(g.cage[i], n * 1.0, g.load_turns[i]))
         for slot in range(n):
             ball = first + (slot + 1) // 2 if slot % 2 else first - slot // 2
             balls[slot, i] = ball + n if ball < 0 else (ball - n if ball >= n else ball)

@@ -132,7 +132,8 @@ class Lanes:
         speeds = m['ftf_order'] * carried, hz, m['spin_order'] * carried
         for (name, whole), speed in zip(_PHASES.items(), speeds, strict=True):
             put(group, **{name: (state[name] - since * speed) % whole})
-        ahead = 2.0 * math.pi * (state['cage'] + first_slot(group['cage'][lane], n) / n)
+        slot = first_slot(group['cage'][lane], n, float(m['load_turns']))
+        ahead = 2.0 * math.pi * (state['cage'] + slot / n)
         shaft = state['shaft_cos'], state['shaft_sin']
         put(group, directions=(math.cos(ahead), math.sin(ahead), *shaft))
         for slot, record in enumerate(group['spalls']):

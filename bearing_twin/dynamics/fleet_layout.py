@@ -59,9 +59,10 @@ GROUP = np.dtype(
         *_rows('q v a j sensor directions', 4),
         *_lanes('cage shaft spin cage_hz shaft_hz spin_hz', _D),
         # Constants, as `layout.MACHINE`.
-        *_lanes('ftf_order spin_order jitter', _D),
+        *_lanes('ftf_order spin_order jitter load_turns', _D),
         *_lanes('inner_light inner_stiffness inner_damping'),
-        *_lanes('outer_light outer_stiffness outer_damping'),
+        *_lanes('outer_light outer_stiffness_x outer_stiffness_y outer_damping_x outer_damping_y'),
+        *_lanes('up_x up_y aside_x aside_y'),
         *_lanes('contact_damping unbalance n_balls per_ball noise'),
         *_lanes('seed', np.uint64),
         *_rows('to_z to_w', 6),  # rows of `filters.resonator`
@@ -71,7 +72,7 @@ GROUP = np.dtype(
         *_lanes('highest'),
         # Prescribed from a grid point to the next: inputs and their growth per step; directions
         # turned by a step; speeds (rad/s), unbalance (N), random number of the cage's walk.
-        *_rows('k_b depth gap foot', 2),
+        *_rows('k_b depth gap foot_x foot_y', 2),
         *_rows('turned', 4),
         *_lanes('turning omega pull walk'),
         ('spalls', SPALL, MAX_SPALLS),

@@ -35,8 +35,10 @@ class _Machine(NamedTuple):
     inner_stiffness: Any
     inner_damping: Any
     outer_light: Any
-    outer_stiffness: Any
-    outer_damping: Any
+    outer_stiffness_x: Any
+    outer_stiffness_y: Any
+    outer_damping_x: Any
+    outer_damping_y: Any
 
 
 class _Waves(NamedTuple):
@@ -56,7 +58,8 @@ class _Waves(NamedTuple):
 class _Drive(NamedTuple):
     """What `model.ring_motion` takes of `layout.STEP`, in lanes."""
 
-    foot: Any
+    foot_x: Any
+    foot_y: Any
     pull_x: Any
     pull_y: Any
     pull_rate_x: Any
@@ -78,7 +81,9 @@ def _keep(rows, values):
 def _machine(group):
     return _Machine(
         load(group.inner_light, 0), load(group.inner_stiffness, 0), load(group.inner_damping, 0),
-        load(group.outer_light, 0), load(group.outer_stiffness, 0), load(group.outer_damping, 0),
+        load(group.outer_light, 0), load(group.outer_stiffness_x, 0),
+        load(group.outer_stiffness_y, 0), load(group.outer_damping_x, 0),
+        load(group.outer_damping_y, 0),
     )  # fmt: skip
 
 
@@ -87,7 +92,8 @@ def _drive(group, now, c, s):
     """Unbalance and foot of the spring at step ``now``, with the shaft at (c, s)."""
     omega, pull = load(group.omega, 0), load(group.pull, 0)
     px, py = pull * c, pull * s
-    return _Drive(_at(group.foot, now), px, py, -omega * py, omega * px)
+    feet = _at(group.foot_x, now), _at(group.foot_y, now)
+    return _Drive(feet[0], feet[1], px, py, -omega * py, omega * px)
 
 
 @compiled(inline=True, fast=FAST)
@@ -97,8 +103,12 @@ def _at(ramp, now):
 
 
 @compiled(inline=True, fast=FAST)
-def _few_are_enough(slots, few, c0, s0, x, y, gap):
+def _few_are_enough(group, slots, few, c0, s0, x, y, gap):
     """Whether no ball from slot ``few`` on touches: the next on each side are the nearest."""
+    # In the load's frame.
+    up_x, up_y = load(group.up_x, 0), load(group.up_y, 0)
+    c0, s0 = up_y * c0 - up_x * s0, up_x * c0 + up_y * s0
+    x, y = up_y * x - up_x * y, up_x * x + up_y * y
     left, right = few * BALL_ROWS, (few + 1) * BALL_ROWS
     low = s0 * load(slots, left) + c0 * load(slots, left + 1)
     high = s0 * load(slots, right) + c0 * load(slots, right + 1)
@@ -184,7 +194,7 @@ def advance(group, slots, waves, most_slots, first, count, oversample, h, raw, b
             further, faster, ahead = taylor(h, q, v, a, j, ZERO)
             gap = _at(g.gap, now)
             enough = _few_are_enough(
-                slots, few, c, s, further[0] - further[2], further[1] - further[3],
+                g, slots, few, c, s, further[0] - further[2], further[1] - further[3],
                 gap - load(g.highest, 0),
             )  # fmt: skip
             before = number // WAVE_STEPS

@@ -245,11 +245,12 @@ def settle(
     steps, gaps = np.empty(1, STEP), np.zeros((1, 4, balls.shape[1]))
     bearing = _held(machine, defects, balls, surfaces, values)
     _instant(state, bearing, steps[0], gaps)
-    foot, k_b = bearing.inputs.spring, bearing.inputs.k_b
-    inner, outer = machine.inner_stiffness, machine.outer_stiffness
-    _, _, fx, fy = equilibrium(foot, k_b, 1.0 / inner + 1.0 / outer, gaps[0])
-    state.q[0], state.q[1] = -fx / inner, foot - fy / inner
-    state.q[2], state.q[3] = fx / outer, fy / outer
+    foot_x, foot_y, inner = steps[0].foot_x, steps[0].foot_y, machine.inner_stiffness
+    outer_x, outer_y = machine.outer_stiffness_x, machine.outer_stiffness_y
+    compliance = 1.0 / inner + 1.0 / outer_x, 0.0, 1.0 / inner + 1.0 / outer_y
+    _, _, fx, fy = equilibrium((foot_x, foot_y), bearing.inputs.k_b, compliance, gaps[0])
+    state.q[0], state.q[1] = foot_x - fx / inner, foot_y - fy / inner
+    state.q[2], state.q[3] = fx / outer_x, fy / outer_y
 
 
 @compiled(fast=FAST)

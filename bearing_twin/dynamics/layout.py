@@ -38,7 +38,11 @@ STATE = np.dtype(
 MACHINE = np.dtype(
     [
         *_numbers('inner_light inner_stiffness inner_damping'),  # reciprocal of the mass, 1/kg
-        *_numbers('outer_light outer_stiffness outer_damping'),
+        *_numbers('outer_light outer_stiffness_x outer_stiffness_y'),
+        *_numbers('outer_damping_x outer_damping_y'),
+        # Foot of the shaft's spring: per m of the input, which is along the load, and besides, m.
+        *_numbers('up_x up_y aside_x aside_y'),
+        *_numbers('load_turns'),  # direction of the load, turns
         *_numbers('contact_damping unbalance ftf_order spin_order'),
         *_numbers('jitter noise'),  # walk of the cage (see `tables.machine`), sensor noise
         *_numbers('d_ball inner_radius outer_radius'),  # radii of the races at the contacts, m
@@ -65,7 +69,7 @@ DEFECT = np.dtype(
 
 STEP = np.dtype(
     [
-        *_numbers('turning k_b foot'),  # at the end of the step: rad/s, N/m^1.5, m
+        *_numbers('turning k_b foot_x foot_y'),  # at the end of the step: rad/s, N/m^1.5, m
         *_numbers('pull_x pull_y pull_rate_x pull_rate_y'),  # unbalance, N and N/s
         *((name, _F, 3) for name in ('speeds', 'phases')),  # cage, shaft, balls: turns/s; turns
         *_numbers('cage_cos cage_sin shaft_cos shaft_sin'),  # at the start, as the phases

@@ -19,10 +19,10 @@ To add a profile:
 - its path: a branch of `defect_path`, and where that path has a kink, `path_kink`;
 - its closed form: `PATHS` in test_model.py, whose tests ask for every profile.
 
-The equations (x right, y up, load along -y), one line an axis, y shown::
+The equations (x right, y up), one line an axis, y shown::
 
     m_i y_i'' = -F_y - k_i (y_i - y_i0) - c_i y_i' + m_u e omega^2 sin(theta_s)
-    m_o y_o'' = +F_y - k_o y_o - c_o y_o'
+    m_o y_o'' = +F_y - K_2 y_o - C_2 y_o'      (along x K_1 and C_1)
     delta_j   = (x_i - x_o) cos(theta_j) + (y_i - y_o) sin(theta_j) - c_r - b_j C_d
     F         = sum_j max(K_b max(delta_j, 0)^1.5 + c_b v_j, 0) over loaded balls
 
@@ -167,24 +167,29 @@ def ring_motion(
     m = machine
     return (
         (
-            (drive.pull_x - force[0] - m.inner_stiffness * q[0] - m.inner_damping * v[0])
+            (
+                drive.pull_x
+                - force[0]
+                - m.inner_stiffness * (q[0] - drive.foot_x)
+                - m.inner_damping * v[0]
+            )
             * m.inner_light,
             (
                 drive.pull_y
                 - force[1]
-                - m.inner_stiffness * (q[1] - drive.foot)
+                - m.inner_stiffness * (q[1] - drive.foot_y)
                 - m.inner_damping * v[1]
             )
             * m.inner_light,
-            (force[0] - m.outer_stiffness * q[2] - m.outer_damping * v[2]) * m.outer_light,
-            (force[1] - m.outer_stiffness * q[3] - m.outer_damping * v[3]) * m.outer_light,
+            (force[0] - m.outer_stiffness_x * q[2] - m.outer_damping_x * v[2]) * m.outer_light,
+            (force[1] - m.outer_stiffness_y * q[3] - m.outer_damping_y * v[3]) * m.outer_light,
         ),
         (
             (drive.pull_rate_x - rate[0] - m.inner_stiffness * v[0] - m.inner_damping * a[0])
             * m.inner_light,
             (drive.pull_rate_y - rate[1] - m.inner_stiffness * v[1] - m.inner_damping * a[1])
             * m.inner_light,
-            (rate[0] - m.outer_stiffness * v[2] - m.outer_damping * a[2]) * m.outer_light,
-            (rate[1] - m.outer_stiffness * v[3] - m.outer_damping * a[3]) * m.outer_light,
+            (rate[0] - m.outer_stiffness_x * v[2] - m.outer_damping_x * a[2]) * m.outer_light,
+            (rate[1] - m.outer_stiffness_y * v[3] - m.outer_damping_y * a[3]) * m.outer_light,
         ),
     )

@@ -44,7 +44,7 @@ MAX_SHAFT_HZ = 500.0
 MAX_ECCENTRICITY = 1e-3
 """Largest offset of a rotor's centre of mass, m: no machine runs with more."""
 
-_LOAD_DIRECTION = -math.pi / 2
+_DOWN = -math.pi / 2
 
 
 def check_speed(shaft_hz: float) -> float:
@@ -77,7 +77,7 @@ class Defect:
         Greatest depth along the contact normal. For the cage: by how much that ball drops out of
         contact while it slips.
     angle
-        Centre of the defect, rad. Outer and cage: from +x, best in the load direction (-pi/2).
+        Centre of the defect, rad. Outer and cage: from +x, best in the load's direction.
         Inner: from the shaft's mark. Ball: spin angle at which it meets the inner race.
     ball
         Index of the ball, or of the worn cage pocket, from 0.
@@ -130,9 +130,9 @@ class TwinParameters:
         clearance, E(T), lubricant and slip.
     defects
         Up to 8 defects at once. Two of them on one race, ball or pocket must not overlap.
-    load
-        Acts along -y. The position of the shaft spring is solved for it, because that spring is
-        grounded and would carry most of a force.
+    load, load_angle
+        The position of the shaft spring is solved for the load, because that spring is grounded
+        and would carry most of a force. Its direction is held fixed.
     clearance
         c_r (6307 CN: RIC 6 to 20 um). In the physical mode it must stay in its range at every
         temperature of the outer ring, 20 to 110 degC.
@@ -140,9 +140,12 @@ class TwinParameters:
         None: from the geometry (6307 of the catalogue 1.228e10).
     contact_damping
         c_b [C].
-    inner_mass, inner_stiffness, inner_damping, outer_mass, outer_stiffness, outer_damping
-        Rotor and shaft, and housing [M]. Without damping of both rings the passing balls can drive
-        the motion up (parametric resonance).
+    inner_mass, inner_stiffness, inner_damping
+        Rotor and shaft [M]; K_rin and C_rin of [P]. Without damping of both rings the passing
+        balls can drive the motion up (parametric resonance).
+    outer_mass, outer_stiffness, outer_damping, outer_stiffness_x, outer_damping_x
+        Housing [M]. K_2 and C_2 of [P] act vertically; K_1 and C_1, those ending in ``_x``,
+        horizontally, and are the same if None.
     unbalance
         m_u e.
     slip_model, slip
@@ -166,8 +169,8 @@ class TwinParameters:
     dynamic_rating, fatigue_limit
         C and C_u; None: from the geometry by ISO 281 and ISO 76.
     start_angle
-        The default puts both in the load direction, so that an inner defect at angle 0 is struck
-        at t = 0.
+        The default puts both at the bottom: under a load that acts downwards an inner defect at
+        angle 0 is struck at t = 0.
 
     """
 
@@ -181,6 +184,13 @@ class TwinParameters:
     )
     defects: tuple[Defect, ...] = ()
     load: float = quantity(500.0, 'Radial load that the bearing carries.', 'N', 10.0, 50e3)
+    load_angle: float = quantity(
+        _DOWN,
+        'Direction in which the load acts on the shaft, from +x; the default is downwards.',
+        unit='rad',
+        low=-2.0 * math.pi,
+        high=2.0 * math.pi,
+    )
     clearance: float = quantity(
         5e-6,
         'Radial clearance, half the internal one, at one ring temperature.',
@@ -201,8 +211,28 @@ class TwinParameters:
     inner_stiffness: float = quantity(7.42e7, 'Stiffness of the shaft.', 'N/m', 1e5, 1e10)
     inner_damping: float = quantity(1376.8, 'Damping of the shaft.', 'N s/m', 0.0, 1e6)
     outer_mass: float = quantity(12.638, 'Mass of the housing.', 'kg', 0.1, 500.0)
-    outer_stiffness: float = quantity(1.51e7, 'Stiffness of the housing.', 'N/m', 1e5, 1e10)
-    outer_damping: float = quantity(2210.7, 'Damping of the housing.', 'N s/m', 0.0, 1e6)
+    outer_stiffness: float = quantity(
+        1.51e7, 'Stiffness of the housing, vertical (K_2).', 'N/m', 1e5, 1e10
+    )
+    outer_damping: float = quantity(
+        2210.7, 'Damping of the housing, vertical (C_2).', 'N s/m', 0.0, 1e6
+    )
+    outer_stiffness_x: float | None = quantity(
+        None,
+        'Stiffness of the housing, horizontal (K_1).',
+        unit='N/m',
+        low=1e5,
+        high=1e10,
+        special=(None, 'outer_stiffness'),
+    )
+    outer_damping_x: float | None = quantity(
+        None,
+        'Damping of the housing, horizontal (C_1).',
+        unit='N s/m',
+        low=0.0,
+        high=1e6,
+        special=(None, 'outer_damping'),
+    )
     unbalance: float = quantity(
         0.0,
         "Unbalance, mass times eccentricity; at most 1 mm of the rotor's mass.",
@@ -222,7 +252,7 @@ class TwinParameters:
         high=0.05,
     )
     start_angle: float = quantity(
-        _LOAD_DIRECTION,
+        _DOWN,
         "Angle of ball 0 and of the shaft's mark at sample 0, from +x.",
         unit='rad',
         low=-2.0 * math.pi,
@@ -295,6 +325,18 @@ class TwinParameters:
                 self._check_apart(other, defect)
         if self.thermal_mode == 'physical':
             self._check_clearance()
+
+    @property
+    def housing_stiffness(self) -> tuple[float, float]:
+        """K_1 and K_2 in use, horizontal and vertical, N/m."""
+        across = self.outer_stiffness_x
+        return self.outer_stiffness if across is None else across, self.outer_stiffness
+
+    @property
+    def housing_damping(self) -> tuple[float, float]:
+        """C_1 and C_2 in use, horizontal and vertical, N s/m."""
+        across = self.outer_damping_x
+        return self.outer_damping if across is None else across, self.outer_damping
 
     @property
     def k_b0(self) -> float:

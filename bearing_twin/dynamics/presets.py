@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+import math
 from types import MappingProxyType
 from typing import Any, TYPE_CHECKING
 
@@ -126,6 +127,7 @@ def preset(
         width=chosen.width if width is None else width,
         depth=chosen.depth if depth is None else depth,
         profile=profile,
+        angle=overrides.get('load_angle', -math.pi / 2),
     )
     return TwinParameters(
         bearing=find_bearing(bearing) if isinstance(bearing, str) else bearing,

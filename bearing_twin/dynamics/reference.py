@@ -83,10 +83,13 @@ class _Constants(NamedTuple):
     inner_stiffness: float
     inner_damping: float
     outer_mass: float
-    outer_stiffness: float
-    outer_damping: float
-    foot: float
+    outer_stiffness_x: float
+    outer_stiffness_y: float
+    outer_damping_x: float
+    outer_damping_y: float
+    foot_x: float
     """Position of the foot of the shaft's spring, m."""
+    foot_y: float
     unbalance: float
     resonance: float
     resonance_damping: float
@@ -201,27 +204,40 @@ def _constants(p: TwinParameters, temperature: float, shaft_hz: float) -> _Const
         inner_stiffness=p.inner_stiffness,
         inner_damping=p.inner_damping,
         outer_mass=p.outer_mass,
-        outer_stiffness=p.outer_stiffness,
-        outer_damping=p.outer_damping,
-        foot=0.0,
+        outer_stiffness_x=p.housing_stiffness[0],
+        outer_stiffness_y=p.housing_stiffness[1],
+        outer_damping_x=p.housing_damping[0],
+        outer_damping_y=p.housing_damping[1],
+        foot_x=0.0,
+        foot_y=0.0,
         unbalance=p.unbalance,
         resonance=2.0 * math.pi * p.resonance_hz,
         resonance_damping=p.resonance_damping,
     )
     angles = 2.0 * math.pi / bearing.n_balls * (np.arange(_POSITIONS) + 0.5) / _POSITIONS
 
-    def excess(foot: float) -> float:
-        """Mean load of the bearing less what it has to carry, N."""
-        standing = (constants._replace(foot=foot, start=angle - 0.5 * math.pi) for angle in angles)
-        carried = [
-            p.outer_stiffness * _at_rest(each, _HEALTHY, _SMOOTH, 0.0)[3] for each in standing
-        ]
-        return float(-np.mean(carried) - p.load)
+    stiffness, pushed = (
+        np.array(p.housing_stiffness),
+        np.array([math.cos(p.load_angle), math.sin(p.load_angle)]),
+    )
+    # What the springs of shaft and housing give way across to the load, under it.
+    across = np.array([-pushed[1], pushed[0]])
+    give = p.load * pushed * (1.0 / p.inner_stiffness + 1.0 / stiffness)
 
-    lowest = -1e-6
-    while excess(lowest) < 0.0:
-        lowest *= 2.0
-    return constants._replace(foot=brentq(excess, lowest, 0.0, xtol=1e-15, rtol=1e-13))
+    def loaded(by: float) -> _Constants:
+        x, y = by * pushed + (give @ across) * across
+        return constants._replace(foot_x=x, foot_y=y)
+
+    def excess(by: float) -> float:
+        """Mean load of the bearing less what it has to carry, N."""
+        standing = (loaded(by)._replace(start=angle + p.load_angle) for angle in angles)
+        forces = [stiffness * _at_rest(each, _HEALTHY, _SMOOTH, 0.0)[2:] for each in standing]
+        return float(np.mean(forces, axis=0) @ pushed - p.load)
+
+    most = 1e-6
+    while excess(most) < 0.0:
+        most *= 2.0
+    return loaded(brentq(excess, 0.0, most, xtol=1e-15, rtol=1e-13))
 
 
 def _inner_ring(p: TwinParameters, outer: float, shaft_hz: float) -> float:
@@ -264,18 +280,20 @@ def _at_rest(
 ) -> FloatArray:
     """Positions x_i, y_i, x_o, y_o of static equilibrium at an instant, m."""
     values = np.array(constants)
-    inner, outer, foot = constants.inner_stiffness, constants.outer_stiffness, constants.foot
+    foot = np.array([constants.foot_x, constants.foot_y])
+    inner = constants.inner_stiffness
+    outer = np.array([constants.outer_stiffness_x, constants.outer_stiffness_y])
 
     def rings_at(apart: FloatArray) -> FloatArray:
         x, y = apart * _MICRON
-        fx, fy = _contact(time, x, y, 0.0, 0.0, values, defects, surfaces)
-        return np.array([-fx / inner, foot - fy / inner, fx / outer, fy / outer])
+        force = np.array(_contact(time, x, y, 0.0, 0.0, values, defects, surfaces))
+        return np.concatenate([foot - force / inner, force / outer])
 
     def excess(apart: FloatArray) -> FloatArray:
         at = rings_at(apart)
         return apart - (at[:2] - at[2:]) / _MICRON
 
-    found = root(excess, np.array([0.0, foot / _MICRON]), tol=1e-13)
+    found = root(excess, foot / _MICRON, tol=1e-13)
     return rings_at(found.x)
 
 
@@ -341,7 +359,8 @@ def _rates(
 ) -> FloatArray:
     """Time derivative of the 12 states: positions, velocities, sensor along x and y."""
     omega, begin = constants[6], constants[7]
-    mi, ki, ci, mo, ko, co, foot, unbalance, resonance, damping = constants[12:]
+    mi, ki, ci, mo, k1, k2, c1, c2, foot_x, foot_y = constants[12:22]
+    unbalance, resonance, damping = constants[22:]
     x, y = state[0] - state[2], state[1] - state[3]
     vx, vy = state[4] - state[6], state[5] - state[7]
     fx, fy = _contact(t, x, y, vx, vy, constants, defects, surfaces)
@@ -349,10 +368,10 @@ def _rates(
     turned = begin + omega * t
     rates = np.empty(12)
     rates[:4] = state[4:8]
-    rates[4] = (pull * math.cos(turned) - fx - ki * state[0] - ci * state[4]) / mi
-    rates[5] = (pull * math.sin(turned) - fy - ki * (state[1] - foot) - ci * state[5]) / mi
-    rates[6] = (fx - ko * state[2] - co * state[6]) / mo
-    rates[7] = (fy - ko * state[3] - co * state[7]) / mo
+    rates[4] = (pull * math.cos(turned) - fx - ki * (state[0] - foot_x) - ci * state[4]) / mi
+    rates[5] = (pull * math.sin(turned) - fy - ki * (state[1] - foot_y) - ci * state[5]) / mi
+    rates[6] = (fx - k1 * state[2] - c1 * state[6]) / mo
+    rates[7] = (fy - k2 * state[3] - c2 * state[7]) / mo
     for axis in range(2):
         z, w = state[8 + 2 * axis], state[9 + 2 * axis]
         rates[8 + 2 * axis] = resonance * w

@@ -15,6 +15,8 @@ from bearing_twin.dynamics.statics import (
     equilibrium,
     healthy_balls,
     spring_position,
+    supports,
+    upwards,
 )
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import TEMPERATURES
@@ -58,9 +60,9 @@ def system_matrices(
     """
     coupling = np.array([[1.0, -1.0], [-1.0, 1.0]])
     stiffness = np.kron(coupling, contact_stiffness)
-    stiffness += np.diag([p.inner_stiffness] * 2 + [p.outer_stiffness] * 2)
+    stiffness += np.diag([p.inner_stiffness] * 2 + [*p.housing_stiffness])
     damping = np.kron(coupling, contact_damping)
-    damping += np.diag([p.inner_damping] * 2 + [p.outer_damping] * 2)
+    damping += np.diag([p.inner_damping] * 2 + [*p.housing_damping])
     light = np.array([1.0 / p.inner_mass] * 2 + [1.0 / p.outer_mass] * 2)[:, None]
     return light * stiffness, light * damping
 
@@ -180,17 +182,17 @@ def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatAr
             )
         )
     k_b, clearance, spring = max(factors)
+    held = supports(p)
     if preloaded and p.thermal_mode == 'physical':
         clearance = CLEARANCE_LOW
-        spring = spring_position(
-            p.load, k_b, clearance, row[coefficients.COMPLIANCE], p.bearing.n_balls
-        )
-    compliance = 1.0 / p.inner_stiffness + 1.0 / p.outer_stiffness
+        spring = spring_position(p.load, k_b, clearance, held, p.bearing.n_balls)
     n = p.bearing.n_balls
     balls = healthy_balls(-math.pi / 2, clearance, n)
-    x, y, _, _ = equilibrium(spring, k_b, compliance, balls)
+    x, y, _, _ = equilibrium((held.aside, spring), k_b, held.compliance, balls)
     _, _, kxx, kxy, kyy = contact(x, y, k_b, balls)
-    touching = np.array([[kxx, kxy], [kxy, kyy]])
+    up_x, up_y = upwards(p)
+    axes = np.array([[up_y, up_x], [-up_x, up_y]])
+    touching = axes @ np.array([[kxx, kxy], [kxy, kyy]]) @ axes.T
     # Half of the balls bear, in all directions alike: more than do at rest.
     damped = 0.5 * n * p.contact_damping * np.eye(2)
     thrown = p.unbalance * (2.0 * math.pi * MAX_SHAFT_HZ) ** 2

@@ -1,10 +1,16 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Static equilibrium, and the position of the shaft spring at which the bearing is loaded."""
+"""
+Static equilibrium, and the position of the shaft spring at which the bearing is loaded.
+
+The load's frame has its y axis against the load, so that the load acts along -y in it, and its x
+axis a right angle clockwise from that. For a load that acts downwards it is the frame of all else.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.layout import COS, GAP, SIN
@@ -12,12 +18,66 @@ from bearing_twin.dynamics.model import contact_law
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ['contact', 'equilibrium', 'healthy_balls', 'spring_position']
+if TYPE_CHECKING:
+    from bearing_twin.dynamics.parameters import TwinParameters
+
+__all__ = [
+    'Supports', 'contact', 'equilibrium', 'healthy_balls', 'spring_position', 'supports',
+    'upwards',
+]  # fmt: skip
 
 FloatArray = npt.NDArray[np.float64]
+Symmetric = tuple[float, float, float]
+"""Elements xx, xy and yy of a matrix."""
 
 _POSITIONS = 8
 """Cage positions over one ball spacing."""
+
+
+class Supports(NamedTuple):
+    """Shaft and housing in series, in the load's frame."""
+
+    compliance: Symmetric
+    """m/N."""
+    aside: float
+    """How far they move across to the load under it, m: the foot of the shaft's spring makes up
+    for it, so that the mean force of the bearing has the load's direction."""
+
+
+def upwards(p: TwinParameters) -> tuple[float, float]:
+    """
+    Direction (cos, sin) against the load; what a right angle leaves of rounding is taken off.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> upwards(preset('paper'))
+    (0.0, 1.0)
+
+    """
+    return 0.0 - round(math.cos(p.load_angle), 15), 0.0 - round(math.sin(p.load_angle), 15)
+
+
+def supports(p: TwinParameters) -> Supports:
+    """
+    Compliance of shaft and housing.
+
+    Examples
+    --------
+    A housing that gives way sideways only moves across to a load that acts at 45 degrees:
+
+    >>> from bearing_twin.dynamics import preset
+    >>> soft = preset('paper', outer_stiffness_x=1e6, load_angle=-math.pi / 4)
+    >>> round(1e3 * supports(soft).aside, 2)
+    1.49
+
+    """
+    up_x, up_y = upwards(p)
+    x, y = (1.0 / p.inner_stiffness + 1.0 / stiffness for stiffness in p.housing_stiffness)
+    across = up_y * up_y * x + up_x * up_x * y
+    skew = up_x * up_y * (x - y)
+    along = up_x * up_x * x + up_y * up_y * y
+    return Supports((across, skew, along), -skew * p.load)
 
 
 @compiled()
@@ -65,32 +125,36 @@ def contact(
 
 @compiled()
 def equilibrium(
-    spring: float, k_b: float, compliance: float, balls: FloatArray
+    foot: tuple[float, float], k_b: float, compliance: Symmetric, balls: FloatArray
 ) -> tuple[float, float, float, float]:
     """
     Return displacement between the rings (x, y), m, and force on the outer ring (x, y), N.
 
-    Solves ``x = -F_x C``, ``y = y_i0 - F_y C``, with the compliance C = 1/k_i + 1/k_o of shaft and
-    housing in series, by Newton's method; ``balls`` as `contact` takes them.
+    Solves ``(x, y) = foot - C F``, with the ``compliance`` C of shaft and housing in series, by
+    Newton's method; ``balls`` as `contact` takes them.
 
     Examples
     --------
     With ball 0 under the load the shaft sinks by 14 um, and the bearing bears 502 N:
 
-    >>> spring = spring_position(500.0, 1.2e10, 5e-6, 1e-8, 8)
-    >>> _, y, _, force = equilibrium(spring, 1.2e10, 1e-8, healthy_balls(-math.pi / 2, 5e-6, 8))
+    >>> stiff = Supports((1e-8, 0.0, 1e-8), 0.0)
+    >>> foot = 0.0, spring_position(500.0, 1.2e10, 5e-6, stiff, 8)
+    >>> balls = healthy_balls(-math.pi / 2, 5e-6, 8)
+    >>> _, y, _, force = equilibrium(foot, 1.2e10, stiff.compliance, balls)
     >>> round(1e6 * y), round(force)
     (-14, -502)
 
     """
-    x, y = 0.0, spring
+    cxx, cxy, cyy = compliance
+    x, y = foot
     fx = fy = 0.0
     for _ in range(60):
         fx, fy, kxx, kxy, kyy = contact(x, y, k_b, balls)
-        rx, ry = x + fx * compliance, y - spring + fy * compliance
-        a, b, d = 1.0 + kxx * compliance, kxy * compliance, 1.0 + kyy * compliance
-        determinant = a * d - b * b
-        dx, dy = (d * rx - b * ry) / determinant, (a * ry - b * rx) / determinant
+        rx, ry = x - foot[0] + fx * cxx + fy * cxy, y - foot[1] + fy * cyy + fx * cxy
+        a, b = 1.0 + kxx * cxx + kxy * cxy, kxy * cxx + kyy * cxy
+        c, d = kxy * cyy + kxx * cxy, 1.0 + kyy * cyy + kxy * cxy
+        determinant = a * d - b * c
+        dx, dy = (d * rx - b * ry) / determinant, (a * ry - c * rx) / determinant
         x -= dx
         y -= dy
         if abs(dx) + abs(dy) < 1e-15:
@@ -100,10 +164,12 @@ def equilibrium(
 
 @compiled()
 def spring_position(
-    load: float, kb: float, clearance: float, compliance: float, n_balls: int
+    load: float, kb: float, clearance: float, held: Supports, n_balls: int
 ) -> float:
     """
     Position y_i0 of the shaft spring, m, at which the mean contact force is ``load``, N.
+
+    In the load's frame; ``held`` are the supports.
 
     The mean is over the cage positions of one ball spacing. The grounded shaft spring would carry
     most of an applied force; moving its foot instead leaves the load with the bearing. Newton's
@@ -111,13 +177,14 @@ def spring_position(
 
     Examples
     --------
-    >>> round(1e6 * spring_position(500.0, 1.2e10, 5e-6, 1e-8, 8))
+    >>> round(1e6 * spring_position(500.0, 1.2e10, 5e-6, Supports((1e-8, 0.0, 1e-8), 0.0), 8))
     -19
 
     """
     # A start for Newton's method, from the power 1.5 of the contact law.
     sag = (4.4 * load / (n_balls * kb)) ** (2.0 / 3.0)
-    spring = -(max(clearance, 0.0) + sag + load * compliance)
+    cxx, cxy, cyy = held.compliance
+    spring = -(max(clearance, 0.0) + sag + load * cyy)
     spacing = 2.0 * math.pi / n_balls
     xs = np.zeros(_POSITIONS)
     ys = np.full(_POSITIONS, -(max(clearance, 0.0) + sag))
@@ -127,7 +194,7 @@ def spring_position(
             spacing * (i + 0.5) / _POSITIONS - 0.5 * math.pi, clearance, n_balls
         )
     # Far from contact nothing pulls, and Newton's step has to be bounded.
-    floor = -0.1 / (compliance + 1.0 / (kb * math.sqrt(sag)))
+    floor = -0.1 / (cyy + 1.0 / (kb * math.sqrt(sag)))
     for _ in range(100):
         mean = 0.0
         slope = 0.0
@@ -135,10 +202,11 @@ def spring_position(
         for i in range(_POSITIONS):
             x, y = xs[i], ys[i]
             fx, fy, kxx, kxy, kyy = contact(x, y, kb, balls[i])
-            rx, ry = x + fx * compliance, y - spring + fy * compliance
-            a, b, d = 1.0 + kxx * compliance, kxy * compliance, 1.0 + kyy * compliance
-            determinant = a * d - b * b
-            dx, dy = (d * rx - b * ry) / determinant, (a * ry - b * rx) / determinant
+            rx, ry = x - held.aside + fx * cxx + fy * cxy, y - spring + fy * cyy + fx * cxy
+            a, b = 1.0 + kxx * cxx + kxy * cxy, kxy * cxx + kyy * cxy
+            c, d = kxy * cyy + kxx * cxy, 1.0 + kyy * cyy + kxy * cxy
+            determinant = a * d - b * c
+            dx, dy = (d * rx - b * ry) / determinant, (a * ry - c * rx) / determinant
             xs[i], ys[i] = x - dx, y - dy
             moved = max(moved, abs(dx) + abs(dy))
             # Force after this step, and how it follows the spring.

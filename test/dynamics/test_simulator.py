@@ -39,8 +39,12 @@ def relative(got, expected):
         quiet(defect='inner+outer+ball+cage', unbalance=1e-3),
         quiet('sawalhi2008', resonance_hz=0.0),
         quiet('mishra2017', bearing='6205', thermal_mode='physical'),
+        quiet(
+            defect='inner+outer', load=2000.0, load_angle=0.7, outer_stiffness_x=4e6,
+            outer_damping_x=900.0,
+        ),
     ],
-    ids=['inner', 'outer', 'ball', 'all', 'no sensor', 'physical'],
+    ids=['inner', 'outer', 'ball', 'all', 'no sensor', 'physical', 'aslant'],
 )
 def test_agrees_with_an_adaptive_solver(parameters):
     samples, hz = 5120, FAST_HZ  # the fastest shaft with one step a sample has the largest error
@@ -79,6 +83,47 @@ def test_bearing_carries_its_load(load):
         angle = condition.cage_angle + 2.0 * np.pi * np.arange(8) / 8
         forces.append(-(condition.ball_force * np.sin(angle)).sum())
     assert np.mean(forces) == pytest.approx(load, rel=1e-3)
+
+
+@pytest.mark.parametrize('turn', [math.pi / 2, math.pi, -math.pi / 2])
+def test_a_machine_that_is_turned_as_a_whole_gives_the_signal_turned(turn):
+    upright = quiet('paper', defect='inner+outer', outer_stiffness_x=1e7, outer_damping_x=1500.0)
+    swapped = {}
+    if abs(turn) < 3.0:
+        swapped = {'outer_stiffness': 1e7, 'outer_stiffness_x': upright.outer_stiffness}
+        swapped |= {'outer_damping': 1500.0, 'outer_damping_x': upright.outer_damping}
+    lying = dataclasses.replace(
+        upright,
+        load_angle=upright.load_angle + turn,
+        start_angle=upright.start_angle + turn,
+        defects=tuple(
+            dataclasses.replace(d, angle=d.angle + turn * (d.place == 'outer'))
+            for d in upright.defects
+        ),
+        **swapped,
+    )
+    one, other = (Simulator(p).advance(5120, 40.0, 25.4) for p in (upright, lying))
+    fleet = Fleet([upright, lying], seeds=[0, 0]).advance(5120, 40.0, 25.4)
+    c, s = round(math.cos(turn)), round(math.sin(turn))
+    for block, limit in ((one, 1e-5), (Fleet, 2e-3)):
+        x, y = (fleet.x[0], fleet.y[0]) if block is Fleet else (one.x, one.y)
+        turned = np.array([c * x - s * y, s * x + c * y])
+        got = [fleet.x[1], fleet.y[1]] if block is Fleet else [other.x, other.y]
+        assert relative(np.array(got), turned) < limit
+
+
+@pytest.mark.parametrize('angle', [-math.pi / 2, 0.0, 0.7, 2.5])
+def test_the_mean_force_has_the_load_s_size_and_direction(angle):
+    # Softer across than along: the housing moves aside, the force does not.
+    p = quiet(defect='none', load=2000.0, load_angle=angle, outer_stiffness_x=4e6)
+    forces = []
+    for position in np.arange(16) / 16.0 * math.tau / 8:
+        at_rest = dataclasses.replace(p, start_angle=position)
+        balls = Simulator(at_rest, shaft_hz=0.0).condition().ball_force
+        angles = position + math.tau * np.arange(8) / 8
+        forces.append([balls @ np.cos(angles), balls @ np.sin(angles)])
+    expected = 2000.0 * np.array([math.cos(angle), math.sin(angle)])
+    assert np.mean(forces, axis=0) == pytest.approx(expected, abs=2.0)
 
 
 def test_free_motion_decays_to_static_equilibrium():
