@@ -14,7 +14,7 @@ from bearing_twin.dynamics import coefficients, filters, inner_ring
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.condition import Condition, condition
 from bearing_twin.dynamics.fleet_kernel import advance_all
-from bearing_twin.dynamics.fleet_lanes import check_defects, Lanes
+from bearing_twin.dynamics.fleet_lanes import Lanes
 from bearing_twin.dynamics.parameters import check_speed
 from bearing_twin.dynamics.saved import Envelope, identity
 from bearing_twin.dynamics.simulator import Block, Simulator
@@ -62,7 +62,7 @@ class Fleet:
     Parameters
     ----------
     parameters : sequence of TwinParameters
-        One set a bearing. At most 4 defects each.
+        One set a bearing.
     sample_rate
         Output rate of all bearings, Hz, 2000 to 204800.
     seeds
@@ -95,8 +95,6 @@ class Fleet:
         if not size:
             msg = 'a fleet needs at least one bearing'
             raise BearingTwinError(msg)
-        for index, each in enumerate(parameters):
-            check_defects(index, each)
         self._parameters = list(parameters)
         self._temperatures = self._checked('temperatures', temperatures, check_temperature)
         self._shaft_hz = self._checked('shaft_hz', shaft_hz, check_speed)
@@ -215,7 +213,6 @@ class Fleet:
                 f'{self._lanes.most_balls} of this fleet; start a new fleet with it'
             )
             raise BearingTwinError(msg)
-        check_defects(index, parameters)
         simulator = self._simulator(index, parameters)
         self._parameters[index] = parameters
         self._tables[index] = self._tables_of(parameters)

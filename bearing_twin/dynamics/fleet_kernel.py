@@ -18,9 +18,9 @@ from typing import Any
 
 from bearing_twin.dynamics.coefficients import INPUTS
 from bearing_twin.dynamics.compiled import compiled
-from bearing_twin.dynamics.fleet_kinematics import grid_point, look_up_waves, wrap_phases
+from bearing_twin.dynamics.fleet_kinematics import grid_point, place_waves, wrap_phases
 from bearing_twin.dynamics.fleet_layout import WAVE_STEPS
-from bearing_twin.dynamics.fleet_motion import advance
+from bearing_twin.dynamics.fleet_motion import advance, Surfaces
 from bearing_twin.dynamics.fleet_signal import copy, decimate, hand_out
 from bearing_twin.dynamics.layout import CHUNK
 from bearing_twin.dynamics.vector import L
@@ -116,11 +116,11 @@ def advance_all(
     step, steps = np.float32(h), CHUNK * oversample
     most = slots.shape[1]
     times = steps // WAVE_STEPS + 2
-    found = np.zeros((L, times, 2 * L * ((most + L - 1) // L)), np.float32)
-    which = np.zeros((most, L), np.uint64)
+    under, starts = np.zeros((most, 3, L), np.int64), np.zeros((11, L), np.float32)
     waves = np.zeros((times, most, 2, L), np.float32)
     for number in range(groups.shape[0]):
         group, lane = groups[number], number * L
+        rolled = surfaces[lane : lane + L].reshape(-1)
         balls, remembered = slots[number].reshape(-1), history[number].reshape(-1)
         for phase in range(oversample):
             copy(raw, phase * stride // L, remembered, phase * memory // L, memory // L)
@@ -131,13 +131,10 @@ def advance_all(
             inputs, growth = _inputs(ramp, drift, lane, n, done - within, since_tick, oversample)
             grid_point(group, inputs, growth, (first + done) // CHUNK, within, steps, h)
             if group.wavy:
-                look_up_waves(
-                    group, surfaces[lane : lane + L], within * oversample,
-                    (within + count) * oversample, h, which, found, waves,
-                )  # fmt: skip
+                place_waves(group, surfaces.shape[1], h, under, starts)
             advance(
-                group, balls, waves.reshape(-1), most, within, count, oversample, step, raw,
-                memory // L, stride // L,
+                group, balls, Surfaces(rolled, under, starts, waves), within, count, oversample,
+                step, raw, memory // L, stride // L,
             )  # fmt: skip
             decimate(tile, raw, taps, oversample, group, first + done, count)
             hand_out(tile, out, lane, begin + done, count)

@@ -12,25 +12,29 @@ from bearing_twin.dynamics.coefficients import CLEARANCE, DEPTH, K_B, SHAFT_HZ, 
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.fleet_layout import WAVE_STEPS
 from bearing_twin.dynamics.layout import SPIN_TURNS
-from bearing_twin.dynamics.model import defect_path
+from bearing_twin.dynamics.model import defect_path, RECTANGLE
 from bearing_twin.dynamics.random import normal_pairs, WALK
 from bearing_twin.dynamics.vector import (
+    any_of,
     chosen,
     floor,
     L,
     load,
     load_words,
+    magnitude,
     sines,
     splat,
     store,
 )
-from bearing_twin.dynamics.waviness import look_up, Surfaces
+from bearing_twin.dynamics.waviness import REPEATED, under
 import numpy as np
 
-__all__ = ['first_slot', 'grid_point', 'look_up_waves', 'open_gap', 'wrap_phases']
+__all__ = ['first_slot', 'grid_point', 'look_up_waves', 'open_gap', 'place_waves', 'wrap_phases']
 
 _NOWHERE = 1e4
 """Number of no slot."""
+_STANDING = 1e-12
+"""Way along a defect within a step, m, that is none."""
 _F = np.float32
 _HALF = _F(0.5)
 _TWO_PI = 2.0 * math.pi
@@ -53,7 +57,11 @@ def _negative_number(ball, first, n_balls):
 
 @compiled(inline=True, fast=FAST)
 def open_gap(group, spall, now, factor):
-    """Find which slot a spall has under it, what it takes from the contact and at what rate."""
+    """
+    Find which slot a spall has under it, what it takes from the contact and at what rate.
+
+    Returns whether in any lane an edge where the path jumps is passed about now.
+    """
     passed = load(spall.passed, 0) + now * load(spall.growth, 0)
     nearest = floor(passed + _HALF)
     turns = floor((nearest + _F(0.25)) * load(group.per_ball, 0) + _HALF)
@@ -62,12 +70,23 @@ def open_gap(group, spall, now, factor):
     there = (slot >= load(spall.low, 0)) & (load(spall.high, 0) >= slot)
     store(spall.slot, 0, chosen(there, slot, splat(_F(_NOWHERE))))
     curvature = chosen(nearest == _F(1.0), load(spall.odd, 0), load(spall.even, 0))
-    sunk, slope = defect_path(
-        load(spall.profile, 0), load(spall.half, 0), load(spall.depth, 0), curvature,
-        (passed - nearest) * load(spall.metres, 0),
-    )  # fmt: skip
+    profile, half, depth = load(spall.profile, 0), load(spall.half, 0), load(spall.depth, 0)
+    along = (passed - nearest) * load(spall.metres, 0)
+    sunk, slope = defect_path(profile, half, depth, curvature, along)
+    share, parted = splat(_F(1.0)), False
+    jumps = profile == _F(RECTANGLE)
+    if any_of(jumps):
+        # How much of the step about now is inside.
+        step = magnitude(load(spall.growth, 0) * load(spall.metres, 0)) + _F(_STANDING)
+        inside = (half - magnitude(along)) / step + _HALF
+        inside = chosen(inside > _F(1.0), splat(_F(1.0)), inside)
+        touched = jumps & (inside > _F(0.0))
+        sunk, share = chosen(touched, depth, sunk), chosen(touched, inside, share)
+        parted = any_of(_F(1.0) > share)
     store(spall.taken, 0, factor * sunk)
     store(spall.taken_rate, 0, factor * slope * load(spall.speed, 0))
+    store(spall.share, 0, share)
+    return parted
 
 
 @compiled(inline=True, fast=FAST)
@@ -135,39 +154,72 @@ def grid_point(group, inputs, growth, index, within, steps, h):
 
 
 @compiled(fast=FAST, borrows=True)
-def look_up_waves(group, tables, first_step, last_step, h, balls, found, waves):
+def place_waves(group, stride, h, begins, starts):
+    """
+    Find where the balls are on the tables of `waviness` at the grid point.
+
+    ``stride`` numbers are those of a lane. ``begins``, int64[slots, 3, L], takes where the tables
+    of outer race, inner race and ball begin; ``starts``, float32[11, L], for each of them the
+    node under slot 0, the nodes per step and in all, then how many lie between slots of a race.
+    """
+    g = group
+    for i in range(L):
+        n, cage, spin = int(g.n_balls[i]), g.cage[i], g.spin[i] / SPIN_TURNS
+        first = int(first_slot(cage, n * 1.0, g.load_turns[i]))
+        turn = cage - g.shaft[i] + first / n
+        cage += first / n
+        outer, inner, track = g.outer_nodes[i], g.inner_nodes[i], g.ball_nodes[i]
+        starts[0, i] = (cage - math.floor(cage)) * outer
+        starts[1, i] = (turn - math.floor(turn)) * inner
+        starts[2, i] = (spin - math.floor(spin)) * track
+        starts[3, i] = h * g.cage_hz[i] * outer
+        starts[4, i] = h * (g.cage_hz[i] - g.shaft_hz[i]) * inner
+        starts[5, i] = h * g.spin_hz[i] / SPIN_TURNS * track
+        # Perfect surfaces have one node, of zero.
+        starts[6, i], starts[7, i], starts[8, i] = max(outer, 1), max(inner, 1), max(track, 1)
+        starts[9, i], starts[10, i] = outer / n, inner / n
+        row = i * stride + 2
+        on_inner, on_ball = row + 2 * (outer + REPEATED), 2 * (track + REPEATED)
+        balls = on_inner + 2 * (inner + REPEATED)
+        for slot in range(g.balls_in):
+            ball = first + (slot + 1) // 2 if slot % 2 else first - slot // 2
+            ball = ball + n if ball < 0 else (ball - n if ball >= n else ball)
+            ball = ball if slot < n else 0
+            begins[slot, 0, i], begins[slot, 1, i] = row, on_inner
+            begins[slot, 2, i] = balls + ball * on_ball
+
+
+@compiled(fast=FAST, borrows=True)
+def look_up_waves(tables, begins, starts, h, first_step, last_step, slots, waves):
     """
     Fill ``waves`` with what waviness takes from the contacts, m, and at what rate, m/s.
 
-    At every `WAVE_STEPS` steps after the grid point, about those from ``first_step`` to
-    ``last_step``. ``tables`` are those of the lanes; ``balls`` and ``found`` are to work in.
+    In ``slots`` (the first, the one after the last), at every `WAVE_STEPS` steps after the grid
+    point, about those from ``first_step`` to ``last_step``. ``tables`` are those of all lanes.
     """
-    g, rates_from = group, found.shape[2] // 2
     begin, end = first_step // WAVE_STEPS, (last_step - 1) // WAVE_STEPS + 2
-    for i in range(L):
-        n = int(g.n_balls[i])
-        first = int(first_slot(g.cage[i], n * 1.0, g.load_turns[i]))
-        for slot in range(n):
-            ball = first + (slot + 1) // 2 if slot % 2 else first - slot // 2
-            balls[slot, i] = ball + n if ball < 0 else (ball - n if ball >= n else ball)
-        if g.outer_cells[i] == 0:
-            continue
-        room = found[i, 0]
-        surfaces = Surfaces(
-            tables[i], g.width[i], g.outer_cells[i], g.inner_cells[i], g.ball_cells[i], room, 0.0
-        )
-        cage, shaft, spin = g.cage[i], g.shaft[i], g.spin[i]
-        rates = g.cage_hz[i], g.shaft_hz[i], g.spin_hz[i]
+    room, firsts, into = starts.reshape(-1), begins.reshape(-1), waves.reshape(-1)
+    per_step, ahead = _F(1.0 / h), _F(last_step - first_step)
+    for slot in range(slots[0], slots[1]):
+        number = _F((slot + 1) // 2 if slot % 2 else -(slot // 2))
         for k in range(begin, end):
-            time = k * WAVE_STEPS * h
-            phases = cage + time * rates[0], shaft + time * rates[1], spin + time * rates[2]
-            look_up(surfaces, n, phases, rates, found[i, k])
-    for k in range(begin, end):
-        for slot in range(g.balls_in):
-            for i in range(L):
-                ball = balls[slot, i]
-                waves[k, slot, 0, i] = found[i, k, ball]
-                waves[k, slot, 1, i] = found[i, k, rates_from + ball]
+            step = _F(k * WAVE_STEPS)
+            gap, rate = splat(_F(0.0)), splat(_F(0.0))
+            for which in range(3):
+                speed, nodes = load(room, 3 + which), load(room, 6 + which)
+                at = load(room, which) + step * speed
+                if which < 2:
+                    at = at + number * load(room, 9 + which)
+                at = at - nodes * floor(at / nodes)
+                node = floor(at)
+                more, faster = under(
+                    tables, firsts, 3 * slot + which, node, at - node, speed * per_step,
+                    ahead * speed,
+                )  # fmt: skip
+                gap, rate = gap + more, rate + faster
+            row = 2 * (k * waves.shape[1] + slot)
+            store(into, row, gap)
+            store(into, row + 1, rate)
 
 
 @compiled(inline=True)

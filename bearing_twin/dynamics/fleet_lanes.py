@@ -13,8 +13,7 @@ from bearing_twin.dynamics import fleet_layout as fl
 from bearing_twin.dynamics.fleet_kernel import room_size
 from bearing_twin.dynamics.fleet_kinematics import first_slot
 from bearing_twin.dynamics.vector import aligned, L
-from bearing_twin.dynamics.waviness import Surfaces
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.dynamics.waviness import laid_out, Surfaces
 import numpy as np
 import numpy.typing as npt
 
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
     from bearing_twin.dynamics.simulator import Simulator, Snapshot
 
-__all__ = ['Lanes', 'check_defects']
+__all__ = ['Lanes']
 
 FloatArray = npt.NDArray[np.float64]
 Array = npt.NDArray[Any]
@@ -152,20 +151,15 @@ class Lanes:
             self.surfaces = np.pad(self.surfaces, ((0, 0), (0, missing)))
         self.surfaces[index, : len(table)] = table
         for name in ('outer', 'inner', 'ball'):
-            group[name + '_cells'][lane] = getattr(surfaces, name)
-        group['width'][lane] = surfaces.width
+            group[name + '_nodes'][lane] = getattr(surfaces, name)
         group['highest'][lane] = surfaces.highest
 
     def surfaces_of(self, index: int) -> Surfaces:
         """Surfaces of one bearing."""
         number, lane = divmod(index, L)
         group = self.groups[number]
-        outer, inner, ball, width = (
-            int(group[name][lane])
-            for name in ('outer_cells', 'inner_cells', 'ball_cells', 'width')
-        )
-        room = np.zeros(2 * L * -(-int(group['n_balls'][lane]) // L), np.float32)
-        return Surfaces(self.surfaces[index], width, outer, inner, ball, room, 0.0)
+        nodes = (int(group[name + '_nodes'][lane]) for name in ('outer', 'inner', 'ball'))
+        return laid_out(self.surfaces[index], int(group['n_balls'][lane]), *nodes)
 
     def state(self) -> list[Array]:
         """Motion, phases, decimators and inner rings, as views."""
@@ -179,27 +173,6 @@ class Lanes:
         """Take over what :meth:`state` returned."""
         for mine, given in zip(self.state(), parts, strict=True):
             mine[...] = given
-
-
-def check_defects(index: int, parameters: TwinParameters) -> None:
-    """
-    Refuse more defects than a lane has slots for.
-
-    Examples
-    --------
-    >>> from bearing_twin.dynamics import preset
-    >>> several = '+'.join(f'ball:ball={i}' for i in range(5))
-    >>> check_defects(0, preset('incipient', defect=several))  # doctest: +ELLIPSIS
-    Traceback (most recent call last):
-    bearing_twin.errors.BearingTwinError: bearing 0 of the fleet has 5 defects, more than ...
-
-    """
-    if len(parameters.defects) > fl.MAX_SPALLS:
-        msg = (
-            f'bearing {index} of the fleet has {len(parameters.defects)} defects, more than '
-            f'{fl.MAX_SPALLS}; merge some, or use a Simulator for it'
-        )
-        raise BearingTwinError(msg)
 
 
 def _sensor_rows(p: TwinParameters, step: float) -> tuple[FloatArray, ...]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from bearing_twin.dynamics.parameters import MAX_DEFECTS
 from bearing_twin.dynamics.vector import L
 import numpy as np
 
@@ -17,7 +18,7 @@ __all__ = [
     'BALL_COS', 'BALL_ROWS', 'BALL_SIN', 'CARRIED', 'GROUP', 'MAX_SPALLS', 'NUMBER', 'WAVE_STEPS',
 ]  # fmt: skip
 
-MAX_SPALLS = 4
+MAX_SPALLS = MAX_DEFECTS
 """Most spalls of one bearing of a fleet."""
 
 WAVE_STEPS = 3
@@ -47,8 +48,8 @@ SPALL = np.dtype(
         # slot of its ball, lowest and highest slot it acts on.
         *_lanes('passed growth speed fixed low high'),
         # At the present step: slot under which it is, what it takes from the contact (m) and at
-        # what rate (m/s).
-        *_lanes('slot taken taken_rate'),
+        # what rate (m/s), how much of the step.
+        *_lanes('slot taken taken_rate share'),
     ]
 )
 
@@ -67,8 +68,8 @@ GROUP = np.dtype(
         *_lanes('seed', np.uint64),
         *_rows('to_z to_w', 6),  # rows of `filters.resonator`
         *_rows('read', 3),
-        # Cells and columns of the tables of `waviness`; the highest wave of any ball, m.
-        *_lanes('outer_cells inner_cells ball_cells width', np.int64),
+        # Nodes of the tables of `waviness`; the highest wave of any ball, m.
+        *_lanes('outer_nodes inner_nodes ball_nodes', np.int64),
         *_lanes('highest'),
         # Prescribed from a grid point to the next: inputs and their growth per step; directions
         # turned by a step; speeds (rad/s), unbalance (N), random number of the cage's walk.

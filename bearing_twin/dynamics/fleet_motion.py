@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.fleet_kinematics import open_gap
+from bearing_twin.dynamics.fleet_kinematics import look_up_waves, open_gap
 from bearing_twin.dynamics.fleet_layout import BALL_COS, BALL_ROWS, BALL_SIN, NUMBER, WAVE_STEPS
 from bearing_twin.dynamics.fleet_signal import sense
 from bearing_twin.dynamics.hermite import correct, taylor, ZERO
@@ -22,7 +22,7 @@ from bearing_twin.dynamics.model import contact_force, ring_motion
 from bearing_twin.dynamics.vector import any_of, chosen, load, magnitude, splat, store
 import numpy as np
 
-__all__ = ['advance']
+__all__ = ['Surfaces', 'advance']
 
 _F = np.float32
 _ZERO = _F(0.0)
@@ -53,6 +53,15 @@ class _Waves(NamedTuple):
     share: Any
     """How far the step is between both, 0 to 1."""
     seconds: Any
+
+
+class Surfaces(NamedTuple):
+    """What `look_up_waves` takes."""
+
+    tables: Any
+    begins: Any
+    starts: Any
+    waves: Any
 
 
 class _Drive(NamedTuple):
@@ -134,8 +143,12 @@ def _wave(waves, slot):
 
 
 @compiled(inline=True, fast=FAST)
-def _contact(group, slots, waves, n_balls, c0, s0, gap, k_b, q, v, a):
-    """Force of the balls on the outer ring, N, and its rate, N/s."""
+def _contact(group, slots, waves, parted, n_balls, c0, s0, gap, k_b, q, v, a):
+    """
+    Force of the balls on the outer ring, N, and its rate, N/s.
+
+    Where steps are ``parted`` by an edge, the mean of the forces on both sides of it.
+    """
     turning = load(group.turning, 0)
     x, y, vx, vy = q[0] - q[2], q[1] - q[3], v[0] - v[2], v[1] - v[3]
     ax, ay = a[0] - a[2], a[1] - a[3]
@@ -153,32 +166,57 @@ def _contact(group, slots, waves, n_balls, c0, s0, gap, k_b, q, v, a):
         if waves.wavy:
             opened, opening = _wave(waves, j)
             delta, closing = delta - opened, closing - opening
+        bare, share = delta, splat(_F(1.0))
         for k in range(group.spalls_in):
             spall = group.spalls[k]
-            under = load(spall.slot, 0) == number
-            delta = chosen(under, delta - load(spall.taken, 0), delta)
+            under, taken = load(spall.slot, 0) == number, load(spall.taken, 0)
+            delta = chosen(under, delta - taken, delta)
             closing = chosen(under, closing - load(spall.taken_rate, 0), closing)
-        touches = delta > zero
-        force, rate = contact_force(
-            chosen(touches, delta, zero), closing, vx * c + vy * s, bx * c + by * s, k_b, damping
-        )
-        loaded = touches & (force > zero)
-        force, rate = chosen(loaded, force, zero), chosen(loaded, rate, zero)
+            if parted:
+                part = load(spall.share, 0)
+                bare = chosen(under & (part >= _F(1.0)), bare - taken, bare)
+                share = chosen(under, share * part, share)
+        speed, acceleration = vx * c + vy * s, bx * c + by * s
+        force, rate = _pressed(delta, closing, speed, acceleration, k_b, damping)
+        if parted:
+            beside, change = _pressed(bare, closing, speed, acceleration, k_b, damping)
+            force, rate = beside + share * (force - beside), change + share * (rate - change)
         fx, fy, gx, gy = fx + force * c, fy + force * s, gx + rate * c, gy + rate * s
     return (fx, fy), (gx - turning * fy, gy + turning * fx)
 
 
+@compiled(inline=True, fast=FAST)
+def _pressed(delta, closing, speed, acceleration, k_b, damping):
+    """Return `model.contact_force` where it acts, else zero."""
+    zero = splat(_ZERO)
+    touches = delta > zero
+    force, rate = contact_force(
+        chosen(touches, delta, zero), closing, speed, acceleration, k_b, damping
+    )
+    loaded = touches & (force > zero)
+    return chosen(loaded, force, zero), chosen(loaded, rate, zero)
+
+
 @compiled(fast=FAST, borrows=True)
-def advance(group, slots, waves, most_slots, first, count, oversample, h, raw, begin, stride):
+def advance(group, slots, surfaces, first, count, oversample, h, raw, begin, stride):
     """
     Advance a group by ``count`` output samples, from ``first`` of the chunk on.
 
     Writes the sensors to ``raw``: two rows a sample, from row ``begin`` on, the internal samples
-    of an output sample ``stride`` rows apart. ``waves`` are those of `look_up_waves`, for
-    ``most_slots``.
+    of an output sample ``stride`` rows apart.
     """
     g, n_balls = group, group.balls_in
-    few = 2 * ((n_balls + 3) // 4)
+    few = min(2 * ((n_balls + 3) // 4), n_balls)
+    tables, begins, starts, waves = surfaces
+    first_step, last_step, most_slots = (
+        first * oversample,
+        (first + count) * oversample,
+        waves.shape[1],
+    )
+    rows, known = waves.reshape(-1), n_balls
+    if g.wavy:
+        known = few
+        look_up_waves(tables, begins, starts, h, first_step, last_step, (0, few), waves)
     q, v, a, j = _four(g.q), _four(g.v), _four(g.a), _four(g.j)
     zx, wx, zy, wy = _four(g.sensor)
     c, s, cs, ss = _four(g.directions)
@@ -189,21 +227,27 @@ def advance(group, slots, waves, most_slots, first, count, oversample, h, raw, b
             cd, sd, csd, ssd = _four(g.turned)
             c, s = c * cd - s * sd, s * cd + c * sd
             cs, ss = cs * csd - ss * ssd, ss * csd + cs * ssd
+            parted = False
             for k in range(g.spalls_in):
-                open_gap(g, g.spalls[k], now, _at(g.depth, now))
+                parted |= open_gap(g, g.spalls[k], now, _at(g.depth, now))
             further, faster, ahead = taylor(h, q, v, a, j, ZERO)
             gap = _at(g.gap, now)
             enough = _few_are_enough(
                 g, slots, few, c, s, further[0] - further[2], further[1] - further[3],
                 gap - load(g.highest, 0),
             )  # fmt: skip
+            if not enough and known < n_balls:
+                look_up_waves(
+                    tables, begins, starts, h, first_step, last_step, (known, n_balls), waves
+                )
+                known = n_balls
             before = number // WAVE_STEPS
             passing = _Waves(
-                g.wavy, waves, 2 * most_slots * before, 2 * most_slots,
+                g.wavy, rows, 2 * most_slots * before, 2 * most_slots,
                 _F(number - WAVE_STEPS * before) / _F(WAVE_STEPS), _F(WAVE_STEPS) * h,
             )  # fmt: skip
             force, rate = _contact(
-                g, slots, passing, few if enough else n_balls, c, s, gap, _at(g.k_b, now),
+                g, slots, passing, parted, few if enough else n_balls, c, s, gap, _at(g.k_b, now),
                 further, faster, ahead,
             )  # fmt: skip
             a1, j1 = ring_motion(

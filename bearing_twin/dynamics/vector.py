@@ -37,7 +37,7 @@ __all__ = [
     'floor',
     'has_bit',
     'load',
-    'load_from',
+    'load_fours',
     'load_words',
     'magnitude',
     'real',
@@ -217,15 +217,61 @@ def load(typing, array, row):
 
 
 @_intrinsic
-def load_from(typing, array, first):
-    """Sixteen numbers of a flat float32 array, from ``first`` on."""
+def load_fours(typing, array, begins, row, pair, ahead):
+    """
+    Four consecutive numbers of a flat float32 array for each of sixteen places, as four values.
+
+    Number k is from ``begins[16 row + k] + 2 pair[k]`` on; ``begins`` is an int64 array. What is
+    ``ahead[k]`` pairs further will be needed: it is fetched into the cache.
+    """
 
     def code(context, builder, sig, args):
-        value = builder.load(_place(context, builder, args[0], sig.args[0], args[1], 1))
-        value.align = 4
-        return value
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        first = context.make_array(sig.args[1])(context, builder, args[1]).data
+        first = builder.gep(first, [builder.mul(args[2], ir.Constant(args[2].type, L))])
+        firsts = builder.load(builder.bitcast(first, _LONGS.as_pointer()))
+        firsts.align = 8
+        fetch = cgutils.get_or_insert_function(
+            builder.module,
+            ir.FunctionType(ir.VoidType(), [ir.IntType(8).as_pointer(), _INT, _INT, _INT]),
+            'llvm.prefetch.p0i8',
+        )
 
-    return FLOATS(array, types.intp), code
+        def place_of(pair):
+            pairs = builder.sext(builder.fptosi(pair, _INTS), _LONGS)
+            return builder.add(firsts, builder.add(pairs, pairs))
+
+        places = place_of(args[3])
+        if sig.args[4] is FLOATS:
+            later = place_of(builder.fadd(args[3], args[4], flags=_FLAGS))
+            for k in range(L):
+                place = builder.gep(data, [builder.extract_element(later, ir.Constant(_INT, k))])
+                place = builder.bitcast(place, ir.IntType(8).as_pointer())
+                builder.call(fetch, [place, *(ir.Constant(_INT, n) for n in (0, 3, 1))])
+        fours = []
+        for k in range(L):
+            place = builder.gep(data, [builder.extract_element(places, ir.Constant(_INT, k))])
+            four = builder.load(builder.bitcast(place, ir.VectorType(_FLOAT, 4).as_pointer()))
+            four.align = 4
+            fours.append(four)
+        # All end to end, then every fourth number.
+        while len(fours) > 1:
+            length = fours[0].type.count
+            joined = ir.Constant(ir.VectorType(_INT, 2 * length), list(range(2 * length)))
+            fours = [
+                builder.shuffle_vector(one, other, joined)
+                for one, other in zip(fours[::2], fours[1::2], strict=True)
+            ]
+        nothing = ir.Constant(fours[0].type, ir.Undefined)
+        found = [
+            builder.shuffle_vector(
+                fours[0], nothing, ir.Constant(_INTS, [k + 4 * lane for lane in range(L)])
+            )
+            for k in range(4)
+        ]
+        return context.make_tuple(builder, sig.return_type, found)
+
+    return types.UniTuple(FLOATS, 4)(array, begins, types.intp, FLOATS, ahead), code
 
 
 @_intrinsic

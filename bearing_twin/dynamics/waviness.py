@@ -39,14 +39,14 @@ from bearing_twin.bearing import fault_orders
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.layout import SPIN_TURNS
 from bearing_twin.dynamics.random import normal_pair, SURFACE
-from bearing_twin.dynamics.vector import L, load_from, store
+from bearing_twin.dynamics.vector import chosen, L, load, load_fours, splat, store
 import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['Surfaces', 'look_up', 'profiles', 'surfaces']
+__all__ = ['REPEATED', 'Surfaces', 'laid_out', 'look_up', 'profiles', 'surfaces', 'under']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -60,6 +60,8 @@ _SHORTEST = 0.02
 0.3 mm long under 1 kN (Hertz)."""
 _NODES = 3
 """Nodes of a table for the shortest wave."""
+REPEATED = 3
+"""Nodes of a table that are there twice."""
 _DRAWS = 1 << 20
 """Room for the random numbers of one profile."""
 
@@ -68,17 +70,19 @@ class Surfaces(NamedTuple):
     """Tables of all profiles of one bearing, one after the other in `table`."""
 
     table: Any
-    """float32: for each node a row of gaps, m, and one of slopes, m per cell. Columns of a race
-    are the stretches of one ball spacing, twice around; those of the balls are balls, padded."""
-    width: int
-    """Columns of a row of a race."""
+    """float32: for each node of a profile its gap, m, and slope, m per node. One node before the
+    first and two after the last are repeated, for what rounds beyond the ends."""
     outer: int
-    """Cells of the outer race in one ball spacing; 0 for perfect surfaces."""
+    """Nodes of a turn of the outer race; 0 for perfect surfaces."""
     inner: int
     ball: int
-    """Cells of the track of a ball, `layout.SPIN_TURNS` turns long."""
+    """Nodes of the track of a ball, `layout.SPIN_TURNS` turns long."""
     room: Any
     """float32: what `look_up` finds, for a multiple of `vector.L` balls; else zeros."""
+    places: Any
+    """float32[2, balls]: how many nodes each ball is ahead of ball 0 on outer and inner race."""
+    begins: Any
+    """int64[3, balls]: where in `table` the nodes under each ball begin."""
     highest: float
     """Most that the gap of a ball can be smaller than that of perfect surfaces, m."""
 
@@ -145,46 +149,66 @@ def surfaces(p: TwinParameters, seed: int) -> Surfaces:
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
-    >>> surfaces(preset('paper'), seed=0)[1:5]
-    (24, 301, 183, 942)
+    >>> surfaces(preset('paper'), seed=0)[1:4]
+    (2408, 1464, 942)
 
     """
     n = p.bearing.n_balls
-    padded = -(-n // L) * L
-    width, room = n + padded, np.zeros(2 * padded, np.float32)
     if p.waviness == 0.0:
-        return Surfaces(np.zeros(0, np.float32), width, 0, 0, 0, room, 0.0)
-    tables, cells, highest = [], [], 0.0
+        return laid_out(np.zeros(2 * (3 + n) * REPEATED, np.float32), n, 0, 0, 0)
+    parts, nodes, highest = [], [], 0.0
     for gaps, slopes in profiles(p, seed):
-        parts = n if len(gaps) == 1 else 1
-        count = gaps.shape[1] // parts
-        rows = np.stack([gaps, slopes / gaps.shape[1]]).reshape(2, -1, count).transpose(2, 0, 1)
-        # Past the last cell of a stretch comes the first one of the next.
-        last = np.roll(rows[:1], -1 if parts > 1 else 0, axis=2)
-        rows = np.concatenate([rows, last])
-        columns = width if parts > 1 else padded
-        tables.append(np.tile(rows, math.ceil(columns / n))[..., :columns].ravel())
-        cells.append(count)
+        rows = np.stack([gaps, slopes / gaps.shape[1]], axis=-1)
+        parts.append(np.pad(rows, ((0, 0), (1, REPEATED - 1), (0, 0)), 'wrap').ravel())
+        nodes.append(gaps.shape[1])
         # A cubic may rise above its nodes by a quarter of the slopes at both ends.
         highest += float(np.abs(gaps).max() + 0.25 * np.abs(slopes).max() / gaps.shape[1])
-    outer, inner, ball = cells
-    table = np.concatenate(tables).astype(np.float32)
-    return Surfaces(table, width, outer, inner, ball, room, highest)
+    outer, inner, ball = nodes
+    table = np.concatenate(parts).astype(np.float32)
+    return laid_out(table, n, outer, inner, ball, highest)
+
+
+def laid_out(
+    table: Any, n_balls: int, outer: int, inner: int, ball: int, highest: float = 0.0
+) -> Surfaces:
+    """
+    Put together the tables of one bearing from their numbers and how many nodes each has.
+
+    Examples
+    --------
+    >>> laid_out(np.zeros(100, np.float32), 3, 6, 6, 4).begins[:, :3].tolist()
+    [[2, 2, 2], [20, 20, 20], [38, 52, 66]]
+
+    """
+    padded = -(-n_balls // L) * L
+    number = np.zeros(padded)
+    number[:n_balls] = np.arange(n_balls)
+    places = np.stack([number * (outer // n_balls), number * (inner // n_balls)])
+    first = np.array([[0], [outer + REPEATED], [outer + inner + 2 * REPEATED]])
+    begins = 2 * (1 + first + np.array([[0], [0], [1]]) * number * (ball + REPEATED))
+    room = np.zeros(2 * padded, np.float32)
+    return Surfaces(
+        table, outer, inner, ball, room, places.astype(np.float32).ravel(),
+        begins.astype(np.int64), highest,
+    )  # fmt: skip
 
 
 @compiled(inline=True, fast=FAST)
-def _cell(share, cells):
-    """Cell ``share`` of the way through a table, and how far within it."""
-    along = share * cells
-    cell = min(int(along), cells - 1)
-    return cell, _F(along - cell)
+def _node(share, nodes):
+    """Node ``share`` of the way through a table, and how far to the next."""
+    along = share * nodes
+    node = min(int(along), nodes - 1)
+    return node, _F(along - node)
 
 
 @compiled(inline=True, fast=FAST)
-def _under(table, at, width, u, rate):
-    """Gap and its rate under sixteen balls, ``u`` of the way from a node to the next."""
-    here, slope = load_from(table, at), load_from(table, at + width)
-    there, other = load_from(table, at + 2 * width), load_from(table, at + 3 * width)
+def under(table, begins, row, node, u, rate, ahead=None):
+    """
+    Gap, m, and its rate, m/s, ``u`` of the way from a node to the next, ``rate`` nodes/s.
+
+    ``ahead`` nodes further is where it will be looked up soon.
+    """
+    here, slope, there, other = load_fours(table, begins, row, node, ahead)
     v, rise = _F(1.0) - u, there - here
     uv = u * v
     gap = here + rise * (u * u * (_F(1.0) + _F(2.0) * v)) + (slope * (uv * v) - other * (u * uv))
@@ -200,27 +224,33 @@ def look_up(surfaces, n_balls, phases, rates, room):
     ``phases`` and ``rates`` are those of cage, shaft and ball spin, turns and turns/s; ``room`` as
     in `Surfaces`.
     """
-    table, width = surfaces.table, surfaces.width
+    table, begins = surfaces.table, surfaces.begins
     turn = phases[0] - phases[1]
     outer, inner = phases[0] - math.floor(phases[0]), turn - math.floor(turn)
     round_it = phases[2] / SPIN_TURNS
     outer, inner, ball = outer * n_balls, inner * n_balls, round_it - math.floor(round_it)
-    outer_cell, outer_u = _cell(outer - int(outer), surfaces.outer)
-    inner_cell, inner_u = _cell(inner - int(inner), surfaces.inner)
-    ball_cell, ball_u = _cell(ball, surfaces.ball)
-    rows = room.shape[0] // (2 * L)
-    begin, columns = 2 * width, rows * L
-    outer_at = begin * outer_cell + int(outer)
-    inner_at = begin * (surfaces.outer + 1 + inner_cell) + int(inner)
-    ball_at = begin * (surfaces.outer + surfaces.inner + 2) + 2 * columns * ball_cell
-    outer_rate = _F(rates[0] * (n_balls * surfaces.outer))
-    inner_rate = _F((rates[0] - rates[1]) * (n_balls * surfaces.inner))
+    outer_cells, inner_cells = surfaces.outer // n_balls, surfaces.inner // n_balls
+    outer_node, outer_u = _node(outer - int(outer), outer_cells)
+    inner_node, inner_u = _node(inner - int(inner), inner_cells)
+    ball_node, ball_u = _node(ball, surfaces.ball)
+    outer_from = splat(_F(int(outer) * outer_cells + outer_node))
+    inner_from = splat(_F(int(inner) * inner_cells + inner_node))
+    ball_from = splat(_F(ball_node))
+    outer_turn, inner_turn = splat(_F(surfaces.outer)), splat(_F(surfaces.inner))
+    outer_rate, inner_rate = (
+        _F(rates[0] * surfaces.outer),
+        _F((rates[0] - rates[1]) * surfaces.inner),
+    )
     ball_rate = _F(rates[2] / SPIN_TURNS * surfaces.ball)
+    rows = room.shape[0] // (2 * L)
     for row in range(rows):
-        k = row * L
-        gap, rate = _under(table, outer_at + k, width, outer_u, outer_rate)
-        more, faster = _under(table, inner_at + k, width, inner_u, inner_rate)
+        node = outer_from + load(surfaces.places, row)
+        node = chosen(node >= outer_turn, node - outer_turn, node)
+        gap, rate = under(table, begins, row, node, outer_u, outer_rate)
+        node = inner_from + load(surfaces.places, rows + row)
+        node = chosen(node >= inner_turn, node - inner_turn, node)
+        more, faster = under(table, begins, rows + row, node, inner_u, inner_rate)
         gap, rate = gap + more, rate + faster
-        more, faster = _under(table, ball_at + k, columns, ball_u, ball_rate)
+        more, faster = under(table, begins, 2 * rows + row, ball_from, ball_u, ball_rate)
         store(room, row, gap + more)
         store(room, rows + row, rate + faster)

@@ -40,7 +40,9 @@ def relative(got, expected):
         quiet('sawalhi2008', resonance_hz=0.0),
         quiet('mishra2017', bearing='6205', thermal_mode='physical'),
         quiet(
-            defect='inner+outer', load=2000.0, load_angle=0.7, outer_stiffness_x=4e6,
+            defect='inner+outer',
+            load_angle=0.7,
+            outer_stiffness_x=4e6,
             outer_damping_x=900.0,
         ),
     ],
