@@ -36,6 +36,8 @@ OF_CONDITION = (
     'kappa',
     'friction_moment',
     'life_hours',
+    'contact_pressure',
+    'limits_passed',
     'shaft_hz',
     'bpfo',
     'bpfi',

@@ -17,6 +17,7 @@ from bearing_twin.bearing.geometry import (
     FaultFrequencies,
 )
 from bearing_twin.bearing.hertz import (
+    contact_pressure,
     contact_stiffness,
     load_deflection_factor,
     radial_factor,
@@ -54,6 +55,7 @@ __all__ = [
     'bearing_of_orders',
     'catalogue',
     'close_bearings',
+    'contact_pressure',
     'contact_stiffness',
     'fault_frequencies',
     'fault_orders',

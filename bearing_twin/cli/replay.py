@@ -102,6 +102,8 @@ def _offline(args: argparse.Namespace) -> int:
         return status
     for problem in report.problems:
         print(f'left out: {shown(problem)}', file=sys.stderr)
+    for warning in report.warnings:
+        print(f'warning: {warning}', file=sys.stderr)
     verdicts = ', '.join(f'{name} {count}' for name, count in report.verdicts.items())
     covered = f'{report.covered:.1f} s'
     if report.stopped:

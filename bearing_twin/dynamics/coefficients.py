@@ -15,8 +15,15 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.dynamics.compiled import compiled
+from bearing_twin.dynamics.model import contact_law
 from bearing_twin.dynamics.parameters import SLIP_MODELS
-from bearing_twin.dynamics.statics import spring_position, Supports, supports
+from bearing_twin.dynamics.statics import (
+    equilibrium,
+    healthy_balls,
+    spring_position,
+    Supports,
+    supports,
+)
 from bearing_twin.thermal import friction, gcr15, life, lubricant, rings
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +34,7 @@ if TYPE_CHECKING:
 __all__ = [
     'CONDITION_SIZE',
     'evaluate',
+    'heaviest',
     'inner_temperature',
     'law_table',
 ]
@@ -48,7 +56,7 @@ K_B, DEPTH, CLEARANCE, SHAFT_HZ, SLIP, SPRING, INPUTS, *_ = _ROWS
     PHYSICAL, K_B0, CLEARANCE0, LOAD, ACROSS, SKEW, ALONG, ASIDE, N_BALLS, SLIP_MODEL, SLIP0,
     ALPHA_UNIT, EXPANDS,
     DELTA_H, DELTA_MU, T0, H0, MU0, D_PITCH, D_MEAN, SECTION, ASTM_A, ASTM_B, REPLENISHMENT,
-    BOUNDARY, FILM, CONTAMINATION, ROLLING, SLIDING, RATING, LIMIT, CAPACITY, RING_TO_RING,
+    BOUNDARY, FILM, CONTAMINATION, ROLLING, SLIDING, RATING, STATIC, LIMIT, CAPACITY, RING_TO_RING,
     RING_TO_SHAFT, AMBIENT, SHAFT_RATIO,
     LAW_SIZE, *_,
 ) = _ROWS  # fmt: skip
@@ -95,6 +103,7 @@ def law_table(p: TwinParameters) -> FloatArray:
         p.friction_series or p.bearing.series or friction.UNKNOWN_SERIES
     ]
     row[RATING] = p.dynamic_rating or life.dynamic_rating(p.bearing)
+    row[STATIC] = life.static_rating(p.bearing)
     row[LIMIT] = p.fatigue_limit or life.fatigue_limit(p.bearing)
     row[CAPACITY] = network.inner_capacity
     row[RING_TO_RING], row[RING_TO_SHAFT] = network.ring_to_ring, network.ring_to_shaft
@@ -149,6 +158,29 @@ def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatA
 
 
 @compiled()
+def heaviest(law: FloatArray, values: FloatArray) -> float:
+    """
+    Radial force on a ball that stands in the direction of the load, N; ``values`` of `evaluate`.
+
+    Examples
+    --------
+    Of 3.2 kN a ball of eight bears somewhat more than 5/8:
+
+    >>> from bearing_twin.dynamics import preset
+    >>> law, values = law_table(preset('paper')), np.empty(CONDITION_SIZE)
+    >>> evaluate(law, 20.0, 20.0, 25.0, values)
+    >>> round(heaviest(law, values))
+    2046
+
+    """
+    balls = healthy_balls(-0.5 * math.pi, values[CLEARANCE], int(law[N_BALLS]))
+    compliance = law[ACROSS], law[SKEW], law[ALONG]
+    _, y, _, _ = equilibrium((law[ASIDE], values[SPRING]), values[K_B], compliance, balls)
+    force: float = contact_law(max(-y - values[CLEARANCE], 0.0), values[K_B])[0]
+    return force
+
+
+@compiled()
 def _lubricate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatArray) -> None:
     """Viscosity between the rings' temperatures, kappa, friction moment and life."""
     rpm = 60.0 * hz
@@ -161,7 +193,7 @@ def _lubricate(law: FloatArray, outer: float, inner: float, hz: float, out: Floa
         law[REPLENISHMENT], mu,
     )  # fmt: skip
     factor = _life_factor(kappa, law[CONTAMINATION] * law[LIMIT] / law[LOAD])
-    out[LIFE] = _life_hours(factor, law[LOAD], rpm, law[RATING])
+    out[LIFE] = _life_hours(factor, law[LOAD], rpm, law[RATING], law[STATIC])
 
 
 @compiled()

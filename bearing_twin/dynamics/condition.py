@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import fault_frequencies
+from bearing_twin.bearing import contact_pressure, fault_frequencies
 from bearing_twin.dynamics import coefficients, kernel
+from bearing_twin.dynamics.limits import Limit, limits_passed
 import numpy as np
 import numpy.typing as npt
 
@@ -67,7 +68,13 @@ class Condition:
     friction_moment: float
     """N m."""
     life_hours: float
-    """Modified rating life L10mh of ISO 281, h."""
+    """Modified rating life L10mh of ISO 281, h; NaN where a limit is passed at which it ends."""
+    contact_pressure: float
+    """Of the hardest pressed ball of a sound bearing at rest, Pa."""
+    limits_passed: Limit
+    """Limits of model and life that are passed."""
+    warnings: tuple[str, ...]
+    """A sentence for each of them."""
     shaft_hz: float
     """Shaft speed, Hz."""
     bpfo: float
@@ -113,6 +120,20 @@ def condition(
     of, state = values.tolist(), states[0]
     hz, slip = of[coefficients.SHAFT_HZ], of[coefficients.SLIP]
     q = state['q'].tolist()
+    gap, left = of[coefficients.CLEARANCE], of[coefficients.THERMAL_GAP]
+    # The contact angle makes the ball's force larger than its radial part.
+    pressed = coefficients.heaviest(law, values) / math.cos(parameters.bearing.contact_angle)
+    pressure = contact_pressure(parameters.bearing, pressed)
+    passed = limits_passed(
+        load=parameters.load,
+        dynamic_rating=float(law[coefficients.RATING]),
+        static_rating=float(law[coefficients.STATIC]),
+        pressure=pressure,
+        kappa=of[coefficients.KAPPA],
+        shaft_hz=hz,
+        clearance=(left, gap),
+        apart=of[coefficients.INNER] - of[coefficients.OUTER],
+    )
     deepest = max((defect.depth for defect in parameters.defects), default=0.0)
     return Condition(
         alpha=of[coefficients.ALPHA],
@@ -121,8 +142,8 @@ def condition(
         beta0=of[coefficients.BETA0],
         k_b=of[coefficients.K_B],
         c_d=of[coefficients.DEPTH] * deepest,
-        radial_clearance=of[coefficients.CLEARANCE],
-        thermal_clearance=of[coefficients.THERMAL_GAP],
+        radial_clearance=gap,
+        thermal_clearance=left,
         slip=slip,
         inner_ring_temperature=of[coefficients.INNER],
         outer_ring_temperature=of[coefficients.OUTER],
@@ -130,6 +151,9 @@ def condition(
         kappa=of[coefficients.KAPPA],
         friction_moment=of[coefficients.MOMENT],
         life_hours=of[coefficients.LIFE],
+        contact_pressure=pressure,
+        limits_passed=passed.which,
+        warnings=passed.sentences,
         shaft_hz=hz,
         **fault_frequencies(parameters.bearing, hz, slip)._asdict(),
         shaft_angle=2.0 * math.pi * (float(state['shaft']) % 1.0),

@@ -13,7 +13,6 @@ from bearing_twin.dynamics import fleet_layout as fl
 from bearing_twin.dynamics.fleet_kernel import room_size
 from bearing_twin.dynamics.fleet_kinematics import first_slot
 from bearing_twin.dynamics.vector import aligned, L
-from bearing_twin.dynamics.waviness import laid_out, Surfaces
 import numpy as np
 import numpy.typing as npt
 
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.dynamics.parameters import TwinParameters
     from bearing_twin.dynamics.simulator import Simulator, Snapshot
+    from bearing_twin.dynamics.waviness import Surfaces
 
 __all__ = ['Lanes']
 
@@ -59,6 +59,7 @@ class Lanes:
         self.groups = aligned((groups,), fl.GROUP)
         self.balls = aligned((groups, slots, fl.BALL_ROWS, L), np.float32)
         self.surfaces = np.zeros((self.size, 0), np.float32)
+        self._rolled: dict[int, Surfaces] = {}
         self.law = np.zeros((self.size, coefficients.LAW_SIZE))
         self.values = np.zeros((self.size, coefficients.CONDITION_SIZE))
         self.drift = np.zeros((self.size, 2, coefficients.INPUTS))
@@ -153,13 +154,11 @@ class Lanes:
         for name in ('outer', 'inner', 'ball'):
             group[name + '_nodes'][lane] = getattr(surfaces, name)
         group['highest'][lane] = surfaces.highest
+        self._rolled[index] = surfaces._replace(table=None)
 
     def surfaces_of(self, index: int) -> Surfaces:
         """Surfaces of one bearing."""
-        number, lane = divmod(index, L)
-        group = self.groups[number]
-        nodes = (int(group[name + '_nodes'][lane]) for name in ('outer', 'inner', 'ball'))
-        return laid_out(self.surfaces[index], int(group['n_balls'][lane]), *nodes)
+        return self._rolled[index]._replace(table=self.surfaces[index])
 
     def state(self) -> list[Array]:
         """Motion, phases, decimators and inner rings, as views."""

@@ -46,7 +46,7 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['REPEATED', 'Surfaces', 'laid_out', 'look_up', 'profiles', 'surfaces', 'under']
+__all__ = ['REPEATED', 'Surfaces', 'look_up', 'profiles', 'surfaces', 'under']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -155,7 +155,7 @@ def surfaces(p: TwinParameters, seed: int) -> Surfaces:
     """
     n = p.bearing.n_balls
     if p.waviness == 0.0:
-        return laid_out(np.zeros(2 * (3 + n) * REPEATED, np.float32), n, 0, 0, 0)
+        return _laid_out(np.zeros(2 * (3 + n) * REPEATED, np.float32), n, 0, 0, 0)
     parts, nodes, highest = [], [], 0.0
     for gaps, slopes in profiles(p, seed):
         rows = np.stack([gaps, slopes / gaps.shape[1]], axis=-1)
@@ -165,10 +165,10 @@ def surfaces(p: TwinParameters, seed: int) -> Surfaces:
         highest += float(np.abs(gaps).max() + 0.25 * np.abs(slopes).max() / gaps.shape[1])
     outer, inner, ball = nodes
     table = np.concatenate(parts).astype(np.float32)
-    return laid_out(table, n, outer, inner, ball, highest)
+    return _laid_out(table, n, outer, inner, ball, highest)
 
 
-def laid_out(
+def _laid_out(
     table: Any, n_balls: int, outer: int, inner: int, ball: int, highest: float = 0.0
 ) -> Surfaces:
     """
@@ -176,7 +176,7 @@ def laid_out(
 
     Examples
     --------
-    >>> laid_out(np.zeros(100, np.float32), 3, 6, 6, 4).begins[:, :3].tolist()
+    >>> _laid_out(np.zeros(100, np.float32), 3, 6, 6, 4).begins[:, :3].tolist()
     [[2, 2, 2], [20, 20, 20], [38, 52, 66]]
 
     """

@@ -187,11 +187,12 @@ class FleetNode(ManagedNode):
             path=f'{member.name}/twin',
             prefix=f'{member.prefix}.twin.',
         )
-        self._health.add(
-            f'{member.name} temperature input',
-            member.twin.status,
-            hardware_id=p['hardware_id'] or member.name,
-        )
+        hardware_id = p['hardware_id'] or member.name
+        for part, status in (
+            ('temperature input', member.twin.status),
+            ('validity', member.twin.validity),
+        ):
+            self._health.add(f'{member.name} {part}', status, hardware_id=hardware_id)
 
     def _set_up_diagnosis(self, member: Member, *, stagger: float) -> None:
         p = member.diagnosis_parameters

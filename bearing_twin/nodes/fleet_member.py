@@ -107,7 +107,7 @@ class Member:
 
 
 def _check_twin(values: Mapping[str, Any]) -> None:
-    # A fleet takes fewer defects a bearing than a single twin: it is asked, not guessed.
+    # What the steps do not resolve is refused too.
     Fleet([build_parameters(values)], sample_rate=values['sample_rate'])
 
 

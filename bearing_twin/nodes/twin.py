@@ -71,6 +71,7 @@ class TwinNode(ManagedNode):
         )
         self._health = Health(self, p['hardware_id'] or self.get_namespace())
         self._health.add('temperature input', self._topics.status)
+        self._health.add('validity', self._topics.validity)
         self._health.add('real time', self._cycle.status)
         self._calibration = TwinCalibration(self, self._twin, p.values, self._health)
 

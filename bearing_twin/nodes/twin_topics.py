@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
 
-__all__ = ['TwinTopics', 'clearance_problem', 'temperature_status']
+__all__ = ['TwinTopics', 'temperature_status', 'validity_status']
 
 LONGEST_WAIT = 10.0
 
@@ -75,7 +75,7 @@ class TwinTopics:
         self._twin = twin
         self._turns = turns
         self._bytes = TwinBytes(serialize_message)
-        self._clearance_problem = ''
+        self._condition: Condition | None = None
         qos = stream(turns.period)
         self._vibration = node.create_lifecycle_publisher(
             Vibration, f'{prefix}vibration', own(qos), qos_overriding_options=OVERRIDES
@@ -132,26 +132,33 @@ class TwinTopics:
         inputs = made.temperature.used, made.temperature.status, made.shaft_hz
         counters = fields['blocks_late'], fields['blocks_dropped']
         if self._turns.wants(due, values, *inputs, *counters):
-            self._clearance_problem = clearance_problem(made.block.condition)
+            self._condition = made.block.condition
             self._state.publish(self._bytes.state(made, due, values, fields))
 
     def status(self) -> Status:
         """Status of the inputs for /diagnostics."""
-        return temperature_status(
-            self._twin.inputs().temperature, self._twin.shaft_problem(), self._clearance_problem
-        )
+        return temperature_status(self._twin.inputs().temperature, self._twin.shaft_problem())
+
+    def validity(self) -> Status:
+        """Limits of model and life that are passed, for /diagnostics."""
+        return validity_status(self._condition)
 
 
-def clearance_problem(condition: Condition) -> str:
-    """Report a clearance outside the range of the model; '' if it is inside."""
-    left, used = condition.thermal_clearance, condition.radial_clearance
-    if left == used:
-        return ''
-    apart = condition.inner_ring_temperature - condition.outer_ring_temperature
-    return (
-        f'the bearing {"would seize" if left < used else "hangs loose"}: an inner ring '
-        f'{apart:+.0f} K from the outer one leaves a radial clearance of {left * 1e6:.1f} um, '
-        f'the model goes on with {used * 1e6:g} um'
+def validity_status(condition: Condition | None) -> Status:
+    """Return the status of the limits that a twin has passed; None before its first block."""
+    passed, warnings, text = 0, '', 'no block yet'
+    numbers = (math.nan,) * 4
+    if condition is not None:
+        c = condition
+        passed, warnings = int(c.limits_passed), '; '.join(c.warnings)
+        text = 'the model and the life of ISO 281 hold'
+        numbers = c.contact_pressure, c.kappa, c.thermal_clearance, c.life_hours
+    names = 'contact_pressure_pa', 'kappa', 'radial_clearance_m', 'life_h'
+    return Status(
+        Level.WARN if passed else Level.OK,
+        warnings or text,
+        {'limits_passed': passed, **dict(zip(names, numbers, strict=True))},
+        f'limits {passed}',
     )
 
 

@@ -15,6 +15,7 @@ from bearing_twin.assets import diagnosis_parameters, twin_parameters
 from bearing_twin.assets.spec import configuration, read_values
 from bearing_twin.assets.twin import Twin
 from bearing_twin.assets.twin_messages import state_message, vibration_message
+from bearing_twin.dynamics.limits import Limit
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.diagnosis_run import DiagnosisRun
 from bearing_twin.offline.output import Output, output
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.assets.diagnosis import DueVerdict
     from bearing_twin.diagnosis.chain import Analysis
+    from bearing_twin.dynamics.condition import Condition
     from bearing_twin.recording.reader import RecordedMessage
 
 __all__ = ['OfflineReport', 'run_offline']
@@ -71,6 +73,8 @@ class OfflineReport:
     """Messages of the source that were used."""
     problems: list[str] = field(default_factory=list)
     """Files of the source that were left out because they are broken."""
+    warnings: list[str] = field(default_factory=list)
+    """Where the twin passed a limit of its model or of its life for the first time."""
     stopped: bool = False
     """Whether it was asked to stop before the end."""
 
@@ -159,6 +163,7 @@ class _Block(NamedTuple):
     temperature: float
     joint_hz: float
     measured: bool
+    warnings: list[str]
 
 
 class _TwinSide:
@@ -172,6 +177,7 @@ class _TwinSide:
         self._temperature = math.nan
         self._start = self._latest = start
         self._next_sample = 0
+        self._passed = Limit(0)
 
     def run(
         self, messages: Iterable[RecordedMessage], end: int
@@ -233,8 +239,23 @@ class _TwinSide:
         if checkpoint is not None:
             outputs.insert(0, output('/twin_checkpoint', checkpoint))
         return _Block(
-            now, vibration, outputs, self._temperature, self._speed.hz, self._speed.measured
-        )
+            now, vibration, outputs, self._temperature, self._speed.hz, self._speed.measured,
+            self._new_warnings(made.block.condition, due),
+        )  # fmt: skip
+
+    def _new_warnings(self, condition: Condition, due: Due) -> list[str]:
+        """Sentences on limits that no block before has passed."""
+        if condition.limits_passed in self._passed:
+            return []
+        passed = (limit for limit in Limit if limit in condition.limits_passed)
+        new = [
+            sentence
+            for limit, sentence in zip(passed, condition.warnings, strict=True)
+            if limit not in self._passed
+        ]
+        self._passed |= condition.limits_passed
+        seconds = (due.stamp - self._start) / NANO
+        return [f'at {seconds:.1f} s {sentence}' for sentence in new]
 
 
 class _Analysed(NamedTuple):
@@ -310,6 +331,7 @@ class _DiagnosisSide:
             analysis = self._pool.submit(due.analyse)
             self._waiting.append((_Analysed(due, analysis), block.now))
         self._report.blocks += 1
+        self._report.warnings += block.warnings
 
     def _copy(self, message: RecordedMessage) -> None:
         self._writer.copy(message)

@@ -110,18 +110,25 @@ def life_factor(kappa: float, contamination_load: float) -> float:
     return float(min(max(0.1 * base**-9.3, 0.1), 50.0))
 
 
-def life_hours(factor: float, load: float, speed_rpm: float, rating: float) -> float:
+def life_hours(
+    factor: float, load: float, speed_rpm: float, rating: float, static: float
+) -> float:
     """
     Return the modified life L_10mh, h: ``a_ISO (C/P)^3 1e6 / (60 n)``; infinite at rest.
+
+    NaN where the load exceeds half the dynamic ``rating`` C or the ``static`` rating C_0: there
+    the standard makes no statement.
 
     Examples
     --------
     A bearing of 14 kN under a tenth of that at 1500 1/min:
 
-    >>> round(life_hours(1.0, 1400.0, 1500.0, 14e3))
+    >>> round(life_hours(1.0, 1400.0, 1500.0, 14e3, 7850.0))
     11111
 
     """
+    if load > min(0.5 * rating, static):
+        return math.nan
     if speed_rpm <= 0.0:
         return math.inf
     return factor * (rating / load) ** 3 * 1e6 / (60.0 * speed_rpm)

@@ -5,11 +5,13 @@
 import dataclasses
 import math
 
-from bearing_twin.bearing import find_bearing
+from bearing_twin.bearing import contact_pressure, find_bearing
 from bearing_twin.dynamics import Defect, preset, Simulator, TwinParameters
+from bearing_twin.dynamics.limits import Limit
 from bearing_twin.dynamics.reference import solve
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import Beta0
+from bearing_twin.thermal.life import static_rating
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin.thermal.rings import CLEARANCE_LOW, ThermalNetwork
 import numpy as np
@@ -177,6 +179,61 @@ def test_a_bearing_that_would_seize_goes_on_and_says_so():
         later = simulator.advance(int(10.0 * RATE), 20.0, 25.4).condition
     assert later.thermal_clearance == later.radial_clearance
     assert later.radial_clearance == pytest.approx(5e-6, abs=0.5e-6)
+    assert (hot.limits_passed, later.limits_passed) == (Limit(0), Limit(0))
+    assert quenched.limits_passed == Limit.CLEARANCE
+    assert 'would seize' in quenched.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ('case', 'expected'),
+    [
+        ({}, Limit(0)),
+        ({'bearing': find_bearing('6203'), 'load': 3000.0}, Limit(0)),
+        # C = 9.55 kN, C0 = 4.8 kN.
+        ({'bearing': find_bearing('6203'), 'load': 4770.0}, Limit(0)),
+        ({'bearing': find_bearing('6203'), 'load': 4790.0}, Limit.LIFE_LOAD),
+        ({'bearing': find_bearing('6203'), 'load': 4810.0}, Limit.STATIC_LOAD | Limit.LIFE_LOAD),
+        (
+            {'bearing': find_bearing('6203'), 'load': 4810.0, 'dynamic_rating': 12e3},
+            Limit.STATIC_LOAD,
+        ),
+    ],
+)
+def test_no_life_beyond_half_the_dynamic_or_the_static_rating(case, expected):
+    condition = Simulator(build(**case), temperature=40.0).condition()
+    # The pressure limit is near C0, and moves with the clearance.
+    assert condition.limits_passed & ~Limit.PRESSURE == expected
+    assert math.isnan(condition.life_hours) == bool(expected)
+    assert len(condition.warnings) == len(condition.limits_passed)
+
+
+@pytest.mark.parametrize('name', ['6203', '6205', '6307'])
+def test_the_contact_pressure_is_that_of_stribeck_hertz_and_iso_76(name):
+    bearing, no_play = find_bearing(name), 0.0
+    rating = static_rating(bearing)
+    low, high = (
+        Simulator(build(bearing=bearing, load=share * rating, clearance=no_play)).condition()
+        for share in (0.25, 1.0)
+    )
+    # Stribeck: without clearance a ball bears 4.37/Z of the load; ISO 76 takes 5/Z, and grooves
+    # of conformity 0.52 where the twin has 0.515.
+    expected = contact_pressure(bearing, 4.37 * rating / bearing.n_balls)
+    assert high.contact_pressure == pytest.approx(expected, rel=0.01)
+    of_standard = contact_pressure(bearing, 5.0 * rating / bearing.n_balls, conformity_inner=0.52)
+    assert of_standard == pytest.approx(4.2e9, rel=0.01)
+    # Hertz: the cube root of the force, as the load spreads alike over the balls.
+    assert high.contact_pressure / low.contact_pressure == pytest.approx(4.0 ** (1 / 3), rel=0.01)
+
+
+def test_a_film_too_thin_for_the_standard_is_said_and_a_standing_shaft_needs_none():
+    fast, slow, standing = (
+        Simulator(build(), temperature=110.0, shaft_hz=hz).condition() for hz in (25.0, 1.0, 0.0)
+    )
+    assert not fast.limits_passed
+    assert slow.limits_passed == Limit.FILM
+    assert math.isnan(slow.life_hours)
+    assert f'{slow.kappa:.2g}' in slow.warnings[0]
+    assert not standing.limits_passed
 
 
 def test_the_paper_s_mode_knows_no_thermal_clearance():

@@ -47,6 +47,9 @@ OWN = {
     'outer_mass': 9.0,
     'outer_stiffness': 2e7,
     'outer_damping': 1500.0,
+    'outer_stiffness_x': 1.2e7,
+    'outer_damping_x': 1300.0,
+    'load_angle': -1.2,
     'unbalance': 2e-4,
     'slip': 0.01,
     'start_angle': 0.3,
@@ -236,3 +239,19 @@ def test_a_file_of_assets_takes_nested_tables(tmp_path):
         'beta0.delta_h': 0.2,
         'lubricant.viscosity_40': 46e-6,
     }
+
+
+def test_an_offline_run_says_once_where_a_limit_is_passed_and_records_it(tmp_path):
+    source = tmp_path / 'schedule.mcap'
+    times, temperatures = paper_schedule(5.0)
+    write_temperature_recording(source, times, temperatures, source='test')
+    report = run_offline(source, tmp_path / 'out', twin={'bearing': '6203', 'load': 5000.0})
+    assert [text for text in report.warnings if 'half the dynamic rating' in text]
+    assert [text for text in report.warnings if 'static rating of 4.8 kN' in text]
+    assert len(report.warnings) == len(set(report.warnings)) <= 3
+    assert report.warnings[0].startswith('at 0.0 s no life')
+    *_, state = [m.decode() for m in read_messages(tmp_path / 'out', topics=['/twin_state'])]
+    assert state.limits_passed & state.LIMIT_LIFE_LOAD
+    assert state.limits_passed & state.LIMIT_STATIC_LOAD
+    assert math.isnan(state.life_hours)
+    assert 3e9 < state.contact_pressure < 6e9

@@ -206,5 +206,5 @@ def test_life_factor():
     for limit in (0.4, 1.0):
         below, above = (life.life_factor(limit * f, load) for f in (1.0 - 1e-9, 1.0))
         assert below == pytest.approx(above, rel=0.01)
-    assert life.life_hours(1.0, 1000.0, 0.0, 1e4) == math.inf
-    assert life.life_hours(1.0, 1000.0, 1000.0 / 60.0, 1e4) == pytest.approx(1e6)
+    assert life.life_hours(1.0, 1000.0, 0.0, 1e4, 1e4) == math.inf
+    assert life.life_hours(1.0, 1000.0, 1000.0 / 60.0, 1e4, 1e4) == pytest.approx(1e6)

@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Limits of what the twin says: of its model, and of the standard behind its life.
+
+ISO 281 gives no life where the load exceeds half the dynamic or the whole static rating, because
+the contacts yield, nor below a viscosity ratio of 0.1. Hertz's contact is elastic: ISO 76 puts
+the end at 4.2 GPa for ball bearings, where a ten thousandth of the ball diameter stays deformed.
+"""
+
+from __future__ import annotations
+
+from enum import IntFlag
+from typing import NamedTuple
+
+__all__ = ['HIGHEST_PRESSURE', 'LEAST_KAPPA', 'Limit', 'Passed', 'limits_passed']
+
+HIGHEST_PRESSURE = 4.2e9
+"""Contact pressure that defines the static rating of ball bearings, Pa (ISO 76)."""
+LEAST_KAPPA = 0.1
+"""Least viscosity ratio for which ISO 281 gives a life."""
+
+
+class Limit(IntFlag):
+    """Limits, as the field `limits_passed` of `TwinState` has them."""
+
+    LIFE_LOAD = 1
+    STATIC_LOAD = 2
+    PRESSURE = 4
+    FILM = 8
+    CLEARANCE = 16
+
+
+class Passed(NamedTuple):
+    """Limits that are passed."""
+
+    which: Limit
+    sentences: tuple[str, ...]
+    """One for each, with value, limit and consequence."""
+
+
+def limits_passed(
+    *,
+    load: float,
+    dynamic_rating: float,
+    static_rating: float,
+    pressure: float,
+    kappa: float,
+    shaft_hz: float,
+    clearance: tuple[float, float],
+    apart: float,
+) -> Passed:
+    """
+    Return the limits that a bearing has passed.
+
+    Parameters
+    ----------
+    load, dynamic_rating, static_rating
+        N.
+    pressure
+        Of the hardest pressed ball at rest, Pa.
+    kappa, shaft_hz
+        Viscosity ratio, and the speed in Hz: a standing bearing has no film and needs none.
+    clearance
+        What the ring temperatures leave of the radial clearance, and what the model uses, m.
+    apart
+        Inner less outer ring temperature, K.
+
+    Examples
+    --------
+    >>> usual = {'dynamic_rating': 14e3, 'static_rating': 7850.0, 'pressure': 2e9, 'kappa': 1.0}
+    >>> usual |= {'shaft_hz': 25.0, 'clearance': (5e-6, 5e-6), 'apart': 0.0}
+    >>> limits_passed(load=1000.0, **usual).sentences
+    ()
+    >>> limits_passed(load=7500.0, **usual).sentences[0]
+    'no life: the load of 7.5 kN exceeds half the dynamic rating of 14 kN, where ISO 281 ends'
+
+    """
+    left, used = clearance
+    said = {
+        Limit.LIFE_LOAD: load > 0.5 * dynamic_rating
+        and f'no life: the load of {load * 1e-3:g} kN exceeds half the dynamic rating of '
+        f'{dynamic_rating * 1e-3:g} kN, where ISO 281 ends',
+        Limit.STATIC_LOAD: load > static_rating
+        and f'no life: the load of {load * 1e-3:g} kN exceeds the static rating of '
+        f'{static_rating * 1e-3:g} kN, beyond which balls and races stay dented',
+        Limit.PRESSURE: pressure > HIGHEST_PRESSURE
+        and f'the contacts yield: {pressure * 1e-9:.1f} GPa under the hardest pressed ball exceed '
+        f'{HIGHEST_PRESSURE * 1e-9:g} GPa (ISO 76), and the twin takes them as elastic',
+        Limit.FILM: shaft_hz > 0.0
+        and kappa < LEAST_KAPPA
+        and f'no life: the viscosity ratio of {kappa:.2g} is below {LEAST_KAPPA:g}, where ISO 281 '
+        'ends: the oil is too thin or the shaft too slow for a film',
+        Limit.CLEARANCE: left != used
+        and f'the bearing {"would seize" if left < used else "hangs loose"}: an inner ring '
+        f'{apart:+.0f} K from the outer one leaves a radial clearance of {left * 1e6:.1f} um, '
+        f'the model goes on with {used * 1e6:g} um',
+    }
+    which = Limit(sum(limit for limit, text in said.items() if text))
+    return Passed(which, tuple(text for text in said.values() if text))
