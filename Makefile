@@ -3,7 +3,8 @@
 #
 #   make demo    set up what is missing, then run the main job
 #   make test    set up what is missing, then linters, type checks and all tests
-#   make release  test that wheels install and that the docs build without a warning
+#   make test-jazzy  test the nodes and the recordings on ROS 2 Jazzy, in a venv of its own
+#   make release  test that wheels install, docs build without a warning, the Dockerfile is sound
 #   make wheels  build the wheels of both packages into dist/
 #   make docs    build the docs as pages into build/docs
 #   make identity MAINTAINER='NAME <MAIL>' URL=https://...   fill in who publishes it
@@ -16,7 +17,8 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 export AMENT_PREFIX_PATH := $(CURDIR)/$(VENV)
 
-.PHONY: demo test lint setup soak fuzz screenshots release wheels docs identity clean
+
+.PHONY: demo test test-jazzy lint setup soak fuzz screenshots release wheels docs identity clean
 
 demo: setup
 	$(BIN)/bearing-twin demo
@@ -30,6 +32,23 @@ lint: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+# The same tree on the ROS 2 before: messages compiled anew, nodes, recordings and live tests.
+JAZZY := .venv-jazzy
+$(JAZZY)/stamp: requirements.txt requirements-dev.txt requirements-jazzy.txt $(wildcard msg_defs/msg/* msg_defs/srv/* msg_defs/*.*)
+	$(PYTHON) -m venv $(JAZZY)
+	$(JAZZY)/bin/python -m pip --quiet install --upgrade 'pip>=24'
+	grep -hv '^ros-\|^-r' requirements.txt requirements-dev.txt > $(JAZZY)/others.txt
+	$(JAZZY)/bin/python -m pip --quiet install -r $(JAZZY)/others.txt -r requirements-jazzy.txt
+	rm -rf msg_defs/build
+	PATH="$(CURDIR)/$(JAZZY)/bin:$$PATH" AMENT_PREFIX_PATH=$(CURDIR)/$(JAZZY) \
+	$(JAZZY)/bin/python -m pip --quiet install --no-build-isolation --no-deps --force-reinstall ./msg_defs
+	rm -rf msg_defs/build
+	$(JAZZY)/bin/python -m pip --quiet install --no-build-isolation --no-deps --editable .
+	touch $@
+
+test-jazzy: $(JAZZY)/stamp
+	AMENT_PREFIX_PATH=$(CURDIR)/$(JAZZY) $(JAZZY)/bin/python -m pytest test/nodes test/recording test/test_messages.py
+
 soak: setup
 	$(BIN)/python -m pytest -s -m soak
 
@@ -42,7 +61,7 @@ $(VENV)/release.stamp: $(VENV)/package.stamp requirements-release.txt
 	touch $@
 
 release: $(VENV)/release.stamp
-	$(BIN)/python -m pytest test/test_wheels.py test/test_docs.py
+	$(BIN)/python -m pytest test/test_wheels.py test/test_docs.py test/test_dockerfile.py
 
 wheels: $(VENV)/release.stamp
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m build --no-isolation --wheel -o dist .
@@ -84,4 +103,4 @@ $(VENV)/kernels.stamp: $(VENV)/package.stamp $(wildcard bearing_twin/dynamics/*.
 	touch $@
 
 clean:
-	rm -rf $(VENV) build install log *.egg-info msg_defs/build msg_defs/*.egg-info
+	rm -rf $(VENV) $(JAZZY) build install log *.egg-info msg_defs/build msg_defs/*.egg-info

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Clocks that are set, and stamps that make no sense, end no node and fill no memory."""
 
+import random
 import time
 import tracemalloc
 
@@ -9,8 +10,9 @@ from bearing_twin.assets.messages import time_message
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.run import run_offline
 from bearing_twin.recording.schedule import write_temperature_recording
-from bearing_twin.stamps import NANO
+from bearing_twin.stamps import LATEST, NANO
 from bearing_twin.streams.arrival import ArrivalTimes
+from bearing_twin.streams.samplerate import RateMeter
 from bearing_twin.streams.sampling import SequenceTracker, StampTracker
 import numpy as np
 import pytest
@@ -62,6 +64,39 @@ def test_a_message_number_out_of_all_reason_is_a_restart():
     tracker = SequenceTracker()
     tracker.missing('a', 1)
     assert tracker.missing('a', 2**63) == -1
+
+
+def step_clocks(sequences, seed):
+    """Run stamps of a clock that is set again and again through all that follows stamps."""
+    for case in range(sequences):
+        rng = random.Random(seed * 1_000_003 + case)
+        now = rng.choice([0, UPTIME, EPOCH, LATEST])
+        stamps, trackers = [], [StampTracker(rng.choice([0.0, 1000.0])), RateMeter()]
+        for _ in range(rng.randint(1, 8)):
+            now = rng.choice([now, UPTIME, EPOCH, 0, LATEST, now + rng.randrange(10**13)])
+            period = rng.choice([0, 1, PERIOD, PERIOD, PERIOD, 10 * NANO])
+            count = rng.choice([1, 2, 300, 700])
+            stamps += [min(now + k * period, LATEST) for k in range(count)]
+            now = stamps[-1]
+        missing, peak = heard(trackers[0], stamps)
+        assert peak < 100e6, (seed, case)
+        assert max(missing) <= 3600 * max(trackers[0].rate, 1000.0), (seed, case)
+        arrivals = ArrivalTimes()
+        for index, stamp in enumerate(stamps):
+            trackers[1].take(index, stamp)
+            assert arrivals.of('a', stamp, now=stamp) == stamp, (seed, case)
+        assert not trackers[1].rate < 0.0, (seed, case)
+
+
+def test_clocks_that_are_set_again_and_again():
+    step_clocks(30, 1)
+
+
+@pytest.mark.fuzz
+def test_clocks_that_are_set_in_two_thousand_ways():
+    seed = random.SystemRandom().randrange(10**6)
+    print(f'seed {seed}')
+    step_clocks(2000, seed)
 
 
 def test_two_temperatures_a_billion_seconds_apart_make_no_endless_run(tmp_path):

@@ -6,6 +6,7 @@ from itertools import islice
 import math
 import os
 from pathlib import Path
+import select
 import subprocess
 import sys
 from types import SimpleNamespace
@@ -216,6 +217,58 @@ def test_a_state_is_kept_by_one_node_at_a_time(tmp_path):
     assert ran.returncode
     assert b'kept by another node' in ran.stderr
     assert first.load('a') == b'4'
+
+
+KEEPER = """
+import sys, time
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.streams.statefile import StateFolder
+folder, number = StateFolder(sys.argv[1]), sys.argv[2].encode()
+print('there', flush=True)
+while True:
+    try:
+        folder.replace('a', number * 100_000)
+        print('kept', flush=True)
+    except BearingTwinError as error:
+        assert 'kept by another node' in str(error), error
+        time.sleep(0.001)
+"""
+
+
+def contend(rounds, folder):
+    """Let three processes keep one state, kill the one that does: the next one takes over."""
+    words = [sys.executable, '-c', KEEPER, str(folder)]
+    keepers, before = [], None
+    try:
+        for number in range(rounds):
+            while len(keepers) < 3:
+                name = str((number + len(keepers)) % 10)
+                keepers.append(subprocess.Popen([*words, name], stdout=subprocess.PIPE))
+                assert keepers[-1].stdout.readline() == b'there\n'
+            ready, _, _ = select.select([k.stdout for k in keepers], [], [], 120.0)
+            [keeper] = [k for k in keepers if k.stdout in ready]
+            assert keeper is not before
+            before = keeper
+            keeper.kill()
+            keeper.wait()
+            keepers.remove(keeper)
+            # Whole, whenever it struck.
+            state = StateFolder(str(folder)).load('a')
+            assert len(state) == 100_000
+            assert len(set(state)) == 1
+    finally:
+        for keeper in keepers:
+            keeper.kill()
+            keeper.wait()
+
+
+def test_three_processes_that_are_killed_leave_a_whole_state(tmp_path):
+    contend(4, tmp_path)
+
+
+@pytest.mark.soak
+def test_a_hundred_killed_keepers_of_one_state(tmp_path):
+    contend(100, tmp_path)
 
 
 def test_no_state_is_read_or_written_through_a_link(tmp_path):
