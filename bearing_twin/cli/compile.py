@@ -8,13 +8,14 @@ import json
 import time
 from typing import TYPE_CHECKING
 
+from bearing_twin.diagnosis import warming as diagnosis
+from bearing_twin.dynamics import warming as dynamics
 from bearing_twin.dynamics.compiled import (
     cache_folder,
     has_compiled,
     other_processors,
     processor,
 )
-from bearing_twin.dynamics.warming import warm_up
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
@@ -40,7 +41,8 @@ def run(args: argparse.Namespace) -> int:
     others, began = ', '.join(other_processors()), time.perf_counter()
     if others and not args.json:
         print(f'the code in {folder} is for another processor ({others})', flush=True)
-    warm_up(fleet=True)
+    dynamics.warm_up(fleet=True)
+    diagnosis.warm_up()
     took = time.perf_counter() - began
     answer = {'processor': processor(), 'folder': str(folder), 'seconds': took}
     if args.json:

@@ -8,6 +8,7 @@ import sys
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.diagnosis_parameters import build_bearing, build_settings, SPECS
+from bearing_twin.diagnosis.warming import warm_up
 from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics
 from bearing_twin.ros.health import Health
 from bearing_twin.ros.lifecycle import ManagedNode, run
@@ -28,6 +29,10 @@ class DiagnosisNode(ManagedNode):
         """Refuse parameters that do not fit together."""
         build_bearing(values)
         build_settings(values)
+
+    def prepare(self) -> None:
+        """Compile the kernels."""
+        warm_up()
 
     def setup(self) -> None:
         """Build the chain; create publishers and the service."""

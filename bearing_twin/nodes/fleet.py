@@ -20,7 +20,8 @@ from bearing_twin.assets.spec import Spec
 from bearing_twin.assets.twin import TwinChannel
 from bearing_twin.assets.twin_messages import StateTurns, TwinBlock, vibration_message
 from bearing_twin.assets.twin_parameters import build_parameters, build_simulator
-from bearing_twin.dynamics.warming import warm_up
+from bearing_twin.diagnosis import warming as diagnosis
+from bearing_twin.dynamics import warming as dynamics
 from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics
 from bearing_twin.nodes.fleet_member import Member
 from bearing_twin.nodes.twin_services import TwinServices
@@ -121,9 +122,11 @@ class FleetNode(ManagedNode):
         realtime.check_thresholds(values)
 
     def prepare(self) -> None:
-        """Compile the kernel, if there is a twin."""
+        """Compile the kernels of what it hosts."""
         if any(asset.twin is not None for asset in self._assets):
-            warm_up(fleet=True)
+            dynamics.warm_up(fleet=True)
+        if any(asset.diagnosis is not None for asset in self._assets):
+            diagnosis.warm_up()
 
     def setup(self) -> None:
         """Warm the kernel; create what the assets need."""
