@@ -39,6 +39,11 @@ __all__ = [
     'run',
 ]
 
+MOST_AT_ONCE = 16
+"""Most files of one task of Dask; answers come as often."""
+TURNS = 8
+"""Tasks that each worker has at least, so that none waits long for another at the end."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
@@ -215,11 +220,22 @@ def _on_dask(tasks: Sequence[Task], address: str) -> Iterator[dict[str, Any]]:
         msg = f'no Dask scheduler at {address}: {error}'
         raise BearingTwinError(msg) from None
     with client:
+        # Dask spends as long on a task as a short file takes: several files are one task.
+        turns = TURNS * max(1, sum(client.nthreads().values()))
+        size = min(MOST_AT_ONCE, max(1, len(tasks) // turns))
+        parts = [tasks[k : k + size] for k in range(0, len(tasks), size)]
         # A worker that dies takes no file with it: the scheduler gives its files to another.
-        futures = client.map(diagnose_file, tasks, pure=False, retries=3)
-        for task, future in zip(tasks, futures, strict=True):
+        futures = client.map(_diagnose_files, parts, pure=False, retries=3)
+        for part, future in zip(parts, futures, strict=True):
             failure = future.exception()
-            yield future.result() if failure is None else _unread(task.path, str(failure))
+            if failure is None:
+                yield from future.result()
+            else:
+                yield from (_unread(task.path, str(failure)) for task in part)
+
+
+def _diagnose_files(tasks: Sequence[Task]) -> list[dict[str, Any]]:
+    return [diagnose_file(task) for task in tasks]
 
 
 def diagnose_file(task: Task) -> dict[str, Any]:
