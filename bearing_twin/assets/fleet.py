@@ -114,7 +114,7 @@ def _flat(values: dict[Any, Any]) -> dict[str, Any]:
     return flat
 
 
-def build_fleet(values: Iterable[Mapping[str, Any]]) -> Fleet:
+def build_fleet(values: Iterable[Mapping[str, Any]], *, threads: int = 1) -> Fleet:
     """
     Return twins at their start, in one fleet.
 
@@ -122,6 +122,8 @@ def build_fleet(values: Iterable[Mapping[str, Any]]) -> Fleet:
     ----------
     values
         Parameters of each twin; the shared ones are those of the first.
+    threads
+        Cores that the equations use.
 
     Raises
     ------
@@ -137,4 +139,5 @@ def build_fleet(values: Iterable[Mapping[str, Any]]) -> Fleet:
             seeds=[v['seed'] for v in values],
             temperatures=[v['start_temperature'] for v in values],
             shaft_hz=[v['shaft_hz'] for v in values],
+            threads=threads,
         )

@@ -28,6 +28,7 @@ FIGURES = {
     'ratio_to_bdf': Figure('', 'time of BDF at rtol 1e-6 over that of the kernel', '> 1'),
     'fleet_bearings_per_core': Figure('bearings', 'simulated in real time, all of them unlike'),
     'alike_bearings_per_core': Figure('bearings', 'the same with one defect and one speed'),
+    'fleet_two_threads': Figure('', 'speed of a fleet with two threads over one', '> 1.8'),
     'diagnosis_ms': Figure('ms', 'verdict on one second at 25.6 kHz', '< 1000'),
     'kurtogram_ms': Figure('ms', 'fast kurtogram of PySDKit of the same second'),
     'kurtogram_ratio': Figure('', 'time of a verdict over that of a kurtogram', '< 1'),

@@ -63,6 +63,7 @@ def measure() -> dict[str, float]:
         ``fleet_bearings_per_core``: bearings that one core runs in real time, each with its own
         temperature, speed, seed and place of one of three kinds of defect.
         ``alike_bearings_per_core``: the same where all have an inner defect and one speed.
+        ``fleet_two_threads``: how many times faster two threads are than one, by the clock.
 
     """
     warm_up(fleet=True)
@@ -81,6 +82,8 @@ def measure() -> dict[str, float]:
         mixed[i] = replace(each, defects=(defect,))
     fleet_time = _fleet_time(mixed, np.linspace(15.0, 35.0, _FLEET))
     alike_time = _fleet_time([preset('incipient')] * _FLEET, np.full(_FLEET, 25.4))
+
+    one, two = (_wall(Fleet([preset('incipient')] * _FLEET, threads=t)) for t in (1, 2))
 
     quiet = [preset(name, defect=place, jitter=0.0, noise=0.0) for name, place in _JUDGED]
     errors = np.array([_errors(each, int(_LONG * _RATE), 25.4) for each in quiet])
@@ -107,6 +110,7 @@ def measure() -> dict[str, float]:
         'ratio_to_bdf': adaptive['BDF'] / per_second,
         'fleet_bearings_per_core': _FLEET * _BLOCK / _RATE / fleet_time,
         'alike_bearings_per_core': _FLEET * _BLOCK / _RATE / alike_time,
+        'fleet_two_threads': one / two,
         'fleet_error': float(errors[:, 1].max()),
         'fleet_error_harder': float(harder[:, 1].max()),
     }
@@ -124,6 +128,16 @@ def _fleet_time(parameters: list[TwinParameters], shaft_hz: np.ndarray) -> float
         fleet.advance(_BLOCK, temperatures, shaft_hz)
 
     return _best(one_block, 10)
+
+
+def _wall(fleet: Fleet) -> float:
+    """Least time of a block by the clock, s."""
+    took = []
+    for _ in range(10):
+        began = time.perf_counter()
+        fleet.advance(_BLOCK, 20.0, 25.4)
+        took.append(time.perf_counter() - began)
+    return min(took)
 
 
 def _best(run: Callable[[], object], times: int) -> float:

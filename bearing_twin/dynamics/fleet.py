@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 import functools
+from itertools import pairwise
 import math
 import struct
 from typing import Any, TYPE_CHECKING
@@ -69,6 +71,8 @@ class Fleet:
         One seed a bearing; None: 0, 1, 2, ...
     temperatures, shaft_hz
         Values at the start, one a bearing or one for all, degC and Hz.
+    threads
+        Cores that share the bearings, sixteen at a time. No bit depends on it.
 
     Examples
     --------
@@ -90,6 +94,7 @@ class Fleet:
         seeds: Sequence[int] | None = None,
         temperatures: npt.ArrayLike = 20.0,
         shaft_hz: npt.ArrayLike = 25.4,
+        threads: int = 1,
     ) -> None:
         size = len(parameters)
         if not size:
@@ -113,6 +118,11 @@ class Fleet:
             lanes.place(index, simulator)
             lanes.fill_filters(index, simulator.snapshot())
         lanes.survey(self._parameters)
+        groups = len(lanes.groups)
+        edges = np.linspace(0, groups, min(max(threads, 1), groups) + 1).astype(int).tolist()
+        self._shares = list(pairwise(edges))
+        self._rooms = [lanes.room() for _ in self._shares]
+        self._pool = ThreadPoolExecutor(len(self._shares)) if len(self._shares) > 1 else None
         self._tick_all(self._temperatures[:0], self._shaft_hz[:0])  # compiled before it is needed
 
     def __len__(self) -> int:
@@ -151,7 +161,7 @@ class Fleet:
         _evaluate_changed(lanes.law, was_outer, was_speed, outer, speed, end)
         start = begin[:, : coefficients.INPUTS]
         growth = end[:, : coefficients.INPUTS] - start
-        out = np.empty((2, lanes.size, n), np.float32)
+        outs = [np.empty((2, (end - first) * L, n), np.float32) for first, end in self._shares]
         first, done = self.next_sample, 0
         ticking = bool((lanes.law[:, coefficients.PHYSICAL] != 0.0).any())
         while done < n:
@@ -160,11 +170,7 @@ class Fleet:
                 count = min(count, self._tick - self.next_sample % self._tick)
             at = np.array([done, done + count]) / n
             ramp = start + growth * at[:, None, None]
-            advance_all(
-                lanes.groups, lanes.balls, lanes.surfaces, lanes.history, ramp, lanes.drift,
-                lanes.taps, self.next_sample, self.next_sample % self._tick, lanes.oversample,
-                lanes.step, lanes.room, out, done, count,
-            )  # fmt: skip
+            self._advance_shares(ramp, outs, done, count)
             done += count
             self.next_sample += count
             if ticking and self.next_sample % self._tick == 0:
@@ -174,8 +180,24 @@ class Fleet:
                     was_speed + (speed - was_speed) * share,
                 )
         self._temperatures, self._shaft_hz, lanes.values = outer, speed, end
-        size = len(self)
+        size, out = len(self), np.concatenate(outs, axis=1) if len(outs) > 1 else outs[0]
         return FleetBlock(first_sample=first, x=out[0, :size], y=out[1, :size])
+
+    def _advance_shares(self, ramp: FloatArray, outs: list[Array], begin: int, count: int) -> None:
+        """Advance all groups, each thread its share; kernels let other threads run."""
+        lanes = self._lanes
+
+        def advance(share: tuple[int, int], room: Array, out: Array) -> None:
+            part, lane = slice(*share), slice(share[0] * L, share[1] * L)
+            advance_all(
+                lanes.groups[part], lanes.balls[part], lanes.surfaces[lane], lanes.history[part],
+                np.ascontiguousarray(ramp[:, lane]), lanes.drift[lane], lanes.taps,
+                self.next_sample, self.next_sample % self._tick, lanes.oversample, lanes.step,
+                room, out, begin, count,
+            )  # fmt: skip
+
+        spread = map if self._pool is None else self._pool.map
+        list(spread(advance, self._shares, self._rooms, outs))
 
     def of_bearing(self, block: FleetBlock, index: int) -> Block:
         """Return one bearing of the latest block; its condition is known until the next one."""

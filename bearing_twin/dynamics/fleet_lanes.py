@@ -71,7 +71,11 @@ class Lanes:
         self.taps = padded.reshape(-1, self.oversample).T.ravel().astype(np.float32)
         memory = (len(padded) // self.oversample - 1) * 2 * L
         self.history = aligned((groups, self.oversample, memory), np.float32)
-        self.room = aligned((room_size(self.oversample, memory),), np.float32)
+        self._memory = memory
+
+    def room(self) -> Array:
+        """Return what one thread of the kernel works in."""
+        return aligned((room_size(self.oversample, self._memory),), np.float32)
 
     def survey(self, parameters: Sequence[TwinParameters]) -> None:
         """Find what the kernel has to do for each group."""

@@ -75,6 +75,15 @@ SPECS = (
         high=40,
         running=False,
     ),
+    Spec(
+        name='threads',
+        default=1,
+        description='Cores that share the equations, sixteen bearings at a time; no sample '
+        'depends on it.',
+        low=1,
+        high=64,
+        running=False,
+    ),
     *realtime.SPECS,
     SUBSCRIBERS,
     replace(STATE_RATE, default=5.0),
@@ -165,7 +174,7 @@ class FleetNode(ManagedNode):
     def _build_fleet(self) -> Fleet | None:
         """Return all twins at their start; None where only diagnoses are hosted."""
         values = [m.twin_parameters.values for m in self._twins if m.twin_parameters]
-        return build_fleet(values) if values else None
+        return build_fleet(values, threads=self.parameters['threads']) if values else None
 
     def _set_up_twin(self, member: Member) -> None:
         p = member.twin_parameters

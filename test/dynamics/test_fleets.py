@@ -101,6 +101,17 @@ def test_fleet_splitting_and_restoring_gives_the_same_bits(mode):
         cut.load(data[:-1])
 
 
+def test_threads_change_no_bit():
+    modes = ('paper', 'physical')
+    parameters = [preset('incipient', thermal_mode=modes[k % 2]) for k in range(40)]
+    one, three = (Fleet(parameters, threads=count) for count in (1, 3))
+    for temperatures in (np.linspace(20.0, 60.0, 40), 40.0):
+        blocks = [fleet.advance(1500, temperatures, 25.0) for fleet in (one, three)]
+        np.testing.assert_array_equal(blocks[0].x, blocks[1].x)
+        np.testing.assert_array_equal(blocks[0].y, blocks[1].y)
+    assert one.save() == three.save()
+
+
 def test_fleet_carries_the_inner_ring_and_refuses_without_a_trace():
     parameters = preset('incipient', thermal_mode='physical')
     fleet, single = Fleet([parameters] * 2), Simulator(parameters)
