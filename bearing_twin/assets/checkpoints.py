@@ -107,6 +107,12 @@ def parameters_of(node: str) -> Iterator[None]:
     """Report missing or incompatible parameters of a node that is built from a checkpoint."""
     try:
         yield
-    except (KeyError, TypeError) as error:
-        msg = f'parameters of the {node} are missing or of another version ({error!r})'
+    except KeyError as error:
+        msg = (
+            f'the parameter {error} of the {node} is missing: a bearing_twin that did not have it '
+            'yet made this; run it again with that version'
+        )
+        raise BearingTwinError(msg) from None
+    except TypeError as error:
+        msg = f'parameters of the {node} are of another type or version ({error})'
         raise BearingTwinError(msg) from None

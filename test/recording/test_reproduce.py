@@ -29,6 +29,7 @@ import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 from recorder_process import Source, TIMEOUT
 from recording_samples import store
+import yaml
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -181,6 +182,26 @@ def test_a_missing_block_costs_the_verdicts_on_it(run: Path, tmp_path: Path) -> 
     assert (diagnosis.different, diagnosis.missing) == (0, 0)
     assert (diagnosis.identical, diagnosis.skipped) == (4, 8)
     assert any(note.startswith('/diagnosis: blocks are missing') for note in result.notes)
+
+
+def test_a_recording_from_before_a_parameter_existed_is_not_judged_and_one_sentence_says_why(
+    run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Such a twin had perfect surfaces, and started in another way: no bit would be the same."""
+
+    def older(message: Any, cdr: bytes) -> bytes:
+        checkpoint = message.decode() if message.topic == '/twin_checkpoint' else None
+        if checkpoint is None:
+            return cdr
+        kept = {n: v for n, v in configuration_values(checkpoint).items() if n != 'waviness'}
+        return changed(message, configuration=yaml.safe_dump(kept))
+
+    before = rewritten(run, tmp_path / 'before', older)
+    assert main(['verify', str(before)]) != 0
+    said = capsys.readouterr().err.strip().splitlines()
+    assert len(said) == 1
+    assert "the parameter 'waviness' of the twin is missing" in said[0]
+    assert 'run it again with that version' in said[0]
 
 
 @pytest.mark.parametrize('rate', [-1.0, 0.0, float('nan'), float('inf'), 1e308])
