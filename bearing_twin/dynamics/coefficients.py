@@ -164,13 +164,13 @@ def heaviest(law: FloatArray, values: FloatArray) -> float:
 
     Examples
     --------
-    Of 3.2 kN a ball of eight bears somewhat more than 5/8:
+    Of 3.2 kN a ball of eight bears somewhat less than 5/8:
 
     >>> from bearing_twin.dynamics import preset
     >>> law, values = law_table(preset('paper')), np.empty(CONDITION_SIZE)
     >>> evaluate(law, 20.0, 20.0, 25.0, values)
     >>> round(heaviest(law, values))
-    2046
+    1832
 
     """
     balls = healthy_balls(-0.5 * math.pi, values[CLEARANCE], int(law[N_BALLS]))
