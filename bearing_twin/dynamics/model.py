@@ -10,14 +10,16 @@ they use only arithmetic and the operations of `vector` that take both.
 To change the contact law edit `contact_law`. Its power 1.5 also decides the starting value of
 `statics.spring_position`, the margin for the unbalance in `stability.check_step`, the pieces of a
 step in `integrator`, and the unit of K_b, which `bearing.hertz` computes; each says so. The tests
-compare with the power 1.5 on purpose.
+compare with the power 1.5 on purpose. `vector` knows roots and no other powers: x**1.25 is
+x * root(root(x)).
 
 To add a profile:
 
 - its name: `parameters.Profile`, and what it is in the docstring of `parameters.Defect`;
 - its code: a constant below, and its place in `CODES`;
 - its path: a branch of `defect_path`, and where that path has a kink, `path_kink`;
-- its closed form: `PATHS` in test_model.py, whose tests ask for every profile.
+- its closed form: `PATHS` in test_model.py, whose tests ask for every profile;
+- the table of parameters: ``python docs/tables.py docs/nodes.md``.
 
 The equations (x right, y up), one line an axis, y shown::
 
