@@ -43,7 +43,17 @@ _SAVED = Envelope(b'BFleet\x00\x05', struct.Struct('<dQIII'), 'a fleet')
 
 @dataclass(frozen=True, kw_only=True)
 class FleetBlock:
-    """Housing accelerations of all bearings."""
+    """
+    Housing accelerations of all bearings.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> block = Fleet([preset('paper')] * 3).advance(256, temperatures=60.0, shaft_hz=25.0)
+    >>> block.first_sample, block.x.shape
+    (0, (3, 256))
+
+    """
 
     first_sample: int
     """Running index of the first sample."""

@@ -45,6 +45,14 @@ class Lanes:
     sample_rate
         Output rate, Hz.
 
+    Examples
+    --------
+    Three bearings fill three of sixteen lanes:
+
+    >>> from bearing_twin.dynamics import preset
+    >>> Lanes([preset('paper')] * 3, 25600.0).size
+    16
+
     """
 
     def __init__(self, parameters: Sequence[TwinParameters], sample_rate: float) -> None:

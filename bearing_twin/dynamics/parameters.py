@@ -172,6 +172,15 @@ class TwinParameters:
         The default puts both at the bottom: under a load that acts downwards an inner defect at
         angle 0 is struck at t = 0.
 
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> worn = TwinParameters(
+    ...     bearing=find_bearing('6205'), defects=(Defect(place='outer', width=1e-3, depth=2e-5),)
+    ... )
+    >>> worn.load, round(1e-9 * worn.k_b0, 2)
+    (500.0, 9.42)
+
     """
 
     bearing: Bearing

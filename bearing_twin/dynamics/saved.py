@@ -24,7 +24,17 @@ _CHECKSUM = 4
 
 @dataclass(frozen=True)
 class Envelope:
-    """One kind of saved states: a magic number, a checksum, fields of fixed size and a body."""
+    """
+    One kind of saved states: a magic number, a checksum, fields of fixed size and a body.
+
+    Examples
+    --------
+    >>> import struct
+    >>> envelope = Envelope(b'demo1', struct.Struct('<d'), 'a demo')
+    >>> envelope.open(envelope.seal([25.0], b'state'))
+    ((25.0,), b'state')
+
+    """
 
     magic: bytes
     """Kind and version."""

@@ -46,7 +46,17 @@ _SAVED = Envelope(b'BTwin\x00\x04\x00', struct.Struct('<dIQddI'), 'one bearing')
 
 @dataclass(frozen=True, kw_only=True)
 class Block:
-    """Housing acceleration as an accelerometer sees it."""
+    """
+    Housing acceleration as an accelerometer sees it.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> block = Simulator(preset('paper')).advance(256, temperature=60.0, shaft_hz=25.0)
+    >>> block.first_sample, block.y.shape, round(block.condition.beta0, 3)
+    (0, (256,), 1.011)
+
+    """
 
     first_sample: int
     """Running index of ``x[0]``. The signal lags the condition by `Simulator.delay`."""
