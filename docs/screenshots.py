@@ -11,16 +11,14 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
-import shutil
-import subprocess
 import sys
 import tempfile
 import time
 
-from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.run import run_offline
 from bearing_twin.ros.launching import local_environment, NodeProcesses
 from bearing_twin.view.report.page import report_page
+from bearing_twin.view.report.pdf import browse
 from bearing_twin.view.rerun.opening import draw_recordings
 from bearing_twin.view.rerun.viewer import free_port, HeadlessViewer, LOOPBACK
 from PIL import Image
@@ -36,7 +34,6 @@ PANEL = 302
 """Width of the selection panel, pixels."""
 LIVE_SECONDS = 30.0
 MOMENT, END = 24.0, 39.9
-CHROMIUM = ('chromium', 'chromium-browser', 'google-chrome')
 
 
 def keep(target: Path, box: tuple[int, int, int, int]) -> None:
@@ -74,18 +71,10 @@ def live(folder: Path) -> None:
         take([f'rerun+http://{LOOPBACK}:{port}/proxy'], 'live')
 
 
-def report(run: Path, folder: Path) -> None:
+def report(run: Path) -> None:
     """Take the picture of the head of a report, as a browser shows it."""
-    browser = next(filter(None, map(shutil.which, CHROMIUM)), None)
-    if browser is None:
-        msg = 'no Chromium for the picture of the report; on Debian: apt-get install chromium'
-        raise BearingTwinError(msg)
-    page, target = folder / 'report.html', IMAGES / 'report.png'
-    page.write_text(report_page(run), encoding='utf-8')
-    command = [browser, '--headless', '--no-sandbox', '--disable-gpu', '--hide-scrollbars']
-    command += [f'--user-data-dir={folder / "profile"}', f'--window-size={SIZE[0]},{SIZE[1]}']
-    command += [f'--screenshot={target}', page.as_uri()]
-    subprocess.run(command, check=True, capture_output=True, timeout=120.0)
+    target = IMAGES / 'report.png'
+    browse(report_page(run), f'--window-size={SIZE[0]},{SIZE[1]}', f'--screenshot={target}')
     keep(target, (0, 0, *SIZE))
 
 
@@ -106,7 +95,7 @@ def main() -> int:
         # Without the selection panel, which shows the path of a temporary file.
         bare = str(next(runs[1].glob('*.mcap')))
         take([bare], 'unmodified_rerun', width=SIZE[0] - PANEL)
-        report(runs[1], folder)
+        report(runs[1])
         live(folder)
     # By these a test tells whether the pictures are older than the views.
     shown = json.dumps(views, ensure_ascii=False, indent=1)

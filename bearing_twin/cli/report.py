@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``bearing-twin report``: a recording as one HTML page."""
+"""``bearing-twin report``: a recording as one page, HTML or PDF."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help='MCAP file, bag folder, folder of a demo, or .npz .mat .wav .csv as diagnose reads',
     )
     parser.add_argument(
-        '-o', '--output', type=Path, help='page to write (default: NAME.html in this folder)'
+        '-o', '--output', type=Path, help='page to write, .html or .pdf (default: NAME.html here)'
     )
     add_signal_arguments(parser)
     parser.add_argument('--json', action='store_true', help='print what was written as JSON')
@@ -36,25 +36,26 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the page; return 0."""
     output: Path = args.output or Path(f'{args.recording.resolve().stem}.html')
-    if output.suffix.lower() not in ('.html', '.htm'):
-        msg = f'{output} is not called .html; a report never overwrites a recording'
+    if output.suffix.lower() not in ('.html', '.htm', '.pdf'):
+        msg = f'{output} is not called .html or .pdf; a report never overwrites a recording'
         raise BearingTwinError(msg)
     # Matplotlib takes a second to load, which a wrong name should not wait for.
     from bearing_twin.view.report.page import report_page
+    from bearing_twin.view.report.pdf import pdf_of
 
     with tempfile.TemporaryDirectory(prefix='bearing_twin_report_') as folder:
         recording = as_recording(args.recording, args, Path(folder))
         made = recording.parent == Path(folder)
-        page = report_page(recording, args.recording if made else None)
+        text = report_page(recording, args.recording if made else None)
+    page = pdf_of(text) if output.suffix.lower() == '.pdf' else text.encode()
     try:
         with whole_file(output) as file:
-            file.write(page.encode())
+            file.write(page)
     except OSError as error:
         msg = f'{output} cannot be written: {error.strerror}'
         raise BearingTwinError(msg) from None
-    size = len(page.encode())
     if args.json:
-        print(json.dumps({'report': str(output), 'bytes': size}))
+        print(json.dumps({'report': str(output), 'bytes': len(page)}))
     else:
-        print(f'{output} ({size / 1e6:.1f} MB)')
+        print(f'{output} ({len(page) / 1e6:.1f} MB)')
     return 0

@@ -7,14 +7,16 @@ import json
 from pathlib import Path
 import re
 import shutil
-import subprocess
 
+from bearing_twin import cli
 from bearing_twin.view.report.page import report_page
+from bearing_twin.view.report.pdf import browse, BROWSERS, pdf_of
 import pytest
 
 SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
-CHROMIUM = shutil.which('chromium') or shutil.which('chromium-browser')
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason='there is no Chromium')
+pytestmark = pytest.mark.skipif(
+    not any(map(shutil.which, BROWSERS)), reason='there is no Chromium'
+)
 
 # The page runs no script: it is measured from outside, in a frame as wide as the screen.
 MEASURE = """
@@ -47,30 +49,27 @@ document.getElementById('page').onload = (event) => {
 """
 
 
-def chromium(tmp_path, *arguments):
-    """Run Chromium; return what it prints."""
-    command = [CHROMIUM, '--headless', '--no-sandbox', '--disable-gpu', '--disable-dev-shm-usage']
-    command += ['--disable-background-networking', f'--user-data-dir={tmp_path / "profile"}']
-    done = subprocess.run([*command, *arguments], capture_output=True, timeout=120, check=True)
-    return done.stdout.decode()
-
-
 @pytest.fixture(scope='module', params=['inner', 'none'])
-def page(request, tmp_path_factory):
-    """Return the report on a recording with a defect, and on one without."""
+def recording(request, tmp_path_factory):
+    """Return a recording with a defect, and one without."""
     pytest.importorskip('bearing_twin_msgs', reason='the message package is not built')
     from bearing_twin.offline.run import run_offline
 
     target = tmp_path_factory.mktemp('rendered') / request.param
     run_offline(SCHEDULE, target, twin={'defect': request.param})
-    return report_page(target)
+    return target
+
+
+@pytest.fixture(scope='module')
+def page(recording):
+    """Return the report on it."""
+    return report_page(recording)
 
 
 @pytest.mark.parametrize('width', [1366, 794, 390])
-def test_nothing_overflows_overlaps_or_is_too_small(page, tmp_path, width):
-    wrapper = tmp_path / 'wrapper.html'
-    wrapper.write_text(MEASURE % {'width': width, 'page': html.escape(page)}, encoding='utf-8')
-    shown = chromium(tmp_path, '--virtual-time-budget=5000', '--dump-dom', wrapper.as_uri())
+def test_nothing_overflows_overlaps_or_is_too_small(page, width):
+    wrapper = MEASURE % {'width': width, 'page': html.escape(page)}
+    shown = browse(wrapper, '--virtual-time-budget=5000', '--dump-dom')
     found = json.loads(html.unescape(re.search(r'<pre>(.*?)</pre>', shown, re.DOTALL)[1]))
     assert found['texts'] > 100
     assert 'mathdefault' not in page
@@ -80,10 +79,9 @@ def test_nothing_overflows_overlaps_or_is_too_small(page, tmp_path, width):
     assert found['outside'] == []
 
 
-def test_the_report_prints_on_two_sheets_and_an_appendix(page, tmp_path):
+def test_the_report_prints_on_two_sheets_and_an_appendix(page, recording, tmp_path):
     main = re.sub(r'<section class="appendix">.*</section>', '', page, flags=re.DOTALL)
-    for text, sheets in ((main, 2), (page, 4)):
-        source, target = tmp_path / 'page.html', tmp_path / 'page.pdf'
-        source.write_text(text, encoding='utf-8')
-        chromium(tmp_path, '--no-pdf-header-footer', f'--print-to-pdf={target}', source.as_uri())
-        assert len(re.findall(rb'/Type\s*/Page\b', target.read_bytes())) == sheets
+    target = tmp_path / 'page.pdf'
+    assert cli.main(['report', str(recording), '-o', str(target)]) == 0
+    for pdf, sheets in ((pdf_of(main), 2), (target.read_bytes(), 4)):
+        assert len(re.findall(rb'/Type\s*/Page\b', pdf)) == sheets
