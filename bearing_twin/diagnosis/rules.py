@@ -11,7 +11,8 @@ rules are asked in the order of this file. A new rule touches:
   combs, and ``search.py`` if the quantity has to be measured in the spectra;
 - ``thresholds.py`` and the table of thresholds in ``docs/diagnosis.md``;
 - ``CASES`` in ``test/diagnosis/test_rules.py``: evidence that reaches the rule;
-- the table of rules: ``python docs/rules.py docs/diagnosis.md``.
+- the table of rules: ``python docs/rules.py docs/diagnosis.md``;
+- the share of right answers, where it changes many: ``studies.reliability``.
 """
 
 from __future__ import annotations

@@ -19,11 +19,24 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['load_trend', 'paper_schedule', 'write_temperature_recording']
+__all__ = ['load_trend', 'paper_schedule', 'undated', 'write_temperature_recording']
 
 TEMPERATURE = 'sensor_msgs/msg/Temperature'
 START = 1_577_836_800 * NANO
-"""Stamp of the first reading, 2020-01-01 00:00 UTC: the same command writes the same file."""
+"""Stamp of what has no date, 2020-01-01 00:00 UTC: the same command writes the same file."""
+
+
+def undated(start: int) -> bool:
+    """
+    Whether a recording that begins at ``start`` ns has no date, only a time from its start.
+
+    Examples
+    --------
+    >>> undated(START), undated(START + 3600 * NANO)
+    (True, False)
+
+    """
+    return START <= start < START + 60 * NANO
 
 
 def paper_schedule(

@@ -130,7 +130,7 @@ TWIN_STATE = (
 DIAGNOSIS = (
     Panel(
         'significance',
-        'Significance [standard deviations over noise]',
+        'Significance [σ over noise]',
         _per_family('score'),
         Limit(f'fault above {Z_FAULT:g}', Z_FAULT),
     ),

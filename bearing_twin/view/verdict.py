@@ -114,10 +114,11 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
             )
         )
     rows.append(('Shaft', shaft_speed(diagnosis)))
-    rows.append(('Confidence', f'{diagnosis.confidence:.0%}'))
-    stage = _stage(diagnosis)
+    stage, confidence = _stage(diagnosis), f'{diagnosis.confidence:.0%}'
     if stage:
-        rows.append(('Stage', f'{stage} of 4, {STAGES[stage]}'))
+        rows.append(('Stage', f'{stage} of 4, {STAGES[stage]}; confidence {confidence}'))
+    else:
+        rows.append(('Confidence', confidence))
     if math.isfinite(diagnosis.rms):
         level = number(diagnosis.rms, f'{unit} rms')
         if math.isfinite(diagnosis.level_over_baseline):
@@ -232,6 +233,11 @@ class Headline:
         )
 
     @property
+    def passed(self) -> bool:
+        """Whether the recording ends with another verdict than the worst."""
+        return bool(self.count) and self.worst.best.result_name != self.last.result_name
+
+    @property
     def span(self) -> str:
         """When the worst verdict was given, and how it stands at the end."""
         worst = self.worst
@@ -239,7 +245,7 @@ class Headline:
             f'{worst.windows} of {self.count} windows, from {worst.first:.0f} s to '
             f'{worst.last:.0f} s'
         )
-        if str(self.last.result_name) == str(worst.best.result_name):
+        if not self.passed:
             return f'{text}; so it stands at the end'
         end = title_of(self.last).lower()
         shaft = ', shaft standing' if shaft_speed(self.last) == 'standing' else ''

@@ -12,7 +12,9 @@ from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.finding import find_recording
 from bearing_twin.recording.reader import read_messages
+from bearing_twin.recording.schedule import START
 from bearing_twin.recording.topics import FEATURES
+from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.view.rerun.bearing3d import contact_forces, SLOWED
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings
@@ -59,7 +61,8 @@ def columns(rrd, entity, component):
         data = next((n for n in names if n.endswith(f':{component}')), None)
         if data is None:
             continue
-        times += batch.column(names.index('ros_time')).cast('int64').to_pylist()
+        line = next(name for name in ('ros_time', 'since_start') if name in names)
+        times += batch.column(names.index(line)).cast('int64').to_pylist()
         values += batch.column(names.index(data)).to_pylist()
     order = np.argsort(times, kind='stable')
     return np.array(times)[order], [values[k] for k in order]
@@ -87,8 +90,33 @@ def test_the_verdict_is_drawn_where_its_window_ends(recording, picture):
     first = next(read_messages(recording, topics=['/diagnosis'])).decode()
     begin = first.header.stamp.sec * SECOND + first.header.stamp.nanosec
     times, values = columns(picture, '/diagnosis/verdict', 'state')
+    # A schedule has no date: time counts from its beginning.
+    begin -= START
     assert times[0] == begin + round(first.sample_count / first.sample_rate * SECOND)
     assert values[-1] == ['inner']
+
+
+def test_a_picture_begins_with_the_vibration(recording, tmp_path):
+    late, rrd = tmp_path / 'late.mcap', tmp_path / 'late.rrd'
+    today = START + 1000 * 86400 * SECOND
+    with RecordingWriter(late, WriterOptions()) as writer:
+        for message in read_messages(recording):
+            # Seconds in which the twin compiles, while the sensor and the parameters are there.
+            early = message.topic in ('/temperature', '/twin_checkpoint')
+            time = message.log_time - START + today + (0 if early else 20 * SECOND)
+            writer.write(
+                message.topic, message.type_name, message.cdr,
+                log_time=time, publish_time=time, qos='',
+            )  # fmt: skip
+    assert draw_recordings([late], rrd) == {}
+    vibration = next(read_messages(late, topics=['/vibration'])).log_time
+    for entity, component in (
+        ('/temperature/measured', 'values'),
+        ('/twin_checkpoint/parameters', 'text'),
+    ):
+        times, values = columns(rrd, entity, component)
+        assert len(values)
+        assert times[0] >= vibration - SECOND
 
 
 def test_rerun_without_us_draws_each_figure_under_its_name(recording):

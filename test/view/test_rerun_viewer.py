@@ -2,10 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The viewer itself, without a display: no view reports an error and none is empty."""
 
+import contextlib
 import io
 import json
+import math
 import os
 from pathlib import Path
+import shutil
 import signal
 import socket
 import subprocess
@@ -15,14 +18,18 @@ import time
 from bearing_twin import cli
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
+from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from bearing_twin.stamps import split_ns
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings
 from bearing_twin.view.rerun.viewer import free_port, HeadlessViewer, LOOPBACK
 from bearing_twin.view.trends import TWIN_STATE
 import matplotlib.image
 import numpy as np
+from PIL import Image, ImageOps
 import pytest
 from rerun.chunk import RrdReader
+from rosbags.typesys import get_typestore, Stores
 
 pytestmark = pytest.mark.vulkan
 
@@ -40,7 +47,7 @@ PAGES = {
         'Colours',
         'First harmonic from near',
         'Verdict over time',
-        'Significance [standard deviations over noise]',
+        'Significance [σ over noise]',
         'Vibration level [m/s²] rms',
         'Temperature [°C]',
     },
@@ -51,7 +58,7 @@ PAGES = {
         'Spectrum [over Hz]',
     },
     'Evidence': {
-        'Significance [standard deviations over noise]',
+        'Significance [σ over noise]',
         'Modulation index [1]',
         'Vibration level [m/s²] rms',
         'Velocity 10 to 1000 Hz [mm/s rms]',
@@ -99,16 +106,19 @@ def _vulkan(tmp_path_factory):
         pytest.skip(str(error))
 
 
+def shots(viewer):
+    """Return the views in front, each with its picture."""
+    for view in viewer.client.get_state().views:
+        # Those of other pages have none.
+        with contextlib.suppress(ConnectionError):
+            yield view, viewer.client.take_screenshot(view.view_id)
+
+
 def seen(viewer):
     """Return the names of the views in front, and what is wrong with them."""
-    names, found = [], []
-    for view in viewer.client.get_state().views:
-        found += [f'{view.name}: {r.severity} {r.summary}' for r in view.reports]
-        try:
-            shot = viewer.client.take_screenshot(view.view_id)
-        except ConnectionError:
-            # On a page that is not in front.
-            continue
+    names, views = [], viewer.client.get_state().views
+    found = [f'{v.name}: {r.severity} {r.summary}' for v in views for r in v.reports]
+    for view, shot in shots(viewer):
         names.append(view.name)
         rgb = matplotlib.image.imread(io.BytesIO(shot))[..., :3]
         if view.view_class in WRITING:
@@ -130,6 +140,78 @@ def test_a_recording_fills_every_view_of_every_page(recordings, tmp_path, page):
         names, found = seen(viewer)
         assert found == []
         assert set(names) == PAGES[page]
+
+
+JOINTS = 'sensor_msgs/msg/JointState'
+READ = {
+    'none': ('healthy', ('next step', 'no fault comb')),
+    'outer': ('outer race fault', ('hz found', 'next step', 'outer: comb at')),
+    'stopped': (
+        'inner race fault at the end: insufficient',
+        ('windows, from', 'shaft standing', 'hz found', 'next step', 'inner: comb at'),
+    ),
+}
+"""What a laptop shows of each recording without scrolling: on the card, and among the reasons."""
+
+
+@pytest.fixture(scope='module')
+def stopped(recordings):
+    """Return a recording with a defect, whose shaft stands from 24 s on."""
+    from bearing_twin.offline.run import run_offline
+
+    source, store = recordings[0].with_name('stopped.mcap'), get_typestore(Stores.ROS2_KILTED)
+    joints, header, time = (
+        store.types[name]
+        for name in (JOINTS, 'std_msgs/msg/Header', 'builtin_interfaces/msg/Time')
+    )
+    with RecordingWriter(source, WriterOptions()) as writer:
+        begin = next(read_messages(SCHEDULE)).log_time
+        for message in read_messages(SCHEDULE):
+            now = message.log_time
+            speed = np.array([2.0 * math.pi * (25.0 if now - begin < 24e9 else 0.0)])
+            sec, nanosec = split_ns(now)
+            stamp = header(stamp=time(sec=sec, nanosec=nanosec), frame_id='')
+            turning = joints(
+                header=stamp, name=['shaft'], position=speed, velocity=speed, effort=speed
+            )
+            for topic, name, cdr in (
+                (message.topic, message.type_name, message.cdr),
+                ('/joint_states', JOINTS, bytes(store.serialize_cdr(turning, JOINTS))),
+            ):
+                writer.write(topic, name, cdr, log_time=now, publish_time=now, qos='')
+    run_offline(source, source.with_suffix(''), twin={'defect': 'inner', 'joint': 'shaft'})
+    return source.with_suffix('')
+
+
+def read(png):
+    """Return the letters of a picture, in small ones and with single spaces."""
+    # Letters are white on whatever colour: of the three channels the lowest.
+    rgb = matplotlib.image.imread(io.BytesIO(png))[..., :3]
+    letters = Image.fromarray(np.uint8(255.0 * (1.0 - rgb.min(axis=2))))
+    large = io.BytesIO()
+    letters = letters.resize((3 * letters.width, 3 * letters.height), Image.Resampling.LANCZOS)
+    ImageOps.expand(letters, 30, 255).save(large, 'PNG')
+    done = subprocess.run(
+        ['tesseract', '-', '-', '--psm', '6'],
+        input=large.getvalue(), capture_output=True, check=True, timeout=120,
+    )  # fmt: skip
+    return ' '.join(done.stdout.decode().lower().split())
+
+
+@pytest.mark.skipif(
+    shutil.which('tesseract') is None and os.environ.get('BEARING_TWIN_VULKAN') != 'required',
+    reason='there is no tesseract',
+)
+@pytest.mark.parametrize('name', list(READ))
+def test_a_laptop_shows_the_answer_and_why_without_scrolling(recordings, stopped, tmp_path, name):
+    rrd, (card, reasons) = tmp_path / f'{name}.rrd', READ[name]
+    draw_recordings([stopped.with_name(name)], rrd)
+    with HeadlessViewer([str(rrd)], size=LAPTOP) as viewer:
+        viewer.wait()
+        pictures = {view.name: shot for view, shot in shots(viewer)}
+    assert card in read(pictures['Verdict'])
+    words = read(pictures['Reasons'])
+    assert [text for text in reasons if text not in words] == []
 
 
 def test_the_pictures_of_the_docs_show_the_views_of_today():

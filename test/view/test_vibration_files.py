@@ -72,10 +72,12 @@ def test_files_side_by_side_have_one_scale_and_say_what_they_are(folder, tmp_pat
     rrd = tmp_path / 'both.rrd'
     both = [str(folder / 'fan.npz'), str(tmp_path / 'fan.npz')]
     assert cli.main(['view', *both, '--save', str(rrd)]) == 0
-    ranges, sources = set(), set()
+    ranges, sources, tops = set(), set(), {}
     store = reader(rrd)
     for chunk in store.stream():
         batch = chunk.to_record_batch().to_pydict()
+        if str(chunk.entity_path).endswith('whole/scale'):
+            tops[str(chunk.entity_path)] = batch['BarChart:values'][0]
         for name, values in batch.items():
             if str(chunk.entity_path).startswith('/__properties/vibration') and 'source' in name:
                 sources.add(values[0][0])
@@ -85,6 +87,8 @@ def test_files_side_by_side_have_one_scale_and_say_what_they_are(folder, tmp_pat
                 if name.startswith('ScalarAxis:range'):
                     ranges.add(tuple(values[0][0]))
     assert sources == {'measured'}
+    one, other = tops.values()
+    assert one == other
     peak = float(np.abs(np.load(folder / 'fan.npz')['x']).max())
     # The scale grows with what is drawn.
     low, high = max(ranges, key=max)

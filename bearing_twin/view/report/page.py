@@ -16,6 +16,7 @@ from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import recording_info
+from bearing_twin.recording.schedule import undated
 from bearing_twin.stamps import NANO
 from bearing_twin.view.report.appendix import appendix
 from bearing_twin.view.report.data import collect
@@ -44,7 +45,7 @@ def report_page(path: Path, source: Path | None = None) -> str:
     path
         MCAP file or bag folder; unfinished ones are read up to where they break off.
     source
-        Vibration file that the recording was made of, which has no date; None: there is none.
+        Vibration file that the recording was made of; None: there is none.
 
     Raises
     ------
@@ -58,7 +59,7 @@ def report_page(path: Path, source: Path | None = None) -> str:
     begin = datetime.fromtimestamp(info.start / NANO, tz=timezone.utc)
     # A bag folder is often just called 'bag': its parent says which.
     title = f'Bearing report: {"/".join((source or path).resolve().parts[-2:])}'
-    when = '' if source else f'{begin:%Y-%m-%d %H:%M:%S} UTC, '
+    when = '' if undated(info.start) else f'{begin:%Y-%m-%d %H:%M:%S} UTC, '
     body = [
         f'<h1>{escape(title)}</h1>',
         f'<p class="sub">{when}{info.duration:.1f} s. '

@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
     from numpy.typing import NDArray
 
-__all__ = ['MAGNIFIED', 'SLOWED', 'Bearing3D', 'check_pose', 'contact_forces']
+__all__ = [
+    'MAGNIFIED', 'SLOWED', 'Bearing3D', 'check_pose', 'contact_forces', 'greatest_force',
+]  # fmt: skip
 
 SLOWED = 40.0
 """The bearing is drawn turning this many times slower than it does."""
@@ -101,6 +103,12 @@ def contact_forces(
     return force
 
 
+def greatest_force(state: Any) -> float:
+    """Return the greatest force around the rings in a TwinState, N."""
+    law = state.inner_x, state.inner_y, state.radial_clearance, state.k_b
+    return float(contact_forces(AROUND, *law).max())
+
+
 @dataclass
 class _Turning:
     """
@@ -143,17 +151,18 @@ class Bearing3D:
     Poses are held and sent together, which costs a fifth of one by one.
     It turns slowed down by `SLOWED`, while the clock of the timeline runs on. Forces are those of
     balls at the places where they are drawn, at the displacement, clearance and stiffness of the
-    moment, so that colours and load zone agree.
+    moment, so that colours and load zone agree. They refer to the greatest so far, at least to
+    ``greatest``, N.
     """
 
-    def __init__(self, canvas: Canvas, name: str, bearing: Bearing) -> None:
+    def __init__(self, canvas: Canvas, name: str, bearing: Bearing, greatest: float = 0.0) -> None:
         self.bearing = bearing
         self._canvas = canvas
         self._name = name
         self._shaft, self._cage, self._spin = _Turning(), _Turning(), _Turning()
         self._pose: _Pose | None = None
         self._held: list[_Pose] = []
-        self._greatest = 0.0
+        self._greatest = greatest
         self._text = 'none'
         self._defects: tuple[Defect, ...] = ()
         self._marks: set[str] = set()

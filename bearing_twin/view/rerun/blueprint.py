@@ -58,11 +58,10 @@ def layout(
     shown = bearings or others
     parts: list[View]
     if side_by_side:
-        # What is compared has one scale, unless it is of different units.
-        units = {scene.asset.unit for scene in shown.values()}
-        peak = max(scene.asset.peak for scene in shown.values()) if len(units) == 1 else 0.0
-        pairs = (_narrow(scene, title, timeline, peak) for title, scene in shown.items())
-        parts = [rrb.Horizontal(*pairs, name='Side by side')]
+        pairs = rrb.Horizontal(*(_narrow(s, title, timeline) for title, s in shown.items()))
+        legend = next((view for s in shown.values() for view in _colours(s)), None)
+        rows = [pairs, legend] if legend else [pairs]
+        parts = [rrb.Vertical(*rows, row_shares=[1.0, 0.06][: len(rows)], name='Side by side')]
     elif len(shown) == 1 and bearings:
         parts = [page for scene in shown.values() for page in _pages(scene, timeline)]
     else:
@@ -128,7 +127,7 @@ def _lines(
     *,
     window: rrb.VisibleTimeRange | None = None,
     legend: bool = True,
-    peak: float = 0.0,
+    span: tuple[float, float] | None = None,
 ) -> rrb.TimeSeriesView:
     link = rrb.components.LinkAxis.Independent if window else rrb.components.LinkAxis.LinkToGlobal
     return rrb.TimeSeriesView(
@@ -136,7 +135,7 @@ def _lines(
         contents=list(contents),
         name=name,
         axis_x=rrb.TimeAxis(link=link),
-        axis_y=rrb.ScalarAxis(range=(-peak, peak)) if peak else None,
+        axis_y=rrb.ScalarAxis(range=span) if span else None,
         plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=legend),
         time_ranges=[window] if window else None,
     )
@@ -154,13 +153,14 @@ def _lanes(name: str, contents: Sequence[str]) -> rrb.StateTimelineView:
 
 
 def _card(scene: Scene, title: str = '') -> list[View]:
+    """Return card and reasons; with a title in half the width, where a card is as flat."""
     return [
         rrb.Vertical(
             rrb.Spatial2DView(
                 origin=f'{path}/card', name=f'Verdict: {title}' if title else 'Verdict'
             ),
             rrb.TextDocumentView(origin=f'{path}/words', name='Reasons'),
-            row_shares=[2, 5],
+            row_shares=[2, 5] if title else [3, 10],
         )
         for path in _of(scene, 'diagnosis')
     ]
@@ -186,8 +186,8 @@ def _solid(scene: Scene) -> list[View]:
     ]
 
 
-def _waveforms(scene: Scene, timeline: str, peak: float = 0.0) -> list[View]:
-    """Return the views of the vibration, to a scale up to ``peak``; 0: to their own."""
+def _waveforms(scene: Scene, timeline: str) -> list[View]:
+    peak = scene.asset.scales.vibration
     views: list[View] = []
     for path in _of(scene, 'vibration'):
         views += [
@@ -195,7 +195,7 @@ def _waveforms(scene: Scene, timeline: str, peak: float = 0.0) -> list[View]:
                 f'Vibration, last {CLOSE:g} s',
                 [f'{path}/samples/**'],
                 window=_window(timeline, CLOSE),
-                peak=peak,
+                span=(-peak, peak) if peak else None,
             ),
             _lines(
                 f'Vibration, extremes over {WIDE:g} s',
@@ -231,15 +231,16 @@ def _spectra(scene: Scene) -> list[View]:
     return [_bars('Spectrum [over Hz]', path) for path in _of(scene, 'spectrum')]
 
 
-def _envelope_spectra(scene: Scene) -> list[View]:
+def _envelope_spectra(scene: Scene, *, legend: bool = True) -> list[View]:
     views: list[View] = []
+    colours = _colours(scene) if legend else []
     for path in _of(scene, 'envelope_spectrum'):
         whole = _bars('Squared envelope spectrum: modulation index over Hz', f'{path}/whole')
         near = _bars('First harmonic from near', f'{path}/near')
-        if 'near' in scene.asset.panels:
-            views.append(rrb.Vertical(whole, *_colours(scene), near, row_shares=[6, 0.55, 4]))
-        else:
-            views.append(rrb.Vertical(whole, *_colours(scene), row_shares=[10, 0.55]))
+        parts = [(6.0, whole), *((0.55, view) for view in colours)]
+        parts += [(4.0, near)] if 'near' in scene.asset.panels else []
+        shares, shown = zip(*parts, strict=True)
+        views.append(rrb.Vertical(*shown, row_shares=shares))
     return views
 
 
@@ -283,7 +284,8 @@ def _panels(scene: Scene, kind: str, panels: Sequence[Panel], *keys: str) -> lis
 def _temperatures(scene: Scene) -> list[View]:
     contents = [f'{path}/measured' for path in _of(scene, 'temperature')]
     contents += [f'{path}/temperature/**' for path in _of(scene, 'twin_state')]
-    return [_lines('Temperature [°C]', contents)] if contents else []
+    span = scene.asset.scales.temperature
+    return [_lines('Temperature [°C]', contents, span=span)] if contents else []
 
 
 def _over_each_other(scene: Scene) -> list[View]:
@@ -335,7 +337,7 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
         for path in _of(scene, 'calibration')
     ]
     pages = (
-        _rows((5, verdict), (2.5, trends), name='Verdict'),
+        _rows((5.6, verdict), (2.4, trends), name='Verdict'),
         _rows((4, waves[:2]), (4, [*waves[2:], *amplitude]), name='Vibration'),
         _rows((5, evidence[:3]), (0.5, _colours(scene)), (5, evidence[3:]), name='Evidence'),
         _rows(
@@ -360,15 +362,15 @@ def _wide(scene: Scene, timeline: str, *, name: str | None = None) -> View:
     return rrb.Tabs(*_pages(scene, timeline), name=name)
 
 
-def _narrow(scene: Scene, title: str, timeline: str, peak: float) -> View:
+def _narrow(scene: Scene, title: str, timeline: str) -> View:
     if not _is_bearing(scene):
         return rrb.Vertical(*_numbers(scene), name=title)
-    envelope = _envelope_spectra(scene)
+    envelope = _envelope_spectra(scene, legend=False)
     page = _rows(
         (3.0, [*_card(scene, title), *_solid(scene)]),
         (1.2, _lane(scene)),
         (2.5, [*envelope, *_waterfalls(scene)]),
-        (2.0, [*_waveforms(scene, timeline, peak)[:1], *_temperatures(scene)]),
+        (2.0, [*_waveforms(scene, timeline)[:1], *_temperatures(scene)]),
         name=title,
     )
     assert page is not None

@@ -20,6 +20,7 @@ from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.blueprint import automatic, layout
 from bearing_twin.view.rerun.outlet import Outlet, ServedOutlet
 from bearing_twin.view.rerun.picture import Asset
+from bearing_twin.view.rerun.scales import Scales
 from bearing_twin.view.rerun.scene import namespace_of, Scene
 from bearing_twin.view.rerun.timebase import Timebase
 import rerun as rr
@@ -70,12 +71,14 @@ class RerunLogger:
         Draw every sample of the vibration instead of a part of each second and its envelope.
     sides
         Names of recordings that are drawn side by side, with the time in ns at which each begins;
-        time counts from there.
+        time counts from there. ``{'': TIME}`` for one recording without a date.
     timeline
         Timeline of messages by their stamps; any other name: by their arrival, for the viewer to
         lay out.
     page
         Name of the page in front; '': the first.
+    scales
+        What sides share.
 
     Raises
     ------
@@ -96,6 +99,7 @@ class RerunLogger:
         sides: Mapping[str, int] | None = None,
         timeline: str = 'ros_time',
         page: str = '',
+        scales: Scales | None = None,
     ) -> None:
         self.failed = 0
         """Messages that could not be drawn."""
@@ -121,6 +125,7 @@ class RerunLogger:
             sink = rr.GrpcServerSink(*serve, server_memory_limit=memory_limit)
             self._served = ServedOutlet(Outlet(recording_id, sink, place=f'port {serve[1]}'))
         self._bearing, self._full, self._page = bearing, full_samples, page
+        self._scales = scales or Scales()
         self._timebases = {'': Timebase(timeline)}
         if sides:
             self._timebases = {
@@ -233,7 +238,7 @@ class RerunLogger:
         scene = self._scenes.get((side, namespace))
         if scene is None:
             root = f'/{side}{namespace}' if side else namespace
-            asset = Asset(bearing=self._bearing, full=self._full)
+            asset = Asset(bearing=self._bearing, full=self._full, scales=self._scales)
             scene = Scene(self._emit, root, self._timebases[side], asset)
             self._scenes[side, namespace] = scene
         return scene

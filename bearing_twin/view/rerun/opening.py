@@ -4,11 +4,15 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.schedule import undated
+from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.logger import RerunLogger
+from bearing_twin.view.rerun.scales import Scales
 from bearing_twin.view.rerun.scene import PICTURES
 
 if TYPE_CHECKING:
@@ -21,6 +25,11 @@ __all__ = ['draw_recordings']
 
 ARRIVAL = 'message_log_time'
 """Timeline that Rerun gives every message of an MCAP file."""
+VIBRATION = 'bearing_twin_msgs/msg/Vibration'
+STANDING = frozenset(
+    {'bearing_twin_msgs/msg/Checkpoint', 'rcl_interfaces/msg/Log', 'std_msgs/msg/String'}
+)
+"""Message types that hold on, and so are drawn though they were sent before the vibration."""
 OWN = frozenset(name for name in PICTURES if name.startswith('bearing_twin_msgs/'))
 SERIES = frozenset(
     {
@@ -47,6 +56,9 @@ def draw_recordings(
 ) -> dict[str, str]:
     """
     Draw a recording, or several side by side, to a Rerun file.
+
+    The picture begins a second before the first vibration, not with the nodes that start up;
+    their parameters and log stand there.
 
     Parameters
     ----------
@@ -78,16 +90,20 @@ def draw_recordings(
     if len(paths) == 1 and not OWN & {topic.type_name for topic in infos[0].topics.values()}:
         return _draw_foreign(infos[0], rrd, progress)
     names = [''] if len(paths) == 1 else _names(paths)
+    begins = [_begin(info) for info in infos]
+    counted = len(paths) > 1 or undated(infos[0].start)
     problems: dict[str, str] = {}
     with RerunLogger(
         recording_id=' '.join(names).strip() or paths[0].resolve().stem,
         rrd=rrd,
         full_samples=max(info.duration for info in infos) <= LONG,
-        sides={n: i.start for n, i in zip(names, infos, strict=True)} if names[0] else None,
+        sides=dict(zip(names, begins, strict=True)) if counted else None,
         page=page,
+        scales=_scales(infos) if len(paths) > 1 else None,
     ) as logger:
         for k, (name, info) in enumerate(zip(names, infos, strict=True)):
-            problems |= _draw(logger, name, info, _part(progress, k, len(infos)))
+            part = _part(progress, k, len(infos))
+            problems |= _draw(logger, name, info, part, begin=begins[k])
     if progress is not None:
         progress(1.0)
     return problems | logger.problems
@@ -122,21 +138,43 @@ def _draw(
     progress: Callable[[float], None],
     *,
     leave_out: Collection[str] = (),
+    begin: int = 0,
 ) -> dict[str, str]:
     unread = {str(info.path): '; '.join(info.problems)} if info.problems else {}
     span = max(1, info.end - info.start)
     for count, message in enumerate(read_messages(info.path, recover=True, problems=[])):
         if message.topic in unread or message.topic in leave_out:
             continue
+        if message.log_time < begin and message.type_name not in STANDING:
+            continue
         try:
             decoded = message.decode()
         except BearingTwinError as error:
             unread[message.topic] = str(error)
             continue
-        logger.log(message.topic, message.type_name, decoded, message.log_time, side=side)
+        time = max(message.log_time, begin)
+        logger.log(message.topic, message.type_name, decoded, time, side=side)
         if count % 500 == 0:
             progress((message.log_time - info.start) / span)
     return unread
+
+
+def _begin(info: RecordingInfo) -> int:
+    """Return the time in ns at which the picture begins."""
+    topics = {name for name, topic in info.topics.items() if topic.type_name == VIBRATION}
+    messages = read_messages(info.path, topics=topics, recover=True, problems=[])
+    first = next(messages, None) if topics else None
+    return max(info.start, first.log_time - NANO) if first else info.start
+
+
+def _scales(infos: Sequence[RecordingInfo]) -> Scales:
+    scales = Scales()
+    for info in infos:
+        for message in read_messages(info.path, recover=True, problems=[]):
+            # What cannot be read is said where it is drawn.
+            with contextlib.suppress(BearingTwinError, AttributeError):
+                scales.take(message.type_name, message.decode())
+    return scales
 
 
 def _part(progress: Callable[[float], None] | None, k: int, n: int) -> Callable[[float], None]:

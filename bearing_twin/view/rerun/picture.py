@@ -9,10 +9,11 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.view.over_temperature import OverTemperature
+from bearing_twin.view.rerun.scales import Scales
 from bearing_twin.view.source import Source
 from bearing_twin.view.style import LINE
 from bearing_twin.view.trends import Limit
-from bearing_twin.view.verdict import pretty
+from bearing_twin.view.verdict import Headline, pretty
 import numpy as np
 
 if TYPE_CHECKING:
@@ -39,9 +40,12 @@ class Asset:
     """Whether a twin has spoken."""
     diagnosis: Any = None
     """Latest Diagnosis message."""
+    judged: int = 0
+    """Time at which that is drawn, ns."""
     source: Source = field(default_factory=Source)
-    peak: float = 0.0
-    """Largest magnitude of the vibration, in ``unit``."""
+    scales: Scales = field(default_factory=Scales)
+    """Of all recordings, where several stand side by side."""
+    headline: Headline = field(default_factory=Headline)
     over_temperature: OverTemperature = field(default_factory=OverTemperature)
     unit: str = ''
     """Of the vibration."""

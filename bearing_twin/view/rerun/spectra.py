@@ -36,6 +36,7 @@ MARK_WIDTH = 1.0 / 200.0
 """Width of a mark, as part of the frequencies shown."""
 STEP = 0.25
 """Step of the height from which marks take their length."""
+DARK = (40, 40, 40)
 COLOURS = {family.key: family.colour for family in FAMILIES} | {'shaft': LINE['ground']}
 
 
@@ -49,26 +50,48 @@ class SpectrumBars(Picture):
         self._marked: dict[str, tuple[tuple[float, ...], int]] = {}
         self._axes: dict[str, tuple[tuple[bytes, float], int]] = {}
         self._near = False
+        self._clearest: dict[str, tuple[Any, Any]] = {}
 
     def draw(self, message: Any, time: int) -> bool:
         """Draw a spectrum whose window begins at ``time`` in ns."""
-        picture = SpectrumPicture.of(message, self.asset.diagnosis)
+        diagnosis = self.asset.diagnosis
+        picture = SpectrumPicture.of(message, diagnosis)
         if picture is None:
             return False
-        time += round(NANO / picture.spacing)
+        tally = self.asset.headline.tallies.get(str(getattr(diagnosis, 'result_name', '')))
+        if tally is not None and tally.best.first_sample == message.first_sample:
+            self._clearest[str(diagnosis.result_name)] = message, diagnosis
+        self._draw(message, picture, time + round(NANO / picture.spacing))
+        return True
+
+    def finish(self) -> None:
+        """Show the window of the worst sustained verdict, where the card shows it."""
+        headline = self.asset.headline
+        if not headline.passed:
+            return
+        name = str(headline.worst.best.result_name)
+        message, diagnosis = self._clearest.get(name, (None, None))
+        if message is not None and (picture := SpectrumPicture.of(message, diagnosis)) is not None:
+            self._draw(message, picture, self.asset.judged + 1)
+
+    def _draw(self, message: Any, picture: SpectrumPicture, time: int) -> None:
         if message.kind != ENVELOPE:
             self._part('all', time, picture, float(picture.values.max()))
-            return True
+            return
         self.kind = 'envelope_spectrum'
         whole, near = picture.deciding(), picture.zoom()
         # A healthy spectrum stays low: the axis always holds the limit of a fault.
         # In steps, so that marks stay what they are.
-        top = STEP * math.ceil(max(float(whole.values.max()), INDEX_FAULT) / STEP)
+        top = max(float(whole.values.max()), self.asset.scales.index, INDEX_FAULT)
+        top = STEP * math.ceil(top / STEP)
         self._part('whole', time, whole, top)
         width = 2.0 * MARK_WIDTH * whole.end
         if self._changed('whole/limit', time, whole.end):
             end = np.array([whole.end + width])
             self._bars('whole/limit', time, end, np.array([INDEX_FAULT]), width, LINE['measured'])
+            if self.asset.scales.index:
+                # An axis takes no range: a thin bar beside the limit holds it.
+                self._bars('whole/scale', time, end + width, np.array([top]), 0.1 * width, DARK)
         if near is not None:
             self._part('near', time, near, top)
             self.asset.panels.add('near')
@@ -79,7 +102,6 @@ class SpectrumBars(Picture):
         self._near = near is not None
         if self.canvas.is_new('legend'):
             self.canvas.once('legend', rr.EncodedImage(contents=_legend(), media_type='image/png'))
-        return True
 
     def _part(self, name: str, time: int, picture: SpectrumPicture, top: float) -> None:
         indices, group = highest(picture.values, BARS)

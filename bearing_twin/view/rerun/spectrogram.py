@@ -7,6 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearing_twin.view.style import LINE
+from bearing_twin.view.verdict import pretty
 import numpy as np
 import rerun as rr
 
@@ -85,7 +86,7 @@ class Spectrogram:
             positions.append([COLUMNS * (1.0 - back / seconds), ROWS + 14.0])
             labels.append(f'-{back:g} s' if back else 'now')
         positions.append([COLUMNS / 2.0, -6.0])
-        labels.append(f'level {self._top - RANGE_DB:g}..{self._top:g} dB re 1 {unit}')
+        labels.append(f'{self._top - RANGE_DB:g} to {self._top:g} dB re 1 {pretty(unit)}')
         self._canvas.put(
             f'{self._name}/axes',
             time,

@@ -64,5 +64,5 @@ class TwinPicture(Picture):
                 self._unknown = name
                 self.canvas.once('bearing', rr.TextDocument(str(error)))
                 return None
-            self._solid = Bearing3D(self.canvas, 'bearing', bearing)
+            self._solid = Bearing3D(self.canvas, 'bearing', bearing, self.asset.scales.force)
         return self._solid

@@ -25,7 +25,7 @@ __all__ = ['VerdictPicture']
 CARD = (640, 150)
 """Width and height of the card, pixels."""
 MARGIN = 22
-SHORT = 44
+SHORT = 52
 """Longest text of a table cell that fits beside the bearing."""
 BELOW = 40
 """Height of a line below the verdict."""
@@ -40,9 +40,8 @@ class VerdictPicture(Picture):
         super().__init__(canvas, asset)
         self._lane = Lane(canvas, 'verdict', VERDICTS)
         self._trends = Trends(canvas, asset, DIAGNOSIS)
-        self._headline = Headline()
+        self._headline = asset.headline = Headline()
         self._begin: int | None = None
-        self._time = 0
 
     def draw(self, message: Any, time: int) -> bool:
         """Draw a diagnosis whose window begins at ``time`` in ns."""
@@ -55,7 +54,7 @@ class VerdictPicture(Picture):
         self.asset.over_temperature.diagnosis(message)
         self._headline.take((time - self._begin) / NANO, message)
         result = int(message.result)
-        self._time = time
+        self.asset.judged = time
         self._lane.set(result, time)
         # Every time, not only when it changes: a server forgets the oldest first.
         self.canvas.put(
@@ -74,15 +73,15 @@ class VerdictPicture(Picture):
 
     def finish(self) -> None:
         """Show the worst sustained verdict, where the recording ends with another one."""
-        worst = self._headline.worst.best if self._headline.count else None
-        if worst is None or worst.result_name == self._headline.last.result_name:
+        if not self._headline.passed:
             return
+        worst, time = self._headline.worst.best, self.asset.judged + 1
         end = f'at the end: {title_of(self._headline.last).lower()}'
         card = rr.EncodedImage(contents=_card(int(worst.result), end), media_type='image/png')
-        self.canvas.put('card', self._time + 1, card)
+        self.canvas.put('card', time, card)
         lines = [f'**{title_of(worst)}** in {self._headline.span}.', '', self._words(worst)]
         words = rr.TextDocument('\n'.join(lines), media_type=rr.MediaType.MARKDOWN)
-        self.canvas.put('words', self._time + 1, words)
+        self.canvas.put('words', time, words)
 
     def _words(self, diagnosis: Any) -> str:
         """Return a diagnosis as Markdown."""
@@ -95,9 +94,9 @@ class VerdictPicture(Picture):
         lines.insert(1, '|---|---|')
         for name, text in rows:
             lines += ['', f'**{name}:** {text}'] if len(text) > SHORT else []
+        lines += ['', *(f'- {reason}' for reason in diagnosis.reasons)]
         if why := rival(diagnosis):
             lines += ['', why]
-        lines += ['', *(f'- {reason}' for reason in diagnosis.reasons)]
         return '\n'.join(lines)
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearing_twin.view.style import LINE
+from bearing_twin.view.verdict import pretty
 import numpy as np
 import rerun as rr
 
@@ -26,13 +27,17 @@ WIDTH, DEPTH, HEIGHT = 10.0, 9.0, 1.6
 
 
 class Waterfall:
-    """Keep one short piece of the waveform for every 5 K and draw them one behind the other."""
+    """
+    Keep one short piece of the waveform for every 5 K and draw them one behind the other.
 
-    def __init__(self, canvas: Canvas, name: str) -> None:
+    The scale holds their peak, at least ``peak``.
+    """
+
+    def __init__(self, canvas: Canvas, name: str, peak: float) -> None:
         self._canvas = canvas
         self._name = name
         self._parts: list[NDArray[np.float64]] = []
-        self._scale = 0.0
+        self._peak, self._scale = peak, 0.0
         self._strips: dict[int, NDArray[np.float64]] = {}
         self._wanted: int | None = None
 
@@ -65,7 +70,7 @@ class Waterfall:
         self._draw(time, unit)
 
     def _draw(self, time: int, unit: str) -> None:
-        peak = max(float(np.abs(strip).max()) for strip in self._strips.values())
+        peak = max(self._peak, *(float(np.abs(s).max()) for s in self._strips.values()))
         scale = 10.0 ** np.ceil(np.log10(max(peak, 1e-12)))
         scale = next(s for s in (scale / 5.0, scale / 2.0, scale) if s >= peak)
         lines, colours = [], []
@@ -91,7 +96,7 @@ class Waterfall:
             places.append([WIDTH * part, -0.9, 0.0])
             labels.append(f'{part * SECONDS * 1e3:g} ms')
         places += [[-0.3, 0.0, HEIGHT], [-0.3, 0.0, -HEIGHT]]
-        labels += [f'{scale:g} {unit}', f'-{scale:g} {unit}']
+        labels += [f'{scale:g} {pretty(unit)}', f'-{scale:g} {pretty(unit)}']
         self._canvas.put(
             f'{self._name}/labels',
             time,

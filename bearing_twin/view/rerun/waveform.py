@@ -13,6 +13,7 @@ from bearing_twin.view.rerun.picture import Asset, Picture
 from bearing_twin.view.rerun.spectrogram import Spectrogram
 from bearing_twin.view.rerun.waterfall import Waterfall
 from bearing_twin.view.style import LINE
+from bearing_twin.view.verdict import pretty
 import numpy as np
 import rerun as rr
 
@@ -69,7 +70,7 @@ class Waveform(Picture):
     def __init__(self, canvas: Canvas, asset: Asset) -> None:
         super().__init__(canvas, asset)
         self._spectrogram = Spectrogram(canvas, 'spectrogram')
-        self._waterfall = Waterfall(canvas, 'waterfall')
+        self._waterfall = Waterfall(canvas, 'waterfall', asset.scales.vibration)
         self._pieces: list[_Piece] = []
         self._time = 0
         self._step: int | None = None
@@ -88,7 +89,6 @@ class Waveform(Picture):
             self._pieces.append(_Piece(time, rate, unit))
         self._pieces[-1].add(axes)
         self.asset.source.vibration(message)
-        self.asset.peak = max(self.asset.peak, *(_peak(s) for s in axes.values()))
         self.asset.over_temperature.vibration(
             next(iter(axes.values())), unit, self.asset.temperature
         )
@@ -147,7 +147,7 @@ class Waveform(Picture):
             f'samples/{axis}',
             times[kept],
             samples[kept],
-            label=f'{AXES[axis]} [{piece.unit}]',
+            label=f'{AXES[axis]} [{pretty(piece.unit)}]',
             colour=LINE[AXES[axis]],
             width=1.0,
         )
@@ -162,7 +162,7 @@ class Waveform(Picture):
             f'envelope/{axis}',
             _times(edges, piece),
             pairs,
-            label=(f'{place} min [{piece.unit}]', f'{place} max [{piece.unit}]'),
+            label=(f'{place} min', f'{place} max'),
             colour=colour,
             width=1.0,
             slow=True,
@@ -177,11 +177,6 @@ def extremes(samples: NDArray[np.float64], group: int) -> NDArray[np.int64]:
     rest = np.arange(whole * group, samples.size)
     found = np.concatenate([first + rows.argmin(axis=1), first + rows.argmax(axis=1), rest])
     return np.unique(found)
-
-
-def _peak(samples: NDArray[np.float64]) -> float:
-    """Return the largest magnitude of the samples that are numbers."""
-    return float(np.abs(samples[np.isfinite(samples)]).max(initial=0.0))
 
 
 def _times(indices: NDArray[np.int64], piece: _Piece) -> NDArray[np.int64]:

@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Scales that recordings side by side share: one number is then as high in every picture."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.view.rerun.bearing3d import check_pose, greatest_force
+from bearing_twin.view.spectrum import ENVELOPE, SpectrumPicture
+from bearing_twin.view.trends import recorded
+import numpy as np
+
+__all__ = ['Scales']
+
+
+class Scales:
+    """Largest values of the messages taken; 0 and None where there were none."""
+
+    def __init__(self) -> None:
+        self.index = 0.0
+        """Largest line of an envelope spectrum, modulation index."""
+        self.force = 0.0
+        """Greatest contact force, N."""
+        self._peak = 0.0
+        self._units: set[str] = set()
+        self._coldest, self._hottest = math.inf, -math.inf
+
+    @property
+    def vibration(self) -> float:
+        """Largest magnitude of the vibration; 0 where it is of different units."""
+        return self._peak if len(self._units) == 1 else 0.0
+
+    @property
+    def temperature(self) -> tuple[float, float] | None:
+        """Lowest and highest temperature, degC."""
+        if self._hottest <= self._coldest:
+            return None
+        return self._coldest, self._hottest
+
+    def take(self, type_name: str, message: Any) -> None:
+        """Take a message; one of another version may lack fields."""
+        match type_name.removeprefix('bearing_twin_msgs/msg/'):
+            case 'Vibration':
+                samples = np.concatenate([message.x, message.y])
+                self._units.add(str(message.unit))
+                finite = np.abs(samples[np.isfinite(samples)])
+                self._peak = max(self._peak, float(finite.max(initial=0.0)))
+            case 'Spectrum' if message.kind == ENVELOPE:
+                if (picture := SpectrumPicture.of(message)) is not None:
+                    self.index = max(self.index, float(picture.deciding().values.max()))
+            case 'TwinState':
+                self._degrees(recorded(message, 'temperature_used'))
+                self._degrees(recorded(message, 'inner_ring_temperature'))
+                try:
+                    check_pose(message)
+                except BearingTwinError:
+                    return
+                self.force = max(self.force, greatest_force(message))
+            case 'sensor_msgs/msg/Temperature':
+                self._degrees(recorded(message, 'temperature'))
+
+    def _degrees(self, value: float) -> None:
+        if math.isfinite(value):
+            self._coldest, self._hottest = min(self._coldest, value), max(self._hottest, value)
