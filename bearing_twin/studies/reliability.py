@@ -70,7 +70,7 @@ GROWS = {
 """Whether the share of right answers grows or falls with a term, whatever a few answers say. That
 of *healthy* falls with all of them."""
 
-_SHRINK = 4.0
+_SHRINK = 1.0
 """Answers that the squares of the weights count as: what few answers say is mostly chance, so the
 confidence of a kind with few of them stays near their share."""
 
