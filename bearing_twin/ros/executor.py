@@ -178,7 +178,7 @@ class LeanExecutor(SingleThreadedExecutor):
             worked = self._poll()
             for timer in timers:
                 if timer.handle.is_timer_ready():
-                    timer.handle.call_timer_with_info()
+                    _call(timer.handle)
                     timer.callback()
                     worked = True
             ready = wait_set.get_ready_entities('subscription')
@@ -251,6 +251,15 @@ def _usable(stack: ExitStack, entities: Iterable[Any]) -> list[Any]:
             continue
         usable.append(entity)
     return usable
+
+
+def _call(timer: Any) -> None:
+    """Mark a timer as called, so that its next period begins."""
+    if hasattr(timer, 'call_timer_with_info'):
+        timer.call_timer_with_info()
+    else:
+        # rclpy 7 (Jazzy).
+        timer.call_timer()
 
 
 def _take(subscription: Any, most: int) -> bool:
