@@ -71,6 +71,7 @@ class Panel:
     title: str
     """With the unit, where all quantities share one; ``[unit]`` is that of the message."""
     trends: tuple[Trend, ...]
+    """Where the first has no values there is no panel: the others only say more of it."""
     limit: Limit | None = None
     from_zero: bool = False
     band: tuple[str, ...] = ()

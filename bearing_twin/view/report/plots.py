@@ -318,7 +318,7 @@ def _panels(
     for panel in panels:
         lines = [(t, np.array([t.value(m) for _, m in items], dtype=float)) for t in panel.trends]
         lines = [(trend, values) for trend, values in lines if np.isfinite(values).any()]
-        if lines:
+        if lines and lines[0][0] is panel.trends[0]:
             shown.append((panel, lines))
     if not shown:
         return None

@@ -116,7 +116,7 @@ class Trends:
                 values = next(columns)
                 there = np.isfinite(values)
                 if there.any():
-                    drawn = True
+                    drawn |= trend is panel.trends[0]
                     self._canvas.line(
                         f'{panel.key}/{trend.key}',
                         times[there],
