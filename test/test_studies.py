@@ -68,7 +68,8 @@ def test_generalisation_prints_tables(capsys):
 def test_calibration_writes_its_tables(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(calibration, 'CANDIDATES', 96)
     monkeypatch.setattr(calibration, 'TWINS', 4)
-    calibration.main([str(tmp_path / 'out.json'), '1', '0', '2', '--jobs', '1'])
+    calibration.main([str(tmp_path / 'out.json'), '1', '0', '2', '1', '--jobs', '1'])
     table = json.loads((tmp_path / 'out.json').read_text())
     assert len(table['twins']['rows']) == table['twins']['faulty'] == 4
+    assert len(table['twins, by fit']['rows']) == 1
     assert '| resonance hz |' in capsys.readouterr().out

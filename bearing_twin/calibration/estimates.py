@@ -52,6 +52,20 @@ def of_path(
     unit
         Of the samples; '' if unknown.
 
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration.cloud import Situation
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='none', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> from bearing_twin.dynamics.sensor_path import SensorPath
+    >>> path = SensorPath(sample_rate=12800.0, numerator=(2.0,), denominator=(1.0,), noise=0.0)
+    >>> noise = np.random.default_rng(1).standard_normal(25600)
+    >>> floor = of_path(noise, path, [], machine, 'g')['noise_floor']
+    >>> floor.unit, floor.identifiable, round(floor.median, 3)
+    ('g/sqrt(Hz)', True, 0.01)
+
     """
     rate = situation.sample_rate
     parts = np.array_split(x, 8)
@@ -108,6 +122,21 @@ def of_defect(
     refusal
         Why the width is not told, or ''.
 
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration.cloud import Situation
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> from bearing_twin.calibration.posterior import limit
+    >>> from bearing_twin.calibration.summaries import summarise
+    >>> noise = np.random.default_rng(1).standard_normal(25600)
+    >>> left = limit(summarise(noise, 12800.0, machine.longest), machine, candidates=32)
+    >>> width = of_defect(left, machine, math.nan, 'ringing hides it')['defect_width_mm']
+    >>> width.identifiable, width.q05, width.why[-16:]
+    (False, 0.0, 'ringing hides it')
+
     """
     quantities = {}
     for name, about in left.prior.items():
@@ -134,7 +163,33 @@ def of_defect(
 def without_defect(
     x: FloatArray, situation: Situation, scale: float, unit: str, seed: int
 ) -> tuple[Estimate, str]:
-    """Return the width of a defect that the record would have shown, and that in words."""
+    """
+    Return the width of a defect that the record would have shown, and that in words.
+
+    Parameters
+    ----------
+    x
+        The record, shape (n,).
+    situation
+        Of the machine.
+    scale
+        m/s^2 of one unit of the samples; NaN if not known.
+    unit
+        Of the samples; '' if unknown.
+    seed
+        Of the draws.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration.cloud import Situation
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='ball', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> without_defect(np.zeros(25600), machine, 1.0, 'm/s^2', seed=0)[1]
+    'ball defect, at most 4.0 mm wide'
+
+    """
     highest = 1e3 * widest(situation.bearing)
     if situation.place in ('ball', 'cage'):
         why = f'the width of a {situation.place} defect is not fitted'
@@ -157,7 +212,32 @@ def without_defect(
 def supposed(
     values: dict[str, FloatArray], weights: FloatArray, situation: Situation
 ) -> dict[str, Estimate]:
-    """Return the quantities of a bearing without a race defect: what was supposed of them."""
+    """
+    Return the quantities of a bearing without a race defect: what was supposed of them.
+
+    Parameters
+    ----------
+    values
+        Of each unknown, a value a candidate, shape (n,).
+    weights
+        Of the candidates, shape (n,).
+    situation
+        Of the machine.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration.cloud import Situation
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='none', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> share = np.linspace(0.0, 1.0, 101)
+    >>> values = {name: about.place(share) for name, about in unknowns(machine).items()}
+    >>> load = supposed(values, np.full(101, 1 / 101), machine)['load']
+    >>> load.identifiable, load.unit
+    (False, 'N')
+
+    """
     quantities = {}
     for name, about in unknowns(situation).items():
         if name != 'defect_width_mm':

@@ -37,6 +37,15 @@ def compared(found: Calibration, others: Iterable[tuple[str, float, float]]) -> 
         Place of the defect, shaft speed in Hz and time between the impacts in s of other records
         of the machine.
 
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration import fit
+    >>> noise = 0.01 * np.random.default_rng(1).standard_normal(25600)
+    >>> healthy = fit(noise, 12800.0, find_bearing('6205'), 25.0, unit='m/s^2', place='none')
+    >>> compared(healthy, [('none', 50.0, 1e-3)]) is healthy
+    True
+
     """
     width = found.quantities[WIDTH]
     if found.spacing_s is None or not width.identifiable:
@@ -64,6 +73,15 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     ------
     BearingTwinError
         If the records do not have a defect of the same part of the same bearing.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration import fit
+    >>> noise = 0.01 * np.random.default_rng(1).standard_normal(25600)
+    >>> healthy = fit(noise, 12800.0, find_bearing('6205'), 25.0, unit='m/s^2', place='none')
+    >>> joined([healthy, healthy])[2]
+    'no defect above 0.2 mm'
 
     """
     places = sorted({each.defect for each in found})

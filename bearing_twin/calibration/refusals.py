@@ -71,6 +71,7 @@ def untold(measured: Summary, left: Posterior, situation: Situation, fastest: fl
 
     Examples
     --------
+    >>> from dataclasses import replace
     >>> import numpy as np
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.calibration.cloud import Situation
@@ -79,7 +80,7 @@ def untold(measured: Summary, left: Posterior, situation: Situation, fastest: fl
     ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
     ... )
     >>> noise = np.random.default_rng(1).standard_normal(25600)
-    >>> measured = summarise(noise, 12800.0, machine.longest)
+    >>> measured = replace(summarise(noise, 12800.0, machine.longest), rival=0.0)
     >>> left = posterior.limit(measured, machine, candidates=32)
     >>> untold(measured, left, machine, 10.0).startswith('the passage lasts')
     True

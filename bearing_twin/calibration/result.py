@@ -36,7 +36,18 @@ class Estimate:
 
 
 def in_words(place: str, width: Estimate) -> str:
-    """Return place and width of a race defect in words."""
+    """
+    Return place and width of a race defect in words.
+
+    Examples
+    --------
+    >>> width = Estimate(q05=0.9, median=1.0, q95=1.2, unit='mm', identifiable=True, why='')
+    >>> in_words('inner', width)
+    'inner race defect, 1.00 mm wide (0.90 to 1.20)'
+    >>> in_words('inner', replace(width, identifiable=False))
+    'inner race defect, at most 1.20 mm wide'
+
+    """
     if width.identifiable:
         between = f'{width.q05:.2f} to {width.q95:.2f}'
         return f'{place} race defect, {width.median:.2f} mm wide ({between})'

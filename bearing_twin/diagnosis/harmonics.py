@@ -50,7 +50,29 @@ _FEWEST = 4
 def line_heights(
     spectra: OrderSpectra, lines: NDArray[np.floating], columns: NDArray[np.intp]
 ) -> NDArray[np.float64]:
-    """Mean log score of each line over some bands, noise taken off."""
+    """
+    Mean log score of each line over some bands, noise taken off.
+
+    Parameters
+    ----------
+    spectra
+        Envelope spectra.
+    lines
+        Orders, shape (n,).
+    columns
+        Bands.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> logs = np.full((2000, 1), NEUTRAL, np.float32)
+    >>> logs[613] = 3.0 + NEUTRAL
+    >>> spectra = OrderSpectra(0.01, logs, 0.0 * logs, np.zeros(1, np.float32))
+    >>> line_heights(spectra, np.array([6.14, 8.0]), np.array([0])).round(3)
+    array([3., 0.])
+
+    """
     rows = spectra.rows(lines)
     return np.asarray(spectra.logs[rows[:, None], columns].mean(axis=1) - NEUTRAL, np.float64)
 
