@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 import math
 from multiprocessing import get_context
 import os
@@ -69,9 +70,7 @@ class CalibrationNode(ManagedNode):
         self._running: tuple[Task, Future[Fit]] | None = None
         self._states = StateFolder(p['state_directory'])
         self._load_state()
-        self._worker = ProcessPoolExecutor(
-            1, mp_context=get_context('spawn'), initializer=os.nice, initargs=(GENTLE,)
-        )
+        self._worker = _worker()
         self._out = self.create_lifecycle_publisher(
             Calibration, 'calibration', own(RESULT), qos_overriding_options=OVERRIDES
         )
@@ -108,7 +107,10 @@ class CalibrationNode(ManagedNode):
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; what was learnt of another bearing is forgotten."""
-        self._core = CalibrationCore(values)
+        core = CalibrationCore(values)
+        if core.bearing != self._core.bearing:
+            # A fit that runs is of the other bearing: nobody waits for it any more.
+            self._core, self._running, self._latest = core, None, None
         self._shaft.set_nominal(values['shaft_hz'] or math.nan)
 
     def _on_temperature(self, message: Temperature, _: MessageInfo) -> None:
@@ -140,7 +142,19 @@ class CalibrationNode(ManagedNode):
             now=now,
         )
         if task is not None and self._running is None:
+            self._begin(task)
+
+    def _begin(self, task: Task) -> None:
+        try:
             self._running = (task, self._worker.submit(work, task))
+        except BrokenProcessPool:
+            self._renew_worker()
+
+    def _renew_worker(self) -> None:
+        self._worker.shutdown(wait=False)
+        self._worker = _worker()
+        self._problem = 'its process was killed; is there enough memory? It starts anew'
+        self.get_logger().error(f'not fitted: {self._problem}', throttle_duration_sec=60.0)
 
     def _look(self) -> None:
         """Publish what the worker has finished."""
@@ -149,8 +163,11 @@ class CalibrationNode(ManagedNode):
         (task, future), self._running = self._running, None
         try:
             self._latest = self._core.conclude(task, future.result(), time.monotonic())
-        except (BearingTwinError, OSError) as error:
-            self._problem = str(error)
+        except BrokenProcessPool:
+            self._renew_worker()
+            return
+        except (BearingTwinError, OSError, MemoryError) as error:
+            self._problem = str(error) or 'not enough memory'
             self.get_logger().warning(f'not fitted: {error}', throttle_duration_sec=60.0)
             return
         self._problem = ''
@@ -204,6 +221,12 @@ class CalibrationNode(ManagedNode):
         if math.isnan(said.number):
             return Status(Level.STALE, said.reason, values, kind='residual')
         return Status(Level.WARN if said.alarm else Level.OK, said.reason, values)
+
+
+def _worker() -> ProcessPoolExecutor:
+    return ProcessPoolExecutor(
+        1, mp_context=get_context('spawn'), initializer=os.nice, initargs=(GENTLE,)
+    )
 
 
 def main(args: list[str] | None = None) -> int:
