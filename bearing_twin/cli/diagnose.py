@@ -230,8 +230,12 @@ def _on_dask(tasks: Sequence[Task], address: str) -> Iterator[dict[str, Any]]:
             failure = future.exception()
             if failure is None:
                 yield from future.result()
-            else:
-                yield from (_unread(task.path, str(failure)) for task in part)
+                continue
+            # Which file it was shows when each is a task of its own.
+            alone = client.map(diagnose_file, part, pure=False, retries=3)
+            for task, single in zip(part, alone, strict=True):
+                reason = single.exception()
+                yield single.result() if reason is None else _unread(task.path, str(reason))
 
 
 def _diagnose_files(tasks: Sequence[Task]) -> list[dict[str, Any]]:
