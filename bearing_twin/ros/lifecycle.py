@@ -40,6 +40,7 @@ __all__ = ['AUTOSTART', 'ManagedNode', 'run']
 
 PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
 TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
+MODE = 'RMW_FASTRTPS_PUBLICATION_MODE'
 """Settings of Fast DDS in the environment."""
 
 SLOW = 2.0
@@ -241,13 +242,17 @@ def _set_up_fast_dds() -> None:
     By default its sockets block for seconds when the other host has gone, and so would every
     deadline: what a pulled cable cannot take is dropped, and sent again if it is still in the
     writer's history. And by default each place of a queue stays as large as the largest message
-    that it has ever held. A user who has set up either keeps it; other middleware does not look at
-    this.
+    that it has ever held. A user who has set up either, or the mode of publication, keeps it;
+    other middleware does not look at this.
     """
     if any(name in os.environ for name in PROFILES):
         return
     os.environ.setdefault(TRANSPORTS, 'DEFAULT?non_blocking=true')
-    os.environ[PROFILES[0]] = str(Path(__file__).with_name('fastdds.xml'))
+    if MODE in os.environ:
+        # Fast DDS would not look at it beside a profile.
+        return
+    for name in PROFILES:  # Fast DDS 3 knows the first, 2 (Jazzy) the second.
+        os.environ[name] = str(Path(__file__).with_name('fastdds.xml'))
     os.environ.setdefault('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')
 
 
