@@ -53,4 +53,11 @@ def pdf_of(page: str) -> bytes:
     with tempfile.TemporaryDirectory(prefix='bearing_twin_pdf_') as folder:
         target = Path(folder) / 'page.pdf'
         browse(page, '--no-pdf-header-footer', f'--print-to-pdf={target}')
-        return target.read_bytes()
+        try:
+            return target.read_bytes()
+        except OSError:
+            msg = (
+                f'the browser wrote no {target}: one from snap does not see it; set TMPDIR '
+                'to a folder in your home, or write .html and print it'
+            )
+            raise BearingTwinError(msg) from None
