@@ -399,10 +399,12 @@ def test_a_fleet_is_reproduced_offline(ros_domain: int, tmp_path: Path) -> None:
     assert result.identical, result
     assert all(result.topics[name].identical > 25 for name in vibration)
 
-    lost = contents(bag, '/p1/fan/vibration')[-20]
+    # A checkpoint may follow one of them at once, so that nothing else is skipped for it; not both.
+    fan = contents(bag, '/p1/fan/vibration')
+    lost = {fan[-20], fan[-16]}
 
     def drop(message: Any, cdr: bytes) -> bytes | None:
-        return None if cdr == lost else cdr
+        return None if cdr in lost else cdr
 
     lossy = reproduce(rewritten(bag, tmp_path / 'lossy', drop))
     assert lossy.identical, lossy
@@ -410,5 +412,5 @@ def test_a_fleet_is_reproduced_offline(ros_domain: int, tmp_path: Path) -> None:
     skipped = {
         name: lossy.topics[name].skipped - result.topics[name].skipped for name in vibration
     }
-    assert 0 < skipped.pop('/p1/fan/vibration') <= 19
+    assert 0 < skipped.pop('/p1/fan/vibration') <= 18
     assert not any(skipped.values())
