@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.dynamics.parameters import Defect, TwinParameters
 from bearing_twin.dynamics.sensor_path import band_levels, distance, SensorPath
+from bearing_twin.dynamics.stability import steps
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
@@ -22,8 +23,11 @@ if TYPE_CHECKING:
 __all__ = ['Fitted', 'Likeness', 'Sensor', 'read_fitted']
 
 GEOMETRY = ('n_balls', 'd_ball', 'd_pitch', 'contact_angle')
+TAKEN = ('load', 'clearance', 'hertz_stiffness', 'contact_damping', 'inner_mass', 'slip', 'jitter')
+"""Fields of `TwinParameters` that a calibration gives."""
 SAME = 1e-6
 """Greatest difference of two geometries or sample rates that are the same, over either."""
+LOAD_ANGLE = -0.5 * math.pi
 COMPARED_S = 2.0
 """Length of the vibration that is compared with the machine's, s."""
 
@@ -81,22 +85,25 @@ class Fitted:
             )
             raise BearingTwinError(msg)
         given: dict[str, Any] = dict(self.machine)
-        try:
-            return replace(
-                own,
-                defects=own.defects or self.defects,
-                slip_model='constant',
-                resonance_hz=0.0,
-                waviness=0.0,
-                **given,
-            )
-        except TypeError as error:
-            msg = f'the calibration is of another version ({error}); fit again'
-            raise BearingTwinError(msg) from None
+        # The fit has the load along the sensor's axis, and so the outer ring's own defects too.
+        turned = LOAD_ANGLE - own.load_angle
+        injected = tuple(
+            replace(each, angle=each.angle + turned) if each.place == 'outer' else each
+            for each in own.defects
+        )
+        return replace(
+            own,
+            defects=injected or self.defects,
+            load_angle=LOAD_ANGLE,
+            slip_model='constant',
+            resonance_hz=0.0,
+            waviness=0.0,
+            **given,
+        )
 
     def check(self, own: TwinParameters, sample_rate: float) -> None:
         """Refuse a calibration that a twin of these parameters and this rate cannot take."""
-        self.parameters(own)
+        steps(self.parameters(own), sample_rate)
         if abs(self.path.sample_rate / sample_rate - 1.0) > SAME:
             msg = (
                 f'the calibration is of a sensor at {self.path.sample_rate:g} Hz, this twin runs '
@@ -132,7 +139,18 @@ def read_fitted(text: str) -> Fitted:
             'path': values['path'],
         }
         path = SensorPath.from_dict(values['path'])
-        levels = np.array(spectrum['machine_db'], dtype=np.float64)
+        levels, rms = (
+            np.array(spectrum['machine_db'], dtype=np.float64),
+            float(spectrum['machine_rms']),
+        )
+        if levels.ndim != 1 or not (np.isfinite(levels).all() and 0.0 < rms < math.inf):
+            msg = 'levels of the machine are not numbers'
+            raise ValueError(msg)
+        if sorted(twin) != sorted(('defects', *TAKEN)):
+            msg = f'it gives {", ".join(twin)} of a twin'
+            raise ValueError(msg)
+        for each in (kept['statement'], str(machine['unit'])):
+            each.encode()
         fitted = Fitted(
             text=json.dumps(kept),
             statement=kept['statement'],
@@ -144,11 +162,13 @@ def read_fitted(text: str) -> Fitted:
             path=replace(path, noise=0.0),
             unit=str(machine['unit']),
             levels=levels,
-            rms=float(spectrum['machine_rms']),
+            rms=rms,
             shaft_hz=float(machine['shaft_hz']),
             temperature=float(machine['temperature']),
         )
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (
+        KeyError, TypeError, ValueError, AttributeError, OverflowError, RecursionError
+    ) as error:  # fmt: skip
         msg = f"this is no calibration ({error!r}); give what 'bearing-twin fit --json' wrote"
         raise BearingTwinError(msg) from None
     return fitted

@@ -140,6 +140,11 @@ class Twin(TwinChannel):
         return self.sensor.fitted if self.sensor is not None else None
 
     @property
+    def calibrations(self) -> tuple[Fitted | None, Fitted | None]:
+        """The calibration in force, and the one of the next block."""
+        return self.fitted, self._next
+
+    @property
     def unit(self) -> str:
         """Unit of the vibration."""
         return ACCELERATION if self.fitted is None else self.fitted.unit
@@ -170,8 +175,10 @@ class Twin(TwinChannel):
             fitted.check(build_parameters(self.values), self.values['sample_rate'])
             # Compiled, or loaded, before a block needs it.
             fitted.path.filter().apply([0.0])
-        if (fitted and fitted.text) != (self.fitted and self.fitted.text):
-            self._changing, self._next = True, fitted
+        differs = (fitted and fitted.text) != (self.fitted and self.fitted.text)
+        # What was asked for before this, and not begun, is not done any more.
+        if differs or self._changing:
+            self._changing, self._next = differs, fitted if differs else None
             self.ask_checkpoint()
 
     def reset(self) -> None:

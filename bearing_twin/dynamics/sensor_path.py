@@ -19,6 +19,8 @@ FloatArray = npt.NDArray[np.float64]
 BAND_HZ = 100.0
 """Width of the bands in which two spectra are compared, Hz."""
 MOST_COEFFICIENTS = 2048
+MOST_GAIN = 1e12
+"""No coefficient of a real sensor's path is larger; what passes it stays a number."""
 _BELOW_FILTER = 0.86
 """Share of half the sample rate up to which is compared: an anti-aliasing filter begins there."""
 
@@ -73,7 +75,7 @@ class SensorPath:
         numbers = np.array([*path.numerator, *path.denominator, path.noise, path.sample_rate])
         sizes = len(path.numerator), len(path.denominator)
         if not (
-            np.isfinite(numbers).all() and 0 < min(sizes) <= max(sizes) <= MOST_COEFFICIENTS
+            np.abs(numbers).max() < MOST_GAIN and 0 < min(sizes) <= max(sizes) <= MOST_COEFFICIENTS
             and path.denominator[0] == 1.0 and path.noise >= 0.0 and stable(path.denominator)
         ):  # fmt: skip
             msg = 'the path of the sensor is no stable filter; fit again'

@@ -12,6 +12,7 @@ from bearing_twin.assets.twin import Twin
 from bearing_twin.assets.twin_messages import StateTurns
 from bearing_twin.assets.twin_parameters import build_parameters, FITTED, SPECS
 from bearing_twin.dynamics.presets import PRESETS
+from bearing_twin.dynamics.stability import steps
 from bearing_twin.dynamics.trend import trend_sentence
 from bearing_twin.nodes.twin_calibration import named, TwinCalibration
 from bearing_twin.nodes.twin_services import TwinServices
@@ -24,6 +25,7 @@ from bearing_twin.ros.lifecycle import ManagedNode, run
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from bearing_twin.assets.fitted import Fitted
     from bearing_twin.streams.pacer import Due
 
 __all__ = ['PUBLISHING', 'SPECS', 'TwinNode', 'main']
@@ -44,9 +46,14 @@ class TwinNode(ManagedNode):
 
     def check(self, values: Mapping[str, Any]) -> None:
         """Refuse parameters that do not fit together."""
-        own, fitted = build_parameters(values), named(values)
-        if fitted is not None:
-            fitted.check(own, values['sample_rate'])
+        own, rate = build_parameters(values), values['sample_rate']
+        steps(own, rate)
+        # Also the calibration in force, which may be of the topic, and that of the next block.
+        taken: list[Fitted | None] = list(self._twin.calibrations) if self.configured else []
+        if not self.configured or values['calibration'] != self.parameters['calibration']:
+            taken.append(named(values))
+        for fitted in filter(None, taken):
+            fitted.check(own, rate)
         realtime.check_thresholds(values)
 
     def prepare(self) -> None:

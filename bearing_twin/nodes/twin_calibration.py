@@ -100,7 +100,7 @@ class TwinCalibration:
         if alike is None:
             return Status(Level.OK, f'taken: {fitted.statement}', values, kind='taken')
         values |= {'distance_db': alike.distance, 'level_over_machine_db': alike.level}
-        far = alike.distance > FARTHEST or abs(alike.level) > LOUDEST
+        far = not (alike.distance <= FARTHEST and abs(alike.level) <= LOUDEST)
         text = (
             f'{alike.level:+.1f} dB over the machine, log-spectral distance '
             f'{alike.distance:.1f} dB; {fitted.statement}'

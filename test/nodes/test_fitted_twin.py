@@ -122,7 +122,7 @@ def test_a_state_saved_in_between_goes_on_to_the_byte(calibration):
         ({'bearing': '6307'}, {}, 'of another bearing than 6307'),
         ({'sample_rate': 51200.0}, {}, 'start it with sample_rate:=25600.0'),
         ({}, {'path': None}, 'no calibration'),
-        ({}, {'twin': {'defects': [], 'colour': 1.0}}, 'of another version'),
+        ({}, {'twin': {'defects': [], 'colour': 1.0}}, 'it gives defects, colour of a twin'),
     ],
 )
 def test_a_calibration_that_is_not_of_this_twin_is_refused(values, change, text, calibration):
@@ -137,6 +137,78 @@ def test_an_unstable_path_is_refused(calibration):
     values['path']['denominator'] = [1.0, -1.1]
     with pytest.raises(BearingTwinError, match='no stable filter'):
         read_fitted(json.dumps(values))
+
+
+@pytest.mark.parametrize(
+    ('part', 'change'),
+    [
+        ('machine', {'shaft_hz': 10**400}),
+        ('machine', {'unit': '\ud800'}),
+        ('spectrum', {'machine_db': 5.0}),
+        ('spectrum', {'machine_db': [[0.0, 1.0]] * 129}),
+        ('spectrum', {'machine_db': [float('nan')] * 129}),
+        ('spectrum', {'machine_rms': float('nan')}),
+        ('twin', {'load': 10**400}),
+        ('twin', {'lubricant': 1.0}),
+        ('path', {'numerator': [1e300]}),
+    ],
+)
+def test_absurd_calibrations_are_refused(part, change, calibration):
+    values = json.loads(calibration)
+    values[part] |= change
+    with pytest.raises(BearingTwinError):
+        read_fitted(json.dumps(values))
+    with pytest.raises(BearingTwinError):
+        read_fitted('[' * 200000)
+
+
+def test_a_calibration_that_no_step_resolves_is_refused(calibration):
+    values = json.loads(calibration)
+    values['twin'] |= {'hertz_stiffness': 1e12, 'inner_mass': 0.1}
+    twin = Twin(VALUES)
+    with pytest.raises(BearingTwinError, match='Hz'):
+        twin.take(read_fitted(json.dumps(values)))
+    run(twin, 2)
+
+
+def test_what_was_asked_for_last_is_what_is_taken(calibration):
+    one = read_fitted(calibration)
+    twin = Twin(VALUES)
+    twin.take(one)
+    twin.take(None)
+    run(twin, 2)
+    assert twin.fitted is None
+    other = json.loads(calibration)
+    other['statement'] = 'another'
+    twin.take(one)
+    run(twin, 2)
+    twin.take(read_fitted(json.dumps(other)))
+    twin.take(one)
+    run(twin, 2)
+    assert twin.fitted.statement == one.statement
+
+
+def test_a_fitted_twin_has_its_load_along_the_sensor(calibration):
+    loads = []
+    for angle in (-0.5 * np.pi, 0.0):
+        twin = Twin(VALUES | {'load_angle': angle})
+        twin.take(read_fitted(calibration))
+        run(twin, 20)
+        loads.append(run(twin, 50).std())
+    assert loads[1] == pytest.approx(loads[0], rel=0.05)
+
+
+@pytest.mark.usefixtures('compiled')
+def test_a_change_that_no_step_resolves_is_refused_and_the_twin_goes_on(nodes, probe):
+    from bearing_twin_msgs.msg import Vibration
+
+    blocks = probe.collect(Vibration, 'vibration')
+    nodes.start('twin', DEEP)
+    probe.until(lambda: len(blocks) > 5, 'vibration')
+    done, why = probe.set_parameters('twin', outer_damping=1e6)
+    assert not done and 'Hz' in why
+    seen = len(blocks)
+    probe.until(lambda: len(blocks) > seen + 5, 'more of it')
 
 
 @pytest.mark.usefixtures('compiled')
@@ -162,7 +234,9 @@ def test_a_recording_of_a_twin_that_took_one_is_verified(nodes, probe, calibrati
     probe.until(lambda: blocks[-1].unit == 'm/s^2', 'the own unit')
     nodes.end('twin')
     nodes.end('recorder')
-    assert {b.first_sample - a.first_sample for a, b in pairwise(blocks)} == {1024}
+    # A busy machine may let the twin give blocks up, but none is cut or told twice.
+    steps = {b.first_sample - a.first_sample for a, b in pairwise(blocks)}
+    assert min(steps) == 1024 and all(step % 1024 == 0 for step in steps)
     result = reproduce(tmp_path / 'bag')
     # Also those in which it changed; it ran fitted for two seconds.
     assert result.identical, result
