@@ -399,7 +399,7 @@ def test_a_fleet_is_reproduced_offline(ros_domain: int, tmp_path: Path) -> None:
     assert result.identical, result
     assert all(result.topics[name].identical > 25 for name in vibration)
 
-    # A checkpoint may follow one of them at once, so that nothing else is skipped for it; not both.
+    # A checkpoint may follow one of them at once, so that nothing is skipped for it; not both.
     fan = contents(bag, '/p1/fan/vibration')
     lost = {fan[-20], fan[-16]}
 
