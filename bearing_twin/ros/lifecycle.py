@@ -24,6 +24,7 @@ from bearing_twin.ros.parameters import ParameterSet, unknown_at_start
 from bearing_twin.ros.subscribing import validated
 import rclpy
 from rclpy.executors import ExternalShutdownException
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
@@ -251,8 +252,9 @@ def _set_up_fast_dds() -> None:
     if MODE in os.environ:
         # Fast DDS would not look at it beside a profile.
         return
-    for name in PROFILES:  # Fast DDS 3 knows the first, 2 (Jazzy) the second.
-        os.environ[name] = str(Path(__file__).with_name('fastdds.xml'))
+    # Fast DDS 2 (Jazzy, whose timers lack this) knows only the older name, of which 3 warns.
+    name = PROFILES[0 if hasattr(_rclpy.Timer, 'call_timer_with_info') else 1]
+    os.environ[name] = str(Path(__file__).with_name('fastdds.xml'))
     os.environ.setdefault('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')
 
 
