@@ -10,7 +10,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.diagnosis_parameters import build_bearing, build_settings
 from bearing_twin.assets.fleet import DIAGNOSIS_SPECS, SHARED, TWIN_SPECS
 from bearing_twin.assets.twin_parameters import build_parameters
-from bearing_twin.dynamics.fleet import Fleet
+from bearing_twin.dynamics.stability import steps
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.parameters import ParameterSet
 
@@ -107,8 +107,7 @@ class Member:
 
 
 def _check_twin(values: Mapping[str, Any]) -> None:
-    # What the steps do not resolve is refused too.
-    Fleet([build_parameters(values)], sample_rate=values['sample_rate'])
+    steps(build_parameters(values), values['sample_rate'])
 
 
 def _check_diagnosis(values: Mapping[str, Any]) -> None:
