@@ -83,7 +83,10 @@ def measure() -> dict[str, float]:
     fleet_time = _fleet_time(mixed, np.linspace(15.0, 35.0, _FLEET))
     alike_time = _fleet_time([preset('incipient')] * _FLEET, np.full(_FLEET, 25.4))
 
-    one, two = (_wall(Fleet([preset('incipient')] * _FLEET, threads=t)) for t in (1, 2))
+    alike = (Fleet([preset('incipient')] * _FLEET, threads=threads) for threads in (1, 2))
+    one, two = (
+        _best(partial(fleet.advance, _BLOCK, 20.0, 25.4), 10, time.perf_counter) for fleet in alike
+    )
 
     quiet = [preset(name, defect=place, jitter=0.0, noise=0.0) for name, place in _JUDGED]
     errors = np.array([_errors(each, int(_LONG * _RATE), 25.4) for each in quiet])
@@ -130,23 +133,15 @@ def _fleet_time(parameters: list[TwinParameters], shaft_hz: np.ndarray) -> float
     return _best(one_block, 10)
 
 
-def _wall(fleet: Fleet) -> float:
-    """Least time of a block by the clock, s."""
-    took = []
-    for _ in range(10):
-        began = time.perf_counter()
-        fleet.advance(_BLOCK, 20.0, 25.4)
-        took.append(time.perf_counter() - began)
-    return min(took)
-
-
-def _best(run: Callable[[], object], times: int) -> float:
-    """Least processor time of several runs, s."""
+def _best(
+    run: Callable[[], object], times: int, clock: Callable[[], float] = time.process_time
+) -> float:
+    """Least time of several runs by a clock, s: processor time, unless said."""
     best = float('inf')
     for _ in range(times):
-        begin = time.process_time()
+        begin = clock()
         run()
-        best = min(best, time.process_time() - begin)
+        best = min(best, clock() - begin)
     return best
 
 
