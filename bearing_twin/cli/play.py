@@ -30,7 +30,7 @@ TOPICS = {'float32_multi_array': 'samples', 'imu': 'imu', 'vibration': 'vibratio
 SINGLE_PERIOD = 0.01
 """Samples that are messages of their own are sent this long at a time, s."""
 LISTENER_WAIT = 3.0
-"""Time after which it is said that nobody listens yet, s."""
+"""Time after which a line says that nobody listens yet, s."""
 LONGEST_ACK = 10.0
 """Longest wait at the end for those who have not taken the last samples yet, s."""
 LONGEST_SLEEP = 0.5

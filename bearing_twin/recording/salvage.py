@@ -61,7 +61,7 @@ SHORT = 4096
 PRIVATE = 0x80
 """Opcodes from here on are free for anybody's use."""
 STEPPED_OVER = {*IDLE, *range(PRIVATE, 256)}
-"""Kinds of which nobody wants the content."""
+"""Kinds whose content no reader uses."""
 
 
 def sound_records(
@@ -197,7 +197,7 @@ class _Search:
         """
         Return where the idle records end that follow ``raw``, and their bytes of private kinds.
 
-        Idle are kinds of which nobody wants the content, and what has been read before, byte for
+        Idle are kinds whose content no reader uses, and what has been read before, byte for
         byte. Millions of them are a small file: one by one they would take minutes.
         """
         end, private = raw.end, 0

@@ -252,7 +252,7 @@ def _set_up_fast_dds() -> None:
     if MODE in os.environ:
         # Fast DDS would not look at it beside a profile.
         return
-    # Fast DDS 2 (Jazzy, whose timers lack this) knows only the older name, of which 3 warns.
+    # Fast DDS 2 (Jazzy, whose timers lack this) knows only the older name; 3 warns of that one.
     name = PROFILES[0 if hasattr(_rclpy.Timer, 'call_timer_with_info') else 1]
     os.environ[name] = str(Path(__file__).with_name('fastdds.xml'))
     os.environ.setdefault('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')

@@ -171,7 +171,7 @@ def _scales(infos: Sequence[RecordingInfo]) -> Scales:
     scales = Scales()
     for info in infos:
         for message in read_messages(info.path, recover=True, problems=[]):
-            # What cannot be read is said where it is drawn.
+            # The part that draws a message reports it if it cannot be read.
             with contextlib.suppress(BearingTwinError, AttributeError):
                 scales.take(message.type_name, message.decode())
     return scales
