@@ -10,8 +10,8 @@ import json
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.dynamics.parameters import Defect, TwinParameters
-from bearing_twin.dynamics.sensor_path import band_levels, distance, SensorPath
+from bearing_twin.dynamics.parameters import Defect, DOWN, FITTED, TwinParameters
+from bearing_twin.dynamics.sensor_path import band_levels, distance, SensorPath, window_length
 from bearing_twin.dynamics.stability import steps
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -23,11 +23,8 @@ if TYPE_CHECKING:
 __all__ = ['Fitted', 'Likeness', 'Sensor', 'read_fitted']
 
 GEOMETRY = ('n_balls', 'd_ball', 'd_pitch', 'contact_angle')
-TAKEN = ('load', 'clearance', 'hertz_stiffness', 'contact_damping', 'inner_mass', 'slip', 'jitter')
-"""Fields of `TwinParameters` that a calibration gives."""
 SAME = 1e-6
 """Greatest difference of two geometries or sample rates that are the same, over either."""
-LOAD_ANGLE = -0.5 * math.pi
 COMPARED_S = 2.0
 """Length of the vibration that is compared with the machine's, s."""
 
@@ -85,16 +82,16 @@ class Fitted:
             )
             raise BearingTwinError(msg)
         given: dict[str, Any] = dict(self.machine)
-        # The fit has the load along the sensor's axis, and so the outer ring's own defects too.
-        turned = LOAD_ANGLE - own.load_angle
+        # The fit has the load along the sensor's axis, and so what stands still beside it too.
+        turned = DOWN - own.load_angle
         injected = tuple(
-            replace(each, angle=each.angle + turned) if each.place == 'outer' else each
+            replace(each, angle=each.angle + turned) if each.place in ('outer', 'cage') else each
             for each in own.defects
         )
         return replace(
             own,
             defects=injected or self.defects,
-            load_angle=LOAD_ANGLE,
+            load_angle=DOWN,
             slip_model='constant',
             resonance_hz=0.0,
             waviness=0.0,
@@ -110,7 +107,7 @@ class Fitted:
                 f'at {sample_rate:g} Hz; start it with sample_rate:={self.path.sample_rate!r}'
             )
             raise BearingTwinError(msg)
-        if len(self.levels) != len(band_levels(np.zeros(round(sample_rate)), sample_rate)):
+        if len(self.levels) != window_length(sample_rate) // 2 + 1:
             msg = f'the calibration has {len(self.levels)} levels of the machine; fit again'
             raise BearingTwinError(msg)
 
@@ -139,28 +136,26 @@ def read_fitted(text: str) -> Fitted:
             'path': values['path'],
         }
         path = SensorPath.from_dict(values['path'])
-        levels, rms = (
-            np.array(spectrum['machine_db'], dtype=np.float64),
-            float(spectrum['machine_rms']),
-        )
+        levels = np.array(spectrum['machine_db'], dtype=np.float64)
+        rms, unit = float(spectrum['machine_rms']), str(machine['unit'])
         if levels.ndim != 1 or not (np.isfinite(levels).all() and 0.0 < rms < math.inf):
             msg = 'levels of the machine are not numbers'
             raise ValueError(msg)
-        if sorted(twin) != sorted(('defects', *TAKEN)):
+        if sorted(twin) != sorted(('defects', *FITTED)):
             msg = f'it gives {", ".join(twin)} of a twin'
             raise ValueError(msg)
-        for each in (kept['statement'], str(machine['unit'])):
-            each.encode()
+        # Both are published: what is no text ends here.
+        (kept['statement'] + unit).encode()
         fitted = Fitted(
             text=json.dumps(kept),
             statement=kept['statement'],
             geometry=tuple(float(machine['bearing'][name]) for name in GEOMETRY),
             defects=tuple(Defect(**defect) for defect in twin['defects']),
-            # The twin makes the noise itself, of which each sample follows from its index.
+            # The twin makes the noise itself: there each sample follows from its index.
             machine={k: float(v) for k, v in twin.items() if k != 'defects'}
             | {'noise': path.noise},
             path=replace(path, noise=0.0),
-            unit=str(machine['unit']),
+            unit=unit,
             levels=levels,
             rms=rms,
             shaft_hz=float(machine['shaft_hz']),

@@ -220,8 +220,9 @@ class Twin(TwinChannel):
             read_fitted(text.decode(errors='replace')) if text else None
             for text in (parts[1], parts[3])
         )
+        own = build_parameters(self.values)
         for each in filter(None, (fitted, following)):
-            each.check(build_parameters(self.values), self.values['sample_rate'])
+            each.check(own, self.values['sample_rate'])
         sensor = Sensor(fitted) if fitted is not None else None
         if sensor is not None:
             sensor.load(parts[2])

@@ -11,6 +11,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import Bearing
 from bearing_twin.calibration.cloud import parameters, Situation
 from bearing_twin.calibration.posterior import weighted_quantile
+from bearing_twin.dynamics.parameters import FITTED
 from bearing_twin.dynamics.sensor_path import SensorPath
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -116,13 +117,9 @@ class Calibration:
     def _running(self) -> dict[str, Any]:
         """Return what a twin takes that already runs, as plain numbers."""
         twin = self.twin_parameters()
-        fields = (
-            'load', 'clearance', 'hertz_stiffness', 'contact_damping', 'inner_mass', 'slip',
-            'jitter',
-        )  # fmt: skip
         return {
             'defects': [asdict(defect) for defect in twin.defects],
-            **{name: getattr(twin, name) for name in fields},
+            **{name: getattr(twin, name) for name in FITTED},
         }
 
     def to_dict(self) -> dict[str, Any]:

@@ -12,12 +12,11 @@ Defects as one line of text, as parameters, services and commands give them.
 
 from __future__ import annotations
 
-import math
 import re
 from typing import Any, cast, TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
-from bearing_twin.dynamics.parameters import Defect
+from bearing_twin.dynamics.parameters import Defect, DOWN
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
@@ -30,7 +29,7 @@ _BETWEEN = re.compile(r'\+(?![\d.])')  # not the sign of a number
 
 
 def read_defects(
-    text: str, *, width: float, depth: float, profile: Profile, angle: float = -math.pi / 2
+    text: str, *, width: float, depth: float, profile: Profile, angle: float = DOWN
 ) -> tuple[Defect, ...]:
     """
     Return the defects that ``text`` describes.

@@ -22,6 +22,8 @@ from bearing_twin.thermal.rings import (
 )
 
 __all__ = [
+    'DOWN',
+    'FITTED',
     'MAX_DEFECTS',
     'MAX_SHAFT_HZ',
     'PROFILES',
@@ -44,7 +46,12 @@ MAX_SHAFT_HZ = 500.0
 MAX_ECCENTRICITY = 1e-3
 """Largest offset of a rotor's centre of mass, m: no machine runs with more."""
 
-_DOWN = -math.pi / 2
+DOWN = -math.pi / 2
+"""Usual direction of the load, from +x, rad."""
+FITTED = (
+    'load', 'clearance', 'hertz_stiffness', 'contact_damping', 'inner_mass', 'slip', 'jitter',
+)  # fmt: skip
+"""Fields that a fit to a machine gives a running twin."""
 
 
 def check_speed(shaft_hz: float) -> float:
@@ -194,7 +201,7 @@ class TwinParameters:
     defects: tuple[Defect, ...] = ()
     load: float = quantity(500.0, 'Radial load that the bearing carries.', 'N', 10.0, 50e3)
     load_angle: float = quantity(
-        _DOWN,
+        DOWN,
         'Direction in which the load acts on the shaft, from +x; the default is downwards.',
         unit='rad',
         low=-2.0 * math.pi,
@@ -261,7 +268,7 @@ class TwinParameters:
         high=0.05,
     )
     start_angle: float = quantity(
-        _DOWN,
+        DOWN,
         "Angle of ball 0 and of the shaft's mark at sample 0, from +x.",
         unit='rad',
         low=-2.0 * math.pi,

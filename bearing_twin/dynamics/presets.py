@@ -5,13 +5,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-import math
 from types import MappingProxyType
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, find_bearing
 from bearing_twin.dynamics.defect_text import read_defects
-from bearing_twin.dynamics.parameters import TwinParameters
+from bearing_twin.dynamics.parameters import DOWN, TwinParameters
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
@@ -127,7 +126,7 @@ def preset(
         width=chosen.width if width is None else width,
         depth=chosen.depth if depth is None else depth,
         profile=profile,
-        angle=overrides.get('load_angle', -math.pi / 2),
+        angle=overrides.get('load_angle', DOWN),
     )
     return TwinParameters(
         bearing=find_bearing(bearing) if isinstance(bearing, str) else bearing,

@@ -1,6 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""From the housing to the samples of a sensor: a filter, and how alike two signals are."""
+"""
+From the housing to the samples of a sensor: a filter, and how alike two signals are.
+
+A running twin filters and compares. `scipy.signal` has both, and the tests compare with it, but to
+import it takes as long as everything else that a twin starts with.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +17,15 @@ from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ['BAND_HZ', 'PathFilter', 'SensorPath', 'band_levels', 'distance', 'stable']
+__all__ = [
+    'BAND_HZ',
+    'PathFilter',
+    'SensorPath',
+    'band_levels',
+    'distance',
+    'stable',
+    'window_length',
+]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -151,6 +164,19 @@ class PathFilter:
         return out
 
 
+def window_length(sample_rate: float) -> int:
+    """
+    Return the samples of a window of `band_levels`; its bands are half as many, and one.
+
+    Examples
+    --------
+    >>> window_length(25600.0), len(band_levels(np.ones(512), 25600.0))
+    (256, 129)
+
+    """
+    return max(16, round(sample_rate / BAND_HZ))
+
+
 def band_levels(x: npt.ArrayLike, sample_rate: float) -> FloatArray:
     """
     Return the power density of a signal in bands of `BAND_HZ`, dB.
@@ -184,7 +210,7 @@ def band_levels(x: npt.ArrayLike, sample_rate: float) -> FloatArray:
 
     """
     values = np.asarray(x, dtype=np.float64)
-    length = max(16, round(sample_rate / BAND_HZ))
+    length = window_length(sample_rate)
     if len(values) < length:
         msg = f'{len(values)} samples are less than a window of {length}; give more'
         raise BearingTwinError(msg)

@@ -198,6 +198,18 @@ def test_a_fitted_twin_has_its_load_along_the_sensor(calibration):
     assert loads[1] == pytest.approx(loads[0], rel=0.05)
 
 
+def test_injected_defects_keep_their_place_in_the_load(calibration):
+    fitted = read_fitted(calibration)
+    down, aside = (
+        fitted.parameters(
+            preset('incipient', bearing='6205', defect='inner+outer+cage', load_angle=angle)
+        )
+        for angle in (-0.5 * np.pi, 0.3)
+    )
+    for one, other in zip(down.defects, aside.defects, strict=True):
+        assert one.angle == pytest.approx(other.angle)
+
+
 @pytest.mark.usefixtures('compiled')
 def test_a_change_that_no_step_resolves_is_refused_and_the_twin_goes_on(nodes, probe):
     from bearing_twin_msgs.msg import Vibration
