@@ -224,6 +224,8 @@ class CombSearch:
     def impacts(self, candidate: Candidate) -> float:
         """Mean log score, noise taken off, of the second to fourth harmonic of a comb."""
         lines = candidate.order * np.arange(2, HARMONICS + 1)
+        # Harmonics beyond the spectrum are unknown, not noise.
+        lines = lines[lines <= self.top]
         lines = lines[~self._silent[self.spectra.rows(lines)]]
         if not len(lines):
             return 0.0

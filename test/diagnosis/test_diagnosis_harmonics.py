@@ -6,6 +6,8 @@ from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.comb import OrderSpectra
 from bearing_twin.diagnosis.harmonics import denser_series, masked_by_shaft, missing_harmonics
+from bearing_twin.diagnosis.search import Candidate, CombSearch
+from bearing_twin.diagnosis.shaft import ShaftSpeed
 import numpy as np
 import pytest
 
@@ -142,3 +144,20 @@ def test_comb_beside_the_shaft_needs_to_stand_out(rng):
     other = _spectra(rng, 1.006 * np.arange(1.0, 21.0), 40.0)
     assert masked_by_shaft(other, 5.03, COLUMNS, **unknown)
     assert not masked_by_shaft(other, 5.03, COLUMNS, **KNOWN)
+
+
+def test_harmonics_beyond_the_spectrum_are_not_counted_as_noise(rng):
+    """A spectrum up to 30 orders holds two harmonics of impacts at 12.3 orders."""
+    power = rng.exponential(size=(3000, 2))
+    power[[1229, 2459]] *= 41.0
+    spectra = OrderSpectra(
+        0.01,
+        np.log1p(power).astype(np.float32),
+        np.zeros((3000, 1), np.float32),
+        np.zeros(1, np.float32),
+    )
+    search = CombSearch(spectra, find_bearing('6205'), ShaftSpeed(SHAFT_HZ, 0.0005, 0.0, 0.002))
+    assert search.impacts(Candidate('elsewhere', 12.3, 0.0, 9.0, 0.8)) > 1.0
+    assert search.impacts(Candidate('elsewhere', 6.15, 0.0, 9.0, 0.8)) > 0.5
+    # None of them is in the spectrum: nothing is known.
+    assert search.impacts(Candidate('elsewhere', 20.3, 0.0, 9.0, 0.8)) == 0.0
