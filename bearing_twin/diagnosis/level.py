@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS
 from bearing_twin.diagnosis.dependence import Z90
+from bearing_twin.diagnosis.severity import HIGHEST_LIMIT
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis, Severity
 
-__all__ = ['FAULT_DB', 'SUSPECT_DB', 'UNKNOWN', 'raised']
+__all__ = ['FAULT_DB', 'SUSPECT_DB', 'UNKNOWN', 'by_zone', 'raised']
 
 SUSPECT_DB, FAULT_DB = 6.0, 12.0
 """Level over the baseline of a machine that is doubtful, and of one that is damaged: twice and
@@ -67,14 +68,42 @@ def _asked_for(diagnosis: Diagnosis) -> tuple[str, str]:
     sure = severity.level_over_baseline - Z90 * severity.correction_sd
     over = f'a level {sure:.1f} dB over the baseline'
     agrees = set(diagnosis.faults) == {'ball', 'cage'}
-    if severity.iso_zone == 'D':
-        return 'fault', 'zone D of ISO 20816-3'
+    zone = by_zone(severity)
+    if zone[0] == 'fault':
+        return zone
     if sure >= (SUSPECT_DB if agrees else FAULT_DB):
         return 'fault', over
-    if severity.iso_zone == 'C':
-        return 'suspect', 'zone C of ISO 20816-3'
+    if zone[0] == 'suspect':
+        return zone
     if sure >= SUSPECT_DB:
         return 'suspect', over
     if severity.rising:
         return 'suspect', f'a level that has been rising for {severity.rising} minutes'
+    return 'none', ''
+
+
+def by_zone(severity: Severity) -> tuple[str, str]:
+    """
+    Level that the velocity RMS asks for, and why; 'none' where it asks for none.
+
+    Where power group or mounting are not known, a velocity that is in zone D of all of them is
+    suspect and no alarm: the standard may not apply to the machine.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.diagnosis.report import insufficient
+    >>> severity = insufficient(['too short'], find_bearing('6307')).severity
+    >>> by_zone(replace(severity, iso_zone='C'))
+    ('suspect', 'zone C of ISO 20816-3')
+    >>> by_zone(replace(severity, velocity_rms=15.0))[0], by_zone(severity)[0]
+    ('suspect', 'none')
+
+    """
+    zone = severity.iso_zone
+    if zone in ('C', 'D'):
+        return ('suspect' if zone == 'C' else 'fault'), f'zone {zone} of ISO 20816-3'
+    if not zone and severity.velocity_rms > HIGHEST_LIMIT:
+        return 'suspect', (
+            f'a velocity of {severity.velocity_rms:.0f} mm/s, zone D in each group of ISO 20816-3 '
+            '(power_group and mounting tell whether it is one),'
+        )
     return 'none', ''

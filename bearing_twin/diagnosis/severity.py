@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     'BANDS_HZ',
+    'HIGHEST_LIMIT',
     'ISO_LIMITS',
     'Levels',
     'acceleration_factor',
@@ -35,6 +36,9 @@ ISO_LIMITS: dict[tuple[int, str], tuple[float, float, float]] = {
     (2, 'flexible'): (2.3, 4.5, 7.1),
 }
 """Zone boundaries A/B, B/C, C/D in mm/s of velocity RMS by (group, mounting), ISO 20816-3:2022."""
+
+HIGHEST_LIMIT = max(limits[-1] for limits in ISO_LIMITS.values())
+"""Velocity RMS from which on a machine is in zone D whichever its group and mounting, mm/s."""
 
 _FACTORS = {'m/s^2': 1.0, 'm/s2': 1.0, 'm/s²': 1.0, 'g': 9.80665, 'mm/s^2': 1e-3}
 

@@ -19,8 +19,10 @@ NOTHING = insufficient(['by hand'], BEARING)
 MACHINE = Source('imu y', '6307', 'g', RATE)
 
 
-def said(result, level, *faults, over=math.nan, zone='', rms=1.0):
-    severity = replace(NOTHING.severity, level_over_baseline=over, iso_zone=zone, rms=rms)
+def said(result, level, *faults, over=math.nan, zone='', rms=1.0, velocity=math.nan):
+    severity = replace(
+        NOTHING.severity, level_over_baseline=over, iso_zone=zone, rms=rms, velocity_rms=velocity
+    )
     index = dict.fromkeys(faults, 1.0)
     return replace(
         NOTHING,
@@ -43,6 +45,10 @@ def said(result, level, *faults, over=math.nan, zone='', rms=1.0):
         (('healthy', 'ok'), {'zone': 'B'}, 'healthy', 'ok'),
         (('healthy', 'ok'), {'zone': 'C'}, 'suspect', 'suspect'),
         (('healthy', 'ok'), {'zone': 'D'}, 'ambiguous', 'fault'),
+        # Neither group nor mounting are known: zone D in all of them is no alarm, but not ok.
+        (('healthy', 'ok'), {'velocity': 11.5}, 'suspect', 'suspect'),
+        (('healthy', 'ok'), {'velocity': 10.5}, 'healthy', 'ok'),
+        (('healthy', 'ok'), {'velocity': 11.5, 'zone': 'B'}, 'healthy', 'ok'),
         (('insufficient', 'none'), {'over': 26.0}, 'ambiguous', 'fault'),
         (('insufficient', 'none'), {'over': 5.0}, 'insufficient', 'none'),
         (('suspect', 'suspect', 'ball'), {'over': 15.0}, 'ambiguous', 'fault'),
