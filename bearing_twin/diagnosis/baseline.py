@@ -15,11 +15,16 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['SETTLED_DB', 'SETTLED_K', 'Baseline', 'Level', 'settled']
+__all__ = ['MOST_SCATTER_DB', 'SETTLED_DB', 'SETTLED_K', 'Baseline', 'Level', 'settled']
 
 SETTLED_DB, SETTLED_K = 1.0, 1.5
 """Change over a window up to which level and temperature count as settled. Film and clearance, and
 with them the vibration, move as long as a bearing warms up."""
+
+
+MOST_SCATTER_DB = 2.0
+"""Scatter up to which a machine has a baseline. Six times as much are 12 dB: a machine that
+scatters more would be called ok at four times its level. Several machines in one series do."""
 
 
 class Level(NamedTuple):
@@ -74,9 +79,12 @@ def settled(window: Sequence[Level], shaft_hz: float) -> Baseline | None:
     if len(known) > len(heat) // 2 and _drift(known) > SETTLED_K:
         return None
     middle = np.median(levels, axis=0)
+    scatter = 1.4826 * np.median(np.abs(levels - middle), axis=0)
+    if scatter[0] > MOST_SCATTER_DB:
+        return None
     return Baseline(
         levels=middle,
-        scatter=1.4826 * np.median(np.abs(levels - middle), axis=0),
+        scatter=scatter,
         temperature=float(np.median(known)) if len(known) else math.nan,
         shaft_hz=shaft_hz,
         times=(float(window[0].time), float(window[-1].time)),

@@ -17,12 +17,20 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.averaging import AveragedEnvelope
-from bearing_twin.diagnosis.baseline import Baseline, Level, settled, SETTLED_DB, SETTLED_K
+from bearing_twin.diagnosis.baseline import (
+    Baseline,
+    Level,
+    MOST_SCATTER_DB,
+    settled,
+    SETTLED_DB,
+    SETTLED_K,
+)
 from bearing_twin.diagnosis.dependence import Condition, HealthyRecord, Law, Z90
-from bearing_twin.diagnosis.level import FAULT_DB, SUSPECT_DB
+from bearing_twin.diagnosis.level import by_zone, FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.onset import Rise, rise_begins, slope
 from bearing_twin.diagnosis.series_result import SeriesPoint, SeriesReport, SeriesSettings
 from bearing_twin.diagnosis.severity import BANDS_HZ, Levels, measure_severity
+from bearing_twin.diagnosis.trend import Source
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 from scipy import fft
@@ -52,8 +60,11 @@ MOST = 5000
 CONFIRMING = 5
 """Snapshots whose median is judged: two of five may be disturbed."""
 
-
-_KEPT = ('held', 'low_since', 'alarms', 'changes', 'refused')
+_FALLEN = (
+    f'{FAULT_DB:g} dB or more below the baseline; does the machine stand still, is the sensor '
+    'loose? After a repair start a new series'
+)
+_KEPT = ('held', 'low_since', 'alarms', 'changes', 'refused', 'unjudged')
 """Plain values that are saved as they are."""
 
 
@@ -112,6 +123,8 @@ class SeriesMonitor:
         self._alarms: dict[str, float] = {}
         self._changes = 0
         self._refused: dict[str, int] = {}
+        self._unjudged = 0
+        self._source = Source()
         self._quiet = AveragedEnvelope()
         self._loud = AveragedEnvelope()
 
@@ -131,7 +144,7 @@ class SeriesMonitor:
         Parameters
         ----------
         time
-            s, later than that of the snapshot before.
+            s; a snapshot that is not later than the one before is not judged.
         x
             Samples, shape (n,).
         sample_rate
@@ -146,19 +159,16 @@ class SeriesMonitor:
         Raises
         ------
         BearingTwinError
-            If x is not one-dimensional or the time does not run forwards.
+            If x is not one-dimensional.
 
         """
         signal = np.asarray(x, dtype=np.float64)
         if signal.ndim != 1:
             msg = f'x has shape {signal.shape}; a snapshot is one axis, a 1-D array'
             raise BearingTwinError(msg)
-        if self._points and not time > self._points[-1].time:
-            msg = f'time={time} s is not after {self._points[-1].time} s; sort the snapshots'
-            raise BearingTwinError(msg)
-        reason = self._refuse(signal, shaft_hz)
+        reason = self._refuse(time, signal, sample_rate, shaft_hz, unit)
         if reason:
-            self._refused[reason] = self._refused.get(reason, 0) + 1
+            self._leave_out(reason)
             return None
         signal = signal - signal.mean()
         severity = measure_severity(
@@ -168,9 +178,15 @@ class SeriesMonitor:
         heights = np.array([severity.rms, *severity.band_rms[1:]])
         # A band beyond half the sample rate is empty: it never rises.
         levels = 20.0 * np.log10(np.maximum(heights, 1e-9 * severity.rms))
+        now = Condition.at(temperature, shaft_hz)
+        base = self._baseline
+        known = levels[0] - self._laws()[0].correct(now, self._reference)[0]
+        if base and known <= base.levels[0] - FAULT_DB:
+            self._leave_out(_FALLEN)
+            return None
+        self._unjudged, self._source = 0, Source(unit=unit, sample_rate=sample_rate)
         self._window.append((time, levels, temperature))
         self._learn(shaft_hz)
-        now = Condition.at(temperature, shaft_hz)
         changes = np.array([law.correct(now, self._reference) for law in self._laws()]).T
         self._levels.append(levels - changes[0])
         self._recent.append(levels - changes[0])
@@ -179,7 +195,7 @@ class SeriesMonitor:
             alone = float((levels - changes[0] - self._baseline.levels)[0])
             self._rise.add(alone, float(self._baseline.scatter[0]))
         sure = over - Z90 * float(changes[1][measure])
-        self._hold(time, self._wanted(sure, measure, severity.iso_zone))
+        self._hold(time, self._wanted(sure, measure, by_zone(severity)[0]))
         if self._held in ('ok', 'none'):
             self._record.add(levels.tolist(), now)
         if self._baseline is not None and math.isfinite(shaft_hz):
@@ -198,8 +214,23 @@ class SeriesMonitor:
             del self._points[: MOST // 2 : 2], self._levels[: MOST // 2 : 2]
         return point
 
-    def _refuse(self, x: NDArray[np.float64], shaft_hz: float) -> str:
+    def _leave_out(self, reason: str) -> None:
+        """Count a snapshot that is not judged."""
+        self._refused[reason] = self._refused.get(reason, 0) + 1
+        self._unjudged += 1
+
+    def _refuse(
+        self, time: float, x: NDArray[np.float64], sample_rate: float, shaft_hz: float, unit: str
+    ) -> str:
         """Why a snapshot says nothing; '' if it does."""
+        if self._points and not time > self._points[-1].time:
+            return 'not later than the one before; sort the files, or mend their times'
+        before = self._source
+        if self._points and not before.same(Source(unit=unit, sample_rate=sample_rate)):
+            return (
+                f'{sample_rate:g} Hz and unit {unit!r} are not the {before.sample_rate:g} Hz and '
+                f'{before.unit!r} of this series; another sensor?'
+            )
         if len(x) < 64:
             return 'fewer than 64 samples'
         if not np.isfinite(x).all():
@@ -249,13 +280,14 @@ class SeriesMonitor:
         most = int(np.argmax(share))
         return float(over[most]), most
 
-    def _wanted(self, over: float, measure: int, zone: str) -> str:
+    def _wanted(self, over: float, measure: int, zone_level: str) -> str:
         """Level that the newest snapshots ask for."""
         if len(self._recent) < CONFIRMING:
             return self._held
         base = self._baseline
         if base is None:
-            return 'fault' if over >= FAULT_DB else 'none' if self._held == 'none' else 'ok'
+            wanted = 'fault' if over >= FAULT_DB else 'none' if self._held == 'none' else 'ok'
+            return max(wanted, zone_level, key=LEVELS.index)
         suspect = max(SUSPECT_DB, SCATTER_FACTOR * float(base.scatter[measure]))
         thresholds = {'suspect': suspect, 'fault': max(FAULT_DB, 2.0 * suspect)}
         wanted = 'ok'
@@ -263,9 +295,8 @@ class SeriesMonitor:
             standing = LEVELS.index(self._held) >= LEVELS.index(level)
             if over >= threshold - FALL_DB * standing:
                 wanted = level
-        by_zone = {'C': 'suspect', 'D': 'fault'}.get(zone, 'ok')
         by_rise = 'suspect' if self._rise.found else 'ok'
-        return max(wanted, by_zone, by_rise, key=LEVELS.index)
+        return max(wanted, zone_level, by_rise, key=LEVELS.index)
 
     def _hold(self, time: float, wanted: str) -> None:
         """Rise at once, fall only after the level was low for long enough."""
@@ -298,7 +329,7 @@ class SeriesMonitor:
             heat = [point.temperature for point in self._points[-CONFIRMING:]]
             warmer = float(np.median(heat)) - base.temperature
         return SeriesReport(
-            level=self._held, points=tuple(self._points),
+            level='none' if self._lost else self._held, points=tuple(self._points),
             baseline=base.times if base else None,
             scatter=float(base.scatter[0]) if base else math.nan,
             change=change, first_alarm=first, first_fault=self._alarms.get('fault', math.nan),
@@ -307,6 +338,11 @@ class SeriesMonitor:
             reasons=self._reasons(change, warmer, place),
         )  # fmt: skip
 
+    @property
+    def _lost(self) -> bool:
+        """Whether so many snapshots were not judged that a sound machine is none any more."""
+        return self._held == 'ok' and self._unjudged >= self._settings.baseline
+
     def save(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         """Plain values and arrays worth keeping over a restart; see :meth:`load`."""
         base = self._baseline
@@ -314,6 +350,7 @@ class SeriesMonitor:
             'baseline': base and [base.temperature, base.shaft_hz, *base.times],
             'points': [asdict(point) for point in self._points],
             'window': [(time, heat) for time, _, heat in self._window],
+            'source': list(self._source),
             'record': asdict(self._record),
             'rise': asdict(self._rise),
             'averaged': [[a.count, a.turns] for a in (self._quiet, self._loud)],
@@ -355,6 +392,7 @@ class SeriesMonitor:
         self._window.clear()
         for (time, heat), levels in zip(values['window'], arrays['window_levels'], strict=True):
             self._window.append((time, levels, heat))
+        self._source = Source(*values['source'])
         self._record = HealthyRecord.of(values['record'])
         self._rise = Rise.of(values['rise'])
         for average, (count, turns) in zip(
@@ -396,8 +434,11 @@ class SeriesMonitor:
             reasons.append(
                 f'no baseline: {len(self._points)} snapshots, not {self._settings.baseline} in '
                 f'a row over which the level moved by less than {SETTLED_DB:g} dB and the '
-                f'temperature by less than {SETTLED_K:g} K'
+                f'temperature by less than {SETTLED_K:g} K, with a scatter of at most '
+                f'{MOST_SCATTER_DB:g} dB'
             )
+        if self._lost:
+            reasons.append(f'not known: the last {self._unjudged} snapshots were not judged')
         if self._points:
             last = self._points[-1]
             if base is not None:

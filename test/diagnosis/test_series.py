@@ -106,10 +106,63 @@ def test_other_speeds_and_broken_snapshots_are_not_judged():
     report = monitor.report()
     assert report.level == 'ok'
     assert any('1 snapshots not judged: another speed than the 30 Hz' in r for r in report.reasons)
-    with pytest.raises(BearingTwinError, match='sort the snapshots'):
-        monitor.add(3.0, rng.standard_normal(COUNT), RATE, SHAFT_HZ)
+    # A clock that was set back, another sensor.
+    assert monitor.add(3.0, 9.0 * rng.standard_normal(COUNT), RATE, SHAFT_HZ) is None
+    assert monitor.add(53.0, 9.0 * rng.standard_normal(COUNT), 0.5 * RATE, SHAFT_HZ) is None
+    assert monitor.add(54.0, 9.0 * rng.standard_normal(COUNT), RATE, SHAFT_HZ, unit='g') is None
+    reasons = ' '.join(monitor.report().reasons)
+    assert '1 snapshots not judged: not later than the one before; sort the files' in reasons
+    assert "unit 'g' are not the 25600 Hz and ''" in reasons and '12800 Hz' in reasons
+    assert monitor.report().level == 'ok'
     with pytest.raises(BearingTwinError, match='baseline=3'):
         SeriesSettings(baseline=3)
+
+
+@pytest.mark.parametrize(
+    ('height', 'hertz', 'why'),
+    [
+        (1e-3, SHAFT_HZ, 'does the machine stand still, is the sensor loose?'),
+        (3.0, 1.3 * SHAFT_HZ, 'another speed than the 30 Hz'),
+    ],
+)
+def test_a_machine_that_is_not_judged_any_more_is_not_ok(height, hertz, why):
+    rng = np.random.default_rng(1)
+    monitor = SeriesMonitor(None, SeriesSettings(baseline=20))
+    for number in range(40):
+        monitor.add(number, rng.standard_normal(COUNT), RATE, SHAFT_HZ)
+    for number in range(40, 65):
+        assert monitor.report().level == ('ok' if number < 60 else 'none')
+        assert monitor.add(number, height * rng.standard_normal(COUNT), RATE, hertz) is None
+    reasons = monitor.report().reasons
+    assert any('not known: the last 25 snapshots were not judged' in reason for reason in reasons)
+    assert any(why in reason for reason in reasons)
+    # What was not judged is no baseline: the machine is what it was.
+    assert monitor.add(65.0, rng.standard_normal(COUNT), RATE, SHAFT_HZ).level == 'ok'
+    assert monitor.report().level == 'ok'
+
+
+def test_two_machines_in_one_series_have_no_baseline():
+    rng = np.random.default_rng(2)
+    monitor = SeriesMonitor(None, SeriesSettings(baseline=20))
+    for number in range(100):
+        height = 2.0 if number % 2 else 1.0
+        point = monitor.add(number, height * rng.standard_normal(COUNT), RATE, SHAFT_HZ)
+        assert point.level == 'none'
+    assert 'a scatter of at most 2 dB' in monitor.report().reasons[0]
+
+
+def test_a_new_bearing_ends_the_alarm_and_has_its_own_baseline():
+    monitor, points = life(
+        3, 1600, lambda n: 16.0 * (500 <= n < 600) - 5.0 * (n >= 600), scatter=0.4, warm=False
+    )
+    assert points[599].level == 'fault' and points[-1].level == 'ok'
+    assert monitor.report().baseline[0] >= 600 * CYCLE
+    # 2 dB over the level of the old bearing are 7 dB over that of the new one.
+    rng = np.random.default_rng(4)
+    for number in range(1600, 1650):
+        x = 10.0**0.1 * rng.standard_normal(COUNT)
+        point = monitor.add(CYCLE * number, x, RATE, SHAFT_HZ, temperature=70.0)
+    assert point.level == 'suspect'
 
 
 def test_noise_leaves_no_excess_and_a_single_snapshot_would():
