@@ -15,7 +15,6 @@ from launch.substitutions import LaunchConfiguration
 
 def generate_launch_description() -> LaunchDescription:
     """Return the description."""
-    namespace = LaunchConfiguration('namespace')
     return launch_description(
         [
             Argument('namespace', "namespace of the machine, e.g. 'line3/fan_7'", 'machine'),
@@ -24,7 +23,7 @@ def generate_launch_description() -> LaunchDescription:
             Argument('twin', 'run the twin beside the machine', 'true', bool),
             Argument('calibrate', 'fit the twin to the machine', 'false', bool),
             Argument('record', 'record to MCAP', 'true', bool),
-            Argument('regex', 'topics to record', ['/', namespace, '/.*|/diagnostics']),
+            Argument('regex', 'topics to record', '{namespace}/.*|/diagnostics'),
             Argument('output', 'bag folder; empty: bearing_twin_DATE-TIME here'),
             Argument('rerun_port', 'port of the Rerun server; empty or 0: none', kind=int),
             Argument('use_sim_time', 'true: follow /clock', kind=bool),

@@ -75,7 +75,8 @@ SPECS = (
     Spec(
         name='regex',
         default='',
-        description='Record the topics whose whole name matches, besides those of topics.',
+        description='Record the topics whose whole name matches, besides those of topics; '
+        '{namespace} stands for that of the recorder.',
         running=False,
     ),
     Spec(
@@ -193,7 +194,7 @@ class RecorderNode(ManagedNode):
         """Make the recording; say what a crash has left."""
         p = self.parameters
         named = {self.resolve_topic_name(topic) for topic in p['topics'] if topic}
-        choice = TopicChoice(p.values, named)
+        choice = TopicChoice(p.values, named, self.get_namespace())
         self._topics = RawSubscriptions(self, choice, self._on_message)
         self._writer = build_writer(p.values)
         try:
@@ -363,7 +364,8 @@ class RecorderNode(ManagedNode):
             )
         texts = [
             'waiting for the first time on /clock' if self._early else '',
-            f'{len(left_out)} topics are not recorded' if left_out else '',
+            'none of the chosen topics is there' if self.active and not self._topics else '',
+            f'{len(left_out)} topics are not recorded, or not in each type' if left_out else '',
             f'{lost} messages were lost on the way' if lost else '',
             f'{writer.lost} messages were lost by the disk' if writer.lost else '',
             writer.sync_problem and f'not safe from power loss: {writer.sync_problem}',

@@ -46,6 +46,8 @@ class TopicChoice:
         Parameters ``regex``, ``exclude`` and ``include_hidden`` of the node.
     resolved
         Names of the parameter ``topics``, resolved.
+    namespace
+        Namespace of the node, which ``{namespace}`` stands for in ``regex`` and ``exclude``.
 
     Raises
     ------
@@ -54,10 +56,14 @@ class TopicChoice:
 
     """
 
-    def __init__(self, values: Mapping[str, Any], resolved: set[str]) -> None:
+    def __init__(
+        self, values: Mapping[str, Any], resolved: set[str], namespace: str = '/'
+    ) -> None:
         self._named = resolved
-        self._regex = _compiled('regex', values['regex'])
-        self._exclude = _compiled('exclude', values['exclude'])
+        self._regex, self._exclude = (
+            _compiled(name, values[name].replace('{namespace}', re.escape(namespace.rstrip('/'))))
+            for name in ('regex', 'exclude')
+        )
         self._hidden = bool(values['include_hidden'])
 
     def __contains__(self, topic: str) -> bool:
@@ -92,7 +98,8 @@ class RawSubscriptions:
         self.lost = 0
         """Messages lost on the way."""
         self.left_out: dict[str, str] = {}
-        """Why a topic is not subscribed to."""
+        """Why a topic, or a type of it, is not subscribed to."""
+        self._refused: dict[str, set[tuple[str, str]]] = {}
         self._node = node
         self._choice = choice
         self._on_message = on_message
@@ -114,25 +121,45 @@ class RawSubscriptions:
                 self._subscribe(topic, type_name, deepened(qos))
 
     def discover(self) -> None:
-        """Subscribe to new topics; anew where type or QoS of a topic has changed."""
+        """
+        Subscribe to new topics; anew where type or QoS of a topic has changed.
+
+        A topic goes on in the type that it has, whatever else is published on it for a while.
+        """
         for topic, _ in self._node.get_topic_names_and_types():
-            if topic not in self._choice or topic in self.left_out:
+            if topic not in self._choice:
                 continue
             publishers = self._node.get_publishers_info_by_topic(topic)
-            if not publishers:
+            kinds = {(info.topic_type, str(info.topic_type_hash)) for info in publishers}
+            if not publishers or kinds == self._refused.get(topic):
                 continue
+            known = self._subscriptions.get(topic)
+            former = self._types[topic] if known else ''
+            same = [info for info in publishers if info.topic_type == former] or publishers
             try:
-                type_name = published_type(publishers)
-                qos = subscription_qos(publishers)
-                known = self._subscriptions.get(topic)
-                if known is None or (
-                    self._types[topic] != type_name or not matches(known.qos_profile, qos)
-                ):
+                type_name = published_type(same)
+                qos = subscription_qos(same)
+                if known is None or former != type_name or not matches(known.qos_profile, qos):
                     self._subscribe(topic, type_name, qos)
             except BearingTwinError as error:
                 self._unsubscribe(topic)
-                self.left_out[topic] = str(error)
-                self._node.get_logger().error(f'{topic} is not recorded: {error}')
+                self._refused[topic] = kinds
+                self._leave_out(topic, str(error))
+            else:
+                self._refused.pop(topic, None)
+                others = ' and '.join(sorted({kind for kind, _ in kinds} - {type_name}))
+                self._leave_out(topic, others and f'{others} beside {type_name}')
+
+    def _leave_out(self, topic: str, why: str) -> None:
+        """Note and log why a topic, or a type of it, is not recorded; '' if all of it is."""
+        if why == self.left_out.get(topic, ''):
+            return
+        if why:
+            self.left_out[topic] = why
+            self._node.get_logger().error(f'{topic} is not recorded: {why}')
+        else:
+            del self.left_out[topic]
+            self._node.get_logger().info(f'{topic} is recorded again')
 
     def close(self) -> None:
         """Unsubscribe from everything."""

@@ -12,14 +12,18 @@ import pytest
 
 pytest.importorskip('rclpy')
 
+
 from bearing_twin.nodes.recorder import RecorderNode
+from bearing_twin.ros.rawsubscriptions import TopicChoice
 import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from std_msgs.msg import Float64
+from std_msgs.msg import Float64, String
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
+
+    from rclpy.node import Node
 
 pytestmark = pytest.mark.ros
 
@@ -31,6 +35,12 @@ def until(happened: Callable[[], bool]) -> None:
     while not happened():
         assert time.monotonic() < end
         time.sleep(0.02)
+
+
+def node_of_its_own(name: str) -> Node:
+    context = rclpy.Context()
+    context.init()
+    return rclpy.create_node(name, context=context)
 
 
 def test_a_changed_topic_costs_nothing_of_what_came_before(
@@ -61,3 +71,50 @@ def test_a_changed_topic_costs_nothing_of_what_came_before(
         rclpy.shutdown()
     found = [m.decode().data for m in read_messages(bag, topics=['/level'])]
     assert found[:SENT] == list(range(SENT))
+
+
+@pytest.mark.parametrize('namespace', ['/', '/fan_7', '/line3/fan.7'])
+def test_the_regex_of_a_machine_follows_the_namespace_of_the_recorder(namespace: str) -> None:
+    values = {'regex': '{namespace}/.*|/diagnostics', 'exclude': '', 'include_hidden': False}
+    choice = TopicChoice(values, set(), namespace)
+    assert f'{namespace.rstrip("/")}/vibration' in choice
+    assert '/diagnostics' in choice
+    assert ('/line3/fan_7/vibration' in choice) == (namespace == '/')
+
+
+def test_a_second_type_for_a_moment_ends_no_recording(ros_domain: int, tmp_path: Path) -> None:
+    bag = tmp_path / 'bag'
+    rclpy.init(args=['--ros-args', '-p', f'output:={bag}', '-p', 'topics:=[level, text]'])
+    try:
+        recorder = RecorderNode()
+        recorder.trigger_configure()
+        # Within one context, the middleware refuses a second type.
+        source, other = (node_of_its_own(name) for name in ('source', 'other'))
+        level = source.create_publisher(Float64, 'level', 10)
+        first = source.create_publisher(Float64, 'text', 10)
+        other.create_publisher(String, 'text', 10)
+        until(lambda: recorder.count_publishers('/level') == 1)
+        until(lambda: recorder.count_publishers('/text') == 2)
+        recorder.trigger_activate()
+        topics = recorder._topics
+        assert (len(topics), topics.left_out.keys()) == (1, {'/text'})
+        stray = other.create_publisher(String, 'level', 10)
+        until(lambda: recorder.count_publishers('/level') == 2)
+        topics.discover()
+        assert topics.left_out['/level'] == 'std_msgs/msg/String beside std_msgs/msg/Float64'
+        until(lambda: level.get_subscription_count() == 1)
+        level.publish(Float64(data=1.0))
+        assert level.wait_for_all_acked(rclpy.duration.Duration(seconds=60))
+        other.destroy_publisher(stray)
+        source.destroy_publisher(first)
+        until(
+            lambda: recorder.count_publishers('/level') == recorder.count_publishers('/text') == 1
+        )
+        topics.discover()
+        assert (len(topics), topics.left_out) == (2, {})
+        recorder.shut_down()
+    finally:
+        rclpy.shutdown()
+        for node in (source, other):
+            node.context.shutdown()
+    assert [m.decode().data for m in read_messages(bag, topics=['/level'])] == [1.0]
