@@ -86,7 +86,7 @@ class BlockCycle:
         return self._pacer.period
 
     def start(self) -> None:
-        """Let the first block begin now, or with the first reading of /clock."""
+        """Let the first block begin with the first wake-up, or reading of /clock, that follows."""
         self._ticks = Clock(clock_type=ClockType.STEADY_TIME)
         self._jumps: JumpHandle | None = None
         if self._node.get_parameter('use_sim_time').value:
@@ -99,10 +99,10 @@ class BlockCycle:
                 ),
                 post_callback=self._on_jump,
             )
-        self._pacer.anchor(ticks=self._ticks.now().nanoseconds, time=self._now())
-        self._timer = self._node.create_timer(
-            self.period / self._slots, self._on_timer, clock=self._ticks
-        )
+        # Not now: /clock is read by the executor alone, and may have gone on for seconds.
+        self._pacer.release()
+        self._pause()
+        self._timer = self._node.create_timer(1 / NANO, self._on_timer, clock=self._ticks)
 
     def stop(self) -> None:
         """Publish no more blocks."""
@@ -138,10 +138,13 @@ class BlockCycle:
     def _on_jump(self, _: TimeJump) -> None:
         # A recording that was sought or begins again: nothing is late, and nothing is dropped.
         self._pacer.step(ticks=self._ticks.now().nanoseconds, time=self._now())
+        self._pause()
 
     def _on_timer(self) -> None:
         self._woken = time.monotonic()
         ticks = self._ticks.now().nanoseconds
+        # The next wake-up is set already; what is set here is the time from it to the one after.
+        following = ticks + (self._timer.time_until_next_call() or 0)
         for due in self._pacer.due(ticks=ticks, time=self._now()):
             self._finish_cycle(ticks)
             self._began = time.perf_counter()
@@ -151,6 +154,13 @@ class BlockCycle:
             began = time.perf_counter()
             self._between(self._pacer.phase(self._ticks.now().nanoseconds))
             self._busy += time.perf_counter() - began
+        # Behind the blocks: the first call lets them begin.
+        self._timer.timer_period_ns = self._pacer.wake_up(following, self._slots) - following
+
+    def _pause(self) -> None:
+        """Let no cycle reach over the time up to now."""
+        self._cycle_began = None
+        self._statistics.pause()
 
     def _finish_cycle(self, ticks: int) -> None:
         # What is done between the blocks before the first one belongs to no cycle.

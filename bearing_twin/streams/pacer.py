@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
+import math
 from typing import NamedTuple
 
 from bearing_twin.errors import BearingTwinError
@@ -119,9 +120,13 @@ class Pacer:
         self._time_anchor = time
         self._anchor_sample = self.next_sample
 
+    def release(self) -> None:
+        """Let the next block begin with the next call of :meth:`due`."""
+        self._tick_anchor = None
+
     def step(self, *, ticks: int, time: int) -> None:
         """Let the next block begin now because the clocks have been set; clocks as above."""
-        self.clock_steps += 1
+        self.clock_steps += self._tick_anchor is not None
         self.anchor(ticks=ticks, time=time)
 
     def due(self, *, ticks: int, time: int) -> list[Due]:
@@ -159,6 +164,19 @@ class Pacer:
             self.late += lateness > self.late_after
             self._recent.append(lateness)
         return blocks
+
+    def wake_up(self, ticks: int, slots: int = 1) -> int:
+        """
+        Return the wake-up that follows the one at about ``ticks``, ns; ``slots`` lie in a period.
+
+        Each is computed from the anchor, as the deadlines are: the period of a timer is whole ns,
+        and would leave them behind by up to 0.1 ms an hour.
+        """
+        if self._tick_anchor is None:
+            return ticks + round(self.period * NANO / slots)
+        spacing = self.block * NANO / (self.rate * slots)
+        number = round((ticks - self._tick_anchor) / spacing) + 1
+        return self._tick_anchor + math.ceil(number * self.block * NANO / (self.rate * slots))
 
     def phase(self, ticks: int) -> float:
         """Return the part of the current period that is over, 0 to 1."""

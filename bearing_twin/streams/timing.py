@@ -62,6 +62,10 @@ class CycleStatistics:
         self._began = began
         self._durations.append(duration)
 
+    def pause(self) -> None:
+        """Count no interval from the last cycle to the next one."""
+        self._began = math.nan
+
     @property
     def periodicity(self) -> Spread:
         """

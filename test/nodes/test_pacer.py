@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Deadlines are absolute, lateness is counted, gaps are seen."""
 
+from fractions import Fraction
 from itertools import pairwise
+import math
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.streams.pacer import Pacer
@@ -85,6 +87,67 @@ def test_blocks_are_never_early_and_index_and_counts_agree(gaps, rate):
     assert len(blocks) == report.published
     assert p.next_sample == 1024 * (report.published + report.dropped)
     assert all(b.first_sample > a.first_sample for a, b in pairwise(blocks))
+
+
+WEEK = 7 * 24 * 3600 * SECOND
+
+
+@pytest.mark.parametrize('begun', [0, WEEK, 10 * WEEK])
+@pytest.mark.parametrize('rate', [12000.0, 24000.0, 25600.0, 44100.0, 48000.0])
+def test_a_timer_of_whole_nanoseconds_keeps_the_deadlines_for_weeks(rate, begun):
+    """The timer does as rcl's: it moves its next call by its period and calls."""
+    p = pacer(rate=rate)
+    first = round(begun * rate / SECOND / p.block)
+    p.next_sample = first * p.block
+    period = round(p.period * SECOND)
+    # Off by a part of a period, as after a stall: the second wake-up is in time again.
+    at = p.wake_up(p._offset(p.next_sample)) + period // 3
+    numbers = []
+    for n in range(2000):
+        ticks = at + 1000
+        at += period
+        period = p.wake_up(at) - at
+        for block in run(p, ticks):
+            numbers.append(block.first_sample // p.block)
+            assert block.lateness <= (2e-6 if n > 1 else p.period / 2.0)
+    assert numbers == list(range(first, first + 2000))
+
+
+@given(
+    st.integers(0, 10**9),
+    st.sampled_from([12000.0, 12800.0, 25600.0, 44100.0, 48000.0]),
+    st.integers(1, 40),
+    st.floats(-0.49, 0.49),
+)
+def test_wake_ups_are_exact_for_a_year(number, rate, slots, off):
+    p = pacer(rate=rate)
+    spacing = Fraction(p.block * SECOND) / (Fraction(rate) * slots)
+    found = p.wake_up(math.ceil(number * spacing + Fraction(off) * spacing), slots)
+    # A rounding of a double or two, and never before the deadline that the block has.
+    assert abs(found - math.ceil((number + 1) * spacing)) <= 16
+    if slots == 1:
+        p.next_sample = number * p.block
+        assert found >= p._offset(p.next_sample + p.block)
+
+
+def test_a_timer_of_one_period_would_lose_the_deadlines_within_hours():
+    p = pacer(rate=44100.0)
+    whole = int(p.period * SECOND)
+    blocks = round(4 * 3600 / p.period)
+    assert p._offset(blocks * p.block) - blocks * whole > 0.3e-3 * SECOND
+
+
+def test_a_pacer_that_is_released_begins_anew_with_the_next_call():
+    p = pacer()
+    run(p, 3 * PERIOD)
+    p.release()
+    # Three seconds have passed meanwhile: nothing of them is late or dropped.
+    assert run(p, 3 * SECOND) == []
+    [block] = run(p, 3 * SECOND + PERIOD)
+    assert (block.first_sample, block.lateness, block.dropped) == (3 * 1024, 0.0, 0)
+    p.release()
+    p.step(ticks=SECOND, time=SECOND)
+    assert p.report().clock_steps == 0
 
 
 def test_refuses_nonsense():

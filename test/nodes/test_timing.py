@@ -49,6 +49,17 @@ def test_the_spread_of_the_rate_is_that_of_the_intervals():
     assert cycles.execution_time.mean == pytest.approx(0.002)
 
 
+def test_a_pause_is_no_interval():
+    cycles = CycleStatistics()
+    for at in np.arange(100) * PERIOD:
+        cycles.add(at, 0.001)
+    cycles.pause()
+    for at in 60.0 + np.arange(100) * PERIOD:
+        cycles.add(at, 0.001)
+    assert cycles.periodicity.mean == pytest.approx(25.0)
+    assert cycles.periodicity.std == pytest.approx(0.0, abs=1e-6)
+
+
 def test_punctual_cycles_are_in_time():
     found = status_of(np.arange(100) * PERIOD, np.full(100, 0.001))
     assert (found.level, found.message) == (Level.OK, 'in time')
