@@ -9,12 +9,8 @@ from dataclasses import dataclass
 from typing import Any, BinaryIO, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.mcapfile import (
-    BrokenRecording,
-    chunk_records,
-    content,
-    parse,
-)
+from bearing_twin.recording.chunks import Chunks, NEW_DESCRIPTION, SpentRecording
+from bearing_twin.recording.mcapfile import BrokenRecording, content, parse
 from bearing_twin.recording.salvage import sound_records
 from bearing_twin.recording.schema import canonical_cdr, store_from_text, type_conflict
 from bearing_twin.recording.summary import summary_records
@@ -34,6 +30,8 @@ __all__ = [
 ]
 
 DEFINITIONS = (Opcode.SCHEMA, Opcode.CHANNEL)
+MOST_HELD = 64 * 1024 * 1024
+"""Most bytes of the descriptions of a file."""
 MOST_TRIED = 100
 """Most channels whose description is lost that are looked for by their content."""
 
@@ -130,6 +128,8 @@ class Catalogue:
 
     Parameters
     ----------
+    chunks
+        The file, whose new descriptions count as work.
     elsewhere
         Catalogues in which a channel is looked for that has not been seen, made when needed.
     candidates
@@ -139,10 +139,15 @@ class Catalogue:
 
     def __init__(
         self,
+        chunks: Chunks,
         elsewhere: Iterable[Catalogue] = (),
         candidates: Callable[[], Iterable[RecordedChannel]] = tuple,
     ) -> None:
+        self._chunks = chunks
         self._schemas: dict[int, tuple[str, str, str]] = {}
+        # What has been said last of a schema or channel, which comes again and again.
+        self._said: dict[int, dict[bytes, bytes]] = {kind: {} for kind in DEFINITIONS}
+        self._held = 0
         self.channels: dict[int, RecordedChannel] = {}
         self.guessed: dict[int, str] = {}
         """Topics that were found by their content alone."""
@@ -158,15 +163,25 @@ class Catalogue:
         Raises
         ------
         BrokenRecording
-            If it is damaged.
+            If it is damaged, or one too many.
 
         """
+        identity, said = content[:2], self._said[opcode]
+        known = said.get(identity, b'')
+        if known == content:
+            return
+        self._chunks.work(offset, NEW_DESCRIPTION)
+        self._held += len(content) - len(known)
+        if self._held > MOST_HELD:
+            msg = f'the descriptions at byte {offset} are too long: limit {MOST_HELD} together'
+            raise SpentRecording(msg, offset, self._chunks.size - offset)
         record = parse(opcode, content, offset)
+        said[identity] = content
         if isinstance(record, Schema):
+            # Channels of it mean something else from now on.
+            self._said[Opcode.CHANNEL].clear()
             text = record.data.decode('utf-8', 'replace')
-            said = (record.name, record.encoding, text)
-            if self._schemas.get(record.id) != said:
-                self._schemas[record.id] = said
+            self._schemas[record.id] = (record.name, record.encoding, text)
         elif isinstance(record, Channel):
             schema = self._schemas.get(record.schema_id)
             if schema is None and record.schema_id != 0:
@@ -225,7 +240,8 @@ class Catalogue:
 
 def own_definitions(file: BinaryIO, size: int) -> Iterator[Catalogue]:
     """Yield what a file says of its channels: in its summary, then anywhere in it."""
-    catalogue = Catalogue()
+    chunks = Chunks(file, size)
+    catalogue = Catalogue(chunks)
     try:
         for raw in summary_records(file, size):
             if raw.opcode in DEFINITIONS:
@@ -234,16 +250,19 @@ def own_definitions(file: BinaryIO, size: int) -> Iterator[Catalogue]:
         # What has been read of it serves nevertheless.
         pass
     yield catalogue
-    catalogue = Catalogue()
+    chunks = Chunks(file, size)
+    catalogue = Catalogue(chunks)
     wanted = (*DEFINITIONS, Opcode.CHUNK)
-    for raw, data in sound_records(file, size, wanted, lambda _: None):
-        if raw.opcode != Opcode.CHUNK:
-            catalogue.learn(raw.opcode, data, raw.offset)
-            continue
+    for raw, data in sound_records(chunks, wanted, lambda _: None):
         try:
-            for opcode, at, length in chunk_records(data, raw.offset):
+            if raw.opcode != Opcode.CHUNK:
+                catalogue.learn(raw.opcode, data, raw.offset)
+                continue
+            for opcode, at, length in chunks.records(data, raw.offset):
                 if opcode in DEFINITIONS:
                     catalogue.learn(opcode, data[at : at + length], raw.offset)
+        except SpentRecording:
+            break
         except BrokenRecording:
             # It is reported when the messages are read.
             continue

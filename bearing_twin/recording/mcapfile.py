@@ -14,10 +14,8 @@ from __future__ import annotations
 from io import BytesIO
 import struct
 from typing import BinaryIO, NamedTuple, TYPE_CHECKING
-import zlib
 
 from bearing_twin.errors import BearingTwinError
-import lz4.frame  # type: ignore[import-untyped]
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
@@ -33,7 +31,6 @@ from mcap.records import (
     Schema,
     Statistics,
 )
-import zstandard
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -41,7 +38,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     'CHUNK_HEAD',
-    'LARGEST_CHUNK',
     'LARGEST_RECORD',
     'LARGEST_TABLE',
     'MAGIC',
@@ -50,7 +46,6 @@ __all__ = [
     'BrokenRecording',
     'RawRecord',
     'UnfinishedRecording',
-    'chunk_records',
     'content',
     'message_head',
     'open_mcap',
@@ -60,15 +55,12 @@ __all__ = [
     'read_record',
     'record_at',
     'refuse_special',
-    'unpacked_chunk',
     'walk',
 ]
 
 MAGIC = b'\x89MCAP0\r\n'
 LARGEST_RECORD = 128 * 1024 * 1024
 """Largest record that is read into memory, bytes."""
-LARGEST_CHUNK = 128 * 1024 * 1024
-"""Largest chunk after unpacking, bytes."""
 LARGEST_TABLE = 4 * 1024 * 1024
 """Largest record that consists of texts and tables, bytes: each entry becomes objects."""
 RECORD_HEAD = struct.Struct('<BQ')
@@ -250,46 +242,6 @@ def content(file: BinaryIO, raw: RawRecord) -> bytes:
     return read_at(file, raw.begin, raw.length)
 
 
-def unpacked_chunk(file: BinaryIO, raw: RawRecord) -> bytes:
-    """
-    Return the unpacked and checked records of a chunk.
-
-    Raises
-    ------
-    BrokenRecording
-        If the chunk is damaged (CRC, sizes) or larger than ``LARGEST_CHUNK``.
-
-    """
-    chunk = parse(Opcode.CHUNK, content(file, raw), raw.offset)
-    assert isinstance(chunk, Chunk)
-    return _unpack(chunk, raw.offset)
-
-
-def chunk_records(data: bytes, offset: int) -> Iterator[tuple[int, int, int]]:
-    """
-    Step over the records of an unpacked chunk: opcode, first byte, length.
-
-    Raises
-    ------
-    BrokenRecording
-        If the chunk ends inside a record.
-
-    """
-    at = 0
-    while at < len(data):
-        if at + RECORD_HEAD.size > len(data):
-            break
-        opcode, length = RECORD_HEAD.unpack_from(data, at)
-        at += RECORD_HEAD.size
-        if at + length > len(data):
-            break
-        yield opcode, at, length
-        at += length
-    if at != len(data):
-        msg = f'the chunk at byte {offset} ends inside a record'
-        raise BrokenRecording(msg, offset)
-
-
 def message_head(data: bytes, at: int, length: int, offset: int) -> tuple[int, int, int]:
     """
     Return channel, log time and publish time of a message; its bytes follow ``MESSAGE_HEAD``.
@@ -328,32 +280,3 @@ def parse_from(stream: ReadDataStream, opcode: int, offset: int) -> McapRecord:
         kind = Opcode(opcode).name.lower()
         msg = f'the {kind} record at byte {offset} is damaged ({type(error).__name__})'
         raise BrokenRecording(msg, offset) from None
-
-
-def _unpack(chunk: Chunk, offset: int) -> bytes:
-    """Unpack a chunk: at most as many bytes as it states are ever held, and checked."""
-    size = chunk.uncompressed_size
-    if size > LARGEST_CHUNK:
-        msg = f'the chunk at byte {offset} would unpack to {size} bytes; limit {LARGEST_CHUNK}'
-        raise BrokenRecording(msg, offset)
-    try:
-        if chunk.compression == 'zstd':
-            unpacker = zstandard.ZstdDecompressor(max_window_size=LARGEST_CHUNK)
-            data = unpacker.stream_reader(chunk.data).read(size + 1)
-        elif chunk.compression == 'lz4':
-            data = lz4.frame.LZ4FrameDecompressor().decompress(chunk.data, max_length=size + 1)
-        elif chunk.compression == '':
-            data = chunk.data
-        else:
-            msg = f'the chunk at byte {offset} is packed with {chunk.compression!r}: not supported'
-            raise BrokenRecording(msg, offset)
-    except (zstandard.ZstdError, RuntimeError, ValueError, EOFError, MemoryError) as error:
-        msg = f'the chunk at byte {offset} cannot be unpacked ({error})'
-        raise BrokenRecording(msg, offset) from None
-    if len(data) != size:
-        msg = f'the chunk at byte {offset} unpacks to {len(data)} bytes instead of {size}'
-        raise BrokenRecording(msg, offset)
-    if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
-        msg = f'the chunk at byte {offset} is damaged: its CRC does not fit'
-        raise BrokenRecording(msg, offset)
-    return data

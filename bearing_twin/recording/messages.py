@@ -16,14 +16,13 @@ from bearing_twin.recording.catalogue import (
     RecordedChannel,
     RecordedMessage,
 )
+from bearing_twin.recording.chunks import Chunks, SpentRecording
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
-    chunk_records,
     content,
     MESSAGE_HEAD,
     message_head,
     record_at,
-    unpacked_chunk,
 )
 from bearing_twin.recording.salvage import sound_records
 from bearing_twin.recording.summary import chunk_index, summary_records
@@ -64,7 +63,8 @@ class Selection:
 
 def in_time_order(file: BinaryIO, size: int, keep: Selection) -> Iterator[RecordedMessage]:
     """Read by the index, in the order of log time; without an index in the order of the file."""
-    catalogue = Catalogue()
+    chunks = Chunks(file, size)
+    catalogue = Catalogue(chunks)
     for raw in summary_records(file, size):
         if raw.opcode in DEFINITIONS:
             catalogue.learn(raw.opcode, content(file, raw), raw.offset)
@@ -84,7 +84,7 @@ def in_time_order(file: BinaryIO, size: int, keep: Selection) -> Iterator[Record
     while heap or waiting:
         while waiting and (not heap or int(waiting[-1][0]) <= heap[0][0]):
             _, _, offset, length = map(int, waiting.pop())
-            chunk = _OpenChunk(file, offset, length, catalogue, keep)
+            chunk = _OpenChunk(chunks, offset, length, catalogue, keep)
             if not chunk.exhausted:
                 heapq.heappush(heap, (chunk.time, count, chunk))
                 count += 1
@@ -106,17 +106,17 @@ class _OpenChunk:
     """An unpacked chunk whose messages are given out in the order of their log time."""
 
     def __init__(
-        self, file: BinaryIO, offset: int, length: int, catalogue: Catalogue, keep: Selection
+        self, chunks: Chunks, offset: int, length: int, catalogue: Catalogue, keep: Selection
     ) -> None:
-        raw = record_at(file, offset, offset + length)
+        raw = record_at(chunks.file, offset, offset + length)
         if raw.opcode != Opcode.CHUNK or raw.end != offset + length:
             msg = f'the index points to byte {offset}, where no chunk of {length} bytes is'
             raise BrokenRecording(msg, offset)
         self._offset = offset
         self._catalogue = catalogue
-        self._data = unpacked_chunk(file, raw)
+        self._data = chunks.unpack(raw)
         times, places = array('Q'), array('Q')
-        for opcode, at, size in chunk_records(self._data, offset):
+        for opcode, at, size in chunks.records(self._data, offset):
             if opcode in DEFINITIONS:
                 catalogue.learn(opcode, self._data[at : at + size], offset)
             elif opcode == Opcode.MESSAGE:
@@ -175,7 +175,8 @@ def in_file_order(
 
     """
     elsewhere = own_definitions(file, size) if damaged is not None else ()
-    catalogue = Catalogue(elsewhere, candidates)
+    chunks = Chunks(file, size)
+    catalogue = Catalogue(chunks, elsewhere, candidates)
     lost: dict[int, tuple[int, int]] = {}
 
     def of(opcode: int, data: bytes, at: int, length: int, offset: int) -> RecordedMessage | None:
@@ -200,20 +201,23 @@ def in_file_order(
         return _message(catalogue, data, at, length, offset)
 
     wanted = (*DEFINITIONS, Opcode.MESSAGE, Opcode.CHUNK)
-    for raw, data in sound_records(file, size, wanted, damaged):
+    for raw, data in sound_records(chunks, wanted, damaged):
         try:
             if raw.opcode != Opcode.CHUNK:
                 message = of(raw.opcode, data, 0, len(data), raw.offset)
                 if message is not None:
                     yield message
                 continue
-            for opcode, at, length in chunk_records(data, raw.offset):
+            for opcode, at, length in chunks.records(data, raw.offset):
                 message = of(opcode, data, at, length, raw.offset)
                 if message is not None:
                     yield message
         except BrokenRecording as error:
             if damaged is None:
                 raise
+            if isinstance(error, SpentRecording):
+                damaged(error)
+                break
             damaged(BrokenRecording(str(error), raw.offset, raw.end - raw.offset))
     if damaged is not None:
         for topic in catalogue.guessed.values():

@@ -17,6 +17,7 @@ from bearing_twin.recording.catalogue import (
     RecordedChannel,
     RecordedMessage,
 )
+from bearing_twin.recording.chunks import Chunks
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
     content,
@@ -244,7 +245,7 @@ def _look_into(file: BinaryIO, path: Path, info: RecordingInfo) -> None:
 
 
 def _from_summary(file: BinaryIO, size: int, info: RecordingInfo) -> None:
-    catalogue = Catalogue()
+    catalogue = Catalogue(Chunks(file, size))
     statistics: Statistics | None = None
     attachments: dict[str, int] = {}
     metadata: dict[int, MetadataIndex] = {}
@@ -292,7 +293,7 @@ def _from_messages(file: BinaryIO, size: int, info: RecordingInfo) -> None:
         _count(info, message.channel, 1)
         _span(info, message.log_time, message.log_time)
     wanted = (Opcode.METADATA, Opcode.ATTACHMENT)
-    for raw, data in sound_records(file, size, wanted, lambda _: None):
+    for raw, data in sound_records(Chunks(file, size), wanted, lambda _: None):
         if raw.opcode == Opcode.METADATA:
             _add_metadata(file, raw, info)
         else:

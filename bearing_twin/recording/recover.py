@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.catalogue import own_definitions, RecordedChannel
+from bearing_twin.recording.chunks import Chunks
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
     MAGIC,
@@ -249,7 +250,7 @@ def _copy_extras(path: Path, size: int, writer: RecordingWriter) -> None:
     """Copy attachments and metadata; what is damaged is reported when the messages are copied."""
     wanted = (Opcode.ATTACHMENT, Opcode.METADATA)
     with open_mcap(path) as file:
-        for raw, data in sound_records(file, size, wanted, lambda _: None):
+        for raw, data in sound_records(Chunks(file, size), wanted, lambda _: None):
             with contextlib.suppress(BrokenRecording):
                 record = parse(raw.opcode, data, raw.offset)
                 if isinstance(record, Attachment):

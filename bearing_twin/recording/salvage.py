@@ -9,6 +9,7 @@ import re
 import struct
 from typing import BinaryIO, TYPE_CHECKING
 
+from bearing_twin.recording.chunks import SpentRecording
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
     CHUNK_HEAD,
@@ -21,13 +22,14 @@ from bearing_twin.recording.mcapfile import (
     record_at,
     RECORD_HEAD,
     UnfinishedRecording,
-    unpacked_chunk,
 )
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
+
+    from bearing_twin.recording.chunks import Chunks
 
 __all__ = ['sound_records']
 
@@ -55,6 +57,8 @@ IDLE = (
 REPEATABLE = (*TABLES, Opcode.ATTACHMENT)
 """Kinds that tell nothing new when they come again; an empty chunk does not either."""
 MOST_REMEMBERED = 1000
+MOST_TABLES, BYTES_PER_TABLE = 20_000, 2000
+"""Most of them outside of chunks that are read one by one, and for how many bytes one more."""
 LENGTH = struct.Struct('<I')
 SHORT = 4096
 """Idle records up to this length are stepped over together."""
@@ -65,8 +69,7 @@ STEPPED_OVER = {*IDLE, *range(PRIVATE, 256)}
 
 
 def sound_records(
-    file: BinaryIO,
-    size: int,
+    chunks: Chunks,
     wanted: Collection[int],
     damaged: Callable[[BrokenRecording], None] | None,
 ) -> Iterator[tuple[RawRecord, bytes]]:
@@ -75,8 +78,8 @@ def sound_records(
 
     Parameters
     ----------
-    file, size
-        The file and its size, bytes.
+    chunks
+        The file, with what its chunks may still cost.
     wanted
         Opcodes.
     damaged
@@ -89,13 +92,17 @@ def sound_records(
         If something is damaged and ``damaged`` is None.
 
     """
-    search = _Search(file, size)
+    search = _Search(chunks)
+    size = chunks.size
     offset = len(MAGIC)
     while offset <= size:
         found = _record(search, offset, wanted, strict=damaged is None)
         if isinstance(found, BrokenRecording):
             if damaged is None:
                 raise found
+            if isinstance(found, SpentRecording):
+                damaged(found)
+                return
             following = search.sound_from(offset)
             kind = BrokenRecording if following < size else type(found)
             damaged(kind(str(found), offset, following - offset))
@@ -140,7 +147,7 @@ def _record(
         if raw.opcode not in wanted:
             return raw, None
         bulk = raw.opcode == Opcode.CHUNK
-        return raw, unpacked_chunk(file, raw) if bulk else content(file, raw)
+        return raw, search.chunks.unpack(raw) if bulk else content(file, raw)
     except BrokenRecording as error:
         return error
 
@@ -157,13 +164,15 @@ def _check_end(file: BinaryIO, raw: RawRecord, size: int) -> None:
 class _Search:
     """Find where sound records begin; what it reads in vain is bounded."""
 
-    def __init__(self, file: BinaryIO, size: int) -> None:
+    def __init__(self, chunks: Chunks) -> None:
         self.chunked = False
         """Whether the file has chunks."""
-        self.file = file
-        self.size = size
-        self._room = 4 * size + 64 * 1024 * 1024
+        self.chunks = chunks
+        self.file = chunks.file
+        self.size = chunks.size
+        self._room = 4 * self.size + 64 * 1024 * 1024
         self._read_before: set[bytes] = set()
+        self._tables = MOST_TABLES + self.size // BYTES_PER_TABLE
 
     def consistent(self, raw: RawRecord) -> bool:
         """
@@ -198,9 +207,12 @@ class _Search:
         Return where the idle records end that follow ``raw``, and their bytes of private kinds.
 
         Idle are kinds whose content no reader uses, and what has been read before, byte for
-        byte. Millions of them are a small file: one by one they would take minutes.
+        byte. Millions of them are a small file: one by one they would take minutes. After
+        ``MOST_TABLES`` every text and table is idle.
         """
         end, private = raw.end, 0
+        self._tables -= raw.opcode in REPEATABLE
+        idle = STEPPED_OVER if self._tables >= 0 else STEPPED_OVER.union(REPEATABLE)
         told_again = raw.opcode in REPEATABLE or raw.length == CHUNK_FIXED
         if told_again and len(self._read_before) < MOST_REMEMBERED:
             self._read_before.add(read_at(self.file, raw.offset, end - raw.offset))
@@ -214,7 +226,10 @@ class _Search:
                 step = RECORD_HEAD.size + length
                 if length > SHORT or end + at + step > self.size:
                     return end + at, private
-                if opcode not in STEPPED_OVER and block[at : at + step] not in self._read_before:
+                if at and at + step > len(block):
+                    # It goes on in the next block.
+                    break
+                if opcode not in idle and block[at : at + step] not in self._read_before:
                     entries = block[at + RECORD_HEAD.size + 2 : at + RECORD_HEAD.size + 6]
                     if opcode != Opcode.MESSAGE_INDEX or entries != LENGTH.pack(
                         max(6, length) - 6

@@ -10,10 +10,17 @@ import subprocess
 import sys
 from typing import TYPE_CHECKING
 import zipfile
+import zlib
 
+from bearing_twin.recording import chunks
+from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.reader import read_messages
+from mcap.opcode import Opcode
 from mcap.writer import CompressionType, IndexType, Writer
 import pytest
+from recording_samples import write_blocks
 from test_foreign import npy
+import zstandard
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -142,6 +149,55 @@ def test_refused(tmp_path: Path, name: str, make: Callable[[Path], None], text: 
     path = tmp_path / name
     make(path)
     assert text in read(path)
+
+
+def record(opcode: int, content: bytes) -> bytes:
+    return bytes([opcode]) + len(content).to_bytes(8, 'little') + content
+
+
+def packed(records: bytes) -> bytes:
+    """Return a chunk of these records."""
+    data = zstandard.compress(records)
+    head = struct.pack('<QQQII', 0, 0, len(records), zlib.crc32(records), 4)
+    return record(Opcode.CHUNK, head + b'zstd' + struct.pack('<Q', len(data)) + data)
+
+
+def schema(number: int) -> bytes:
+    """Return the record of a schema 1 with a name of its own."""
+    name = str(number).encode()
+    return record(Opcode.SCHEMA, struct.pack('<HI', 1, len(name)) + name + bytes(8))
+
+
+@pytest.mark.parametrize(
+    ('junk', 'reason'),
+    [
+        (lambda: [packed(record(0x80, b'') * 200_000)], 'besides messages'),
+        (lambda: [packed(schema(1) * 200_000)], 'besides messages'),
+        (lambda: [packed((schema(1) + schema(2)) * 10_000)], 'besides messages'),
+        (lambda: [packed(b''.join(map(schema, range(10_000))))], 'besides messages'),
+        (lambda: [packed(record(0x80, str(k).encode())) for k in range(3_000)], 'besides'),
+        (lambda: [packed(record(Opcode.MESSAGE, bytes(22)) * 200_000)], 'more messages'),
+        (lambda: [packed(record(0x80, bytes(40 * MIB)))] * 3, 'unpack to too much'),
+    ],
+)
+def test_chunks_of_a_small_file_cost_what_its_size_allows(
+    tmp_path: Path, junk: Callable[[], list[bytes]], reason: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / 'a.mcap'
+    written = write_blocks(path, 5)
+    content = path.read_bytes()
+    # In place of its end: the summary and the footer.
+    end = content.rindex(record(Opcode.DATA_END, b'')[:1] + (4).to_bytes(8, 'little'))
+    path.write_bytes(content[:end] + b''.join(junk()))
+    # A tenth of what is allowed, so that the test is quick.
+    for name in ('MOST_WORK', 'MOST_MESSAGES', 'MOST_UNPACKED'):
+        value = getattr(chunks, name)
+        monkeypatch.setattr(chunks, name, value // (100 if name == 'MOST_UNPACKED' else 10))
+    found = list(read_messages(path, topics=['/vibration'], recover=True))
+    assert [message.cdr for message in found][: len(written)] == written
+    health = recording_health(path)
+    assert len(health.damage) < 4
+    assert any('nothing is read from' in text and reason in text for text in health.damage)
 
 
 def test_many_arrays_that_are_large_together(

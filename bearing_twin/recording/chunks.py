@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The chunks of one MCAP file: unpacked, stepped through, their cost bounded."""
+
+from __future__ import annotations
+
+from typing import BinaryIO, TYPE_CHECKING
+import zlib
+
+from bearing_twin.recording.mcapfile import BrokenRecording, content, parse, RECORD_HEAD
+import lz4.frame  # type: ignore[import-untyped]
+from mcap.opcode import Opcode
+from mcap.records import Chunk
+import zstandard
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from bearing_twin.recording.mcapfile import RawRecord
+
+__all__ = ['NEW_DESCRIPTION', 'Chunks', 'SpentRecording']
+
+LARGEST_CHUNK = 128 * 1024 * 1024
+"""Largest chunk after unpacking, bytes."""
+MOST_UNPACKED, UNPACKED_PER_BYTE = 8 * 1024**3, 256
+"""Most bytes that the chunks of a file unpack to, and how many more for each of its bytes."""
+MOST_MESSAGES, BYTES_PER_MESSAGE = 1_000_000, 4
+"""Most messages in the chunks of a file, and for how many of its bytes one more: the index that
+others write takes 16 bytes a message."""
+MOST_WORK, BYTES_PER_WORK = 1_000_000, 20
+"""Most work besides messages, and for how many bytes of the file one more: about 1 us each."""
+CHUNK, NEW_DESCRIPTION, MESSAGE = 60, 20, 30
+"""Work that a chunk and a new schema or channel make, and that a message allows."""
+OCTETS = 1024
+"""Bytes of a record that make as much work as the record itself."""
+
+
+class SpentRecording(BrokenRecording):
+    """A file that costs more than one of its size may: nothing more of it is read."""
+
+
+class Chunks:
+    """
+    Unpack the chunks of a file within what a file of its size may cost.
+
+    A chunk of some kB unpacks to millions of records. Bounds of one chunk alone would let a small
+    file of many chunks keep its reader busy for hours.
+
+    Parameters
+    ----------
+    file, size
+        The file and its size, bytes.
+
+    """
+
+    def __init__(self, file: BinaryIO, size: int) -> None:
+        self.file = file
+        self.size = size
+        self._unpacked = MOST_UNPACKED + UNPACKED_PER_BYTE * size
+        self._messages = MOST_MESSAGES + size // BYTES_PER_MESSAGE
+        self._work = MOST_WORK + size // BYTES_PER_WORK
+
+    def unpack(self, raw: RawRecord) -> bytes:
+        """
+        Return the unpacked and checked records of a chunk.
+
+        Raises
+        ------
+        SpentRecording
+            If the chunks of the file unpack to more than they may.
+        BrokenRecording
+            If the chunk is damaged (CRC, sizes) or larger than ``LARGEST_CHUNK``.
+
+        """
+        chunk = parse(Opcode.CHUNK, content(self.file, raw), raw.offset)
+        assert isinstance(chunk, Chunk)
+        size = chunk.uncompressed_size
+        if size > LARGEST_CHUNK:
+            msg = (
+                f'the chunk at byte {raw.offset} would unpack to {size} bytes; '
+                f'limit {LARGEST_CHUNK}'
+            )
+            raise BrokenRecording(msg, raw.offset)
+        self._unpacked -= size
+        if self._unpacked < 0:
+            self._refuse(raw.offset, 'its chunks unpack to too much for its size')
+        self.work(raw.offset, CHUNK)
+        return _unpack(chunk, raw.offset)
+
+    def records(self, data: bytes, offset: int) -> Iterator[tuple[int, int, int]]:
+        """
+        Step over the records of an unpacked chunk: opcode, first byte, length.
+
+        Raises
+        ------
+        SpentRecording
+            If the chunks of the file hold more than they may.
+        BrokenRecording
+            If the chunk ends inside a record.
+
+        """
+        at = messages = 0
+        while at < len(data):
+            if at + RECORD_HEAD.size > len(data):
+                break
+            opcode, length = RECORD_HEAD.unpack_from(data, at)
+            at += RECORD_HEAD.size
+            if at + length > len(data):
+                break
+            if opcode == Opcode.MESSAGE:
+                messages += 1
+            else:
+                self.work(offset, 1 + length // OCTETS)
+            yield opcode, at, length
+            at += length
+        self._work += MESSAGE * messages
+        self._messages -= messages
+        if self._messages < 0:
+            self._refuse(offset, 'it has more messages than its size allows')
+        if at != len(data):
+            msg = f'the chunk at byte {offset} ends inside a record'
+            raise BrokenRecording(msg, offset)
+
+    def work(self, offset: int, amount: int) -> None:
+        """
+        Take note of work besides messages.
+
+        Raises
+        ------
+        SpentRecording
+            If it is more than the file may make.
+
+        """
+        self._work -= amount
+        if self._work < 0:
+            self._refuse(offset, 'it has too many records besides messages')
+
+    def _refuse(self, offset: int, reason: str) -> None:
+        msg = f'nothing is read from byte {offset} on: {reason}'
+        raise SpentRecording(msg, offset, self.size - offset)
+
+
+def _unpack(chunk: Chunk, offset: int) -> bytes:
+    """Unpack a chunk: at most as many bytes as it states are ever held, and checked."""
+    size = chunk.uncompressed_size
+    try:
+        if chunk.compression == 'zstd':
+            unpacker = zstandard.ZstdDecompressor(max_window_size=LARGEST_CHUNK)
+            data = unpacker.stream_reader(chunk.data).read(size + 1)
+        elif chunk.compression == 'lz4':
+            data = lz4.frame.LZ4FrameDecompressor().decompress(chunk.data, max_length=size + 1)
+        elif chunk.compression == '':
+            data = chunk.data
+        else:
+            msg = f'the chunk at byte {offset} is packed with {chunk.compression!r}: not supported'
+            raise BrokenRecording(msg, offset)
+    except (zstandard.ZstdError, RuntimeError, ValueError, EOFError, MemoryError) as error:
+        msg = f'the chunk at byte {offset} cannot be unpacked ({error})'
+        raise BrokenRecording(msg, offset) from None
+    if len(data) != size:
+        msg = f'the chunk at byte {offset} unpacks to {len(data)} bytes instead of {size}'
+        raise BrokenRecording(msg, offset)
+    if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
+        msg = f'the chunk at byte {offset} is damaged: its CRC does not fit'
+        raise BrokenRecording(msg, offset)
+    return data
