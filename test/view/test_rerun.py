@@ -16,8 +16,10 @@ from bearing_twin.recording.schedule import START
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.view.rerun.bearing3d import contact_forces, SLOWED
+from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings
+from bearing_twin.view.rerun.spectrogram import COLUMNS, Spectrogram
 from bearing_twin.view.rerun.texts import parameter_tables
 from bearing_twin.view.rerun.timebase import Timebase
 from bearing_twin.view.rerun.viewer import live_url, LOOPBACK
@@ -383,3 +385,16 @@ def test_the_command_says_what_is_wrong(tmp_path, capsys):
     torn.write_bytes(b'no mcap at all')
     assert cli.main(['view', str(torn), '--save', str(tmp_path / 'x.rrd')]) == 1
     assert 'Traceback' not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('block', [1024, 7680, 100_000])
+def test_a_spectrogram_spans_a_minute_however_long_the_blocks(block):
+    rate, quiet, loud = 25600.0, 20.0, 10.0
+    picture = Spectrogram(Canvas(lambda mark, **_: None, '', Timebase()), 'spectrogram')
+    level = np.repeat([1e-3, 1.0], [round(quiet * rate), round(loud * rate)])
+    samples = level * np.random.default_rng(1).standard_normal(level.size)
+    for first in range(0, samples.size, block):
+        picture.add(samples[first : first + block], 0, rate, 'm/s^2')
+    levels = picture.levels.mean(axis=0)
+    assert np.isfinite(levels).sum() == (quiet + loud) / 60.0 * COLUMNS
+    assert (levels > -60.0).sum() == loud / 60.0 * COLUMNS

@@ -30,6 +30,8 @@ class Spectrogram:
     """
     Keep one minute of spectra in steps of 0.2 s and draw it once a second.
 
+    Below 960 Hz a step is as long as one spectrum, and the picture spans more than a minute.
+
     The scale runs 60 dB down from the highest value seen, in whole steps of 10 dB, so that
     colours keep their meaning.
     """
@@ -37,33 +39,37 @@ class Spectrogram:
     def __init__(self, canvas: Canvas, name: str) -> None:
         self._canvas = canvas
         self._name = name
-        self._levels = np.full((ROWS, COLUMNS), -np.inf)
-        self._pending: list[NDArray[np.float64]] = []
-        self._held = 0
-        self._columns = 0
+        self.levels = np.full((ROWS, COLUMNS), -np.inf)
+        """dB re 1 unit, lowest band first, oldest step first."""
+        self._pending = np.empty(0)
+        self._rate = 0.0
+        self._new = DRAW_EVERY
         self._top = -np.inf
         self._labelled = (0.0, 0.0)
 
     def add(self, samples: NDArray[np.float64], time: int, rate: float, unit: str) -> None:
-        """Take samples that begin at ``time`` in ns."""
-        self._pending.append(samples)
-        self._held += samples.size
-        if self._held < COLUMN_SECONDS * rate:
+        """Take samples that begin at ``time`` in ns; at another rate it begins anew."""
+        if rate != self._rate:
+            self._rate, self._pending = rate, np.empty(0)
+            self.levels[:] = -np.inf
+        size = max(2 * ROWS, round(COLUMN_SECONDS * rate))
+        waiting = np.concatenate([self._pending, samples])
+        whole, self._pending = np.split(waiting, [waiting.size // size * size])
+        if not whole.size:
             return
-        block = np.concatenate(self._pending)
-        self._pending, self._held = [], 0
-        self._levels = np.roll(self._levels, -1, axis=1)
-        self._levels[:, -1] = _column(block)
-        self._columns += 1
-        if self._columns % DRAW_EVERY == 1:
-            self._draw(time, rate, unit)
+        columns = [_column(part) for part in whole.reshape(-1, size)]
+        self.levels = np.column_stack([self.levels, *columns])[:, -COLUMNS:]
+        self._new += len(columns)
+        if self._new >= DRAW_EVERY:
+            self._new = 0
+            self._draw(time, rate, unit, COLUMNS * size / rate)
 
-    def _draw(self, time: int, rate: float, unit: str) -> None:
-        finite = self._levels[np.isfinite(self._levels)]
+    def _draw(self, time: int, rate: float, unit: str, seconds: float) -> None:
+        finite = self.levels[np.isfinite(self.levels)]
         if not finite.size:
             return
         self._top = max(self._top, 10.0 * float(np.ceil(finite.max() / 10.0)))
-        scaled = np.clip((self._levels - self._top) / RANGE_DB + 1.0, 0.0, 1.0)
+        scaled = np.clip((self.levels - self._top) / RANGE_DB + 1.0, 0.0, 1.0)
         picture = np.rint(np.nan_to_num(scaled) * 255.0).astype(np.uint8)
         self._canvas.put(
             self._name,
@@ -72,16 +78,15 @@ class Spectrogram:
         )
         if (rate, self._top) != self._labelled:
             self._labelled = rate, self._top
-            self._axes(time, rate, unit)
+            self._axes(time, rate, unit, seconds)
 
-    def _axes(self, time: int, rate: float, unit: str) -> None:
+    def _axes(self, time: int, rate: float, unit: str, seconds: float) -> None:
         nyquist = rate / 2.0
         step = 10.0 ** np.floor(np.log10(nyquist)) * 0.5
         ticks = np.arange(0.0, nyquist + 1e-9, step if nyquist / step < 8 else 2.0 * step)
         rows = ROWS * (1.0 - ticks / nyquist)
         labels = [f'{tick / 1e3:g} kHz' for tick in ticks]
         positions = [[-14.0, row + 3.0] for row in rows]
-        seconds = COLUMNS * COLUMN_SECONDS
         for back in np.linspace(0.0, seconds, 5):
             positions.append([COLUMNS * (1.0 - back / seconds), ROWS + 14.0])
             labels.append(f'-{back:g} s' if back else 'now')
