@@ -1,15 +1,15 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Where a picture draws: an entity path and a timeline. Lines are held and sent together."""
+"""Where a picture draws: an entity path and a timeline. All is held and sent together."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import partial
-from typing import Any, TYPE_CHECKING
+from typing import Any, TYPE_CHECKING, TypeVar
 
 import numpy as np
 import rerun as rr
+from rerun.chunk import Chunk
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 __all__ = ['Canvas']
 
+_T = TypeVar('_T', bound=np.generic)
+
 
 @dataclass
 class _Held:
@@ -45,7 +47,8 @@ class Canvas:
     Draw at times in ns below one entity path.
 
     What Rerun takes at once costs nearly the same whether it is one row or a thousand: lines are
-    held until :meth:`flush`.
+    held until :meth:`flush`. What is drawn becomes a chunk once, for all outlets, and they take
+    the chunks of a flush together: a call each costs more than what it carries.
     """
 
     emit: Emit
@@ -55,6 +58,7 @@ class Canvas:
     timebase: Timebase
     _known: set[str] = field(default_factory=set)
     _lines: dict[str, _Held] = field(default_factory=dict)
+    _chunks: list[Chunk] = field(default_factory=list)
 
     def path(self, name: str) -> str:
         """Return the entity path of a name."""
@@ -68,21 +72,19 @@ class Canvas:
         """Log what does not change with time, the first time only."""
         if name not in self._known:
             self._known.add(name)
-            path = self.path(name)
-            self.emit(
-                lambda recording: recording.log(path, *archetypes, static=True), lasting=True
-            )
+            chunk = Chunk.from_columns(self.path(name), [], _row(archetypes))
+            self.emit(lambda recording: recording.send_chunks(chunk), lasting=True)
 
     def put(self, name: str, time: int, *archetypes: Any) -> None:
-        """Log at one time."""
-        self.emit(partial(_log, self.timebase, time, self.path(name), archetypes))
+        """Draw at one time, with the next flush."""
+        self.columns(name, np.array([time]), _row(archetypes))
 
     def columns(
         self, name: str, times: NDArray[np.int64], columns: Iterable[rr.ComponentColumn]
     ) -> None:
-        """Log at several times, shape (n,); columns of n rows."""
-        path, index, rows = self.path(name), [self.timebase.column(times)], list(columns)
-        self.emit(lambda recording: recording.send_columns(path, index, rows))
+        """Draw at several times, shape (n,), with the next flush; columns of n rows."""
+        index = [self.timebase.column(times)]
+        self._chunks.append(Chunk.from_columns(self.path(name), index, columns))
 
     def line(
         self,
@@ -126,23 +128,26 @@ class Canvas:
         held.values.append(values)
 
     def flush(self, *, slow: bool) -> None:
-        """Send the lines that are held; ``slow``: the slow ones too."""
+        """Send what is held; ``slow``: the slow lines too."""
         names = [name for name, held in self._lines.items() if slow or not held.slow]
         for name in names:
             held = self._lines.pop(name)
-            values = np.concatenate(held.values)
+            values, times = _joined(held.values), _joined(held.times)
             columns = rr.Scalars.columns(scalars=values.ravel())
             if values.ndim == 2:
                 columns = columns.partition(np.full(len(values), values.shape[1]))
-            self.columns(name, np.concatenate(held.times), columns)
+            self.columns(name, times, columns)
+        if self._chunks:
+            chunks, self._chunks = self._chunks, []
+            self.emit(lambda recording: recording.send_chunks(chunks))
 
 
-def _log(
-    timebase: Timebase,
-    time: int,
-    path: str,
-    archetypes: tuple[Any, ...],
-    recording: rr.RecordingStream,
-) -> None:
-    timebase.set(recording, time)
-    recording.log(path, *archetypes)
+def _row(archetypes: Iterable[rr.AsComponents]) -> list[rr.ComponentColumn]:
+    """Return archetypes as columns of one row."""
+    batches = [batch for archetype in archetypes for batch in archetype.as_component_batches()]
+    return [batch.partition([len(batch.as_arrow_array())]) for batch in batches]
+
+
+def _joined(parts: list[NDArray[_T]]) -> NDArray[_T]:
+    """Return parts in one; one that is alone stays the array it is, whose times are known."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)

@@ -164,10 +164,6 @@ class RerunLogger:
         try:
             namespace, name = namespace_of(topic)
             self._scene(side, namespace).draw(name, type_name, message, time_ns)
-            if self._views != (views := self._count_views()):
-                self._views, self._appeared = views, time_ns
-            elif views != self._laid_out and time_ns - self._appeared > SETTLED:
-                self._lay_out()
         except Exception as error:
             # The caller is a node, the message a stranger's: a picture is not worth a failure.
             self._complain(topic, error)
@@ -175,6 +171,10 @@ class RerunLogger:
             self._flushed = time_ns
             self._ticks += 1
             self._flush(slow=self._ticks % SLOW == 0)
+            if self._views != (views := self._count_views()):
+                self._views, self._appeared = views, time_ns
+            elif views != self._laid_out and time_ns - self._appeared > SETTLED:
+                self._lay_out()
 
     def drain(self, timeout: float) -> bool:
         """

@@ -20,7 +20,7 @@ __all__ = ['WAITING', 'Mark', 'Outlet', 'ServedOutlet']
 Mark = Callable[[rr.RecordingStream], None]
 """Something drawn: puts itself into a recording. It is made once for all outlets."""
 
-WAITING = 2000
+WAITING = 500
 """Most marks that wait for the viewers: half a minute of a bearing, some 20 MB."""
 LASTING = 10_000
 """Most lasting marks that wait: the looks, bodies and layouts of a fleet."""

@@ -119,8 +119,8 @@ class Trends:
                     drawn |= trend is panel.trends[0]
                     self._canvas.line(
                         f'{panel.key}/{trend.key}',
-                        times[there],
-                        values[there],
+                        times if there.all() else times[there],
+                        values if there.all() else values[there],
                         label=trend.label,
                         colour=trend.colour,
                         slow=True,

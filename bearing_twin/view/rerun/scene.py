@@ -116,5 +116,6 @@ class Scene:
                 picture.flush(slow=slow)
                 if last:
                     picture.finish()
+                    picture.canvas.flush(slow=True)
             except Exception as error:  # noqa: PERF203 - one picture's failure spares the others
                 complain(f'{self.root}/{name}', error)

@@ -48,15 +48,11 @@ class TemperaturePicture(Picture):
 
     def flush(self, *, slow: bool) -> None:
         """Log what is held."""
-        if not (slow and self._held):
-            return
-        held, self._held = self._held, []
-        variances = [variance for _, _, variance in held]
-        self.canvas.columns(
-            NAME,
-            np.array([time for time, _, _ in held], dtype=np.int64),
-            rr.Measurements.columns(
-                values=[value for _, value, _ in held],
-                variances=variances if any(variances) else None,
-            ),
-        )
+        if slow and self._held:
+            held, self._held = self._held, []
+            times, values, variances = zip(*held, strict=True)
+            columns = rr.Measurements.columns(
+                values=values, variances=variances if any(variances) else None
+            )
+            self.canvas.columns(NAME, np.array(times, dtype=np.int64), columns)
+        super().flush(slow=slow)

@@ -7,10 +7,10 @@ from __future__ import annotations
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import NANO, stamp_ns
-import numpy as np
 import rerun as rr
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
 __all__ = ['Timebase', 'stamp_of']
@@ -56,6 +56,8 @@ class Timebase:
         self.stamped = timeline in ('ros_time', 'since_start')
         self._zero = zero
         self._offsets: list[int] = []
+        self._times: NDArray[np.int64] | None = None
+        self._column: rr.TimeColumn | None = None
 
     def of(self, message: Any, received: int) -> int:
         """Return the time in ns at which a message is drawn."""
@@ -73,16 +75,11 @@ class Timebase:
         return received
 
     def column(self, times: NDArray[np.int64]) -> rr.TimeColumn:
-        """Return times in ns as a column."""
-        if self._zero is None:
-            return rr.TimeColumn(self.timeline, timestamp=times.astype('datetime64[ns]'))
-        return rr.TimeColumn(
-            self.timeline, duration=(times - self._zero).astype('timedelta64[ns]')
-        )
-
-    def set(self, recording: rr.RecordingStream, time: int) -> None:
-        """Set the time in ns of what the calling thread logs next."""
-        if self._zero is None:
-            recording.set_time(self.timeline, timestamp=np.datetime64(time, 'ns'))
-        else:
-            recording.set_time(self.timeline, duration=np.timedelta64(time - self._zero, 'ns'))
+        """Return times in ns as a column, which is made once for lines that share the array."""
+        if self._column is None or self._times is not times:
+            if self._zero is None:
+                shown = {'timestamp': times.astype('datetime64[ns]')}
+            else:
+                shown = {'duration': (times - self._zero).astype('timedelta64[ns]')}
+            self._times, self._column = times, rr.TimeColumn(self.timeline, **shown)
+        return self._column
