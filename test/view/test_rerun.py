@@ -19,6 +19,7 @@ from bearing_twin.view.rerun.bearing3d import contact_forces, SLOWED
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings
+from bearing_twin.view.rerun.spectra import vector
 from bearing_twin.view.rerun.spectrogram import COLUMNS, Spectrogram
 from bearing_twin.view.rerun.texts import parameter_tables
 from bearing_twin.view.rerun.timebase import Timebase
@@ -26,6 +27,7 @@ from bearing_twin.view.rerun.viewer import live_url, LOOPBACK
 from bearing_twin.view.rerun.waveform import extremes
 import numpy as np
 import pytest
+import rerun as rr
 from rerun.chunk import McapReader, RrdReader
 import yaml
 
@@ -398,3 +400,11 @@ def test_a_spectrogram_spans_a_minute_however_long_the_blocks(block):
     levels = picture.levels.mean(axis=0)
     assert np.isfinite(levels).sum() == (quiet + loud) / 60.0 * COLUMNS
     assert (levels > -60.0).sum() == loud / 60.0 * COLUMNS
+
+
+@pytest.mark.parametrize('size', [1, 200])
+def test_a_vector_is_what_rerun_makes_of_it(size):
+    values = np.random.default_rng(2).standard_normal(size).astype(np.float32)
+    made = rr.components.TensorDataBatch(values.astype(np.float64)).as_arrow_array()
+    assert vector(values).equals(made)
+    assert vector(values).type == made.type

@@ -25,8 +25,6 @@ CLOSE = 0.25
 """Length of the close look at the waveform, s."""
 WIDE = 10.0
 """Length of the waveform's envelope, s."""
-LANES = 60.0
-"""Length of the lanes, s."""
 
 View = rrb.View | rrb.Container
 
@@ -142,14 +140,7 @@ def _lines(
 
 
 def _lanes(name: str, contents: Sequence[str]) -> rrb.StateTimelineView:
-    end = rrb.TimeRangeBoundary.cursor_relative()
-    start = rrb.TimeRangeBoundary.cursor_relative(seconds=-LANES)
-    return rrb.StateTimelineView(
-        origin='/',
-        contents=list(contents),
-        name=name,
-        time_view=rrb.TimeAxis(view_range=rrb.TimeRange(start=start, end=end)),
-    )
+    return rrb.StateTimelineView(origin='/', contents=list(contents), name=name)
 
 
 def _card(scene: Scene, title: str = '') -> list[View]:
@@ -198,13 +189,20 @@ def _waveforms(scene: Scene, timeline: str) -> list[View]:
                 span=(-peak, peak) if peak else None,
             ),
             _lines(
-                f'Vibration, extremes over {WIDE:g} s',
+                f'Vibration, extremes over {WIDE:g} s: {_axes(scene)}',
                 [f'{path}/envelope/**'],
                 window=_window(timeline, WIDE),
+                legend=False,
             ),
             rrb.Spatial2DView(origin=f'{path}/spectrogram', name='Spectrogram of the last minute'),
         ]
     return views
+
+
+def _axes(scene: Scene) -> str:
+    """Name the axes that have samples by their colours; a legend would cover the lines."""
+    colours = {'vertical': 'blue', 'horizontal': 'olive'}
+    return ', '.join(f'{n} {c}' for n, c in colours.items() if n in scene.asset.panels)
 
 
 def _waterfalls(scene: Scene) -> list[View]:
@@ -228,7 +226,8 @@ def _bars(name: str, origin: str) -> View:
 
 
 def _spectra(scene: Scene) -> list[View]:
-    return [_bars('Spectrum [over Hz]', path) for path in _of(scene, 'spectrum')]
+    unit = scene.asset.unit or 'unit unknown'
+    return [_bars(f'Spectrum [{unit} over Hz]', path) for path in _of(scene, 'spectrum')]
 
 
 def _envelope_spectra(scene: Scene, *, legend: bool = True) -> list[View]:

@@ -161,20 +161,19 @@ class RerunLogger:
         """
         if is_feature(topic):
             return
+        due = not 0 <= time_ns - self._flushed < TICK
         try:
             namespace, name = namespace_of(topic)
             self._scene(side, namespace).draw(name, type_name, message, time_ns)
+            if due:
+                self._settle(time_ns)
         except Exception as error:
             # The caller is a node, the message a stranger's: a picture is not worth a failure.
             self._complain(topic, error)
-        if not 0 <= time_ns - self._flushed < TICK:
+        if due:
             self._flushed = time_ns
             self._ticks += 1
             self._flush(slow=self._ticks % SLOW == 0)
-            if self._views != (views := self._count_views()):
-                self._views, self._appeared = views, time_ns
-            elif views != self._laid_out and time_ns - self._appeared > SETTLED:
-                self._lay_out()
 
     def drain(self, timeout: float) -> bool:
         """
@@ -249,6 +248,13 @@ class RerunLogger:
 
     def _count_views(self) -> int:
         return sum(len(s.contents) + len(s.asset.panels) for s in self._scenes.values())
+
+    def _settle(self, time_ns: int) -> None:
+        """Lay out new topics when no other has followed for a while."""
+        if self._views != (views := self._count_views()):
+            self._views, self._appeared = views, time_ns
+        elif views != self._laid_out and time_ns - self._appeared > SETTLED:
+            self._lay_out()
 
     def _lay_out(self) -> None:
         views = self._count_views()

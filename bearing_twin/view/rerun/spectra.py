@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from bearing_twin.view.style import Colour
     from numpy.typing import NDArray
 
-__all__ = ['SpectrumBars']
+__all__ = ['SpectrumBars', 'vector']
 
 BARS = 200
 """Most bars drawn, of two pixels or more each; of neighbouring bins the highest is kept."""
@@ -161,17 +161,17 @@ class SpectrumBars(Picture):
         before, drawn = self._axes.get(name, (None, 0))
         if axis == before and 0 <= time - drawn < AGAIN:
             # Where the bars stand is still known, and takes twice as long to say as their heights.
-            bars = rr.BarChart.from_fields(values=_vector(values))
+            bars = rr.BarChart.from_fields(values=vector(values))
         else:
             self._axes[name] = axis, time
             widths = np.full(values.shape, np.float32(width))
             bars = rr.BarChart(
-                _vector(values), abscissa=_vector(frequencies), widths=widths, color=colour
+                vector(values), abscissa=vector(frequencies), widths=widths, color=colour
             )
         self.canvas.put(name, time, bars)
 
 
-def _vector(values: NDArray[np.floating]) -> pa.Array:
+def vector(values: NDArray[np.floating]) -> pa.Array:
     """
     Return a vector, shape (n,), as the Arrow array in which Rerun keeps a tensor.
 

@@ -88,6 +88,13 @@ class VerdictPicture(Picture):
         rows = facts(diagnosis)
         if self.asset.source.text:
             rows.insert(-1, ('Vibration', self.asset.source.text))
+        level, velocity = (
+            next((r for r in rows if r[0] == n), None) for n in ('Level', 'Velocity')
+        )
+        if level and velocity and len(both := f'{level[1]}, {velocity[1]}') <= SHORT:
+            # A line less leaves room for the sentence that says why another fault is not it.
+            rows[rows.index(level)] = 'Level', both
+            rows.remove(velocity)
         # The cells of a table do not wrap.
         short = [row for row in rows if len(row[1]) <= SHORT]
         lines = [f'| {name} | {text} |' for name, text in short]

@@ -88,6 +88,8 @@ class Waveform(Picture):
         if not (self._pieces and self._pieces[-1].goes_on(axes, time, rate, unit)):
             self._pieces.append(_Piece(time, rate, unit))
         self._pieces[-1].add(axes)
+        self.asset.unit = pretty(unit)
+        self.asset.panels.update(AXES[axis] for axis in axes)
         self.asset.source.vibration(message)
         self.asset.over_temperature.vibration(
             next(iter(axes.values())), unit, self.asset.temperature
