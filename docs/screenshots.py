@@ -33,7 +33,7 @@ BAR = 37
 PANEL = 302
 """Width of the selection panel, pixels."""
 LIVE_SECONDS = 30.0
-MOMENT, END = 24.0, 39.9
+MOMENT, HEALTHY, END = 24.0, 37.0, 39.9
 
 
 def keep(target: Path, box: tuple[int, int, int, int]) -> None:
@@ -91,7 +91,7 @@ def main() -> int:
         draw_recordings(runs, folder / 'both.rrd')
         take([str(folder / 'temperature.rrd')], 'over_temperature', seconds=END)
         views = take([str(folder / 'inner.rrd')], 'recording', seconds=MOMENT)
-        take([str(folder / 'both.rrd')], 'comparison', seconds=MOMENT)
+        take([str(folder / 'both.rrd')], 'comparison', seconds=HEALTHY)
         # Without the selection panel, which shows the path of a temporary file.
         bare = str(next(runs[1].glob('*.mcap')))
         take([bare], 'unmodified_rerun', width=SIZE[0] - PANEL)

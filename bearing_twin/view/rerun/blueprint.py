@@ -151,7 +151,7 @@ def _card(scene: Scene, title: str = '') -> list[View]:
                 origin=f'{path}/card', name=f'Verdict: {title}' if title else 'Verdict'
             ),
             rrb.TextDocumentView(origin=f'{path}/words', name='Reasons'),
-            row_shares=[2, 5] if title else [3, 10],
+            row_shares=[1, 5] if title else [3, 10],
         )
         for path in _of(scene, 'diagnosis')
     ]
@@ -364,12 +364,15 @@ def _wide(scene: Scene, timeline: str, *, name: str | None = None) -> View:
 def _narrow(scene: Scene, title: str, timeline: str) -> View:
     if not _is_bearing(scene):
         return rrb.Vertical(*_numbers(scene), name=title)
-    envelope = _envelope_spectra(scene, legend=False)
+    # Beside card and reasons, so that these have the height to be read.
+    seen = [*_solid(scene), *_envelope_spectra(scene, legend=False)]
     page = _rows(
-        (3.0, [*_card(scene, title), *_solid(scene)]),
-        (1.2, _lane(scene)),
-        (2.5, [*envelope, *_waterfalls(scene)]),
-        (2.0, [*_waveforms(scene, timeline)[:1], *_temperatures(scene)]),
+        (5.3, [*_card(scene, title), *([rrb.Vertical(*seen)] if seen else [])]),
+        (1.1, _lane(scene)),
+        (
+            2.2,
+            [*_waveforms(scene, timeline)[:1], *_waterfalls(scene), *_temperatures(scene)],
+        ),
         name=title,
     )
     assert page is not None
