@@ -23,6 +23,7 @@ from bearing_twin.diagnosis.gate import check_extents, check_speeds, Extent
 from bearing_twin.diagnosis.report import insufficient, not_shown, report
 from bearing_twin.diagnosis.rules import decide
 from bearing_twin.diagnosis.search import CombSearch
+from bearing_twin.diagnosis.severity import SLOW_HZ
 from bearing_twin.diagnosis.shaft import ShaftSpeed, Turning
 from bearing_twin.diagnosis.sidebands import sideband_ratio
 from bearing_twin.diagnosis.window import analyse_window
@@ -44,6 +45,10 @@ __all__ = ['Analysis', 'Excerpt', 'Stretch']
 
 _CLEARER = 1.1
 _SIDEBANDS_SHOWN = 0.25
+_NO_ZONE = (
+    f'no zone of ISO 20816-3: below {60.0 * SLOW_HZ:g} 1/min its velocity is that from 2 Hz on, '
+    'and this one is from 10 Hz on'
+)
 
 
 class Stretch:
@@ -225,7 +230,9 @@ class Excerpt:
     def _window(self, first: int, count: int, layout: Layout) -> Window:
         """Window of ``count`` stretches."""
         each = layout.hop // len(self.stretches[0].samples)
-        known = (*((self.before,) if self.before else ()), *self.stretches)
+        # A NaN before the window must not get into it with the lap of the first segment.
+        before = (self.before,) if self.before and not self.before.extent.bad else ()
+        known = (*before, *self.stretches)
         offset = first + len(known) - len(self.stretches)
         segments = [
             known[end - 1].segment(layout, known[max(end - each - 1, 0) : end - 1])
@@ -290,8 +297,13 @@ class Analysis:
             self.shaft_hz,
             self.window.revolutions * len(windows),
         )
+        settings = excerpt.settings
+        slow = self.shaft_hz < SLOW_HZ and settings.power_group and settings.mounting
         return report(
-            replace(verdict, reasons=(*excerpt.notes, *verdict.reasons)),
+            replace(
+                verdict,
+                reasons=(*excerpt.notes, *verdict.reasons, *((_NO_ZONE,) if slow else ())),
+            ),
             replace(self.window, speed=speed),
             excerpt.bearing,
             first_sample=excerpt.first_sample,

@@ -11,7 +11,7 @@ there is an alarm. Snapshots may be seconds or weeks apart.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import asdict
+from dataclasses import asdict, replace
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -57,6 +57,9 @@ in 7 of 100 simulated lives: 60 snapshots do not tell the scatter better. Where 
 up to 1.2 dB (memory of 20 snapshots) it stays below 6 dB in 99 of 100 such lives."""
 MOST = 5000
 """Points kept; when there are more, every second of the older half is dropped."""
+SHORTEST_VELOCITY = 1.0
+"""Length, s, from which on a snapshot has a velocity: ten periods of its lowest frequency. That of
+0.1 s depends on where the turn of the shaft is cut."""
 CONFIRMING = 5
 """Snapshots whose median is judged: two of five may be disturbed."""
 
@@ -174,7 +177,10 @@ class SeriesMonitor:
         severity = measure_severity(
             Levels.of(signal, fft.rfft(signal) / len(signal), sample_rate), unit=unit,
             power_group=self._settings.power_group, mounting=self._settings.mounting,
+            shaft_hz=shaft_hz,
         )  # fmt: skip
+        if len(signal) < SHORTEST_VELOCITY * sample_rate:
+            severity = replace(severity, velocity_rms=math.nan, iso_zone='')
         heights = np.array([severity.rms, *severity.band_rms[1:]])
         # A band beyond half the sample rate is empty: it never rises.
         levels = 20.0 * np.log10(np.maximum(heights, 1e-9 * severity.rms))

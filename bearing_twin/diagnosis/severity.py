@@ -20,6 +20,7 @@ __all__ = [
     'BANDS_HZ',
     'HIGHEST_LIMIT',
     'ISO_LIMITS',
+    'SLOW_HZ',
     'Levels',
     'acceleration_factor',
     'iso_zone',
@@ -39,6 +40,9 @@ ISO_LIMITS: dict[tuple[int, str], tuple[float, float, float]] = {
 
 HIGHEST_LIMIT = max(limits[-1] for limits in ISO_LIMITS.values())
 """Velocity RMS from which on a machine is in zone D whichever its group and mounting, mm/s."""
+
+SLOW_HZ = 10.0
+"""Shaft speed below which ISO 20816-3 takes velocities from 2 Hz on."""
 
 _FACTORS = {'m/s^2': 1.0, 'm/s2': 1.0, 'm/s²': 1.0, 'g': 9.80665, 'mm/s^2': 1e-3}
 
@@ -153,7 +157,12 @@ class Levels:
 
 
 def measure_severity(
-    levels: Levels, *, unit: str = '', power_group: int = 0, mounting: str = ''
+    levels: Levels,
+    *,
+    unit: str = '',
+    power_group: int = 0,
+    mounting: str = '',
+    shaft_hz: float = math.nan,
 ) -> Severity:
     """
     Numbers of one window; the baseline and the stage are the stream's to add.
@@ -166,6 +175,9 @@ def measure_severity(
         Unit of its samples.
     power_group, mounting
         See :func:`iso_zone`.
+    shaft_hz
+        Shaft speed, Hz. Below 600 1/min there is no zone: its velocity is that from 2 Hz on, and
+        here it is measured from 10 Hz on.
 
     >>> x = np.sin(2.0 * np.pi * 100.0 * np.arange(25600) / 25600.0)
     >>> found = measure_severity(Levels.of(x, np.fft.rfft(x) / len(x), 25600.0), unit='m/s^2')
@@ -178,6 +190,7 @@ def measure_severity(
     peak = max(levels.high - levels.mean, levels.mean - levels.low)
     factor = acceleration_factor(unit)
     velocity = 1e3 * factor * math.sqrt(levels.powers[-1])
+    zone = '' if shaft_hz < SLOW_HZ else iso_zone(velocity, power_group, mounting)
     return Severity(
         rms=rms,
         peak=peak,
@@ -185,7 +198,7 @@ def measure_severity(
         kurtosis=levels.sums[2] / levels.count / mean_square**2,
         velocity_rms=velocity,
         level_over_baseline=math.nan,
-        iso_zone=iso_zone(velocity, power_group, mounting),
+        iso_zone=zone,
         unit=unit,
         band_rms=tuple(math.sqrt(power) for power in levels.powers[:-1]),
     )

@@ -190,7 +190,8 @@ class SeriesDiagnoser:
             found.severity, rms=point.rms, iso_zone=point.iso_zone,
             level_over_baseline=point.over_baseline if point.measure else math.nan,
             correction=point.correction, correction_sd=point.correction_sd,
-            correction_basis=str(report.law), rising=point.rising,
+            correction_basis=str(report.law),
+            rising=round(point.rising * self._settings.series_cycle / 60.0),
         )  # fmt: skip
         found = replace(found, severity=severity, reasons=reasons)
         if LEVELS.index(point.level) <= LEVELS.index(found.level) or point.level == 'none':

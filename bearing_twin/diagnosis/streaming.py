@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ['StreamingDiagnoser', 'checked_block']
 
-_VERSION = 6
+_VERSION = 7
 _MOST_PARTS = 64
 
 

@@ -100,6 +100,10 @@ class Trend:
     """Their mean temperature, degC; NaN if unknown."""
     octaves: float = math.nan
     """Mean base-2 logarithm of their shaft speed in Hz; NaN if unknown."""
+    temperature_count: int = 0
+    """Healthy windows with a temperature."""
+    octaves_count: int = 0
+    """Healthy windows with a speed."""
     record: HealthyRecord = field(default_factory=HealthyRecord)
     """Level, temperature and speed of each healthy minute."""
     first: list[list[float]] = field(default_factory=list)
@@ -211,10 +215,12 @@ class Trend:
         self.count += 1
         self.mean += (level - self.mean) / self.count
         for name, value in zip(('temperature', 'octaves'), now, strict=True):
-            before = getattr(self, name)
-            mean = before + (value - before) / self.count
             if math.isfinite(value):
-                setattr(self, name, mean if math.isfinite(before) else value)
+                # Of the windows that know it, which may be fewer than all.
+                known = getattr(self, f'{name}_count') + 1
+                before = getattr(self, name) if known > 1 else value
+                setattr(self, f'{name}_count', known)
+                setattr(self, name, before + (value - before) / known)
 
     def _take_minute(self, *, healthy: bool) -> None:
         """Take a minute into the healthy record, and look for a rise over the first ones."""
@@ -317,6 +323,7 @@ class Trend:
         readings = [*trend.first, *trend.minute]
         sound &= all(isinstance(row, list) and len(row) == 3 for row in readings)
         counts = trend.count, trend.doubtful, trend.pending_count, trend.other_count
+        counts += trend.temperature_count, trend.octaves_count
         if not sound or min(counts) < 0:
             msg = f'saved trend is out of range: {values}; use what save() returned'
             raise BearingTwinError(msg)

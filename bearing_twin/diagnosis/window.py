@@ -124,6 +124,7 @@ def analyse_window(
             unit=unit or settings.unit,
             power_group=settings.power_group,
             mounting=settings.mounting,
+            shaft_hz=shaft_hz,
         ),
         1.0 / bin_hz,
     )

@@ -165,3 +165,37 @@ def test_a_baseline_learnt_beside_doubtful_windows_says_so():
     sound = _windows(StreamingDiagnoser(BEARING, settings), lambda n: False, 25)
     assert math.isfinite(sound[-1].severity.level_over_baseline)
     assert not any('suspect or faulty' in reason for reason in sound[-1].reasons)
+
+
+@pytest.mark.parametrize('at', [25_590, 20_000, 25_599])
+def test_a_broken_sample_spoils_its_own_windows_only(at):
+    """The first segment of a window laps over the samples before it, which may be broken."""
+    diagnoser = StreamingDiagnoser(BEARING, DiagnosisSettings(window=2.0, memory=2.0))
+    x = np.random.default_rng(5).standard_normal(int(5 * RATE))
+    x[at] = math.nan
+    told = [d.result for d in diagnoser.push(0, x, RATE, 25.0)]
+    assert told[:2] == ['insufficient'] * 2
+    assert set(told[2:]) <= {'healthy', 'insufficient'}
+    assert told[-1] == 'healthy'
+
+
+def test_a_slow_shaft_has_no_zone_and_the_reason_says_why():
+    settings = DiagnosisSettings(power_group=2, mounting='rigid')
+    x = np.random.default_rng(6).standard_normal(int(8 * RATE))
+    slow, fast = (
+        diagnose_record(x, RATE, BEARING, hertz, unit='g', settings=settings)
+        for hertz in (9.0, 11.0)
+    )
+    assert (slow.severity.iso_zone, fast.severity.iso_zone) == ('', 'D')
+    assert 'below 600 1/min' in ' '.join(slow.reasons)
+    assert 'below 600 1/min' not in ' '.join(fast.reasons)
+
+
+def test_the_baseline_is_of_the_temperatures_that_were_known():
+    trend = Trend()
+    for number in range(100):
+        heat = math.nan if number < 50 else 20.0 + 4.0 * (number % 10)
+        window = replace(said('healthy', 'ok'), temperature=heat)
+        trend.update(window, MACHINE, wanted=100, hold=3, full=True)
+    assert trend.temperature == pytest.approx(38.0)
+    assert (trend.temperature_count, trend.octaves_count) == (50, 100)

@@ -151,6 +151,16 @@ def test_two_machines_in_one_series_have_no_baseline():
     assert 'a scatter of at most 2 dB' in monitor.report().reasons[0]
 
 
+def test_a_short_snapshot_has_no_velocity():
+    """A line below 10 Hz, cut anywhere in 0.1 s, is no velocity in the band of the standard."""
+    monitor = SeriesMonitor(None, SeriesSettings(baseline=10, power_group=2, mounting='rigid'))
+    for number in range(30):
+        t = np.arange(2560) / RATE + 0.013 * number
+        x = np.random.default_rng(number).standard_normal(2560) + 2.0 * np.sin(10.0 * np.pi * t)
+        point = monitor.add(number, x, RATE, SHAFT_HZ, unit='m/s^2')
+    assert (point.iso_zone, point.level) == ('', 'ok')
+
+
 def test_a_new_bearing_ends_the_alarm_and_has_its_own_baseline():
     monitor, points = life(
         3, 1600, lambda n: 16.0 * (500 <= n < 600) - 5.0 * (n >= 600), scatter=0.4, warm=False
@@ -302,6 +312,8 @@ def test_snapshots_of_a_stream_with_gaps_are_judged_as_one_series(index):
     assert said[-1].level == 'fault' and said[-1].result == 'ambiguous'
     assert said[-1].severity.level_over_baseline == pytest.approx(14.0, abs=0.5)
     assert said[-1].window == ('insufficient', 'none')
+    # Ten snapshots are a hundred minutes.
+    assert said[-1].severity.rising == 100
     assert any(reason.startswith('series: ') for reason in said[-1].reasons)
     # A stream of half a second each ten minutes never fills a window.
 
