@@ -111,7 +111,7 @@ class Evidence:
         undisturbed = _UNDISTURBED | {
             'turns': turns,
             'bearing': find_bearing('6205'),
-            'cage_turns': 0.4 * turns,
+            'cage_turns': 0.4 / quantities.get('step', _UNDISTURBED['step']),
             'claims': Claims(candidates),
         }
         unknown = quantities.keys() - undisturbed.keys()
@@ -139,8 +139,8 @@ class Evidence:
 
     @cached_property
     def cage_turns(self) -> float:
-        """Turns of the cage in all windows together."""
-        return self.turns * self._combs.orders.ftf
+        """Turns of the cage in a window: averaging windows does not part its lines."""
+        return self._combs.orders.ftf / self.step
 
     @_measured(undisturbed=True)
     def steady(self) -> bool:

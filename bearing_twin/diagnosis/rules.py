@@ -320,7 +320,7 @@ def _ball_without_cage_sidebands(e: Evidence) -> Verdict | None:
 @_rule('suspect', 'With a large slip a race needs sidebands that fit: shaft ones if it turns.')
 def _slipping_race(e: Evidence) -> Verdict | None:
     leading = e.leading
-    if leading.place == 'ball' or leading.slip <= SLIP_COST:
+    if leading.place not in ('inner', 'outer') or leading.slip <= SLIP_COST:
         return None
     turns = leading.shaft_sideband_ratio >= SWAY
     if turns == (leading.place == 'inner'):

@@ -200,7 +200,10 @@ class CombSearch:
         """
         scores = comb_scores(self.without(candidate), self._highest, len(WHITENINGS))
         z = scores.score(self.spectra, np.array([candidate.order]))
-        return replace(candidate, z=float(z[0]) - (candidate.slip / SLIP_COST) ** 2)
+        found = replace(candidate, z=float(z[0]) - (candidate.slip / SLIP_COST) ** 2)
+        if found.place not in _RACES:
+            return found
+        return replace(found, shaft_sideband_ratio=self.shaft_sideband_ratio(found))
 
     def left_without(self, cause: Candidate, other: Candidate) -> float:
         """Score of a comb of a place without the lines of another, whatever makes that one."""

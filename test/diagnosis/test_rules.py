@@ -320,3 +320,9 @@ def test_a_smooth_modulation_elsewhere_is_no_impact():
     assert decide(Evidence.of(elsewhere=swell)).rule == 'impacts_elsewhere'
     said = decide(Evidence.of(elsewhere=swell, impacts={'elsewhere': 0.9}))
     assert said.rule in ('no_comb', 'uncertain_health')
+
+
+def test_turns_of_several_windows_do_not_resolve_the_cage():
+    """Eight windows of one second: eighty turns of the cage, ten in each."""
+    assert decide(Evidence.of(*CAGE_IMPACTS, turns=200.0)).rule == 'cage_impacts'
+    assert decide(Evidence.of(*CAGE_IMPACTS, turns=200.0, step=0.04)).rule == 'few_cage_turns'
