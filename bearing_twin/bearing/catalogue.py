@@ -29,11 +29,10 @@ __all__ = [
 ]
 
 _MAKERS = 'skf|fag|ina|nsk|ntn|snr|koyo|nachi|timken|zkl|urb|fbj|c&u|schaeffler|jtekt'
-_SUFFIX = (
-    r'(?:-?2?(?:rs[a-z0-9]?|rz|z|ru|rd)|zz|vv|ddu?|ll[ubh]|c[2345]|cn|cm|e?tn9?|jem|m|j|n|nr)'
-)
+_SUFFIX = r'(?:-?2?(?:rs[a-z0-9]?|rz|z|ru|rd)|zz|vv|ddu?|ll[ubh]|c[2345]|cn|cm|tn9?|jem|m|j|n|nr)'
 _WITH_SUFFIXES = rf'(?:(?:{_MAKERS})[ -]*)?(\d{{3,5}}(?:/\d\d)?)(?:[ /-]*{_SUFFIX})*'
-"""A designation with what changes neither balls nor pitch diameter."""
+"""A designation with what changes neither balls nor pitch diameter. E (as in ETN9) does: it stands
+for more or larger balls."""
 
 
 @functools.cache
