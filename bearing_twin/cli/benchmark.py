@@ -376,6 +376,8 @@ def _right(piece: Piece) -> bool:
     label = _label(piece)
     if piece.kind in ('healthy', 'elsewhere'):
         return (label == 'healthy') == (piece.kind == 'healthy')
+    if piece.kind == 'suspect':
+        return label != 'healthy'
     return piece.faults == (label,) if piece.kind == 'fault' else label in piece.faults
 
 

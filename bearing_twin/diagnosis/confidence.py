@@ -80,12 +80,12 @@ def confidence(kind: str, trust: Trust) -> float:
     """
     Share of right answers among simulated ones of the same kind with such evidence.
 
-    Right is: a named fault that is there, and no other; a suspect or ambiguous answer that names
-    the fault among others; impacts elsewhere where something strikes; healthy where there is no
-    fault, however small. The machines are drawn at random, as many healthy as damaged ones, some
-    with another bearing or speed than the diagnosis is given (``python -m
-    bearing_twin.studies.reliability``). The share on your machines is another one as their faults
-    are larger or smaller.
+    Right is: a named fault that is there, and no other; an ambiguous answer that names the fault
+    among others; suspect where the bearing is damaged, at whichever place; impacts elsewhere where
+    something strikes; healthy where there is no fault, however small. The machines are drawn at
+    random, as many healthy as damaged ones, some with another bearing or speed than the diagnosis
+    is given (``python -m bearing_twin.studies.reliability``). The share on your machines is
+    another one as their faults are larger or smaller.
 
     Parameters
     ----------

@@ -68,7 +68,7 @@ GROWS = {
     'unsteady': -1,
 }
 """Whether the share of right answers grows or falls with a term, whatever a few answers say. That
-of *healthy* falls with all of them."""
+of *healthy* falls with all of them, and grows with the turns."""
 
 _SHRINK = 1.0
 """Answers that the squares of the weights count as: what few answers say is mostly chance, so the
@@ -97,6 +97,9 @@ def tell(case: Machine, said: Diagnosis, *, misled: bool = False) -> Told | None
         right = sound
     elif kind == 'elsewhere':
         right = not sound or case.machine in STRIKING
+    elif kind == 'suspect':
+        # No alarm and no place that is sure: something is wrong with the bearing, or nothing is.
+        right = not sound
     elif kind == 'fault':
         right = said.faults == (case.condition,)
     else:
@@ -157,7 +160,8 @@ def _bounds(kind: str) -> list[tuple[float | None, float | None]]:
         0: (None, None),
         1: (0.0, None),
     }
-    fall = dict.fromkeys(GROWS, -1) if kind == 'healthy' else GROWS
+    # What a longer window does not show is less likely there.
+    fall = {**dict.fromkeys(GROWS, -1), 'turns': 1} if kind == 'healthy' else GROWS
     return [ends[fall.get(name, 0)] for name in TERMS]
 
 
