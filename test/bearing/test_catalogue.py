@@ -139,7 +139,9 @@ def test_mean_diameter():
     assert find_bearing('NICE').mean_diameter == find_bearing('NICE').d_pitch
 
 
-@pytest.mark.parametrize('name', ['63o8', '6399', '6205R', 'X6205', '6205 special', '6205 ETN9', ''])
+@pytest.mark.parametrize(
+    'name', ['63o8', '6399', '6205R', 'X6205', '6205 special', '6205 ETN9', '']
+)
 def test_unknown_name_is_refused_with_close_ones(name):
     with pytest.raises(
         BearingTwinError, match=r'no bearing .* the closest names: [^,]+,'
