@@ -322,8 +322,14 @@ class Trend:
         sound &= bool(trend.level) == bool(trend.answer)
         readings = [*trend.first, *trend.minute]
         sound &= all(isinstance(row, list) and len(row) == 3 for row in readings)
-        counts = trend.count, trend.doubtful, trend.pending_count, trend.other_count
-        counts += trend.temperature_count, trend.octaves_count
+        counts = (
+            trend.count,
+            trend.doubtful,
+            trend.pending_count,
+            trend.other_count,
+            trend.temperature_count,
+            trend.octaves_count,
+        )
         if not sound or min(counts) < 0:
             msg = f'saved trend is out of range: {values}; use what save() returned'
             raise BearingTwinError(msg)
