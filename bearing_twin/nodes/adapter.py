@@ -154,6 +154,7 @@ class AdapterNode(ManagedNode):
         self._restarts = 0
         self._untimed = 0
         self._problem = ''
+        self._refused = 0
         self._arrived = math.nan
         self._vibration = self.create_lifecycle_publisher(
             Vibration, 'vibration', own(STREAM), qos_overriding_options=OVERRIDES
@@ -164,9 +165,10 @@ class AdapterNode(ManagedNode):
     def start(self) -> None:
         """Listen."""
         if self.parameters['source'] == IMU:
-            self._input = subscribe(self, Imu, 'imu', self._on_imu, SENSOR)
+            kind, topic, take = Imu, 'imu', self._on_imu
         else:
-            self._input = subscribe(self, Float32MultiArray, 'samples', self._on_array, SENSOR)
+            kind, topic, take = Float32MultiArray, 'samples', self._on_array
+        self._input = subscribe(self, kind, topic, take, SENSOR, refused=self._refuse)
         self.get_logger().info(f'listening to {self._input.topic_name}')
 
     def stop(self) -> None:
@@ -267,6 +269,8 @@ class AdapterNode(ManagedNode):
 
     def _refuse(self, problem: str) -> None:
         self._problem = problem
+        self._refused += 1
+        self._arrived = time.monotonic()
         self.get_logger().warning(f'message refused: {problem}', throttle_duration_sec=10.0)
 
     def _input_status(self) -> Status:
@@ -275,10 +279,10 @@ class AdapterNode(ManagedNode):
         wrong = self._meter.problem(rate) if rate else None
         if math.isnan(age):
             level, message = Level.STALE, 'no samples yet'
-        elif age > SILENT_AFTER:
-            level, message = Level.STALE, f'no samples for {age:.1f} s'
         elif self._problem:
             level, message = Level.ERROR, f'message refused: {self._problem}'
+        elif age > SILENT_AFTER:
+            level, message = Level.STALE, f'no samples for {age:.1f} s'
         elif self._sources.contested(time.monotonic()):
             level, message = Level.ERROR, 'several sources on one topic: only the first is used'
         elif self._untimed and not self._builder.next_sample:
@@ -301,6 +305,7 @@ class AdapterNode(ManagedNode):
                 'samples_lost': self._lost,
                 'samples_before_clock': self._untimed,
                 'source_restarts': self._restarts,
+                'messages_refused': self._refused,
                 'messages_of_other_sources': self._sources.ignored,
             },
         )

@@ -43,7 +43,10 @@ def read_message(cdr: bytes, kind: type) -> Any:
 
     """
     if len(cdr) > LARGEST:
-        msg = f'{len(cdr)} bytes are too large a {kind.__name__}: {LARGEST} at most are taken'
+        msg = (
+            f'{len(cdr)} bytes are too large a {kind.__name__}: {LARGEST} at most are taken; '
+            'send shorter messages'
+        )
         raise BearingTwinError(msg)
     if len(cdr) < HEADER or len(cdr) - HEADER < cdr[HEADER - 1] & 3:
         msg = f'{len(cdr)} bytes are no {kind.__name__}: refused'
@@ -64,6 +67,7 @@ def subscribe(
     qos: QoSProfile,
     *,
     group: CallbackGroup | None = None,
+    refused: Callable[[str], None] | None = None,
 ) -> Subscription[Any]:
     """
     Subscribe to a topic; its QoS can be overridden by parameters.
@@ -82,12 +86,14 @@ def subscribe(
         Profile, where no parameter says otherwise.
     group
         Callback group; None: that of the node.
+    refused
+        Called with the reason where a message is refused; None: the log says so.
 
     """
     return node.create_subscription(
         kind,
         topic,
-        validated(node, kind, topic, callback),
+        validated(node, kind, topic, callback, refused),
         own(qos),
         raw=True,
         callback_group=group,
@@ -96,9 +102,16 @@ def subscribe(
 
 
 def validated(
-    node: Node, kind: Any, topic: str, callback: Callable[[Any, MessageInfo], None]
+    node: Node,
+    kind: Any,
+    topic: str,
+    callback: Callable[[Any, MessageInfo], None],
+    refused: Callable[[str], None] | None = None,
 ) -> Callable[[bytes, MessageInfo], None]:
     """Return a callback for the bytes of messages; ``callback`` gets the valid ones."""
+
+    def log(reason: str) -> None:
+        node.get_logger().warning(f'{topic}: {reason}', throttle_duration_sec=10.0)
 
     def on_bytes(cdr: bytes, info: MessageInfo) -> None:
         try:
@@ -106,7 +119,7 @@ def validated(
             if kind is Clock:
                 _check_time(message)
         except BearingTwinError as error:
-            node.get_logger().warning(f'{topic}: {error}', throttle_duration_sec=10.0)
+            (refused or log)(str(error))
             return
         callback(message, info)
 

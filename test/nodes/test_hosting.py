@@ -72,6 +72,11 @@ def test_a_foreign_accelerometer_reaches_the_diagnosis(nodes, probe):
     scaled = np.concatenate(sent) * np.float32(9.80665)
     np.testing.assert_array_equal(samples, scaled[blocks[0].first_sample : last])
     probe.until(lambda: 'no samples for' in probe.status(name)[1], 'its silence')
+    # 5 s of 16 channels in one message, or 3 minutes of one channel.
+    long = Float32MultiArray(data=floats(np.zeros(2**22, np.float32)))
+    probe.publish('samples', long, depth=1000)
+    probe.until(lambda: 'at most are taken' in probe.status(name)[1], 'the refusal')
+    assert probe.status(name)[0] == b'\x02'
     assert nodes.end('adapter', by=signal.SIGTERM) == 0
     assert nodes.end('diagnosis', by=signal.SIGTERM) == 0
 
