@@ -254,6 +254,12 @@ class RecordingWriter(MessageSink):
     def _check_options(self) -> None:
         o = self.options
         check_fields(o)
+        try:
+            # A bag says it in its metadata.yaml, which is UTF-8.
+            self.path.name.encode()
+        except UnicodeEncodeError:
+            msg = f'{str(self.path)!r} is not UTF-8; choose another name'
+            raise BearingTwinError(msg) from None
         splits = o.split_size > 0 or o.split_duration > 0
         if splits and not self.bag:
             msg = f'{self.path} is a single file and cannot be split; give a folder name'

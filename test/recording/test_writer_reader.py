@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import struct
 from typing import TYPE_CHECKING
 
@@ -272,3 +273,10 @@ def test_health_finds_what_is_missing(tmp_path: Path) -> None:
     sound = recording_health(tmp_path / 'sound')
     assert sound.problems == []
     assert sound.topics['/vibration'].worst_stamp_error < 1e-9
+
+
+def test_a_name_that_metadata_cannot_hold_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / os.fsdecode(b'bag\xff')
+    with pytest.raises(BearingTwinError, match='is not UTF-8; choose another name'):
+        RecordingWriter(path)
+    assert list(tmp_path.iterdir()) == []
