@@ -41,6 +41,10 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         answer = {
             **asdict(info),
+            'topics': {
+                name: {k: v for k, v in asdict(topic).items() if k != 'schema'}
+                for name, topic in info.topics.items()
+            },
             'duration': info.duration,
             'health': asdict(health) if health else None,
             'problems': problems,

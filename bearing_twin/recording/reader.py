@@ -64,6 +64,8 @@ class TopicInfo:
     type_hash: str
     qos: str
     """Offered profiles as rosbag2 writes them, YAML."""
+    schema: str
+    """Definition of the type, as the recording has it."""
     count: int = 0
 
 
@@ -310,7 +312,8 @@ def _read_header(file: BinaryIO, size: int, info: RecordingInfo) -> None:
 
 def _count(info: RecordingInfo, channel: RecordedChannel, count: int) -> None:
     topic = info.topics.setdefault(
-        channel.topic, TopicInfo(channel.type_name, channel.type_hash, channel.qos)
+        channel.topic,
+        TopicInfo(channel.type_name, channel.type_hash, channel.qos, channel.schema),
     )
     topic.count += count
     info.count += count

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from functools import partial
 import logging
+import re
 import socket
 from typing import Any, TYPE_CHECKING
 
@@ -183,17 +184,19 @@ class RerunLogger:
         """
         return self._served is None or self._served.drain(timeout)
 
-    def import_mcap(self, path: Path, *, lines: Iterable[str] = ()) -> str:
+    def import_mcap(self, path: Path, topics: Iterable[str], *, lines: Iterable[str] = ()) -> str:
         """
         Draw what Rerun itself can draw of an MCAP file to the file; return why not, or ''.
 
-        ``lines`` are its topics that come out as time series.
+        Others than ``topics`` are left out. ``lines`` are those that come out as time series.
         """
-        if self._file is None:
+        # Without any pattern Rerun would take all topics.
+        chosen = [f'^{re.escape(topic)}$' for topic in topics]
+        if self._file is None or not chosen:
             return ''
         self._native_lines.update(lines)
         try:
-            reader = McapReader(path, recover=True)
+            reader = McapReader(path, include_topic_regex=chosen, recover=True)
             self._file.recording.send_chunks(reader.stream())
         except Exception as error:
             # A stranger's file; Rerun raises many kinds on damaged ones.

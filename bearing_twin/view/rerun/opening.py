@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.schedule import undated
+from bearing_twin.recording.schema import store_from_text
 from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.scales import Scales
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence
     from pathlib import Path
 
-    from bearing_twin.recording.reader import RecordingInfo
+    from bearing_twin.recording.reader import RecordingInfo, TopicInfo
 
 __all__ = ['draw_recordings']
 
@@ -113,22 +114,29 @@ def _draw_foreign(
     info: RecordingInfo, rrd: Path, progress: Callable[[float], None] | None
 ) -> dict[str, str]:
     """Draw what others recorded: Rerun what it knows, we the numbers of all other types."""
-    natively = {
-        name for name, topic in info.topics.items() if topic.type_name.split('/')[-1] in NATIVE
-    }
+    # Types that hold themselves would end Rerun with a stack overflow.
+    readable = [name for name, topic in info.topics.items() if _is_readable(topic)]
+    natively = {name for name in readable if info.topics[name].type_name.split('/')[-1] in NATIVE}
     lines = [name for name in natively if info.topics[name].type_name.split('/')[-1] in SERIES]
     problems: dict[str, str] = {}
     with RerunLogger(
         recording_id=info.path.resolve().stem, rrd=rrd, timeline=ARRIVAL, full_samples=True
     ) as logger:
         for path in info.files:
-            reason = logger.import_mcap(path, lines=lines)
+            reason = logger.import_mcap(path, readable, lines=lines)
             if reason:
                 problems[str(path)] = reason
         problems |= _draw(logger, '', info, _part(progress, 0, 1), leave_out=natively)
     if progress is not None:
         progress(1.0)
     return problems | logger.problems
+
+
+def _is_readable(topic: TopicInfo) -> bool:
+    with contextlib.suppress(BearingTwinError):
+        store_from_text(topic.type_name, topic.schema)
+        return True
+    return False
 
 
 def _draw(
