@@ -346,8 +346,7 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
     node: ManagedNode | None = None
     interrupts = _note_interrupts()
     try:
-        # Not as a context manager, which it is since Kilted only.
-        rclpy.init(args=list(args) if args is not None else None)
+        _init(args)
         try:
             if interrupts:
                 # Before rclpy listened.
@@ -367,6 +366,16 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
         # Nothing is left to be interrupted but the way out.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
     return 1 if node.failed else 0
+
+
+def _init(args: Sequence[str] | None) -> None:
+    """Initialise rclpy; a parameter file or a domain that cannot be read is no defect of ours."""
+    try:
+        # Not as a context manager, which it is since Kilted only.
+        rclpy.init(args=list(args) if args is not None else None)
+    except (RuntimeError, UnicodeError) as error:
+        # RCLError is a RuntimeError.
+        raise BearingTwinError(str(error)) from None
 
 
 def _note_interrupts() -> list[int]:
