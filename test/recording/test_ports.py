@@ -9,6 +9,7 @@ from pathlib import Path
 
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.ros.lifecycle import PROFILES
 from bearing_twin.view.rerun.viewer import free_port
 import psutil
 import pytest
@@ -24,7 +25,9 @@ EPHEMERAL = 32768
 def test_with_the_profile_every_port_is_bound_to_this_machine(
     ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv('FASTDDS_DEFAULT_PROFILES_FILE', str(PROFILE))
+    # Of Fast DDS 3, and of Fast DDS 2 (Jazzy).
+    for name in PROFILES:
+        monkeypatch.setenv(name, str(PROFILE))
     port = free_port()
     with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'bag'), 'rerun_port': port})
