@@ -147,7 +147,7 @@ TOPICS = {
     'envelope_spectrum': 'squared envelope spectrum of the window with fault cursors',
     **{f'features/{name}': f'`{name}` of the verdict, in a standard type' for name in FEATURES},
     'diagnostics': 'state of the node and its inputs, 1 Hz',
-    'samples': 'blocks of an accelerometer, 16 MiB each at most (`source` is `float32_multi_array`)',
+    'samples': 'samples of an accelerometer, 16 MiB at most (`source` is `float32_multi_array`)',
     'imu': 'one sample a message (`source` is `imu`)',
     '~/checkpoint': 'complete state of all twins',
     'clock': 'recorded time, if `clock_rate` is not 0',
