@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from textwrap import fill
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
@@ -33,7 +34,7 @@ def draw(diagnosis: Diagnosis, path: Path, *, title: str) -> None:
         figure.suptitle(f'{title}: {TITLES[diagnosis.result]} [{diagnosis.level}]')
         if envelope is not None:
             draw_envelope_spectrum(upper, envelope)
-            upper.supxlabel(CAPTION, fontsize='small')
+            upper.supxlabel(fill(CAPTION, 120), fontsize='small')
         if spectrum is not None:
             band = envelope.band if envelope is not None else (0.0, 0.0)
             draw_spectrum(lower.subplots(), spectrum, band)

@@ -39,7 +39,10 @@ def page(answer: dict[str, Any]) -> str:
     ]
     if lines:
         low, high = evidence['band_hz']
-        rows.append(('lines', ', '.join(lines)))
+        # Two in a row of 80 columns.
+        rows += [
+            ('' if k else 'lines', ', '.join(lines[k : k + 2])) for k in range(0, len(lines), 2)
+        ]
         rows.append(('', f'of the envelope from {low:.0f} to {high:.0f} Hz'))
     rows += [('why' if not index else '', text) for index, text in enumerate(answer['reasons'])]
     rows.append(('next', answer['next_step']))

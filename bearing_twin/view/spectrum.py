@@ -144,7 +144,7 @@ class SpectrumPicture:
             return None
         start = float(spectrum.start_hz)
         if spectrum.kind != ENVELOPE:
-            quantity = f'amplitude [{pretty(spectrum.unit)}]' if spectrum.unit else 'amplitude'
+            quantity = f'amplitude [{pretty(spectrum.unit)}]'
             none = np.zeros(0)
             return cls('Spectrum', quantity, start, spacing, values, none, none, (0.0, 0.0), [])
         floor = np.asarray(spectrum.floor, dtype=np.float64)

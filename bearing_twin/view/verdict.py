@@ -54,8 +54,8 @@ def title_of(diagnosis: Any) -> str:
 
 
 def pretty(unit: str) -> str:
-    """Return a unit as it is printed."""
-    return str(unit).replace('^2', '²')
+    """Return a unit as it is printed; one that a file does not say is not left out."""
+    return str(unit).replace('^2', '²') or 'unit unknown'
 
 
 def number(value: float, unit: str = '', otherwise: str = 'not known') -> str:

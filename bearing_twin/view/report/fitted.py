@@ -30,7 +30,7 @@ def over_each_other(machine: Machine) -> tuple[str, Figure] | None:
     message = found[-1]
     figure = Figure(figsize=(WIDTH, 2.2), layout='constrained')
     left, right = figure.subplots(1, 2)
-    unit = pretty(message.unit) or 'unit unknown'
+    unit = pretty(message.unit)
     for levels, turn, look in (
         (message.measured_spectrum, message.measured_turn, MACHINE),
         (message.twin_spectrum, message.twin_turn, TWIN),

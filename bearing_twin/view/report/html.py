@@ -36,7 +36,8 @@ th, td { text-align: left; vertical-align: top; padding: 2px 8px 2px 0;
 th { font-weight: 600; width: 32%; }
 tr { break-inside: avoid; }
 tr.found { background: #fdecea; print-color-adjust: exact; }
-td.n, th.n { text-align: right; width: auto; font-variant-numeric: tabular-nums; }
+td.n, th.n { text-align: right; width: auto; overflow-wrap: normal;
+  font-variant-numeric: tabular-nums; }
 ul { margin: 6px 0; padding-left: 20px; font-size: 14px; overflow-wrap: anywhere; }
 .bad { color: #b71c1c; font-weight: 600; }
 .good { color: #2e7d32; font-weight: 600; }

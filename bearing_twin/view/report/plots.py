@@ -336,7 +336,7 @@ def _panels(
             axes.fill_between(time, *(of[key] for key in panel.band), color='#bbdefb')
         if panel.limit is not None:
             axes.axhline(panel.limit.value, color='#616161', linewidth=0.8, dashes=(4, 2))
-        title = panel.title.replace('[unit]', f'[{pretty(unit) or "unit unknown"}]')
+        title = panel.title.replace('[unit]', f'[{pretty(unit)}]')
         axes.set_title('\n'.join(wrap(title, 30)))
         if panel.from_zero:
             axes.set_ylim(bottom=0.0)
