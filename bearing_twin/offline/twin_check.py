@@ -40,8 +40,8 @@ class Recorded(NamedTuple):
 class TwinCheck:
     """Re-run of one twin; blocks of a twin in a fleet are handed to the fleet's re-run."""
 
-    def __init__(self, namespace: str, result: Reproduction) -> None:
-        self.topic = f'{namespace}/vibration'
+    def __init__(self, topic: str, result: Reproduction) -> None:
+        self.topic = topic
         self._result = result
         self._twin: Twin | None = None
         self._fleet: FleetCheck | None = None
@@ -79,6 +79,18 @@ class TwinCheck:
         """Keep a recorded block until its state has come, or the next block."""
         self.settle()
         self._recorded = message
+
+    def has_block_of(self, state: Any) -> bool:
+        """Whether the block that waits, or for sure one before it, is of the twin of a state."""
+        if self._last is not None or self._recorded is None:
+            return self._last is not None
+        block = self._recorded.decode()
+        same_time = stamp_ns(block.header.stamp) == stamp_ns(state.header.stamp)
+        return same_time and int(block.first_sample) == int(state.first_sample)
+
+    def take_over(self, other: TwinCheck) -> None:
+        """Take the vibration of another topic, to which the twin's was renamed."""
+        self.topic, self._recorded = other.topic, other._recorded
 
     def state(self, state: Any) -> None:
         """Re-run the block that this state belongs to."""

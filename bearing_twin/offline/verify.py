@@ -11,7 +11,7 @@ blocks, which carry the speed, and of the temperature that it reports itself.
 from __future__ import annotations
 
 import heapq
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.agreement import Agreement, Reproduction
@@ -20,6 +20,7 @@ from bearing_twin.offline.twin_check import FleetCheck, TwinCheck
 from bearing_twin.recording.health import sent_before
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 from bearing_twin.recording.schema import other_version
+from bearing_twin.streams.vibration_input import SOURCE_MEASURED
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -30,11 +31,12 @@ if TYPE_CHECKING:
 __all__ = ['reproduce']
 
 CHECKPOINT = 'bearing_twin_msgs/msg/Checkpoint'
+VIBRATION = 'bearing_twin_msgs/msg/Vibration'
 DIAGNOSTICS = 'diagnostic_msgs/msg/DiagnosticArray'
 TYPES = {
     CHECKPOINT,
     DIAGNOSTICS,
-    'bearing_twin_msgs/msg/Vibration',
+    VIBRATION,
     'bearing_twin_msgs/msg/TwinState',
     'bearing_twin_msgs/msg/Diagnosis',
 }
@@ -62,34 +64,60 @@ def reproduce(path: Path) -> Reproduction:
     result = Reproduction(path)
     early: dict[str, int] = {}
     twins: dict[str, TwinCheck] = {}
+    sources: dict[str, TwinCheck] = {}
     fleets: dict[str, FleetCheck] = {}
     diagnoses: dict[str, DiagnosisCheck] = {}
     seen: set[str] = set()
 
     def twin_of(namespace: str) -> TwinCheck:
-        return twins.setdefault(namespace, TwinCheck(namespace, result))
+        return twins.setdefault(namespace, TwinCheck(f'{namespace}/vibration', result))
+
+    def source_of(message: RecordedMessage) -> TwinCheck:
+        if message.topic not in sources:
+            namespace, _, name = message.topic.rpartition('/')
+            own = name == 'vibration' and getattr(message.decode(), 'source', 0) != SOURCE_MEASURED
+            sources[message.topic] = (
+                twin_of(namespace) if own else TwinCheck(message.topic, result)
+            )
+        return sources[message.topic]
+
+    def twin_of_state(namespace: str, state: Any) -> TwinCheck:
+        twin = twin_of(namespace)
+        if twin.has_block_of(state):
+            return twin
+        for topic, other in sources.items():
+            former = topic.removesuffix('/vibration')
+            if f'{former}/twin_state' not in info.topics and other.has_block_of(state):
+                if sources.get(twin.topic) is twin:
+                    sources[twin.topic] = TwinCheck(twin.topic, result)
+                twin.take_over(other)
+                sources[topic] = twin
+                twins.pop(former, None)
+                break
+        return twin
 
     for message in _in_order_of_sending(read_messages(path, topics=topics, problems=result.notes)):
         if message.type_name == DIAGNOSTICS:
             early |= sent_before(message.decode())
             continue
         namespace, _, name = message.topic.rpartition('/')
-        twin = twin_of(namespace)
         diagnosis = diagnoses.setdefault(namespace, DiagnosisCheck(namespace, result))
         if message.topic not in seen:
             seen.add(message.topic)
             if other := other_version(message.type_name, message.channel.schema):
                 result.notes.append(f'{message.topic}: {other}')
         with known_fields(message.topic, message.type_name):
-            if name == 'vibration':
-                twin.vibration(message)
-                diagnosis.vibration(message)
+            if message.type_name == VIBRATION:
+                source_of(message).vibration(message)
+                if name == 'vibration':
+                    diagnosis.vibration(message)
             elif name == 'diagnosis':
                 diagnosis.verdict(message)
             elif name == 'twin_state':
-                twin.state(message.decode())
+                state = message.decode()
+                twin_of_state(namespace, state).state(state)
             elif name == 'twin_checkpoint':
-                twin.checkpoint(message.decode())
+                twin_of(namespace).checkpoint(message.decode())
             elif name == 'diagnosis_checkpoint':
                 diagnosis.checkpoint(message.decode())
             elif name == 'checkpoint' and message.type_name == CHECKPOINT:
@@ -101,7 +129,7 @@ def reproduce(path: Path) -> Reproduction:
         result.notes.append(f'{topic}: {count} messages were sent before the recording')
     for fleet in fleets.values():
         fleet.finish()
-    for twin in twins.values():
+    for twin in dict.fromkeys((*twins.values(), *sources.values())):
         twin.finish()
     for diagnosis in diagnoses.values():
         diagnosis.finish()

@@ -230,6 +230,35 @@ def test_a_claimed_number_of_samples_is_not_believed(run: Path, tmp_path: Path) 
     assert (vibration.identical, vibration.different, vibration.skipped) == (0, 0, 300)
 
 
+@pytest.mark.parametrize('name', ['/fan/twin/vibration', '/fan/simulated', '/elsewhere/vibration'])
+def test_a_twin_whose_vibration_was_renamed_beside_a_sensor(
+    run: Path, tmp_path: Path, name: str
+) -> None:
+    """As machine.launch.py has it: what is named as the twin's vibration is the sensor's."""
+    target = tmp_path / 'machine'
+    with RecordingWriter(target) as writer:
+
+        def write(message: Any, topic: str, cdr: bytes) -> None:
+            c = message.channel
+            writer.write(
+                topic, c.type_name, cdr, log_time=message.log_time,
+                publish_time=message.publish_time,
+                schema=MessageSchema(c.type_name, c.schema, c.type_hash),
+            )  # fmt: skip
+
+        for m in read_messages(run):
+            if m.topic == '/vibration':
+                write(m, '/fan/vibration', changed(m, source=Vibration.SOURCE_MEASURED))
+                write(m, name, m.cdr)
+            elif not m.topic.startswith('/diagnosis'):
+                write(m, f'/fan{m.topic}', m.cdr)
+    result = reproduce(target)
+    assert result.identical, result
+    assert result.topics[name].identical == 12 * 25
+    assert result.topics.keys() == {name}
+    assert any(note.startswith('/fan/vibration: no twin') for note in result.notes)
+
+
 def changed(message: Any, **fields: Any) -> bytes:
     """Return the bytes of a message in which some fields have other values."""
     types = store(message.type_name)
