@@ -68,6 +68,8 @@ class DiagnosisSettings:
         's',
         0.0,
         1e8,
+        # A stream and a series keep different states: neither may overwrite the other's.
+        running=False,
     )
     series_snapshot: float = quantity(
         1.0, 'Length of a snapshot of a series; a gap may cut it short.', 's', 0.05, LONGEST_WINDOW
