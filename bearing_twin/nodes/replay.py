@@ -103,7 +103,8 @@ SPECS = (
     Spec(
         name='wait_for_nodes',
         default=[''],
-        description='Nodes, such as recorder, that have to subscribe to every topic by then too.',
+        description='Nodes that have to subscribe to every topic by then too: recorder, in the '
+        'namespace of this node, or /fan_7/recorder.',
         running=False,
     ),
     Spec(
@@ -177,6 +178,7 @@ class ReplayNode(ManagedNode):
             self.offer('~/step', self._step),
         ]
         self._wake = threading.Condition()
+        self._running = False
         self._problem = ''
         self._health = Health(self, self.get_namespace())
         self._health.add('replay', self._status)
@@ -207,9 +209,14 @@ class ReplayNode(ManagedNode):
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take a changed pace."""
         with self._wake:
-            self._player.wait(time.monotonic())
+            self._catch_up()
             self._player.rate = values['rate']
             self._wake.notify()
+
+    def _catch_up(self) -> None:
+        """Let recorded time come up to now, before its pace changes; it stands where none runs."""
+        if self._running:
+            self._player.wait(time.monotonic())
 
     def _play(self) -> None:
         try:
@@ -241,6 +248,7 @@ class ReplayNode(ManagedNode):
         clock_due = progress_due = time.monotonic()
         with self._wake:
             player.resync(time.monotonic())
+            self._running = True
             while self._playing:
                 now = time.monotonic()
                 for message in player.due(now):
@@ -254,14 +262,17 @@ class ReplayNode(ManagedNode):
                 if player.finished:
                     break
                 now = time.monotonic()
-                wait = min(player.wait(now), max(0.0, clock_due - now), LONGEST_WAIT)
-                self._wake.wait(wait)
+                clock_wait = math.inf if player.paused else max(0.0, clock_due - now)
+                self._wake.wait(min(player.wait(now), clock_wait, LONGEST_WAIT))
+            self._running = False
         if player.finished:
             self._end()
 
     def _await_subscribers(self) -> None:
         deadline = time.monotonic() + self.parameters['wait_for_subscribers']
-        wanted = {name for name in self.parameters['wait_for_nodes'] if name}
+        namespace = self.get_namespace().rstrip('/')
+        names = (name for name in self.parameters['wait_for_nodes'] if name)
+        wanted = {name if name.startswith('/') else f'{namespace}/{name}' for name in names}
         while self._playing and time.monotonic() < deadline:
             if all(self._is_heard(p, wanted) for p in self._topics.values()):
                 return
@@ -277,7 +288,8 @@ class ReplayNode(ManagedNode):
         if not matched or not wanted:
             return matched > 0
         known = self.get_subscriptions_info_by_topic(publisher.topic_name)
-        return matched >= len(known) and wanted <= {each.node_name for each in known}
+        names = {f'{each.node_namespace.rstrip("/")}/{each.node_name}' for each in known}
+        return matched >= len(known) and wanted <= names
 
     def _publish(self, message: RecordedMessage) -> None:
         publisher = self._topics.get(message.topic)
@@ -307,7 +319,7 @@ class ReplayNode(ManagedNode):
 
     def _set_paused(self, *, paused: bool) -> str:
         with self._wake:
-            self._player.wait(time.monotonic())
+            self._catch_up()
             self._player.paused = paused
             self._wake.notify()
         return f'{"paused" if paused else "playing"} at {self._player.position} ns'
@@ -342,7 +354,8 @@ class ReplayNode(ManagedNode):
             return Status(Level.ERROR, self._problem, values)
         if self._left_out:
             return Status(Level.WARN, f'{len(self._left_out)} topics are left out', values)
-        return Status(Level.OK, 'paused' if player.paused else 'playing', values)
+        state = 'at the end' if player.finished else 'paused' if player.paused else 'playing'
+        return Status(Level.OK, state, values)
 
 
 def main(args: list[str] | None = None) -> int:

@@ -7,11 +7,14 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 from typing import TYPE_CHECKING
 
+from bearing_twin.nodes.replay import ReplayNode
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.ros.launching import NodeProcesses
 import pytest
+import rclpy
 from recorder_process import Source, TIMEOUT
 from recording_samples import PERIOD, write_blocks
 
@@ -103,3 +106,32 @@ def test_command_line(ros_domain: int, tmp_path: Path) -> None:
         assert ran.returncode == 1
         assert text in ran.stderr + ran.stdout
         assert 'Traceback' not in ran.stderr
+
+
+def test_recorded_time_stands_while_nothing_plays_and_a_pause_costs_nothing(
+    ros_domain: int, tmp_path: Path
+) -> None:
+    write_blocks(tmp_path / 'run', 5)
+    words = ['-p', f'recording:={tmp_path / "run"}', '-p', 'clock_rate:=100.0']
+    words += ['-p', 'start_paused:=true', '-p', 'wait_for_subscribers:=0.0']
+    rclpy.init(args=['--ros-args', *words])
+    try:
+        replay = ReplayNode()
+        replay.trigger_configure()
+        player = replay._player
+        replay._set_paused(paused=False)
+        for rate in (2.0, 3.0):
+            replay.apply({'rate': rate})
+            time.sleep(0.05)
+        assert player.position == player.start
+        replay._set_paused(paused=True)
+        looked = []
+        due = player.due
+        player.due = lambda now: looked.append(now) or due(now)
+        replay.trigger_activate()
+        time.sleep(1.0)
+        replay.shut_down()
+        # Twice a second, and not whenever it can.
+        assert len(looked) < 20
+    finally:
+        rclpy.shutdown()
