@@ -148,7 +148,8 @@ class AdapterNode(ManagedNode):
         self._stamps = StampTracker(p['sample_rate'])
         self._builder = BlockBuilder(p['block_size'])
         self._meter = RateMeter()
-        self._heard = 0
+        self._heard = self._sent = 0
+        self._source: object = None
         self._frame = p['frame_id']
         self._lost = 0
         self._restarts = 0
@@ -218,11 +219,19 @@ class AdapterNode(ManagedNode):
         if not stamp:
             self._untimed += 1
             return
+        former, self._source = self._source, info.get('publisher_gid')
+        if former not in (None, self._source):
+            self._begin_anew()
         self._measure(1, stamp)
         missing = self._stamps.missing(stamp)
         rate = self._stamps.rate
         if not rate:
             return
+        if missing and not self.parameters['sample_rate']:
+            wrong = self._meter.problem(rate)
+            if wrong and wrong.refused:
+                self._begin_anew()
+                return
         if missing:
             self._gap(missing)
         acceleration = message.linear_acceleration
@@ -240,6 +249,13 @@ class AdapterNode(ManagedNode):
         self._heard += count
         self._meter.take(self._heard, stamp)
 
+    def _begin_anew(self) -> None:
+        """Estimate the rate anew where it is estimated: the source is another, or runs so."""
+        if not self.parameters['sample_rate']:
+            self._gap(-1)
+            self._stamps.restart()
+            self._meter = RateMeter()
+
     def _gap(self, missing: int) -> None:
         self._lost += max(0, missing)
         self._restarts += missing < 0
@@ -248,6 +264,7 @@ class AdapterNode(ManagedNode):
     def _publish(self, blocks: list[SampledBlock], rate: float) -> None:
         p = self.parameters
         for block in blocks:
+            self._sent += block.samples.shape[1]
             values = block.samples * np.float32(p['scale'])
             x, y = (values[c] if c >= 0 else values[0, :0] for c in self._channels)
             self._vibration.publish(
@@ -301,7 +318,7 @@ class AdapterNode(ManagedNode):
                 'age_s': age,
                 'sample_rate_hz': rate,
                 'sample_rate_measured_hz': self._meter.rate,
-                'samples_published': self._builder.next_sample,
+                'samples_published': self._sent,
                 'samples_lost': self._lost,
                 'samples_before_clock': self._untimed,
                 'source_restarts': self._restarts,

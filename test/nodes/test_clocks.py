@@ -20,6 +20,7 @@ import pytest
 pytest.importorskip('rclpy')
 
 from bearing_twin.assets.spec import Spec
+from bearing_twin.nodes.adapter import AdapterNode
 from bearing_twin.ros import realtime
 from bearing_twin.ros.cycle import BlockCycle
 from bearing_twin.ros.lifecycle import ManagedNode
@@ -27,6 +28,7 @@ from builtin_interfaces.msg import Time
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Imu
 
 UPTIME, EPOCH = 1000 * NANO, 1_700_000_000 * NANO
 PERIOD = NANO // 1000
@@ -171,3 +173,30 @@ def test_work_before_the_first_block_is_no_cycle(ros_domain):
     assert values['periodicity_hz'] < 30.0
     # No cycle is longer than all of it: the first one would be, by the uptime of the machine.
     assert values['periodicity_min_hz'] > 1.0 / took
+
+
+@pytest.mark.ros
+def test_an_estimated_rate_follows_its_source(ros_domain):
+    rclpy.init(args=['--ros-args', '-p', 'source:=imu'])
+    try:
+        node = AdapterNode()
+        node.trigger_configure()
+        now = EPOCH
+        for source, rate, seconds in (('a', 200, 20), ('a', 400, 20), ('a', 100, 20)):
+            for _ in range(rate * seconds):
+                now += NANO // rate
+                message = Imu()
+                message.header.stamp = time_message(now)
+                node._on_imu(message, {'publisher_gid': source})
+            assert node._stamps.rate == pytest.approx(rate, rel=1e-3)
+        # Another one takes over behind a silence of the first.
+        node._sources.timeout = -1.0
+        for _ in range(400):
+            now += NANO // 50
+            message.header.stamp = time_message(now)
+            node._on_imu(message, {'publisher_gid': 'b'})
+        assert node._stamps.rate == pytest.approx(50.0, rel=1e-3)
+        assert node._sent <= 20 * (200 + 400 + 100) + 400
+        node.shut_down()
+    finally:
+        rclpy.shutdown()
