@@ -255,12 +255,17 @@ class RecorderNode(ManagedNode):
         for service in self._answers:
             self.destroy_service(service)
         self._watch.close()
-        self._writer.close()
-        # Not the node's logger: its /rosout may be gone by now.
-        get_logger(LOGGER).info(
-            f'{self._writer.path}: {self._writer.written} messages, '
-            f'{self._writer.size / 1e6:.1f} MB, {self._writer.lost} lost'
-        )
+        try:
+            self._writer.close()
+        except BearingTwinError:
+            self.failed = True
+            raise
+        finally:
+            # Not the node's logger: its /rosout may be gone by now.
+            get_logger(LOGGER).info(
+                f'{self._writer.path}: {self._writer.written} messages, '
+                f'{self._writer.size / 1e6:.1f} MB, {self._writer.lost} lost'
+            )
 
     def _on_message(self, topic: str, type_name: str, cdr: bytes, info: MessageInfo) -> None:
         if info['received_timestamp']:
@@ -386,7 +391,11 @@ def build_writer(values: Mapping[str, Any]) -> RecordingWriter | SnapshotWriter:
         If it cannot be made, or the parameters do not fit together.
 
     """
-    path = free_path(Path(values['output'] or f'bearing_twin_{datetime.now():%Y%m%d-%H%M%S}'))
+    path = Path(values['output'] or f'bearing_twin_{datetime.now():%Y%m%d-%H%M%S}')
+    if not path.name:
+        msg = f"output='{path}' has no name of its own: give a new folder, or a file .mcap"
+        raise BearingTwinError(msg)
+    path = free_path(path)
     options = WriterOptions(
         compression=values['compression'],
         flush_period=values['flush_period'],

@@ -157,10 +157,12 @@ class RecordingWatch:
 
     def _look_for_fault(self, topic: str, diagnosis: Any, received: int) -> None:
         before = self._in_fault.get(topic, False)
-        self._in_fault[topic] = diagnosis.level == FAULT
-        if self._in_fault[topic] and not before and isinstance(self._writer, SnapshotWriter):
+        fault = diagnosis.level == FAULT
+        if fault and not before and isinstance(self._writer, SnapshotWriter):
             self._logger.info(f'{diagnosis.fault_code} on {topic}: a snapshot is written')
+            # Where that fails, the next verdict tries again.
             self._writer.trigger(received)
+        self._in_fault[topic] = fault
 
 
 def _versions() -> dict[str, str]:

@@ -120,13 +120,13 @@ class SnapshotWriter(MessageSink):
             If the folder cannot be made.
 
         """
-        self.snapshots += 1
         if self._writer is None:
             self._writer = RecordingWriter(self.path, self._options)
             for attached in self._attached:
                 self._pass_on(self._writer, attached)
         elif log_time > self._until:
             self._writer.split()
+        self.snapshots += 1
         self._until = log_time + self._after
         while self._kept:
             self._writer.take(self._kept.popleft())

