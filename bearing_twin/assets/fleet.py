@@ -65,7 +65,10 @@ def read_assets(path: str, names: list[str]) -> list[Asset]:
     if not assets:
         msg = 'no assets: give a file (assets_file:=FILE) or names (names:="[bearing_1]")'
         raise BearingTwinError(msg)
-    for asset in assets:
+    for index, asset in enumerate(assets):
+        if asset.name in (other.name for other in assets[:index]):
+            msg = f"two assets have the name '{asset.name}'; give each its own"
+            raise BearingTwinError(msg)
         if not NAME.fullmatch(asset.name):
             msg = f"asset '{asset.name}' is no ROS namespace: letters, digits, _, parts split by /"
             raise BearingTwinError(msg)

@@ -98,6 +98,8 @@ class Pending:
     block: FleetBlock
     due: Due
     inputs: TwinInputs
+    took: float
+    """Time that the blocks of all took, s."""
 
 
 class FleetNode(ManagedNode):
@@ -141,6 +143,10 @@ class FleetNode(ManagedNode):
         """Warm the kernel; create what the assets need."""
         p = self.parameters
         self._declare()
+        # First of all, as it may be refused: nothing is left behind then.
+        self._cycle = BlockCycle(
+            self, p, self._compute, slots=p['slots'], between=self._publish_share
+        )
         self._pending: deque[Pending] = deque()
         self._twins = [m for m in self._members if m.twin_parameters is not None]
         self._fleet = self._build_fleet()
@@ -151,9 +157,6 @@ class FleetNode(ManagedNode):
         for index, member in enumerate(self._members):
             self._set_up_twin(member)
             self._set_up_diagnosis(member, stagger=(index + 1) / len(self._members))
-        self._cycle = BlockCycle(
-            self, p, self._compute, slots=p['slots'], between=self._publish_share
-        )
         self._health.add('real time', self._cycle.status)
         self._warm()
         self._reset = self.offer('~/reset', self._reset_all)
@@ -253,6 +256,8 @@ class FleetNode(ManagedNode):
 
     def _apply_twin(self, member: Member, values: Mapping[str, Any]) -> None:
         if member.channel is not None and self._fleet is not None:
+            # What waits was made with the former ones.
+            self._publish_share(1.0)
             member.channel.apply(values)
             self._fleet.reconfigure(self._twins.index(member), build_parameters(values))
             self._checkpoints.ask()
@@ -268,9 +273,11 @@ class FleetNode(ManagedNode):
         if self._checkpoints.is_due(due.first_sample):
             self._publish_checkpoint(due)
         inputs = [member.channel.inputs() for member in self._twins if member.channel]
+        began = time.perf_counter()
         block = self._advance(inputs)
+        took = time.perf_counter() - began
         for index, each in enumerate(inputs):
-            self._pending.append(Pending(index, block, due, each))
+            self._pending.append(Pending(index, block, due, each, took))
 
     def _advance(self, inputs: list[TwinInputs]) -> FleetBlock:
         assert self._fleet is not None
@@ -292,9 +299,15 @@ class FleetNode(ManagedNode):
         assert self._fleet is not None
         assert member.twin is not None and member.channel is not None
         temperature, shaft_hz = item.inputs
+        began = time.perf_counter() - item.took
         block = self._fleet.of_bearing(item.block, item.index)
         made = TwinBlock(block, temperature, shaft_hz)
-        member.twin.publish(made, item.due, self._cycle.fields)
+        # Without the time in which the block waited for its slot.
+        member.twin.publish(
+            made,
+            item.due,
+            lambda due: self._cycle.fields(due) | {'execution_time': time.perf_counter() - began},
+        )
         if member.wait:
             member.wait -= 1
         elif member.diagnosis is not None:
@@ -332,6 +345,7 @@ class FleetNode(ManagedNode):
 
     def _place(self, member: Member, simulator: Simulator) -> None:
         assert self._fleet is not None
+        self._publish_share(1.0)
         self._fleet.place(self._twins.index(member), simulator)
         self._checkpoints.ask()
 
