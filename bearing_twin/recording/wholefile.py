@@ -17,15 +17,17 @@ __all__ = ['free_path', 'whole_file']
 
 
 @contextlib.contextmanager
-def whole_file(path: Path) -> Iterator[BinaryIO]:
+def whole_file(path: Path, *, new: bool = False) -> Iterator[BinaryIO]:
     """
     Open a file to be written beside ``path``, which takes its place when all is written.
 
     A full disk, or an error in between, leaves what was at ``path`` before, and nothing else. A
-    link is replaced, not followed.
+    link is replaced, not followed. With ``new`` nothing is replaced.
 
     Raises
     ------
+    FileExistsError
+        If there is something at ``path``, and it shall be ``new``.
     OSError
         If it cannot be written.
 
@@ -36,7 +38,11 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
     try:
         with part.open('xb') as file:
             yield file
-        part.replace(path)
+        if new:
+            os.link(part, path)
+            part.unlink()
+        else:
+            part.replace(path)
     except BaseException:
         with contextlib.suppress(OSError):
             part.unlink(missing_ok=True)

@@ -30,9 +30,28 @@ class StateFolder:
     """
 
     def __init__(self, folder: str) -> None:
-        home = Path(os.environ.get('ROS_HOME', '') or Path.home() / '.ros')
-        self.folder = Path(folder) if folder else home / 'bearing_twin'
+        self._folder = folder
         self._locks: dict[str, BinaryIO] = {}
+
+    @property
+    def folder(self) -> Path:
+        """
+        Return where the states lie.
+
+        Raises
+        ------
+        BearingTwinError
+            If that is in a home, and there is none, as in some containers.
+
+        """
+        if self._folder:
+            return Path(self._folder)
+        try:
+            home = Path(os.environ.get('ROS_HOME', '') or Path.home() / '.ros')
+        except RuntimeError:
+            msg = 'there is no home folder to keep states in; set state_directory or ROS_HOME'
+            raise BearingTwinError(msg) from None
+        return home / 'bearing_twin'
 
     def path(self, name: str) -> Path:
         """
@@ -62,7 +81,7 @@ class StateFolder:
         path = self.path(name)
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            with path.open('xb') as file:
+            with whole_file(path, new=True) as file:
                 file.write(state)
         except FileExistsError:
             msg = f'{path} exists and is not overwritten; choose another name'

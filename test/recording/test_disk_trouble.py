@@ -17,6 +17,7 @@ from bearing_twin.recording.recover import find_unfinished, recover
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.streams.statefile import StateFolder
 import pytest
 from recording_samples import START, VIBRATION, vibration_cdr
 import yaml
@@ -225,3 +226,15 @@ def test_nodes_import_nothing_from_the_working_directory(
         nodes.start('recorder', {'output': str(tmp_path / 'run'), 'compression': 'no such'})
         assert nodes.wait('recorder', 60.0) == 1
     assert 'is not one of zstd, lz4, none' in (tmp_path / 'logs' / 'recorder.log').read_text()
+
+
+def test_a_state_on_a_full_disk_takes_no_name(tmp_path: Path) -> None:
+    states = StateFolder(str(tmp_path))
+    with file_size_limit(20_000), pytest.raises(BearingTwinError, match='cannot be written'):
+        states.save('a', bytes(100_000))
+    assert not any(tmp_path.iterdir())
+    states.save('a', bytes(100_000))
+    with pytest.raises(BearingTwinError, match='is not overwritten'):
+        states.save('a', b'')
+    assert states.load('a') == bytes(100_000)
+    assert [path.name for path in tmp_path.iterdir()] == ['a']
