@@ -18,7 +18,7 @@ from bearing_twin.bearing import Bearing, named_bearing, NEXT_STEPS
 from bearing_twin.cli.diagnose_series import run_series
 from bearing_twin.cli.diagnose_text import line, page
 from bearing_twin.cli.signal_arguments import add_signal_arguments, given_bearing, given_speed
-from bearing_twin.cli.terminal import progress, shown, shown_inside
+from bearing_twin.cli.terminal import progress, refuse_given, shown, shown_inside
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.dataset import dataset_signals, is_dataset
@@ -27,6 +27,10 @@ from bearing_twin.recording.foreign import channels, read_signal
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Iterator, Sequence
+
+SINGLE = {'speed_tolerance': None, 'plot': None, 'jobs': None, 'dask': None}
+SERIES = {'cycle': None, 'baseline': 60, 'hold': 3600.0}
+"""Options of single files and of series, with the values that they have if they are not given."""
 
 __all__ = [
     'Task',
@@ -119,7 +123,9 @@ def run(args: argparse.Namespace) -> int:
     if args.channels:
         return _list_channels(args)
     if args.series:
+        refuse_given(args, SINGLE, 'not with --series, which judges all files together')
         return run_series(args, given_speed(args))
+    refuse_given(args, SERIES, 'only with --series')
     tasks = _tasks(args)
     unread = 0
     for done, answer in enumerate(_answers(tasks, args), start=1):

@@ -50,7 +50,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help='message type (default float32_multi_array): blocks without a stamp, one sample a '
         'message (in x), or blocks as the diagnosis takes them',
     )
-    parser.add_argument('--rate', type=float, metavar='HZ', help='sample rate; else what it says')
+    parser.add_argument(
+        '--rate', '--sample-rate', type=float, metavar='HZ', help='sample rate; else what it says'
+    )
     parser.add_argument('--topic', help='default: samples, imu or vibration')
     parser.add_argument('--loop', action='store_true', help='start again at the end')
     parser.add_argument(

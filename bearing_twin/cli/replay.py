@@ -14,7 +14,7 @@ import threading
 import time
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.cli.terminal import shown
+from bearing_twin.cli.terminal import refuse_given, shown
 from bearing_twin.errors import BearingTwinError
 import yaml
 
@@ -23,6 +23,18 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 __all__ = ['configure', 'run']
+
+LIVE = {
+    'rate': 1.0,
+    'loop': False,
+    'start_offset': 0.0,
+    'duration': 0.0,
+    'topics': [],
+    'remap': [],
+    'clock': 0.0,
+    'start_paused': False,
+}
+OFFLINE: dict[str, Any] = {'output': None, 'twin': [], 'diagnosis': [], 'json': False}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -55,7 +67,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Replay; status 0 if everything was."""
-    return _offline(args) if args.offline else _live(args)
+    if args.offline:
+        refuse_given(args, LIVE, 'only a live replay has it; --offline runs all of the recording')
+        return _offline(args)
+    refuse_given(args, OFFLINE, 'only a replay with --offline has it')
+    return _live(args)
 
 
 def _live(args: argparse.Namespace) -> int:
@@ -96,7 +112,7 @@ def _offline(args: argparse.Namespace) -> int:
             stop=interrupted.is_set,
         )
     took = time.perf_counter() - began
-    status = 130 if report.stopped else 0
+    status = 130 if report.stopped else 1 if report.problems else 0
     if args.json:
         print(json.dumps({**asdict(report), 'seconds': took}, default=str))
         return status

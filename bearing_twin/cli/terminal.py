@@ -6,11 +6,44 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import Any, TextIO
+from typing import Any, TextIO, TYPE_CHECKING
 
-__all__ = ['by_level', 'coloured', 'progress', 'shown', 'shown_inside']
+from bearing_twin.errors import BearingTwinError
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Mapping
+
+__all__ = ['by_level', 'coloured', 'progress', 'refuse_given', 'shown', 'shown_inside']
 
 _COLOURS = {'ok': '32', 'suspect': '33', 'fault': '1;31', 'none': '36', 'bold': '1'}
+
+
+def refuse_given(args: argparse.Namespace, defaults: Mapping[str, Any], why: str) -> None:
+    """
+    Refuse options that would do nothing.
+
+    Parameters
+    ----------
+    args
+        What was given.
+    defaults
+        The options, with the values that they have if they are not given.
+    why
+        End of the sentence after their names.
+
+    Raises
+    ------
+    BearingTwinError
+        If one of them is given.
+
+    """
+    given = [
+        f'--{name.replace("_", "-")}' for name in defaults if getattr(args, name) != defaults[name]
+    ]
+    if given:
+        msg = f'{", ".join(given)}: {why}'
+        raise BearingTwinError(msg)
 
 
 def coloured(stream: TextIO) -> bool:
