@@ -109,6 +109,7 @@ class ParameterSet:
         given: Mapping[str, Any] | None = None,
         inherited: Mapping[str, Any] | None = None,
     ) -> None:
+        self._node = node
         self._specs = {spec.name: spec for spec in specs}
         self._check = check
         self._apply = apply
@@ -164,7 +165,10 @@ class ParameterSet:
         return {n: value for n, value in ours.items() if n in self._specs}
 
     def _on_set(self, parameters: list[Parameter[Any]]) -> SetParametersResult:
-        if self._locked() and any(p.name == 'use_sim_time' for p in parameters):
+        simulated = self._node.get_parameter('use_sim_time').value
+        if self._locked() and any(
+            p.name == 'use_sim_time' and p.value != simulated for p in parameters
+        ):
             reason = (
                 'use_sim_time cannot change while the node runs: its stamps would jump; start the '
                 "node anew with '-p use_sim_time:=true'"
