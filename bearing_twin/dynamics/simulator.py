@@ -142,7 +142,8 @@ class Simulator:
         self.sample_rate = filters.check_rate(sample_rate)
         self._oversample = filters.oversampling(sample_rate)
         self._taps = filters.decimator(self._oversample)
-        self._start = (check_temperature(float(temperature)), check_speed(shaft_hz))
+        self.start = (check_temperature(float(temperature)), check_speed(shaft_hz))
+        """Temperature and speed to which :meth:`reset` goes back, degC and Hz."""
         self.tick = inner_ring.tick_length(sample_rate)
         self._drift = np.zeros((2, coefficients.INPUTS))
         self._rings = np.full(2, math.nan)
@@ -181,7 +182,7 @@ class Simulator:
         if seed is not None:
             self._reseed(_checked(seed))
         self.next_sample = 0
-        self._temperature, self._shaft_hz = self._start
+        self._temperature, self._shaft_hz = self.start
         self._history = np.zeros((2, len(self._taps) - self._oversample))
         self._state = np.zeros(1, STATE)
         self._settle_ring()

@@ -50,8 +50,7 @@ class TwinNode(ManagedNode):
         steps(own, rate)
         # Also the calibration in force, which may be of the topic, and that of the next block.
         taken: list[Fitted | None] = list(self._twin.calibrations) if self.configured else []
-        if not self.configured or values['calibration'] != self.parameters['calibration']:
-            taken.append(named(values))
+        taken.append(self._calibration.asked(values)[1] if self.configured else named(values))
         for fitted in filter(None, taken):
             fitted.check(own, rate)
         realtime.check_thresholds(values)

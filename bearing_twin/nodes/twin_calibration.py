@@ -52,7 +52,7 @@ class TwinCalibration:
         self, node: ManagedNode, twin: Twin, values: Mapping[str, Any], health: Health
     ) -> None:
         self._node, self._twin, self._health = node, twin, health
-        self._name, self._problem = '', ''
+        self._name, self._text, self._problem = '', '', ''
         self._topic = (
             subscribe(node, Calibration, 'calibration', self._on_calibration, RESULT)
             if values['follow_calibration']
@@ -64,9 +64,23 @@ class TwinCalibration:
         """Take the calibration that changed parameters name."""
         if values['calibration'] or values['follow_calibration']:
             self._health.add('calibration', self.status)
-        if values['calibration'] != self._name:
-            self._twin.take(named(values))
-            self._name = values['calibration']
+        differs, fitted = self.asked(values)
+        if differs:
+            self._twin.take(fitted)
+            self._name, self._text = values['calibration'], fitted.text if fitted else ''
+
+    def asked(self, values: Mapping[str, Any]) -> tuple[bool, Fitted | None]:
+        """
+        Whether the parameters name another calibration than before, by name or content; and it.
+
+        A file that has gone since it was read is no other one.
+        """
+        name = values['calibration']
+        same = name == self._name
+        if same and name and not StateFolder(values['state_directory']).path(name).exists():
+            return False, None
+        fitted = named(values)
+        return not same or (fitted is not None and fitted.text != self._text), fitted
 
     def destroy(self) -> None:
         """Hear no more."""

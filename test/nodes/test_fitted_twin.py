@@ -132,6 +132,16 @@ def test_a_calibration_that_is_not_of_this_twin_is_refused(values, change, text,
     assert twin.fitted is None
 
 
+def test_a_reset_goes_back_to_the_start_also_after_a_calibration(calibration):
+    twin = Twin(VALUES)
+    twin.simulator.advance(1024, 60.0, 20.0)
+    twin.take(read_fitted(calibration))
+    run(twin, 2)
+    assert twin.simulator.parameters.load != Twin(VALUES).simulator.parameters.load
+    twin.reset()
+    assert (twin.simulator.temperature, twin.simulator.shaft_hz) == (40.0, SHAFT)
+
+
 def test_an_unstable_path_is_refused(calibration):
     values = json.loads(calibration)
     values['path']['denominator'] = [1.0, -1.1]
@@ -242,6 +252,18 @@ def test_a_recording_of_a_twin_that_took_one_is_verified(nodes, probe, calibrati
         'how alike twin and machine are',
     )
     assert float(probe.statuses['twin: calibration'][2]['distance_db']) < 3.0
+    # A new fit in the same file is another calibration; a file that has gone is none.
+    (tmp_path / 'pump.json').write_text(calibration.replace('"unit": "g"', '"unit": "m/s^2"'))
+    assert probe.set_parameters('twin', calibration='pump.json') == (True, '')
+    probe.until(lambda: blocks[-1].unit == 'm/s^2', 'the unit of the new fit')
+    (tmp_path / 'pump.json').write_text('{}')
+    done, why = probe.set_parameters('twin', calibration='pump.json')
+    assert not done and 'no calibration' in why
+    (tmp_path / 'pump.json').write_text(calibration)
+    assert probe.set_parameters('twin', calibration='pump.json') == (True, '')
+    probe.until(lambda: blocks[-1].unit == 'g', 'the unit of the first fit')
+    (tmp_path / 'pump.json').unlink()
+    assert probe.set_parameters('twin', load=321.0) == (True, '')
     assert probe.set_parameters('twin', calibration='') == (True, '')
     probe.until(lambda: blocks[-1].unit == 'm/s^2', 'the own unit')
     nodes.end('twin')
