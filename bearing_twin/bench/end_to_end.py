@@ -29,11 +29,15 @@ SETTLE = 3.0
 """Time after which discovery and the first, short windows are over, s."""
 STEP = 30.0
 """Time between two looks at whether all processes still run, s."""
+SHAFT_HZ = 25.4
 NODES = ('twin', 'diagnosis', 'recorder')
 
 
 def live_run(
-    seconds: float, *, progress: Callable[[float], None] | None = None
+    seconds: float,
+    *,
+    calibrate: bool = False,
+    progress: Callable[[float], None] | None = None,
 ) -> dict[str, float]:
     """
     Run twin, diagnosis and recorder (MCAP and Rerun, served and filed) for one bearing.
@@ -42,6 +46,8 @@ def live_run(
     ----------
     seconds
         Time measured.
+    calibrate
+        Whether the calibration node fits the twin beside them.
     progress
         Called with the seconds that have passed, every half minute.
 
@@ -52,7 +58,8 @@ def live_run(
         ``late_blocks``: blocks later than one block period; ``dropped_blocks``;
         ``lateness_p50_ms``, ``_p99_ms``, ``_max_ms``: of publishing against the deadline;
         ``delivery_p99_ms``, ``_max_ms``: from a block's last sample to the recorder having it;
-        ``lost_blocks``: published in that time but not in the recording.
+        ``lost_blocks``: published in that time but not in the recording; ``fits`` and
+        ``fit_cost_s``: calibrations and the greatest processor time of one, if ``calibrate``.
 
     """
     with tempfile.TemporaryDirectory() as name, own_domain(os.getpid()) as domain:
@@ -69,6 +76,8 @@ def live_run(
             )
             nodes.start('diagnosis', {})
             nodes.start('twin', {'defect': 'inner'})
+            if calibrate:
+                nodes.start('calibration', {'shaft_hz': SHAFT_HZ})
             wait_for(folder / 'bag', nodes)
             time.sleep(SETTLE)
             began, cpu = time.time_ns(), {node: cpu_seconds(nodes.pid(node)) for node in NODES}
@@ -79,7 +88,7 @@ def live_run(
                 for node in NODES
             }
             nodes.check()
-            for node in ('twin', 'diagnosis', 'recorder'):
+            for node in (*(['calibration'] if calibrate else []), 'twin', 'diagnosis', 'recorder'):
                 nodes.end(node)
         return {
             'core_share': sum(share.values()),
@@ -124,7 +133,7 @@ def cpu_seconds(pid: int) -> float:
 
 def _punctuality(bag: Path, began: int, ended: int) -> dict[str, float]:
     lateness, delivery, indices = [], [], []
-    period, dropped = 0.0, 0
+    period, dropped, costs = 0.0, 0, []
     for message in read_messages(bag):
         if not began <= message.log_time <= ended:
             continue
@@ -138,11 +147,15 @@ def _punctuality(bag: Path, began: int, ended: int) -> dict[str, float]:
             state = message.decode()
             lateness.append(state.lateness)
             dropped = state.blocks_dropped
+        elif message.topic == '/calibration':
+            costs.append(float(message.decode().cost))
     if not lateness or not delivery:
         msg = 'the recording of the live run holds no block'
         raise BearingTwinError(msg)
     late = np.array(lateness)
+    fits = {'fits': float(len(costs)), 'fit_cost_s': max(costs)} if costs else {}
     return {
+        **fits,
         'blocks': float(len(late)),
         'late_blocks': float((late > period).sum()),
         'dropped_blocks': float(dropped),

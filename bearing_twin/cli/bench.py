@@ -46,6 +46,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help='run twin, diagnosis, recorder and Rerun as processes: core share and lateness',
     )
     parser.add_argument(
+        '--calibrate',
+        action='store_true',
+        help='the same with a calibration beside them, each 30 s',
+    )
+    parser.add_argument(
         '--seconds', type=float, default=60.0, help='length of the live run (default 60)'
     )
     parser.add_argument('--json', action='store_true', help='print the figures as JSON')
@@ -61,16 +66,17 @@ def run(args: argparse.Namespace) -> int:
         msg = f'--seconds {args.seconds:g} is too short to measure a live run: at least 5'
         raise BearingTwinError(msg)
     figures: dict[str, float] = {}
-    names = args.names or ([] if args.live else list(BENCHES))
+    names = args.names or ([] if args.live or args.calibrate else list(BENCHES))
     for done, name in enumerate(names, start=1):
         _say(args, f'{by_level(name, "bold")} ({done} of {len(names)}): {BENCHES[name]} ...')
         figures |= importlib.import_module(f'bearing_twin.bench.{name}').measure()
-    if args.live:
+    if args.live or args.calibrate:
         _say(args, f'live run of {args.seconds:g} s ...')
         from bearing_twin.bench.end_to_end import live_run
 
         figures |= live_run(
             args.seconds,
+            calibrate=args.calibrate,
             progress=lambda passed: _say(args, f'{passed:.0f} of {args.seconds:g} s'),
         )
     if args.json:
