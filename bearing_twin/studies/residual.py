@@ -17,11 +17,12 @@ from pathlib import Path
 import sys
 from typing import TYPE_CHECKING
 
-from bearing_twin.calibration.residual import LEAST, Residual, spectral_levels
+from bearing_twin.calibration.residual import DECISIONS_A_YEAR, LEAST, Residual, spectral_levels
 from bearing_twin.recording.snapshots import read_snapshots
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
 from scipy.signal import lfilter
+from scipy.stats import chi2
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -164,7 +165,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     args = parser.parse_args(argv)
     machines = args.machines
     print_table(
-        ('healthy decisions', 'judged', 'false alarms', 'largest number'), _rates(machines)
+        ('healthy decisions', 'judged', 'false alarms', 'a year', '95 % below', 'largest number'),
+        _rates(machines),
     )
     print()
     print_table(
@@ -185,7 +187,11 @@ def _rates(machines: int) -> Iterator[tuple[object, ...]]:
         ('long tails', 0.0, True),
     ):
         alarms, largest = false_alarms(machines, 1000, memory=memory, heavy=heavy)
-        yield name, machines * 1000, alarms, f'{largest:.2f}'
+        judged = machines * 1000
+        # At one decision a minute; the bound is that of a Poisson number.
+        year = DECISIONS_A_YEAR / judged
+        most = float(chi2.ppf(0.95, 2 * (alarms + 1))) / 2.0
+        yield name, judged, alarms, f'{alarms * year:.2f}', f'{most * year:.1f}', f'{largest:.2f}'
 
 
 if __name__ == '__main__':
