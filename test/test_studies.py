@@ -3,6 +3,7 @@
 """Studies write where they are told, and never into the package."""
 
 import json
+import math
 from pathlib import Path
 
 import bearing_twin.diagnosis
@@ -65,11 +66,34 @@ def test_generalisation_prints_tables(capsys):
     assert sum(counts) <= 4
 
 
-def test_calibration_writes_its_tables(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(calibration, 'CANDIDATES', 96)
-    monkeypatch.setattr(calibration, 'TWINS', 4)
-    calibration.main([str(tmp_path / 'out.json'), '1', '0', '2', '1', '--jobs', '1'])
-    table = json.loads((tmp_path / 'out.json').read_text())
-    assert len(table['twins']['rows']) == table['twins']['faulty'] == 4
-    assert len(table['twins, by fit']['rows']) == 1
-    assert '| resonance hz |' in capsys.readouterr().out
+def test_calibration_goes_on_where_it_was_and_prints_its_tables(tmp_path, monkeypatch, capsys):
+    out = tmp_path / 'out.jsonl'
+    every = dict(calibration.SIMULATED)
+    for name, count in (('twins', 1), ('paths', 1), ('paths', 3)):
+        monkeypatch.setattr(calibration, 'SIMULATED', {name: every[name]})
+        calibration.main([str(out), str(count), '--jobs', '1'])
+    lines = [json.loads(line) for line in out.read_text().splitlines()]
+    assert [(line['group'], line['name']) for line in lines] == [
+        ('twins', '0'), ('paths', '0'), ('paths', '1'), ('paths', '2'),
+    ]  # fmt: skip
+    calibration.print_tables(lines)
+    said = capsys.readouterr().out
+    assert '| noise floor | 3 |' in said and '| frequency of a resonance |' in said
+    out.write_text('{')
+    with pytest.raises(BearingTwinError, match='no file of this study'):
+        calibration.main([str(out), '0'])
+
+
+def test_a_count_of_intervals_that_hold():
+    """Three of four told hold, one of them narrowly; what is not told counts apart."""
+    row = {'place': 'inner', 'q25': 0.9, 'q75': 1.1, 'identifiable': True, 'rank': 0.5}
+    rows = [
+        row | {'width': width, 'q05': 0.8, 'median': 1.0, 'q95': 1.25}
+        for width in (0.8, 1.0, 1.25, 2.0)
+    ]
+    rows.append(rows[1] | {'identifiable': False})
+    rows.append(rows[1] | {'width': math.nan})
+    said = calibration.summary(rows)
+    assert (said['faulty'], said['told']) == (5, 4)
+    assert (said['within_90'], said['within_50'], said['within_90_all']) == (0.75, 0.25, 0.8)
+    assert said['median_error'] == pytest.approx(0.225)

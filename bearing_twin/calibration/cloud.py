@@ -61,6 +61,11 @@ class Situation:
         return contact_speed(self.bearing, self.place, self.shaft_hz, self.slip)
 
     @property
+    def strikes(self) -> float:
+        """Balls that pass the defect in a second."""
+        return fault_frequencies(self.bearing, self.shaft_hz, self.slip).impacts(self.place)
+
+    @property
     def longest(self) -> float:
         """Longest time between two impacts of a passage, s."""
         return 1.1 * widest(self.bearing) / self.speed
@@ -218,8 +223,7 @@ def simulate(situation: Situation, values: dict[str, FloatArray], seed: int) -> 
     2
 
     """
-    rates = fault_frequencies(situation.bearing, situation.shaft_hz, situation.slip)
-    seconds = IMPACTS / rates.impacts(situation.place)
+    seconds = IMPACTS / situation.strikes
     return [
         summarise(x, situation.sample_rate, situation.longest)
         for batch in vibrations(situation, values, seconds, seed)

@@ -20,15 +20,14 @@ from bearing_twin.calibration.cloud import (
     vibrations,
 )
 from bearing_twin.calibration.estimates import (
-    LINE_DAMPING,
     of_defect,
     of_path,
     supposed,
     without_defect,
 )
 from bearing_twin.calibration.passage import load_range
-from bearing_twin.calibration.path import identify, REACH_S, resonances
-from bearing_twin.calibration.refusals import MANY_WIDTHS, unresolved, untold
+from bearing_twin.calibration.path import identify, LINE_DAMPING, REACH_S, resonances
+from bearing_twin.calibration.refusals import MANY_WIDTHS, no_impacts, too_wide, unresolved, untold
 from bearing_twin.calibration.result import Calibration, in_words
 from bearing_twin.calibration.summaries import summarise
 from bearing_twin.diagnosis import diagnose_record
@@ -118,12 +117,12 @@ def fit(
     # The first fit of an installation compiles the kernels: that is no cost of a fit.
     warm_up(fleet=True)
     start = time.process_time()
-    slip, verdict = math.nan, ''
+    slip, verdict, named = math.nan, '', place is not None
     if place is None:
         said = diagnose_record(x, sample_rate, bearing, shaft_hz, unit=unit)
         place, slip = said.result if said.result in PLACES else 'none', said.slip
         if place == 'none' and said.result != 'healthy':
-            verdict = f'; the diagnosis says {said.result}'
+            verdict = f'the diagnosis says {said.result} and names no part; --place names one'
     elif place not in (*PLACES, 'none'):
         msg = f"place={place!r}: choose 'none' or one of {', '.join(PLACES)}"
         raise BearingTwinError(msg)
@@ -131,7 +130,7 @@ def fit(
         situation = replace(situation, slip=slip)
     x, rate = _decimated(x, sample_rate)
     situation = replace(situation, place=place, sample_rate=rate)
-    return _fitted(x, situation, unit, candidates, seed, start, verdict)
+    return _fitted(x, situation, unit, candidates, seed, start, verdict, named=named)
 
 
 def fitted_vibration(found: Calibration, seconds: float, seed: int = 0) -> FloatArray:
@@ -225,12 +224,17 @@ def _fitted(
     seed: int,
     start: float,
     verdict: str,
+    *,
+    named: bool,
 ) -> Calibration:
     measured = summarise(x, situation.sample_rate, situation.longest)
     modes = resonances(x, situation.sample_rate)
     defective = situation.place in ('inner', 'outer')
     if defective:
-        left, refusal = _defect(measured, situation, modes, candidates, seed)
+        refusal = too_wide(x, situation, measured)
+        if named:
+            refusal = no_impacts(x, situation) or refusal
+        left, refusal = _defect(measured, situation, modes, candidates, seed, refusal)
         values, weights = left.values, left.weights
     else:
         prior = unknowns(situation)
@@ -243,11 +247,10 @@ def _fitted(
     scale = factor if math.isfinite(factor) else float(before.std() / x.std())
     quantities = of_path(x, path, modes, situation, unit)
     if defective:
-        quantities |= of_defect(left, situation, measured.spacing, refusal)
+        quantities |= of_defect(left, situation, measured, refusal)
         statement = in_words(situation.place, quantities['defect_width_mm'])
     else:
-        width, statement = without_defect(x, situation, scale, unit, seed)
-        statement += verdict
+        width, statement = without_defect(x, situation, scale, unit, seed, verdict)
         quantities |= {'defect_width_mm': width, **supposed(values, weights, situation)}
     fitted = path.filter(seed).apply(twin)[len(path.denominator) :]
     machine, own, other = (
@@ -275,10 +278,15 @@ def _fitted(
 
 
 def _defect(
-    measured: Summary, situation: Situation, modes: list[Resonance], candidates: int, seed: int
+    measured: Summary,
+    situation: Situation,
+    modes: list[Resonance],
+    candidates: int,
+    seed: int,
+    refusal: str,
 ) -> tuple[Posterior, str]:
     """Return what is left possible of a defect, and why its width is not told, or ''."""
-    refusal = unresolved(measured)
+    refusal = refusal or unresolved(measured)
     if refusal:
         return posterior.limit(measured, situation, candidates=candidates, seed=seed), refusal
     left = posterior.sample(measured, situation, candidates=candidates, seed=seed)

@@ -25,7 +25,16 @@ from scipy import fft
 if TYPE_CHECKING:
     from bearing_twin.calibration.cloud import Situation
 
-__all__ = ['LOSS_DB', 'UNKNOWN_DB', 'WIDTHS_MM', 'Shown', 'shown', 'smallest_shown']
+__all__ = [
+    'COMB_OVER_FLOOR',
+    'LOSS_DB',
+    'UNKNOWN_DB',
+    'WIDTHS_MM',
+    'Shown',
+    'line_over_floor',
+    'shown',
+    'smallest_shown',
+]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -45,8 +54,10 @@ _EACH = 16
 """Candidates of each width: a group of lanes of the fleet."""
 _SECONDS = 1.2
 _HARMONICS = 3
-_COMB_OVER_FLOOR = 25.0
-"""Mean of the comb's lines over the floor: noise reaches it once in e^25 bins."""
+COMB_OVER_FLOOR = 25.0
+"""A line, or the mean of a comb's, over the floor: noise reaches it once in e^25 bins."""
+SLIPPED = 0.03
+"""Most that slip, with an error of the speed, moves the impacts."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +109,46 @@ def shown(x: FloatArray, sample_rate: float, frequency: float) -> bool:
         lines.append(float(near.max()))
         ratios.append(lines[-1] / max(float(np.median(around)) / math.log(2.0), 1e-300))
     index = 2.0 * math.sqrt(sum(lines))
-    return index >= INDEX_SUSPECT and float(np.mean(ratios or [0.0])) >= _COMB_OVER_FLOOR
+    return index >= INDEX_SUSPECT and float(np.mean(ratios or [0.0])) >= COMB_OVER_FLOOR
+
+
+def line_over_floor(x: FloatArray, situation: Situation) -> float:
+    """
+    Highest line at the frequency of the impacts, whatever their slip, over the floor about it.
+
+    Lines of the shaft are left out: an inner race has them whatever its bearing. So are harmonics:
+    three of an outer race may be two of an inner one.
+
+    Parameters
+    ----------
+    x
+        Samples, shape (n,).
+    situation
+        Of the machine.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration.cloud import Situation
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> x = np.random.default_rng(1).standard_normal(25600)
+    >>> line_over_floor(x, machine) < 15.0
+    True
+    >>> x[::143] += 12.0
+    >>> line_over_floor(x, machine) > 100.0
+    True
+
+    """
+    envelope, rate = squared_envelope(x, situation.sample_rate)
+    power = np.abs(fft.rfft(envelope)) ** 2
+    hertz = np.arange(len(power)) * rate / len(envelope)
+    apart = hertz / situation.strikes - 1.0
+    shaft = np.abs(hertz - situation.shaft_hz * np.round(hertz / situation.shaft_hz))
+    near = (np.abs(apart) < SLIPPED) & (shaft > 1.5 * hertz[1] + 0.002 * hertz)
+    floor = float(np.median(power[np.abs(apart) < 0.2])) / math.log(2.0)
+    return float(power.max(initial=0.0, where=near)) / max(floor, 1e-300)
 
 
 def smallest_shown(

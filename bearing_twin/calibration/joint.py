@@ -107,6 +107,8 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     values = np.concatenate([each.candidates[WIDTH] for each in of])
     weights = np.concatenate([each.weights / len(of) for each in of])
     low, median, high = (float(v) for v in weighted_quantile(values, weights, (0.05, 0.5, 0.95)))
+    # No higher than what each says of itself, which allows for what the model gets wrong.
+    low = min(low, *(each.quantities[WIDTH].q05 for each in of))
     why = f'{len(telling)} of {len(found)} records tell it'
     if not telling:
         low, why = 0.0, found[0].quantities[WIDTH].why

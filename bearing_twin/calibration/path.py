@@ -19,9 +19,9 @@ from bearing_twin.dynamics.sensor_path import SensorPath
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
-from scipy import fft, linalg
+from scipy import fft, linalg, signal
 
-__all__ = ['Resonance', 'identify', 'resonances']
+__all__ = ['LINE_DAMPING', 'Resonance', 'identify', 'noise_floor', 'resonances']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -39,6 +39,11 @@ SEGMENTS = 8
 MOST_MODES = 4
 _SHARE_OF_POWER = 0.05
 """Least share of a resonance in the power of the signal."""
+FOUND = 0.75
+"""Least share of the parts of a record in which a resonance has to be found."""
+LINE_DAMPING = 0.002
+"""Damping below which a pole is a line of the mains or of a drive, not a resonance."""
+_QUIETEST = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +56,11 @@ class Resonance:
     """Of the power of the vibration."""
     found: float
     """Share of the parts of the record in which it is found."""
+
+    @property
+    def told(self) -> bool:
+        """Whether enough parts of the record agree on it."""
+        return self.found >= FOUND and math.isfinite(self.hz[2])
 
 
 def _power(x: FloatArray) -> FloatArray:
@@ -158,6 +168,45 @@ def resonances(x: FloatArray, sample_rate: float) -> list[Resonance]:
             )
         )
     return found
+
+
+def noise_floor(x: FloatArray, sample_rate: float) -> tuple[float, float, float]:
+    """
+    5 %, median and 95 % of the density of the quietest twentieth of a spectrum, per root Hz.
+
+    The quietest frequencies of one half of the record are measured in the other: those of the same
+    half would be the luckiest.
+
+    Parameters
+    ----------
+    x
+        Samples, shape (n,).
+    sample_rate
+        Hz.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(1).standard_normal(25600)
+    >>> [round(value, 3) for value in noise_floor(noise, 12800.0)]
+    [0.012, 0.012, 0.013]
+
+    """
+    parts = np.array_split(x, SEGMENTS)
+    length = max(64, int(0.02 * sample_rate))
+    density = np.array(
+        [signal.welch(part, sample_rate, nperseg=min(len(part), length))[1] for part in parts]
+    )
+    # The mean that is taken off each segment takes from the lowest lines too.
+    density = density[:, 4 : int(0.86 * density.shape[1])]
+    floors = np.empty(SEGMENTS)
+    for first in (0, 1):
+        others = density[1 - first :: 2].mean(axis=0)
+        quietest = others <= np.quantile(others, _QUIETEST)
+        floors[first::2] = np.sqrt(density[first::2, quietest].mean(axis=1))
+    middle = float(floors.mean())
+    # The two choices of frequencies are common to four parts each.
+    half_width = _STUDENT * float(floors.std(ddof=1)) / math.sqrt(SEGMENTS - 2)
+    return max(middle - half_width, 0.0), middle, middle + half_width
 
 
 def _modes(x: FloatArray, sample_rate: float, order: int) -> list[tuple[float, float, float]]:

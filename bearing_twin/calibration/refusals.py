@@ -7,6 +7,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearing_twin.calibration import posterior
+from bearing_twin.calibration.healthy import COMB_OVER_FLOOR, line_over_floor
+from bearing_twin.calibration.passage import widest
+from bearing_twin.calibration.summaries import summarise
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -14,8 +17,21 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.cloud import Situation
     from bearing_twin.calibration.posterior import Posterior
     from bearing_twin.calibration.summaries import Summary
+    import numpy as np
+    from numpy.typing import NDArray
 
-__all__ = ['MANY_WIDTHS', 'NARROWED', 'ringing', 'unresolved', 'untold']
+    FloatArray = NDArray[np.float64]
+
+__all__ = [
+    'MANY_WIDTHS',
+    'NARROWED',
+    'WIDER',
+    'no_impacts',
+    'ringing',
+    'too_wide',
+    'unresolved',
+    'untold',
+]
 
 NARROWED = 0.5
 """A quantity is identifiable where its 90 % interval is at most this share of the prior's."""
@@ -25,10 +41,80 @@ RIVAL = 0.25
 """Most that a second spacing may be as clear as the first. Fixed on CWRU, as is `RESOLVED`: spots
 of 0.18 mm leave a second impact after 2.0 ms at any speed, beside another a third as clear."""
 MANY_WIDTHS = 'defects of many widths give impacts like these'
+WIDER = 'the defect may be wider'
 PERIODS = 2.0
 """Least periods of the resonance it excites that a passage has to last."""
 SAME_TIME, OTHER_SPEED = 0.03, 1.08
 """Two impacts at the same time within this share at speeds this far apart are ringing."""
+
+
+def no_impacts(x: FloatArray, situation: Situation) -> str:
+    """
+    Why a record has no impacts of the part that is said to have the defect; '' if it has.
+
+    Parameters
+    ----------
+    x
+        The record, shape (n,).
+    situation
+        Of the machine; its slip is not known.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration.cloud import Situation
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> no_impacts(np.random.default_rng(1).standard_normal(25600), machine)[:44]
+    'no impacts at the 89.6 Hz of the outer race '
+
+    """
+    strikes = situation.strikes
+    if line_over_floor(x, situation) >= COMB_OVER_FLOOR:
+        return ''
+    return (
+        f'no impacts at the {strikes:.1f} Hz of the {situation.place} race stand out: check '
+        'bearing, speed and place'
+    )
+
+
+def too_wide(x: FloatArray, situation: Situation, measured: Summary) -> str:
+    """
+    Why a defect may be wider than is simulated; '' if it is not.
+
+    Parameters
+    ----------
+    x
+        The record, shape (n,).
+    situation
+        Of the machine.
+    measured
+        Summary of the record.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration.cloud import Situation
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> noise = np.random.default_rng(1).standard_normal(25600)
+    >>> too_wide(noise, machine, summarise(noise, 12800.0, machine.longest))
+    ''
+
+    """
+    # Half way to the next ball it is no longer clear which two impacts are of one.
+    farther = summarise(x, situation.sample_rate, 0.45 / situation.strikes)
+    if farther.prominence <= measured.prominence or farther.spacing <= situation.longest:
+        return ''
+    return (
+        f'the clearest two impacts are {1e3 * farther.spacing * situation.speed:.1f} mm apart on '
+        f'the race, and the widest defect that is simulated has '
+        f'{1e3 * widest(situation.bearing):.1f} mm: {WIDER}'
+    )
 
 
 def unresolved(measured: Summary) -> str:

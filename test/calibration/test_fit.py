@@ -18,7 +18,7 @@ from bearing_twin.calibration.passage import (
     path_curvature,
     widest,
 )
-from bearing_twin.calibration.path import identify, resonances
+from bearing_twin.calibration.path import identify, noise_floor, resonances
 from bearing_twin.calibration.summaries import summarise
 from bearing_twin.calibration.whatif import expect, features
 from bearing_twin.cli import main
@@ -243,10 +243,49 @@ def test_ringing_at_two_speeds_is_no_width():
     moved = replace(both[1], spacing_s=both[1].spacing_s * 1.2)
     found, width, _ = joined([both[0], moved])
     assert width.why == '2 of 2 records tell it' and len(found) == 2
-    ends = [x.candidates['defect_width_mm'] for x in both]
-    assert min(map(np.min, ends)) <= width.q05 < width.median < width.q95
+    # No record alone says that it is wider than that.
+    assert width.q05 <= told['q05'] < width.median < width.q95
     with pytest.raises(BearingTwinError, match='not of one defect'):
         joined([both[0], replace(moved, situation=replace(moved.situation, place='inner'))])
+
+
+def test_the_lower_bound_holds_where_the_impacts_are_those_of_the_edges():
+    """The twin takes the path of a ball off, which a train of impacts does not have."""
+    found = fit(impact_train(2e-3, 'inner', 12.0), RATE, BEARING, 12.0, place='inner')
+    width = found.quantities['defect_width_mm']
+    assert width.identifiable, width.why
+    assert width.q05 < 2.0 < width.q95
+
+
+def test_a_slot_wider_than_is_simulated_is_said_to_be():
+    assert 1e3 * widest(BEARING) < 6.0
+    found = fit(impact_train(6e-3, 'outer', 12.0), RATE, BEARING, 12.0, place='outer',
+                candidates=64)  # fmt: skip
+    width = found.quantities['defect_width_mm']
+    assert not width.identifiable and 'are 6.0 mm apart' in width.why
+    assert width.q95 == pytest.approx(math.pi * (39.04 + 7.94) / 9, rel=1e-3)
+
+
+@pytest.mark.parametrize(('place', 'shaft_hz'), [('outer', 12.0), ('inner', 13.0)])
+def test_impacts_of_another_part_or_speed_are_no_width(place, shaft_hz):
+    x = impact_train(2e-3, 'inner', 12.0)
+    width = fit(x, RATE, BEARING, shaft_hz, place=place, candidates=64).quantities[
+        'defect_width_mm'
+    ]
+    assert not width.identifiable
+    assert f'of the {place} race stand out: check bearing, speed and place' in width.why
+
+
+def test_the_floor_of_a_sensor_is_found():
+    """The quietest frequencies of the same samples would be the luckiest."""
+    held, medians = 0, []
+    for seed in range(60):
+        noise = np.random.default_rng(seed).standard_normal(51200)
+        low, median, high = noise_floor(noise, RATE)
+        held += low < math.sqrt(2.0 / RATE) < high
+        medians.append(median)
+    assert held >= 48
+    assert np.mean(medians) == pytest.approx(math.sqrt(2.0 / RATE), rel=1e-2)
 
 
 def test_the_command_writes_what_it_found(slot, tmp_path, capsys, data_dir):
