@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.dynamics import preset
@@ -279,10 +280,12 @@ def own_ratio(parameters: TwinParameters) -> float:
     Spall depth that a ball reaches, over the static approach of the most loaded ball.
 
     The ball carries 4.37 W/Z (Stribeck, no clearance). It sinks no deeper than its radius lets it
-    between the edges, ``(w/2)^2 (1/d + 1/(D - d))`` on the inner race.
+    between the edges, ``(w/2)^2 (1/d + 1/(D - d))`` on the inner race, but through the window of
+    equation 8 by the whole depth.
     """
     bearing, defect = parameters.bearing, parameters.defects[0]
     force = 4.37 * parameters.load / bearing.n_balls
     curvature = 1.0 / bearing.d_ball + 1.0 / (bearing.d_pitch - bearing.d_ball)
-    reached = min(defect.depth, (0.5 * defect.width) ** 2 * curvature)
+    path = math.inf if defect.profile == 'rect' else (0.5 * defect.width) ** 2 * curvature
+    reached = min(defect.depth, path)
     return float(reached / (force / parameters.k_b0) ** (2.0 / 3.0))
