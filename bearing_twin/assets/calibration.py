@@ -11,6 +11,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.diagnosis_parameters import build_bearing
+from bearing_twin.assets.fitted import GEOMETRY
 from bearing_twin.assets.messages import floats, message_header
 from bearing_twin.bearing import PLACES
 from bearing_twin.calibration import Calibration as Fitted
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 __all__ = ['CalibrationCore', 'Fit', 'Task', 'work']
 
-_VERSION = 2001
+_VERSION = 2002
 SHARE = 1.0 / 3.0
 """Most of one core that is used, over time: 10 s each 30 s."""
 SHOWN_S = 2.0
@@ -181,6 +182,8 @@ class CalibrationCore:
         self._reference: dict[str, Any] | None = None
         self._seen: deque[tuple[str, float, float]] = deque(maxlen=MOST_SEEN)
         self.unexplained = Unexplained(math.nan, '', math.nan, 'nothing was fitted yet')
+        self.waiting = ''
+        """What is missing for a fit, besides vibration; '' if nothing."""
 
     def verdict(self, message: Diagnosis) -> None:
         """Take what the diagnosis says: where a defect is looked for, and what health is."""
@@ -215,7 +218,10 @@ class CalibrationCore:
         wanted = round(self._values['window'] * block.sample_rate)
         self._record.add(block, wanted)
         hertz = shaft_hz if math.isnan(block.shaft_hz) else block.shaft_hz
-        if self._record.held < wanted or now < self._next or not hertz > 0.0:
+        full = self._record.held >= wanted
+        unknown = 'no shaft speed: set shaft_hz, or joint where joint_states has it'
+        self.waiting = unknown if full and not hertz > 0.0 else ''
+        if not full or now < self._next or not hertz > 0.0:
             return None
         self._next = now + self._values['period']
         samples = np.concatenate(self._record.parts)[-wanted:].astype(np.float64)
@@ -295,9 +301,17 @@ class CalibrationCore:
             json=json.dumps(found),
         )
 
+    @property
+    def _geometry(self) -> list[float]:
+        return [getattr(self.bearing, name) for name in GEOMETRY]
+
     def save(self) -> bytes:
         """Return what is worth keeping over a restart: the healthy twin, and its residual."""
-        values = {'reference': self._reference, 'residual': asdict(self._residual)}
+        values = {
+            'geometry': self._geometry,
+            'reference': self._reference,
+            'residual': asdict(self._residual),
+        }
         return pack(_VERSION, values, {})
 
     def load(self, data: bytes) -> None:
@@ -307,10 +321,16 @@ class CalibrationCore:
         Raises
         ------
         BearingTwinError
-            If the bytes are not such a state; the present state is then unchanged.
+            If the bytes are not such a state, or of another bearing; the present state is then
+            unchanged.
 
         """
         values, _ = unpack(data, _VERSION)
+        if values.get('geometry') != self._geometry:
+            msg = (
+                f'the saved healthy twin is not of {self.bearing.name}; choose another state_name'
+            )
+            raise BearingTwinError(msg)
         reference = values.get('reference')
         if reference is not None:
             Fitted.from_dict(reference)

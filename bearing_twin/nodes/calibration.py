@@ -9,7 +9,9 @@ from concurrent.futures.process import BrokenProcessPool
 import math
 from multiprocessing import get_context
 import os
+import signal
 import sys
+import threading
 import time
 from typing import Any, TYPE_CHECKING
 
@@ -66,7 +68,8 @@ class CalibrationNode(ManagedNode):
         self._shaft = ShaftSpeed(nominal=p['shaft_hz'] or math.nan, joint=p['joint'])
         self._sources, self._gate = SourceLock(), TemperatureGate()
         self._arrived = math.nan
-        self._problem, self._latest = '', None
+        # Of the newest block, and of the newest fit.
+        self._refused, self._problem, self._latest = '', '', None
         self._running: tuple[Task, Future[Fit]] | None = None
         self._states = StateFolder(p['state_directory'])
         self._load_state()
@@ -100,7 +103,7 @@ class CalibrationNode(ManagedNode):
 
     def teardown(self) -> None:
         """Destroy what setup created."""
-        self._worker.shutdown(wait=False, cancel_futures=True)
+        _end(self._worker)
         self._states.release()
         self._health.destroy()
         self.destroy_lifecycle_publisher(self._out)
@@ -111,6 +114,10 @@ class CalibrationNode(ManagedNode):
         if core.bearing != self._core.bearing:
             # A fit that runs is of the other bearing: nobody waits for it any more.
             self._core, self._running, self._latest = core, None, None
+            name = self.parameters['state_name']
+            if name and self._states.path(name).exists():
+                kept = self._states.set_aside(name)
+                self.get_logger().warning(f'{name} is of another bearing; {kept}')
         self._shaft.set_nominal(values['shaft_hz'] or math.nan)
 
     def _on_temperature(self, message: Temperature, _: MessageInfo) -> None:
@@ -130,9 +137,9 @@ class CalibrationNode(ManagedNode):
         try:
             block = read_vibration(message, self.parameters['axis'])
         except BearingTwinError as error:
-            self._problem = str(error)
+            self._refused = str(error)
             return
-        self._arrived = now
+        self._arrived, self._refused = now, ''
         task = self._core.take(
             block,
             stamp=stamp_ns(message.header.stamp),
@@ -151,7 +158,7 @@ class CalibrationNode(ManagedNode):
             self._renew_worker()
 
     def _renew_worker(self) -> None:
-        self._worker.shutdown(wait=False)
+        _end(self._worker)
         self._worker = _worker()
         self._problem = 'its process was killed; is there enough memory? It starts anew'
         self.get_logger().error(f'not fitted: {self._problem}', throttle_duration_sec=60.0)
@@ -208,8 +215,8 @@ class CalibrationNode(ManagedNode):
         if not age <= SILENT_AFTER:
             text = 'no vibration yet' if math.isnan(age) else f'no vibration for {age:.1f} s'
             return Status(Level.STALE, text, values)
-        if self._problem:
-            return Status(Level.WARN, f'not fitted: {self._problem}', values)
+        if problem := self._refused or self._problem or self._core.waiting:
+            return Status(Level.WARN, f'not fitted: {problem}', values)
         if found is None:
             return Status(Level.STALE, 'no calibration yet', values)
         return Status(Level.OK, found.statement, values, kind='calibration')
@@ -225,8 +232,30 @@ class CalibrationNode(ManagedNode):
 
 def _worker() -> ProcessPoolExecutor:
     return ProcessPoolExecutor(
-        1, mp_context=get_context('spawn'), initializer=os.nice, initargs=(GENTLE,)
+        1, mp_context=get_context('spawn'), initializer=_begin_work, initargs=(os.getpid(),)
     )
+
+
+def _begin_work(node: int) -> None:
+    """Make this process gentle; it ends with its node, and Ctrl-C is the node's to hear."""
+    os.nice(GENTLE)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with, args=(node,), daemon=True).start()
+
+
+def _end_with(node: int) -> None:
+    """End this process where its node has been killed: the pool waits for tasks for ever."""
+    while os.getppid() == node:
+        time.sleep(1.0)
+    os._exit(1)
+
+
+def _end(worker: ProcessPoolExecutor) -> None:
+    """End a worker, and the fit that it runs, which nobody waits for any more."""
+    processes = list((worker._processes or {}).values())
+    worker.shutdown(wait=False, cancel_futures=True)
+    for process in processes:
+        process.terminate()
 
 
 def main(args: list[str] | None = None) -> int:

@@ -4,6 +4,10 @@
 
 import json
 import math
+from pathlib import Path
+import subprocess
+import sys
+import tempfile
 
 from bearing_twin.assets.calibration import CalibrationCore, Fit
 from bearing_twin.assets.calibration_parameters import SPECS
@@ -49,6 +53,7 @@ def test_a_record_is_due_each_period_whole_and_without_a_gap():
     still = CalibrationCore(VALUES | {'window': 2.0})
     assert still.take(block(0, 51200, math.nan), stamp=0, frame_id='', temperature=40.0,
                       shaft_hz=math.nan, now=0.0) is None  # fmt: skip
+    assert 'set shaft_hz' in still.waiting and core.waiting == ''
     with pytest.raises(BearingTwinError, match='load_low=5'):
         CalibrationCore(VALUES | {'load_low': 5.0})
 
@@ -84,6 +89,10 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new():
     resumed = CalibrationCore(VALUES)
     resumed.load(core.save())
     assert resumed.save() == core.save()
+    # A healthy twin of another bearing explains nothing of this one.
+    other = CalibrationCore(VALUES | {'bearing': '6205'})
+    with pytest.raises(BearingTwinError, match='not of 6205; choose another state_name'):
+        other.load(core.save())
     for number in range(45, 50):
         message = minute(number, np.array([0.0, 20.0]))
     assert message.residual_alarm and message.residual_where == 'order 1'
@@ -111,6 +120,23 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new():
     }  # fmt: skip
 
 
+def test_a_worker_ends_with_its_node():
+    """Killed, a node can not end its worker: that looks for it."""
+    code = (
+        'from bearing_twin.nodes.calibration import _worker\n'
+        "import os\nif __name__ == '__main__':\n"
+        '    print(_worker().submit(os.getpid).result(), flush=True)\n    os.kill(os.getpid(), 9)'
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        script = Path(folder) / 'node.py'
+        script.write_text(code)
+        # The worker has the same output, which ends when both have.
+        done = subprocess.run(
+            [sys.executable, script], stdout=subprocess.PIPE, check=False, timeout=300.0
+        )
+    assert done.returncode == -9 and int(done.stdout) > 0
+
+
 @pytest.mark.usefixtures('compiled')
 def test_a_hidden_twin_with_a_defect_is_fitted_while_no_block_is_lost(nodes, probe):
     from bearing_twin_msgs.msg import Calibration, Diagnosis, TwinState, Vibration
@@ -122,7 +148,7 @@ def test_a_hidden_twin_with_a_defect_is_fitted_while_no_block_is_lost(nodes, pro
     probe.watch_diagnostics()
     nodes.start('diagnosis', {'window': 4.0, 'memory': 4.0, 'update_interval': 1.0})
     nodes.start('calibration', {'window': 4.0, 'period': 2.0, 'candidates': 64})
-    hidden = {'preset': 'incipient', 'defect': 'outer', 'width': 0.002, 'noise': 0.2}
+    hidden = {'preset': 'incipient', 'defect': 'outer', 'defect_width': 0.002, 'noise': 0.2}
     nodes.start('twin', hidden | DEEP)
     # Nothing is published before there is a window; then the twin is fitted, unknown as it is.
     probe.until(lambda: [m for m in found if m.defect == 'outer'], 'a calibration', timeout=240.0)
