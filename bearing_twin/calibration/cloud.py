@@ -13,6 +13,8 @@ from bearing_twin.bearing import fault_frequencies, radial_factor
 from bearing_twin.calibration.passage import contact_speed, load_range, widest
 from bearing_twin.calibration.summaries import summarise, Summary
 from bearing_twin.dynamics import Defect, Fleet, TwinParameters
+from bearing_twin.thermal.gcr15 import TEMPERATURES
+from bearing_twin.thermal.rings import clearance_change, CLEARANCE_LOW, ThermalNetwork
 import numpy as np
 import numpy.typing as npt
 
@@ -109,11 +111,17 @@ def unknowns(situation: Situation) -> dict[str, Unknown]:
 
     """
     low, high = load_range(situation.bearing, situation.load)
+    # What the twin bears at the hottest: a large bearing loses more of its clearance.
+    hot = float(TEMPERATURES[-1])
+    lost = clearance_change(
+        hot + ThermalNetwork().inner_excess(hot), hot, situation.bearing.d_pitch
+    )
+    tightest = max(0.0, 1e6 * (CLEARANCE_LOW - lost) + 0.01)
     ranges = {
         'defect_width_mm': Unknown(0.1, 1e3 * widest(situation.bearing), 'mm'),
         'load': Unknown(low, high, 'N', logarithmic=True),
         'defect_depth_um': Unknown(5.0, 500.0, 'um', logarithmic=True),
-        'clearance_um': Unknown(0.0, 12.0, 'um'),
+        'clearance_um': Unknown(tightest, tightest + 12.0, 'um'),
         'contact_damping': Unknown(50.0, 1500.0, 'N s/m', logarithmic=True),
         'inner_mass': Unknown(1.5, 20.0, 'kg', logarithmic=True),
         'jitter': Unknown(0.001, 0.02, '', logarithmic=True),

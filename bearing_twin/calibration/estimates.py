@@ -14,6 +14,7 @@ from bearing_twin.calibration.path import LINE_DAMPING, noise_floor
 from bearing_twin.calibration.posterior import weighted_quantile
 from bearing_twin.calibration.refusals import MANY_WIDTHS, WIDER
 from bearing_twin.calibration.result import Estimate
+from bearing_twin.diagnosis.severity import acceleration_factor
 import numpy as np
 import numpy.typing as npt
 
@@ -197,13 +198,14 @@ def without_defect(
         )
         said = f'{situation.place} defect, at most {highest:.1f} mm wide'
         return width, f'no width: {verdict}' if verdict else said
-    found = smallest_shown(x, situation, scale, LOSS_DB if unit else UNKNOWN_DB, seed)
+    known = math.isfinite(acceleration_factor(unit))
+    found = smallest_shown(x, situation, scale, LOSS_DB if known else UNKNOWN_DB, seed)
     largest = found.width_mm if math.isfinite(found.width_mm) else highest
     statement = f'no defect above {largest:.2g} mm'
-    why = f'{statement}: wider ones, added to this record, show in 80 of 100 simulated machines'
+    why = f'{statement}: wider ones, added to this record, show in four of five simulated machines'
     if not math.isfinite(found.width_mm):
         why = f'{statement}: none of any width, added to this record, is sure to show'
-    if not unit:
+    if not known:
         why += '; the unit is not known: a machine up to 20 dB louder than the twin is supposed'
     width = Estimate(q05=0.0, median=0.0, q95=largest, unit='mm', identifiable=False, why=why)
     return width, statement

@@ -52,7 +52,9 @@ UNKNOWN_DB = 2.0 * LOSS_DB
 the healthy machine of CWRU is 17 dB louder than that."""
 _EACH = 16
 """Candidates of each width: a group of lanes of the fleet."""
-_SECONDS = 1.2
+_SECONDS, _TURNS, _MOST_SECONDS = 1.2, 12.0, 4.0
+"""Of the record that is looked at: so many shaft turns, as far as the memory of a small computer
+holds 128 candidates."""
 _HARMONICS = 3
 COMB_OVER_FLOOR = 25.0
 """A line, or the mean of a comb's, over the floor: noise reaches it once in e^25 bins."""
@@ -185,7 +187,8 @@ def smallest_shown(
 
     """
     rng = np.random.default_rng([seed, 2])
-    n = min(len(measured), int(_SECONDS * situation.sample_rate))
+    seconds = min(max(_SECONDS, _TURNS / situation.shaft_hz), _MOST_SECONDS)
+    n = min(len(measured), int(seconds * situation.sample_rate))
     background = measured[:n] - measured[:n].mean()
     shares = np.ones(len(WIDTHS_MM))
     for place in ('inner', 'outer'):

@@ -30,6 +30,8 @@ __all__ = [
     'widest',
 ]
 
+WIDEST = 10e-3
+"""Widest defect that `dynamics.Defect` takes, m."""
 LOAD_SHARES = 0.003, 0.1
 """Range of the radial load over the dynamic rating where none is given: from a test rig without a
 belt to a machine that is designed for 20 million turns (ISO 281: L_10 = (C/P)^3 million turns is a
@@ -47,9 +49,10 @@ def path_curvature(bearing: Bearing, place: str) -> float:
     [158, 105]
 
     """
+    across = bearing.gamma * bearing.d_pitch
     if place == 'inner':
-        return 1.0 / bearing.d_ball + 1.0 / (bearing.d_pitch - bearing.d_ball)
-    return 1.0 / bearing.d_ball - 1.0 / (bearing.d_pitch + bearing.d_ball)
+        return 1.0 / bearing.d_ball + 1.0 / (bearing.d_pitch - across)
+    return 1.0 / bearing.d_ball - 1.0 / (bearing.d_pitch + across)
 
 
 def contact_speed(bearing: Bearing, place: str, shaft_hz: float, slip: float = 0.0) -> float:
@@ -64,10 +67,11 @@ def contact_speed(bearing: Bearing, place: str, shaft_hz: float, slip: float = 0
 
     """
     rates = fault_frequencies(bearing, shaft_hz, slip)
+    across = bearing.gamma * bearing.d_pitch
     if place == 'inner':
-        return math.pi * (bearing.d_pitch - bearing.d_ball) * (shaft_hz - rates.ftf)
+        return math.pi * (bearing.d_pitch - across) * (shaft_hz - rates.ftf)
     if place == 'outer':
-        return math.pi * (bearing.d_pitch + bearing.d_ball) * rates.ftf
+        return math.pi * (bearing.d_pitch + across) * rates.ftf
     return math.pi * bearing.d_ball * rates.bsf
 
 
@@ -115,7 +119,7 @@ def impact_spacing(width: float, sinking: float, curvature: float) -> float:
 
 def widest(bearing: Bearing) -> float:
     """
-    Return the widest local defect, m: half a ball, or the distance of two balls on the inner race.
+    Return the widest local defect, m: half a ball, 10 mm, or the distance of two balls.
 
     Examples
     --------
@@ -125,7 +129,7 @@ def widest(bearing: Bearing) -> float:
 
     """
     spacing = math.pi * (bearing.d_pitch - bearing.d_ball) / bearing.n_balls
-    return min(spacing, 0.5 * bearing.d_ball)
+    return min(spacing, 0.5 * bearing.d_ball, WIDEST)
 
 
 def load_range(bearing: Bearing, given: tuple[float, float] | None = None) -> tuple[float, float]:
@@ -146,7 +150,7 @@ def load_range(bearing: Bearing, given: tuple[float, float] | None = None) -> tu
     """
     if given is None:
         rating = bearing.dynamic_rating or basic_dynamic_rating(
-            bearing.n_balls, bearing.d_ball, bearing.gamma
+            bearing.n_balls, bearing.d_ball, bearing.gamma, bearing.contact_angle
         )
         low, high = (share * rating for share in LOAD_SHARES)
         return max(low, 10.0), min(max(high, 20.0), 50e3)

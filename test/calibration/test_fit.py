@@ -9,6 +9,7 @@ from pathlib import Path
 
 from bearing_twin.bearing import fault_frequencies, find_bearing
 from bearing_twin.calibration import Calibration, fit
+from bearing_twin.calibration.cloud import parameters, Situation, unknowns
 from bearing_twin.calibration.joint import compared, joined
 from bearing_twin.calibration.passage import (
     contact_speed,
@@ -274,6 +275,34 @@ def test_impacts_of_another_part_or_speed_are_no_width(place, shaft_hz):
     ]
     assert not width.identifiable
     assert f'of the {place} race stand out: check bearing, speed and place' in width.why
+
+
+@pytest.mark.parametrize('name', ['6203', '6313', '6220', '7218B'])
+def test_every_candidate_of_a_bearing_can_be_simulated(name):
+    """Large bearings lose more clearance when hot; half of their balls is over 10 mm."""
+    bearing = find_bearing(name)
+    for place in ('inner', 'outer', 'none'):
+        machine = Situation(bearing=bearing, place=place, shaft_hz=10.0, sample_rate=12800.0)
+        prior = unknowns(machine)
+        for share in (0.0, 0.5, 1.0):
+            parameters(machine, {name: float(about.place(share)) for name, about in prior.items()})
+
+
+def test_the_contact_angle_is_that_of_the_twin():
+    """A ball of 40 degrees rolls where the fault frequencies have it."""
+    bearing = find_bearing('7218B')
+    rates = fault_frequencies(bearing, 10.0)
+    track = bearing.d_pitch + bearing.d_ball * math.cos(bearing.contact_angle)
+    assert contact_speed(bearing, 'outer', 10.0) == pytest.approx(math.pi * track * rates.ftf)
+
+
+def test_volts_are_no_known_acceleration():
+    noise = np.random.default_rng(1).standard_normal(25600)
+    for unit, known in (('V', False), ('g', True)):
+        width = fit(noise, 12800.0, BEARING, 25.0, unit=unit, place='none').quantities[
+            'defect_width_mm'
+        ]
+        assert ('the unit is not known' in width.why) is not known
 
 
 def test_the_floor_of_a_sensor_is_found():
