@@ -108,7 +108,9 @@ def too_wide(x: FloatArray, situation: Situation, measured: Summary) -> str:
     """
     # Half way to the next ball it is no longer clear which two impacts are of one.
     farther = summarise(x, situation.sample_rate, 0.45 / situation.strikes)
-    if farther.prominence <= measured.prominence or farther.spacing <= situation.longest:
+    # Of noise alone, the longer the lags the likelier a peak; but never one so much clearer.
+    clear = farther.prominence > measured.prominence and farther.rival <= RIVAL
+    if not (clear and farther.spacing > situation.longest):
         return ''
     return (
         f'the clearest two impacts are {1e3 * farther.spacing * situation.speed:.1f} mm apart on '

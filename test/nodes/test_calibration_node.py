@@ -154,7 +154,7 @@ def test_a_hidden_twin_with_a_defect_is_fitted_while_no_block_is_lost(nodes, pro
     probe.until(lambda: [m for m in found if m.defect == 'outer'], 'a calibration', timeout=240.0)
     said = next(m for m in found if m.defect == 'outer')
     width = said.quantity.index('defect_width_mm')
-    assert said.q05[width] <= 2.0 <= said.q95[width]
+    assert said.q05[width] <= 2.0 <= said.q95[width] < 4.0
     assert said.why[width] and said.quantity_unit[width] == 'mm'
     # The fitted twin passes for the machine, an unfitted one does not.
     assert said.distance < 0.5 * said.distance_before
