@@ -20,7 +20,9 @@ from bearing_twin.bearing.hertz import (
     contact_pressure,
     contact_stiffness,
     load_deflection_factor,
+    POISSON_STEEL,
     radial_factor,
+    YOUNG_STEEL,
 )
 from bearing_twin.bearing.ratings import (
     Balls,
@@ -44,8 +46,10 @@ __all__ = [
     'LEVELS',
     'NEXT_STEPS',
     'PLACES',
+    'POISSON_STEEL',
     'RESULTS',
     'TITLES',
+    'YOUNG_STEEL',
     'Balls',
     'Bearing',
     'FaultFrequencies',

@@ -94,10 +94,10 @@ def contact_stiffness(
 
 
 def contact_pressure(
-    bearing: Bearing, force: float, *, conformity_inner: float = CONFORMITY_INNER
+    bearing: Bearing, force: float, *, race: str = 'inner', conformity: float | None = None
 ) -> float:
     """
-    Greatest pressure between a ball and the inner race, Pa, under a ``force`` in N.
+    Greatest pressure between a ball and a ``race``, Pa, under a ``force`` in N.
 
     The inner race curves away from the ball, so its contact is the hardest pressed. Half axes
     ``a = (2 k^2 E / pi)^(1/3) (3 Q / (sum(rho) E'))^(1/3)`` and ``b = a / k``, pressure
@@ -111,11 +111,13 @@ def contact_pressure(
     >>> from bearing_twin.bearing import find_bearing
     >>> bearing = find_bearing('6205')
     >>> force = 5.0 * 7850.0 / bearing.n_balls
-    >>> round(contact_pressure(bearing, force, conformity_inner=0.52) * 1e-9, 1)
+    >>> round(contact_pressure(bearing, force, conformity=0.52) * 1e-9, 1)
     4.2
 
     """
-    rho_sum, ellipticity, _, e = _ellipse(bearing, 'inner', conformity_inner)
+    if conformity is None:
+        conformity = {'inner': CONFORMITY_INNER, 'outer': CONFORMITY_OUTER}[race]
+    rho_sum, ellipticity, _, e = _ellipse(bearing, race, conformity)
     reduced = YOUNG_STEEL / (1.0 - POISSON_STEEL**2)
     long = (2.0 * ellipticity**2 * e / math.pi * 3.0 * force / (rho_sum * reduced)) ** (1.0 / 3.0)
     return float(1.5 * force / (math.pi * long * long / ellipticity)) if force > 0.0 else 0.0

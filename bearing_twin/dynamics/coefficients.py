@@ -14,7 +14,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from bearing_twin.bearing import contact_pressure
 from bearing_twin.dynamics.compiled import compiled
+from bearing_twin.dynamics.layout import COS, SIN
 from bearing_twin.dynamics.model import contact_law
 from bearing_twin.dynamics.parameters import SLIP_MODELS
 from bearing_twin.dynamics.statics import (
@@ -24,7 +26,7 @@ from bearing_twin.dynamics.statics import (
     Supports,
     supports,
 )
-from bearing_twin.thermal import friction, gcr15, life, lubricant, rings
+from bearing_twin.thermal import friction, gcr15, life, lubricant, rings, slip
 import numpy as np
 import numpy.typing as npt
 
@@ -37,6 +39,7 @@ __all__ = [
     'heaviest',
     'inner_temperature',
     'law_table',
+    'skids',
 ]
 
 FloatArray = npt.NDArray[np.float64]
@@ -54,16 +57,21 @@ K_B, DEPTH, CLEARANCE, SHAFT_HZ, SLIP, SPRING, INPUTS, *_ = _ROWS
 # What it takes: one row of constants a bearing.
 (
     PHYSICAL, K_B0, CLEARANCE0, LOAD, ACROSS, SKEW, ALONG, ASIDE, N_BALLS, SLIP_MODEL, SLIP0,
-    ALPHA_UNIT, EXPANDS,
+    PRESSED, COSINE, D_BALL, GAMMA, ALPHA_UNIT, EXPANDS,
     DELTA_H, DELTA_MU, T0, H0, MU0, D_PITCH, D_MEAN, SECTION, ASTM_A, ASTM_B, REPLENISHMENT,
     BOUNDARY, FILM, CONTAMINATION, ROLLING, SLIDING, RATING, STATIC, LIMIT, CAPACITY, RING_TO_RING,
     RING_TO_SHAFT, AMBIENT, SHAFT_RATIO,
     LAW_SIZE, *_,
 ) = _ROWS  # fmt: skip
 
+_CONSTANT, _MU_PROPORTIONAL, _TRACTION = (
+    SLIP_MODELS.index(name) for name in ('constant', 'mu_proportional', 'traction')
+)
+
 _viscosity = compiled()(lubricant.viscosity)
 _rated_viscosity = compiled()(lubricant.rated_viscosity)
 _sliding_friction = compiled()(friction.sliding_friction)
+_metallic_share = compiled()(friction.metallic_share)
 _friction_moment = compiled()(friction.friction_moment)
 _power_loss = compiled()(friction.power_loss)
 _clearance_change = compiled()(rings.clearance_change)
@@ -73,6 +81,9 @@ _inner_ring_step = compiled()(rings.inner_ring_step)
 _beta0 = compiled()(gcr15.beta0)
 _life_factor = compiled()(life.life_factor)
 _life_hours = compiled()(life.life_hours)
+_drag = compiled()(slip.drag)
+_film_slope = compiled()(slip.film_slope)
+_traction = compiled()(slip.traction)
 
 
 def law_table(p: TwinParameters) -> FloatArray:
@@ -92,7 +103,11 @@ def law_table(p: TwinParameters) -> FloatArray:
     (row[ACROSS], row[SKEW], row[ALONG]), row[ASIDE] = supports(p)
     row[N_BALLS], row[D_PITCH] = p.bearing.n_balls, p.bearing.d_pitch
     row[D_MEAN], row[SECTION] = p.bearing.mean_diameter, friction.section_height(p.bearing)
-    row[SLIP_MODEL], row[SLIP0] = SLIP_MODELS.index(p.slip_model), p.slip
+    row[SLIP_MODEL], row[SLIP0] = SLIP_MODELS.index(p.slip_law), p.slip
+    # Mean pressure under 1 N, in the mean of both contacts: two thirds of the greatest one.
+    inner, outer = (contact_pressure(p.bearing, 1.0, race=race) for race in ('inner', 'outer'))
+    row[PRESSED], row[COSINE] = math.sqrt(inner * outer) / 1.5, math.cos(p.bearing.contact_angle)
+    row[D_BALL], row[GAMMA] = p.bearing.d_ball, p.bearing.gamma
     row[ALPHA_UNIT], row[T0] = p.beta0.alpha_unit, p.beta0.reference_temperature
     row[[EXPANDS, DELTA_H, DELTA_MU, H0, MU0]] = p.beta0.weights
     oil, network = p.lubricant, p.network
@@ -132,11 +147,7 @@ def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatA
     alpha = np.interp(outer, gcr15.TEMPERATURES, gcr15.EXPANSION_TABLE) * law[ALPHA_UNIT]
     hardness = np.interp(outer, gcr15.TEMPERATURES, gcr15.HARDNESS_TABLE)
     mu = np.interp(outer, gcr15.TEMPERATURES, gcr15.FRICTION_TABLE)
-    slip = law[SLIP0] if law[SLIP_MODEL] == 1.0 else 0.0
-    if law[SLIP_MODEL] == 2.0:
-        slip = law[SLIP0] * mu / law[MU0]
-    out[ALPHA], out[HARDNESS], out[FRICTION] = alpha, hardness, mu
-    out[SHAFT_HZ], out[SLIP] = hz, slip
+    out[ALPHA], out[HARDNESS], out[FRICTION], out[SHAFT_HZ] = alpha, hardness, mu, hz
     if law[PHYSICAL] == 0.0:
         weights = (law[EXPANDS], law[DELTA_H], law[DELTA_MU], law[H0], law[MU0])
         factor = _beta0(outer - law[T0], alpha, hardness, mu, weights)
@@ -155,6 +166,72 @@ def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatA
         _lubricate(law, outer, inner, hz, out)
     held = Supports((law[ACROSS], law[SKEW], law[ALONG]), law[ASIDE])
     out[SPRING] = spring_position(law[LOAD], out[K_B], out[CLEARANCE], held, int(law[N_BALLS]))
+    model, out[SLIP] = law[SLIP_MODEL], 0.0
+    if model == _CONSTANT:
+        out[SLIP] = law[SLIP0]
+    elif model == _MU_PROPORTIONAL:
+        out[SLIP] = law[SLIP0] * mu / law[MU0]
+    elif model == _TRACTION:
+        out[SLIP] = _slip(law, out)
+
+
+@compiled()
+def skids(law: FloatArray, values: FloatArray) -> bool:
+    """
+    Whether the traction of the balls does not suffice; ``values`` of `evaluate`.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> law = law_table(preset('paper', thermal_mode='physical', load=20.0))
+    >>> values = np.empty(CONDITION_SIZE)
+    >>> evaluate(law, 20.0, 20.0, 50.0, values)
+    >>> skids(law, values)
+    True
+
+    """
+    return bool(law[SLIP_MODEL] == _TRACTION and values[SLIP] >= slip.HIGHEST_SLIP)
+
+
+@compiled()
+def _slip(law: FloatArray, values: FloatArray) -> float:
+    """Slip at which the balls' traction is the drag, see `thermal.slip`: Newton from below."""
+    hz, n, clearance = values[SHAFT_HZ], int(law[N_BALLS]), values[CLEARANCE]
+    if hz == 0.0:
+        return 0.0
+    rpm, nu, race = 60.0 * hz, values[VISCOSITY], law[D_PITCH] * (1.0 - law[GAMMA])
+    braked, metallic = (
+        _drag(rpm, nu, law[D_MEAN], race),
+        _metallic_share(rpm, nu, law[D_MEAN]),
+    )
+    rolling = 0.5 * math.pi * hz * race * (1.0 + law[GAMMA])
+    # Force, mean pressure and film of the loaded balls, of the mean of two cage positions.
+    pressed, loaded = np.empty((2 * n, 3)), 0
+    compliance = law[ACROSS], law[SKEW], law[ALONG]
+    for half in range(2):
+        balls = healthy_balls((half / n - 0.5) * math.pi, clearance, n)
+        x, y, _, _ = equilibrium((law[ASIDE], values[SPRING]), values[K_B], compliance, balls)
+        for k in range(n):
+            delta = x * balls[COS, k] + y * balls[SIN, k] - clearance
+            if delta > 0.0:
+                force = contact_law(delta, values[K_B])[0] / law[COSINE]
+                pressure = law[PRESSED] * force ** (1.0 / 3.0)
+                slope = _film_slope(pressure, force, nu, rolling, law[D_BALL])
+                pressed[loaded] = force, pressure, slope
+                loaded += 1
+    slid = 0.0
+    for _ in range(100):
+        given, growth = 0.0, 0.0
+        for k in range(loaded):
+            force, pressure, slope = pressed[k, 0], pressed[k, 1], pressed[k, 2]
+            mu, rise = _traction(slid, pressure, slope, metallic, law[BOUNDARY])
+            given += force * mu
+            growth += force * rise
+        step = (braked - given) / growth
+        slid += step
+        if not (step > 1e-12 * slid and slid < slip.HIGHEST_SLIP):
+            break
+    return min(slid, slip.HIGHEST_SLIP)
 
 
 @compiled()
@@ -185,7 +262,7 @@ def _lubricate(law: FloatArray, outer: float, inner: float, hz: float, out: Floa
     """Viscosity between the rings' temperatures, kappa, friction moment and life."""
     rpm = 60.0 * hz
     nu = _viscosity(0.5 * (inner + outer), law[ASTM_A], law[ASTM_B])
-    mu = _sliding_friction(rpm, nu, law[D_MEAN], law[BOUNDARY], law[FILM])
+    mu = _sliding_friction(_metallic_share(rpm, nu, law[D_MEAN]), law[BOUNDARY], law[FILM])
     kappa = nu / _rated_viscosity(rpm, law[D_MEAN])
     out[VISCOSITY], out[KAPPA] = nu, kappa
     out[MOMENT] = _friction_moment(

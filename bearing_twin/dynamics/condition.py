@@ -133,6 +133,7 @@ def condition(
         shaft_hz=hz,
         clearance=(left, gap),
         apart=of[coefficients.INNER] - of[coefficients.OUTER],
+        skids=coefficients.skids(law, values),
     )
     deepest = max((defect.depth for defect in parameters.defects), default=0.0)
     return Condition(

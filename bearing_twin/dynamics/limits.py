@@ -13,6 +13,8 @@ from __future__ import annotations
 from enum import IntFlag
 from typing import NamedTuple
 
+from bearing_twin.thermal.slip import HIGHEST_SLIP
+
 __all__ = ['HIGHEST_PRESSURE', 'LEAST_KAPPA', 'Limit', 'Passed', 'limits_passed']
 
 HIGHEST_PRESSURE = 4.2e9
@@ -29,6 +31,7 @@ class Limit(IntFlag):
     PRESSURE = 4
     FILM = 8
     CLEARANCE = 16
+    SKIDDING = 32
 
 
 class Passed(NamedTuple):
@@ -49,6 +52,7 @@ def limits_passed(
     shaft_hz: float,
     clearance: tuple[float, float],
     apart: float,
+    skids: bool,
 ) -> Passed:
     """
     Return the limits that a bearing has passed.
@@ -65,11 +69,13 @@ def limits_passed(
         What the ring temperatures leave of the radial clearance, and what the model uses, m.
     apart
         Inner less outer ring temperature, K.
+    skids
+        Whether the oil brakes the balls more than their traction holds.
 
     Examples
     --------
     >>> usual = {'dynamic_rating': 14e3, 'static_rating': 7850.0, 'pressure': 2e9, 'kappa': 1.0}
-    >>> usual |= {'shaft_hz': 25.0, 'clearance': (5e-6, 5e-6), 'apart': 0.0}
+    >>> usual |= {'shaft_hz': 25.0, 'clearance': (5e-6, 5e-6), 'apart': 0.0, 'skids': False}
     >>> limits_passed(load=1000.0, **usual).sentences
     ()
     >>> limits_passed(load=7500.0, **usual).sentences[0]
@@ -95,6 +101,9 @@ def limits_passed(
         and f'the bearing {"would seize" if left < used else "hangs loose"}: an inner ring '
         f'{apart:+.0f} K from the outer one leaves a radial clearance of {left * 1e6:.1f} um, '
         f'the model goes on with {used * 1e6:g} um',
+        Limit.SKIDDING: skids
+        and f'the balls skid: a load of {load:g} N is too small at {shaft_hz:g} Hz for this oil; '
+        f'the model goes on with a cage slip of {HIGHEST_SLIP:.0%}',
     }
     which = Limit(sum(limit for limit, text in said.items() if text))
     return Passed(which, tuple(text for text in said.values() if text))

@@ -34,7 +34,7 @@ __all__ = [
 
 Profile = Literal['ball', 'rect', 'halfsine', 'smooth']
 ThermalMode = Literal['paper', 'physical']
-SlipModel = Literal['none', 'constant', 'mu_proportional']
+SlipModel = Literal['none', 'constant', 'mu_proportional', 'traction']
 PROFILES: tuple[Profile, ...] = get_args(Profile)
 THERMAL_MODES: tuple[ThermalMode, ...] = get_args(ThermalMode)
 SLIP_MODELS: tuple[SlipModel, ...] = get_args(SlipModel)
@@ -157,14 +157,16 @@ class TwinParameters:
         m_u e.
     slip_model, slip
         ``'constant'`` s = `slip`; ``'mu_proportional'`` s = `slip` mu(T)/mu0, whose default
-        0.0965 % gives the paper's 126.42 and 126.82 Hz.
+        0.0965 % gives the paper's 126.42 and 126.82 Hz; ``'traction'`` the balance of
+        `thermal.slip` between the drag of the oil and the traction of the loaded balls. None:
+        ``'mu_proportional'`` in the paper's mode, ``'traction'`` in the physical one.
     jitter
         [D].
     resonance_hz, resonance_damping
         Sensor resonance [S].
     waviness
-        0 for perfect surfaces. The limits of a maker's vibration class (V to V4 in GB/T 32325) can
-        be taken as they are; see `waviness`.
+        0 for perfect surfaces. The default is a choice, no class of a standard; the velocities of
+        a vibration test can be taken as they are. See `waviness`, also for a trace of roundness.
     beta0
         The paper's factor and its switches.
     lubricant
@@ -256,10 +258,12 @@ class TwinParameters:
         low=0.0,
         high=2.5e-2,
     )
-    slip_model: SlipModel = quantity(
-        'mu_proportional',
-        'Cage slip: none, constant, or in proportion to the friction of table 3.',
+    slip_model: SlipModel | None = quantity(
+        None,
+        'Cage slip: none, constant, in proportion to the friction of table 3, or traction: the '
+        'drag of the oil (Palmgren) against the traction of the loaded balls (EHL film).',
         choices=SLIP_MODELS,
+        special=(None, 'mu_proportional in the mode paper, traction in the mode physical'),
     )
     slip: float = quantity(
         0.000965,
@@ -329,7 +333,7 @@ class TwinParameters:
             MAX_ECCENTRICITY,
             'm',
         )
-        if self.slip_model == 'mu_proportional':
+        if self.slip_law == 'mu_proportional':
             hottest = self.slip * float(FRICTION_TABLE.max()) / self.beta0.reference_friction
             check_range('slip at the highest friction of table 3', hottest, 0.0, 0.3, '(slip)')
         if len(self.defects) > MAX_DEFECTS:
@@ -341,6 +345,12 @@ class TwinParameters:
                 self._check_apart(other, defect)
         if self.thermal_mode == 'physical':
             self._check_clearance()
+
+    @property
+    def slip_law(self) -> SlipModel:
+        """Slip model in use: `slip_model`, or that of the thermal mode."""
+        physical = self.thermal_mode == 'physical'
+        return self.slip_model or ('traction' if physical else 'mu_proportional')
 
     @property
     def housing_stiffness(self) -> tuple[float, float]:

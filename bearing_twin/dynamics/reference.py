@@ -16,14 +16,14 @@ from __future__ import annotations
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.bearing import fault_orders, PLACES
+from bearing_twin.bearing import contact_pressure, fault_orders, PLACES
 from bearing_twin.dynamics import filters
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.layout import CHUNK, SPIN_TURNS
 from bearing_twin.dynamics.model import CODES, contact_force, defect_path
 from bearing_twin.dynamics.simulator import RUN_IN
 from bearing_twin.dynamics.waviness import profiles
-from bearing_twin.thermal import friction, gcr15, rings
+from bearing_twin.thermal import friction, gcr15, rings, slip
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import solve_ivp
@@ -182,10 +182,10 @@ def _constants(p: TwinParameters, temperature: float, shaft_hz: float) -> _Const
         inner = _inner_ring(p, temperature, shaft_hz)
         k_b, depth = p.k_b0 * rings.relative_modulus(0.5 * (inner + temperature)), 1.0
         clearance += rings.clearance_change(inner, temperature, bearing.d_pitch)
-    slip = {'none': 0.0, 'constant': p.slip}.get(
-        p.slip_model, p.slip * gcr15.friction(temperature) / p.beta0.reference_friction
+    prescribed = {'none': 0.0, 'constant': p.slip, 'traction': 0.0}.get(
+        p.slip_law, p.slip * gcr15.friction(temperature) / p.beta0.reference_friction
     )
-    orders, omega = fault_orders(bearing, slip), 2.0 * math.pi * shaft_hz
+    orders, omega = fault_orders(bearing, prescribed), 2.0 * math.pi * shaft_hz
     constants = _Constants(
         k_b=k_b,
         contact_damping=p.contact_damping,
@@ -237,7 +237,43 @@ def _constants(p: TwinParameters, temperature: float, shaft_hz: float) -> _Const
     most = 1e-6
     while excess(most) < 0.0:
         most *= 2.0
-    return loaded(brentq(excess, 0.0, most, xtol=1e-15, rtol=1e-13))
+    found = loaded(brentq(excess, 0.0, most, xtol=1e-15, rtol=1e-13))
+    if p.slip_law == 'traction' and shaft_hz:
+        inner = temperature if p.thermal_mode == 'paper' else inner
+        nu = p.lubricant.viscosity(0.5 * (inner + temperature))
+        orders = fault_orders(bearing, _held_slip(p, found, nu))
+        found = found._replace(cage=omega * orders.ftf, spin=omega * orders.bsf)
+    return found
+
+
+def _held_slip(p: TwinParameters, constants: _Constants, nu: float) -> float:
+    """Cage slip at which the traction of the loaded balls is the drag of the oil."""
+    bearing, oil, hz = p.bearing, p.lubricant, constants.omega / (2.0 * math.pi)
+    sizes = 60.0 * hz, nu, bearing.mean_diameter
+    metallic = friction.metallic_share(*sizes)
+    race = bearing.d_pitch - bearing.d_ball * constants.cosine
+    rolling = 0.25 * constants.omega * race * (1.0 + bearing.gamma)
+    both = [contact_pressure(bearing, 1.0, race=each) for each in ('inner', 'outer')]
+    contacts = []
+    for before in (0.0, math.pi / bearing.n_balls):
+        standing = constants._replace(start=p.load_angle + before)
+        at = _at_rest(standing, _HEALTHY, _SMOOTH, 0.0)
+        angles = standing.start + 2.0 * math.pi * np.arange(bearing.n_balls) / bearing.n_balls
+        deep = (at[:2] - at[2:]) @ np.array([np.cos(angles), np.sin(angles)]) - constants.clearance
+        for force in constants.k_b * deep[deep > 0.0] ** 1.5 / constants.cosine:
+            pressure = math.sqrt(both[0] * both[1]) * force ** (1.0 / 3.0) / 1.5
+            film = slip.film_slope(pressure, force, nu, rolling, bearing.d_ball)
+            contacts.append((force, pressure, film))
+
+    def excess(slid: float) -> float:
+        """Traction less drag, N."""
+        of = metallic, oil.boundary_friction
+        given = (q * slip.traction(slid, pressure, film, *of)[0] for q, pressure, film in contacts)
+        return float(sum(given) - slip.drag(*sizes, race))
+
+    if excess(slip.HIGHEST_SLIP) < 0.0:
+        return slip.HIGHEST_SLIP
+    return float(brentq(excess, 0.0, slip.HIGHEST_SLIP, xtol=1e-15, rtol=1e-12))
 
 
 def _inner_ring(p: TwinParameters, outer: float, shaft_hz: float) -> float:
@@ -248,7 +284,9 @@ def _inner_ring(p: TwinParameters, outer: float, shaft_hz: float) -> float:
     def excess(inner: float) -> float:
         nu = oil.viscosity(0.5 * (inner + outer))
         sliding = friction.sliding_friction(
-            rpm, nu, bearing.mean_diameter, oil.boundary_friction, oil.film_friction
+            friction.metallic_share(rpm, nu, bearing.mean_diameter),
+            oil.boundary_friction,
+            oil.film_friction,
         )
         moment = friction.friction_moment(
             rpm, nu, p.load, bearing.mean_diameter, friction.section_height(bearing),

@@ -13,6 +13,7 @@ from bearing_twin.paper.verdicts import within
 from bearing_twin.thermal import gcr15
 from bearing_twin.thermal.friction import (
     friction_moment,
+    metallic_share,
     section_height,
     SERIES,
     sliding_friction,
@@ -159,9 +160,8 @@ def _lubricant() -> Claim:
     sliding, moment = [], []
     for temperature in (COLD, HOT):
         nu = oil.viscosity(temperature)
-        mu = sliding_friction(
-            rpm, nu, bearing.mean_diameter, oil.boundary_friction, oil.film_friction
-        )
+        metallic = metallic_share(rpm, nu, bearing.mean_diameter)
+        mu = sliding_friction(metallic, oil.boundary_friction, oil.film_friction)
         sliding.append(mu)
         moment.append(
             friction_moment(

@@ -21,6 +21,7 @@ __all__ = [
     'SERIES',
     'UNKNOWN_SERIES',
     'friction_moment',
+    'metallic_share',
     'power_loss',
     'section_height',
     'sliding_friction',
@@ -60,21 +61,31 @@ def section_height(bearing: Bearing) -> float:
     return bearing.outside - bearing.bore
 
 
-def sliding_friction(
-    speed_rpm: float, nu: float, mean_diameter: float, boundary: float, film: float
-) -> float:
+def metallic_share(speed_rpm: float, nu: float, mean_diameter: float) -> float:
+    """
+    Share phi_bl of metallic contact in the friction, 0 on a full film, 1 without one.
+
+    Examples
+    --------
+    >>> round(metallic_share(1500.0, 20e-6, 57.5e-3), 3)
+    0.063
+
+    """
+    product = speed_rpm * nu * 1e6
+    return math.exp(-2.6e-8 * product**1.4 * mean_diameter * 1e3)
+
+
+def sliding_friction(metallic: float, boundary: float, film: float) -> float:
     """
     Sliding friction coefficient mu_sl between metallic contact and full film.
 
     Examples
     --------
-    >>> round(sliding_friction(1500.0, 20e-6, 57.5e-3, 0.12, 0.05), 4)
+    >>> round(sliding_friction(metallic_share(1500.0, 20e-6, 57.5e-3), 0.12, 0.05), 4)
     0.0544
 
     """
-    product = speed_rpm * nu * 1e6
-    weight = math.exp(-2.6e-8 * product**1.4 * mean_diameter * 1e3)
-    return weight * boundary + (1.0 - weight) * film
+    return metallic * boundary + (1.0 - metallic) * film
 
 
 def friction_moment(

@@ -219,7 +219,7 @@ def test_the_contact_pressure_is_that_of_stribeck_hertz_and_iso_76(name):
     # of conformity 0.52 where the twin has 0.515.
     expected = contact_pressure(bearing, 4.37 * rating / bearing.n_balls)
     assert high.contact_pressure == pytest.approx(expected, rel=0.01)
-    of_standard = contact_pressure(bearing, 5.0 * rating / bearing.n_balls, conformity_inner=0.52)
+    of_standard = contact_pressure(bearing, 5.0 * rating / bearing.n_balls, conformity=0.52)
     assert of_standard == pytest.approx(4.2e9, rel=0.01)
     # Hertz: the cube root of the force, as the load spreads alike over the balls.
     assert high.contact_pressure / low.contact_pressure == pytest.approx(4.0 ** (1 / 3), rel=0.01)

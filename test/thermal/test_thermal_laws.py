@@ -74,7 +74,8 @@ def test_rated_viscosity_joins_at_1000_rpm():
 
 def test_sliding_friction_goes_from_boundary_to_film():
     def slid(nu):
-        return friction.sliding_friction(RPM, nu, 0.0575, 0.12, 0.05)
+        metallic = friction.metallic_share(RPM, nu, 0.0575)
+        return friction.sliding_friction(metallic, 0.12, 0.05)
 
     assert slid(1e-9) == pytest.approx(0.12, rel=1e-3)
     assert slid(1e-3) == pytest.approx(0.05, rel=1e-3)
@@ -84,7 +85,8 @@ def test_sliding_friction_goes_from_boundary_to_film():
 def test_friction_moment_of_the_6307():
     bearing = find_bearing('6307')
     nu = lubricant.Lubricant().viscosity(110.0)
-    mu = friction.sliding_friction(RPM, nu, bearing.d_pitch, 0.12, 0.05)
+    metallic = friction.metallic_share(RPM, nu, bearing.d_pitch)
+    mu = friction.sliding_friction(metallic, 0.12, 0.05)
     moment = friction.friction_moment(
         RPM, nu, 500.0, bearing.mean_diameter, friction.section_height(bearing),
         *friction.SERIES[bearing.series], 3e-8, mu,
