@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.assets.messages import floats, message_header
 from bearing_twin.assets.template import MessageTemplate
+from bearing_twin.dynamics.defect_text import placed_defects
 from bearing_twin.stamps import split_ns
 from bearing_twin_msgs.msg import TwinState, Vibration
 
@@ -104,7 +105,7 @@ def state_message(made: TwinBlock, due: Due, values: Mapping[str, Any]) -> TwinS
         sample_count=made.block.x.size,
         bearing=values['bearing'] or values['geometry'],
         thermal_mode=values['thermal_mode'],
-        defect=made.defect or values['defect'].strip() or 'none',
+        defect=made.defect or placed_defects(values['defect'], values['load_angle']),
         temperature_status=int(temperature.status),
         temperature_measured=temperature.measured,
         temperature_used=temperature.used,

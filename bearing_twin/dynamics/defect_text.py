@@ -22,7 +22,7 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import Profile
 
-__all__ = ['defect_places', 'read_defects']
+__all__ = ['defect_places', 'placed_defects', 'read_defects']
 
 _KEYS = {'width': float, 'depth': float, 'angle': float, 'ball': int, 'profile': str}
 _BETWEEN = re.compile(r'\+(?![\d.])')  # not the sign of a number
@@ -84,6 +84,31 @@ def defect_places(text: str) -> str:
 
     """
     return '+'.join(place for place, _ in _parts(text)) or 'none'
+
+
+def placed_defects(text: str, angle: float) -> str:
+    """
+    Return ``text`` with the angle of a load, rad, where `read_defects` would take it.
+
+    Where the load acts downwards, and where an angle is given, the text stays as it is.
+
+    Examples
+    --------
+    >>> placed_defects('outer+inner', 0.5)
+    'outer:angle=0.5+inner'
+    >>> placed_defects('outer:angle=1.57,width=0.001', 0.5)
+    'outer:angle=1.57,width=0.001'
+
+    """
+    if angle == DOWN:
+        return text.strip() or 'none'
+    placed = []
+    for place, given in _parts(text):
+        words = [word for word in given.split(',') if word.strip()]
+        if place in ('outer', 'cage') and 'angle' not in _values(place, given):
+            words.append(f'angle={angle!r}')
+        placed.append(f'{place}:{",".join(words)}' if words else place)
+    return '+'.join(placed) or 'none'
 
 
 def _parts(text: str) -> list[tuple[str, str]]:

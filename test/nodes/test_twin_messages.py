@@ -19,6 +19,7 @@ from bearing_twin.assets.twin_messages import (
     vibration_message,
 )
 from bearing_twin.assets.twin_parameters import SPECS
+from bearing_twin.dynamics.defect_text import read_defects
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.schema import canonical_cdr, message_schema
 from bearing_twin.streams.pacer import Due
@@ -66,6 +67,15 @@ def test_bytes_from_templates_are_those_of_the_messages(block_size):
                 setattr(expected, name, value)
             cdr = made_bytes.state(made, due, twin.values, REALTIME)
             assert canonical(cdr, expected) == canonical(serialize_message(expected), expected)
+
+
+def test_the_state_says_where_a_turned_load_puts_the_defects():
+    values = {spec.name: spec.default for spec in SPECS}
+    twin = Twin(values | {'load_angle': 0.25, 'defect': 'outer+inner+cage:ball=2'})
+    stated = state_message(twin.advance(), Due(0, 0, 0.0, 0), twin.values).defect
+    assert stated == 'outer:angle=0.25+inner+cage:ball=2,angle=0.25'
+    drawn = read_defects(stated, width=1e-3, depth=1e-5, profile='ball')
+    assert [defect.angle for defect in drawn] == [0.25, 0.0, 0.25]
 
 
 def test_a_number_that_is_not_in_the_bytes_as_it_should_is_refused():
