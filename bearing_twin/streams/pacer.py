@@ -126,7 +126,7 @@ class Pacer:
 
     def step(self, *, ticks: int, time: int) -> None:
         """Let the next block begin now because the clocks have been set; clocks as above."""
-        self.clock_steps += self._tick_anchor is not None
+        self.clock_steps += 1
         self.anchor(ticks=ticks, time=time)
 
     def due(self, *, ticks: int, time: int) -> list[Due]:
