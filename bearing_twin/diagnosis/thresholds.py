@@ -37,12 +37,12 @@ Z_CAGE = 8.0
 """The same for the cage, whose low orders have a wider null."""
 
 Z_SECOND_LOOK = 4.0
-"""Score from which a strong comb gets a second look, without its own lines in the null. In 2.4 %
+"""Score from which a strong comb gets a second look, without its own lines in the null. In 1.5 %
 of windows of noise such a comb then reaches ``Z_FAULT``, never with the index (noise_windows)."""
 
 Z_ELSEWHERE = 8.0
 """Score above which a comb at any order is not chance: the best of some thousand orders and not of
-a few. Noise passes it in six of a thousand windows (studies.noise_windows)."""
+a few. Noise passes it in 22 of a thousand windows (studies.noise_windows)."""
 
 IMPACTS = 1.0
 """Mean log score over noise of the second to fourth harmonic above which a comb is of impacts and
