@@ -142,6 +142,8 @@ def test_a_recording_fills_every_view_of_every_page(recordings, tmp_path, page):
         assert set(names) == PAGES[page]
 
 
+MOST_OTHER = 0.01
+"""Largest part of a picture that another machine draws otherwise; a line more changes 2 %."""
 JOINTS = 'sensor_msgs/msg/JointState'
 READ = {
     'none': ('healthy', ('next step', 'no fault comb')),
@@ -225,15 +227,20 @@ def test_the_picture_of_the_docs_is_what_is_drawn_today(tmp_path):
     rrd, today = tmp_path / 'inner.rrd', tmp_path / 'today.png'
     run_offline(SCHEDULE, tmp_path / 'inner', twin={'defect': 'inner'})
     assert draw_recordings([tmp_path / 'inner'], rrd) == {}
+    with Image.open(IMAGES / 'recording.png') as picture:
+        kept = np.asarray(picture.convert('RGB'), float)
     with HeadlessViewer([str(rrd)], size=LAPTOP) as viewer:
         viewer.wait(24.0)
-        viewer.screenshot(today)
-    with Image.open(today) as now, Image.open(IMAGES / 'recording.png') as kept:
-        # Without the viewer's title bar, as make screenshots keeps it.
-        now = np.asarray(now.convert('RGB').crop((0, LAPTOP[1] - kept.height, *LAPTOP)), float)
-        other = np.abs(now - np.asarray(kept.convert('RGB'), float)).max(axis=2) > 16.0
-    # A line more or less of the reasons changes 2 % of the picture.
-    assert other.mean() < 0.01, 'take them again: make screenshots'
+        # On a busy machine views fill some time after the viewer has loaded.
+        deadline, other = time.monotonic() + 60.0, 1.0
+        while other > MOST_OTHER and time.monotonic() < deadline:
+            viewer.screenshot(today)
+            with Image.open(today) as picture:
+                # Without the viewer's title bar, as make screenshots keeps it.
+                box = (0, LAPTOP[1] - len(kept), *LAPTOP)
+                now = np.asarray(picture.convert('RGB').crop(box), float)
+            other = (np.abs(now - kept).max(axis=2) > 16.0).mean()
+    assert other <= MOST_OTHER, 'take them again: make screenshots'
 
 
 def test_two_recordings_fill_every_view(recordings, tmp_path):
