@@ -34,6 +34,13 @@ def test_manifests_hold_what_format_3_asks_for(manifest):
     assert parsed.get_build_type() in ('ament_python', 'ament_cmake')
 
 
+def test_rosdep_keys_are_those_that_bloom_can_release():
+    keys = {key.text for key in ElementTree.parse(ROOT / 'package.xml').iter('exec_depend')}
+    # Both resolve to pip (rosdep/python.yaml of ros/rosdistro, 2026-08-22), which bloom refuses.
+    assert keys.isdisjoint({'mcap-ros2-support', 'python3-rosbags-pip'})
+    assert not {key for key in keys if key.endswith('-pip')}
+
+
 def test_every_message_is_built():
     listed = set(
         re.findall(r'"((?:msg|srv)/\w+\.\w+)"', (ROOT / 'msg_defs/CMakeLists.txt').read_text())

@@ -12,3 +12,8 @@ if find_spec('bearing_twin_msgs') is None:
         "the folder of bearing_twin and source install/setup.bash, or 'pip install ./msg_defs'"
     )
     raise ModuleNotFoundError(msg, name='bearing_twin_msgs')
+
+for _name in ('mcap', 'rosbags'):
+    if find_spec(_name) is None:
+        msg = f"{_name} is not there, and rosdep does not bring it: 'pip install mcap rosbags'"
+        raise ModuleNotFoundError(msg, name=_name)
