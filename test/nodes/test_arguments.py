@@ -146,4 +146,4 @@ def test_a_file_of_assets_is_checked_as_every_other_input(ros_domain, tmp_path, 
     # A slow machine says besides that it compiles.
     lines = [line for line in ran.stderr.splitlines() if '[INFO]' not in line]
     assert len(lines) == 1
-    assert f'fleet: asset fan: {said}' in lines[0]
+    assert f'fleet: asset fan: {said}' in f'{lines[0]}\n'
