@@ -122,6 +122,8 @@ def recover(source: Path, target: Path) -> RecoveryReport:
     with whole_recording(target) as writer:
         for path in sound:
             _copy(path, writer, report, [other for other in files if other != path])
+        if not report.kept and any('not as cdr' in text for text in report.losses):
+            raise BearingTwinError('; '.join(report.losses))
     return report
 
 
@@ -194,6 +196,7 @@ def _copy(path: Path, writer: RecordingWriter, report: RecoveryReport, others: l
         }
         return tuple(found.values()) or _own_channels()
 
+    foreign: dict[RecordedChannel, tuple[int, int]] = {}
     with open_mcap(path) as file:
         if not writer.written:
             # Of a split recording, those of the first file are enough.
@@ -201,8 +204,9 @@ def _copy(path: Path, writer: RecordingWriter, report: RecoveryReport, others: l
         for message in in_file_order(file, size, Selection(), damaged, candidates):
             channel = message.channel
             if channel.encoding != 'cdr':
-                msg = f'{path}: {channel.topic} is encoded as {channel.encoding!r}, not as cdr'
-                raise BearingTwinError(msg)
+                messages, octets = foreign.get(channel, (0, 0))
+                foreign[channel] = (messages + 1, octets + len(message.cdr))
+                continue
             try:
                 writer.copy(message)
             except BearingTwinError as error:
@@ -215,6 +219,9 @@ def _copy(path: Path, writer: RecordingWriter, report: RecoveryReport, others: l
             report.topics[channel.topic] = report.topics.get(channel.topic, 0) + 1
             report.start = message.log_time if first else min(report.start, message.log_time)
             report.end = max(report.end, message.log_time)
+        for channel, (messages, octets) in foreign.items():
+            text = f'{channel.topic}: {messages} messages are encoded as {channel.encoding!r}'
+            damaged(BrokenRecording(f'{text}, not as cdr', size, octets))
         report.lost_messages += max(0, _said_count(path, size) - (report.kept - kept))
 
 

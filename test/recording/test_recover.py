@@ -22,6 +22,7 @@ from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover, RecoveryReport
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from mcap.reader import make_reader
+from mcap.writer import Writer
 import pytest
 from recording_samples import START, TEMPERATURE, temperature_cdr, VIBRATION, write_blocks
 from rosbags.rosbag2 import Reader
@@ -361,3 +362,21 @@ def test_millions_of_empty_records_are_stepped_over_and_what_follows_is_read(
     # 10 s for 100 MB are promised.
     assert time.process_time() - began < 10.0 * path.stat().st_size / 100e6
     assert len(problems) < 5
+
+
+def test_messages_of_another_encoding_cost_only_themselves(tmp_path: Path) -> None:
+    path = tmp_path / 'a.mcap'
+    with path.open('wb') as file:
+        writer = Writer(file)
+        writer.start(profile='ros2')
+        schema = writer.register_schema('std_msgs/msg/Float64', 'ros2msg', b'float64 data')
+        ours = writer.register_channel('/t', 'cdr', schema)
+        other = writer.register_channel('/status', 'json', 0)
+        for k in range(5):
+            writer.add_message(ours, k, b'\0\1\0\0' + bytes(8), k)
+            writer.add_message(other, k, b'{}', k)
+        writer.finish()
+    report = recover(path, tmp_path / 'saved')
+    assert report.topics == {'/t': 5}
+    assert report.lost_messages == 5
+    assert report.losses == ["a.mcap: /status: 5 messages are encoded as 'json', not as cdr"]
