@@ -26,6 +26,8 @@ __all__ = ['LIBRARY', 'Attached', 'OutputFile']
 
 LIBRARY = f'bearing_twin {__version__}'
 """Who wrote a file, as its header says; the first word marks our own."""
+MOST_REPEATED = 2000
+"""Most descriptions that are repeated in one chunk: more would fill it."""
 REPEATED_EACH = 10
 """Chunks after which schemas and channels are described again: 5 s of the default flush period."""
 
@@ -73,23 +75,26 @@ class _RepeatingWriter(Writer):
             compression=CompressionType[compression.upper()],
         )
         self._described: list[Schema | Channel] = []
+        # The first that is to be repeated next.
+        self._next = 0
         self._age = 0
 
     def describe(self, record: Schema | Channel) -> None:
         """Take note of what is to be repeated, first in the chunk after this one."""
         self._described.append(record)
-        self._age = REPEATED_EACH
 
     def repeat(self) -> None:
-        """Describe everything again if a chunk begins and it is time for it."""
+        """Describe again, if a chunk begins, what is new, or all of it if it is time for that."""
         builder = self._Writer__chunk_builder  # type: ignore[attr-defined]
         if builder.count:
             return
         self._age += 1
-        if self._age > REPEATED_EACH:
-            self._age = 1
-            for record in self._described:
-                record.write(builder.record_writer)
+        if self._age > REPEATED_EACH and self._next >= len(self._described):
+            self._age, self._next = 1, 0
+        again = self._described[self._next : self._next + MOST_REPEATED]
+        self._next += len(again)
+        for record in again:
+            record.write(builder.record_writer)
 
 
 class OutputFile:

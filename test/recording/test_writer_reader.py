@@ -280,3 +280,13 @@ def test_a_name_that_metadata_cannot_hold_is_refused(tmp_path: Path) -> None:
     with pytest.raises(BearingTwinError, match='is not UTF-8; choose another name'):
         RecordingWriter(path)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_many_topics_cost_what_they_hold(tmp_path: Path) -> None:
+    path = tmp_path / 'a.mcap'
+    with RecordingWriter(path, WriterOptions(compression='none', flush_period=60.0)) as writer:
+        for k in range(20_000):
+            writer.write(f'/t{k}', TEMPERATURE, bytes(100), log_time=k, publish_time=k)
+    # Each is described once, and once or twice again: not all of them in each chunk.
+    assert path.stat().st_size < 20_000 * 3000
+    assert recording_info(path).count == 20_000
