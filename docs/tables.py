@@ -22,7 +22,7 @@ from bearing_twin.bearing import (
     FAULT_CODES,
     find_bearing,
     LEVELS,
-    NEXT_STEPS,
+    next_step,
     RESULTS,
     TITLES,
 )
@@ -301,7 +301,7 @@ def _statuses(node: ManagedNode) -> set[Row]:
 def codes() -> list[str]:
     """Return the tables of answers and levels, from the vocabulary."""
     answers = [
-        (f'`{code}`', str(RESULTS.index(result)), TITLES[result], NEXT_STEPS[result])
+        (f'`{code}`', str(RESULTS.index(result)), TITLES[result], next_step(result))
         for result, code in FAULT_CODES.items()
     ]
     levels = [

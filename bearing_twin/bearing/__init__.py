@@ -34,7 +34,7 @@ from bearing_twin.bearing.ratings import (
 from bearing_twin.bearing.vocabulary import (
     FAULT_CODES,
     LEVELS,
-    NEXT_STEPS,
+    next_step,
     Place,
     PLACES,
     RESULTS,
@@ -44,7 +44,6 @@ from bearing_twin.bearing.vocabulary import (
 __all__ = [
     'FAULT_CODES',
     'LEVELS',
-    'NEXT_STEPS',
     'PLACES',
     'POISSON_STEEL',
     'RESULTS',
@@ -67,6 +66,7 @@ __all__ = [
     'infer_balls',
     'load_deflection_factor',
     'named_bearing',
+    'next_step',
     'own_bearing',
     'radial_factor',
     'static_factor',

@@ -9,11 +9,13 @@ from typing import Literal
 __all__ = [
     'FAULT_CODES',
     'LEVELS',
-    'NEXT_STEPS',
     'PLACES',
     'RESULTS',
+    'STAGES',
+    'STAGE_STEPS',
     'TITLES',
     'Place',
+    'next_step',
 ]
 
 Place = Literal['inner', 'outer', 'ball', 'cage']
@@ -51,14 +53,51 @@ TITLES: dict[str, str] = {
 }
 """Heading of every answer, for people."""
 
-NEXT_STEPS: dict[str, str] = {
-    'healthy': 'nothing now; record again at the usual interval, at the same speed and load',
-    'inner': 'record again soon; if the level rises, plan to replace the bearing',
-    'outer': 'record again soon; if the level rises, plan to replace the bearing',
-    'ball': 'record again soon; if the level rises, plan to replace the bearing',
+STAGES: tuple[str, ...] = ('', 'incipient', 'developing', 'advanced', 'severe')
+"""Name of every stage of a defect, 1 to 4; 0: the stage is not known."""
+
+STAGE_STEPS: tuple[str, ...] = (
+    'record again soon; if the level rises, plan to replace the bearing',
+    'check the lubrication; measure weekly',
+    'order a bearing; measure daily',
+    'replace the bearing at the next planned stop',
+    'stop the machine as soon as it is safe and replace the bearing',
+)
+"""What to do about a defect of every stage, for people; 0: the stage is not known."""
+
+_STEPS: dict[str, str] = {
+    'healthy': 'nothing; go on measuring at the same speed and load',
     'cage': 'plan to replace the bearing soon: a cage fails without much warning',
-    'suspect': 'record again at a shorter interval, as long as possible, and watch the level',
-    'ambiguous': 'record longer and measure the shaft speed: that parts what coincides',
+    'suspect': 'record again soon, as long as possible, and watch the level',
+    'ambiguous': 'record longer, or at a speed some per cent off, so that the orders part',
     'insufficient': 'mend what the reasons name, and record again',
 }
-"""What to do after every answer, for people."""
+
+
+def next_step(result: str, stage: int = 0) -> str:
+    """
+    Return what to do after an answer, for people.
+
+    Parameters
+    ----------
+    result : str
+        The answer, one of ``RESULTS``.
+    stage : int
+        Stage of the defect, an index of ``STAGES``.
+
+    Returns
+    -------
+    str
+        One clause, without a capital and a full stop.
+
+    Examples
+    --------
+    >>> next_step('inner', 2)
+    'order a bearing; measure daily'
+    >>> next_step('cage', 1)
+    'plan to replace the bearing soon: a cage fails without much warning'
+
+    """
+    if result == 'cage' and stage < 3:
+        return _STEPS['cage']
+    return STAGE_STEPS[stage] if stage else _STEPS.get(result, STAGE_STEPS[0])

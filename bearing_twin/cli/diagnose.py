@@ -14,7 +14,7 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import Bearing, named_bearing, NEXT_STEPS
+from bearing_twin.bearing import Bearing, named_bearing, next_step
 from bearing_twin.cli.diagnose_series import run_series
 from bearing_twin.cli.diagnose_text import line, page
 from bearing_twin.cli.signal_arguments import add_signal_arguments, given_bearing, given_speed
@@ -290,7 +290,7 @@ def diagnose_file(task: Task) -> dict[str, Any]:
         'slip': _number(diagnosis.slip),
         'evidence': evidence(diagnosis),
         'reasons': list(diagnosis.reasons),
-        'next_step': NEXT_STEPS[diagnosis.result],
+        'next_step': next_step(diagnosis.result, diagnosis.severity.stage),
     }
 
 

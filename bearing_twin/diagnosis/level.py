@@ -14,7 +14,7 @@ from bearing_twin.diagnosis.severity import HIGHEST_LIMIT
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis, Severity
 
-__all__ = ['FAULT_DB', 'SUSPECT_DB', 'UNKNOWN', 'by_zone', 'raised']
+__all__ = ['FAULT_DB', 'SUSPECT_DB', 'UNKNOWN', 'by_zone', 'fault_stage', 'raised']
 
 SUSPECT_DB, FAULT_DB = 6.0, 12.0
 """Level over the baseline of a machine that is doubtful, and of one that is damaged: twice and
@@ -22,6 +22,9 @@ four times the acceleration."""
 
 UNKNOWN = 0.5
 """Confidence where the level alone speaks: no simulation says how often it is right."""
+
+_DEEP = 1.0
+"""Modulation index from which on the envelope is fully modulated."""
 
 
 def raised(diagnosis: Diagnosis) -> Diagnosis:
@@ -31,7 +34,7 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
     Zone C of ISO 20816-3, twice the level of the asset's own baseline, or one that has risen for
     good (:class:`bearing_twin.diagnosis.onset.Rise`), is at least suspect;
     zone D, or four times, is a fault, of unknown place if no comb tells. *Ball or cage* is a fault
-    from twice the baseline on: the level agrees with the comb.
+    from twice the baseline on: the level agrees with the comb. A fault gets its stage.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.report import insufficient
@@ -41,6 +44,35 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
     ('fault', 'ambiguous', 'zone D of ISO 20816-3 is a fault; place unknown')
 
     """
+    found = _with_reason(diagnosis)
+    stage = 0
+    if found.level == 'fault':
+        severity = found.severity
+        index = found.modulation_index[found.faults[0]] if found.faults else 0.0
+        stage = fault_stage(index, severity.level_over_baseline, severity.iso_zone)
+    return replace(found, severity=replace(found.severity, stage=stage))
+
+
+def fault_stage(index: float, level_over_baseline: float, iso_zone: str) -> int:
+    """
+    Stage 1 (incipient) to 4 (severe) of a named fault.
+
+    1: the envelope is modulated less than fully; 2: fully; 3: the level has also doubled (6 dB)
+    over the asset's baseline, or the machine is in zone C; 4: it has quadrupled, or zone D.
+    Without baseline and zone the stage is at most 2.
+
+    >>> fault_stage(0.7, 2.0, 'A'), fault_stage(0.7, 13.0, '')
+    (1, 4)
+
+    """
+    if level_over_baseline >= FAULT_DB or iso_zone == 'D':
+        return 4
+    if level_over_baseline >= SUSPECT_DB or iso_zone == 'C':
+        return 3
+    return 2 if index >= _DEEP else 1
+
+
+def _with_reason(diagnosis: Diagnosis) -> Diagnosis:
     level, why = _asked_for(diagnosis)
     if LEVELS.index(level) <= LEVELS.index(diagnosis.level):
         return diagnosis

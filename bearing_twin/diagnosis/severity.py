@@ -165,7 +165,7 @@ def measure_severity(
     shaft_hz: float = math.nan,
 ) -> Severity:
     """
-    Numbers of one window; the baseline and the stage are the stream's to add.
+    Numbers of one window; the baseline is the stream's to add, the stage comes with the level.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS, PLACES, RESULTS
 from bearing_twin.diagnosis.dependence import Condition, HealthyRecord, Law
-from bearing_twin.diagnosis.level import FAULT_DB, raised, SUSPECT_DB
+from bearing_twin.diagnosis.level import raised
 from bearing_twin.diagnosis.onset import Rise
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -18,9 +18,8 @@ import numpy as np
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis
 
-__all__ = ['Source', 'Trend', 'fault_stage']
+__all__ = ['Source', 'Trend']
 
-_DEEP = 1.0
 _SAME_RATE = 0.05
 _DOUBTFUL = 0.1
 """Share of doubtful windows above which the baseline says that it was learnt beside them."""
@@ -65,25 +64,6 @@ class Source(NamedTuple):
         """Return it for a message."""
         rate = f'{self.sample_rate:.5g} Hz'
         return f'sensor {self.sensor!r}, bearing {self.bearing!r}, {self.unit!r}, {rate}'
-
-
-def fault_stage(index: float, level_over_baseline: float, iso_zone: str) -> int:
-    """
-    Stage 1 (incipient) to 4 (severe) of a named fault.
-
-    1: the envelope is modulated less than fully; 2: fully; 3: the level has also doubled (6 dB)
-    over the asset's baseline, or the machine is in zone C; 4: it has quadrupled, or zone D.
-    Without baseline and zone the stage is at most 2.
-
-    >>> fault_stage(0.7, 2.0, 'A'), fault_stage(0.7, 13.0, '')
-    (1, 4)
-
-    """
-    if level_over_baseline >= FAULT_DB or iso_zone == 'D':
-        return 4
-    if level_over_baseline >= SUSPECT_DB or iso_zone == 'C':
-        return 3
-    return 2 if index >= _DEEP else 1
 
 
 @dataclass
@@ -204,11 +184,6 @@ class Trend:
             self.minute.append([*now, level])
             if len(self.minute) >= minute:
                 self._take_minute(healthy=own.level == 'ok')
-        stage = 0
-        if own.level == 'fault':
-            index = own.modulation_index[own.faults[0]] if own.faults else 0.0
-            stage = fault_stage(index, over, severity.iso_zone)
-        own = replace(own, severity=replace(severity, stage=stage))
         return own if own.level == 'none' else self._held(own, hold, full)
 
     def _learn(self, level: float, now: Condition) -> None:

@@ -9,13 +9,12 @@ import math
 from typing import Any
 
 from bearing_twin.bearing.geometry import FaultFrequencies
-from bearing_twin.bearing.vocabulary import PLACES, TITLES
+from bearing_twin.bearing.vocabulary import next_step as next_step_of
+from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_FAULT
 from bearing_twin.view.trends import recorded
 
 __all__ = [
-    'STAGES',
-    'STEPS',
     'Headline',
     'Tally',
     'facts',
@@ -36,15 +35,6 @@ RIVAL = 0.7
 """Part of the significance of the family named from which another one is a rival."""
 CLOSE = 0.02
 """Distance from a sideband at which a line may be one, the range of slip."""
-STAGES = ('', 'incipient', 'developing', 'advanced', 'severe')
-STEPS = (
-    'Confirm with a second measurement and watch the trend.',
-    'Check the lubrication; measure weekly.',
-    'Order a bearing; measure daily.',
-    'Replace the bearing at the next planned stop.',
-    'Stop the machine as soon as it is safe and replace the bearing.',
-)
-"""Recommended action by stage; 0: the stage is not known."""
 
 
 def title_of(diagnosis: Any) -> str:
@@ -82,16 +72,10 @@ def shaft_speed(diagnosis: Any) -> str:
 def next_step(diagnosis: Any) -> str:
     """Return what to do about a verdict."""
     result = str(diagnosis.result_name)
-    if result == 'healthy':
-        return 'None; go on measuring.'
-    if result == 'suspect':
-        return 'Measure again soon and watch the trend.'
-    if result == 'ambiguous':
-        return 'Record longer, or at a speed some per cent off, so that the orders part.'
-    if result == 'insufficient':
-        standing = shaft_speed(diagnosis) == 'standing'
-        return 'Measure while the shaft turns.' if standing else 'Supply what the reasons name.'
-    return STEPS[_stage(diagnosis)]
+    if result == 'insufficient' and shaft_speed(diagnosis) == 'standing':
+        return 'Measure while the shaft turns.'
+    step = next_step_of(result, _stage(diagnosis))
+    return f'{step[0].upper()}{step[1:]}.'
 
 
 def _stage(diagnosis: Any) -> int:

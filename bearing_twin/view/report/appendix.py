@@ -9,8 +9,9 @@ from pathlib import PurePath
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets import diagnosis_parameters, twin_parameters
+from bearing_twin.bearing.vocabulary import STAGE_STEPS, STAGES
 from bearing_twin.view.report.html import table
-from bearing_twin.view.verdict import number, STAGES, STEPS
+from bearing_twin.view.verdict import number
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -59,7 +60,8 @@ def appendix(
         *_health(info, health, machines),
         '<h2>Recommended action by stage</h2>',
         table(
-            (f'{stage or "not known"} {STAGES[stage]}', step) for stage, step in enumerate(STEPS)
+            (f'{stage or "not known"} {STAGES[stage]}', step)
+            for stage, step in enumerate(STAGE_STEPS)
         ),
         '<h2>Terms</h2>',
         table(TERMS),
