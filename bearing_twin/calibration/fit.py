@@ -230,10 +230,9 @@ def _fitted(
     measured = summarise(x, situation.sample_rate, situation.longest)
     modes = resonances(x, situation.sample_rate)
     defective = situation.place in ('inner', 'outer')
+    denied = no_impacts(x, situation) if defective and named else ''
     if defective:
-        refusal = too_wide(x, situation, measured)
-        if named:
-            refusal = no_impacts(x, situation) or refusal
+        refusal = denied or too_wide(x, situation, measured)
         left, refusal = _defect(measured, situation, modes, candidates, seed, refusal)
         values, weights = left.values, left.weights
     else:
@@ -249,6 +248,8 @@ def _fitted(
     if defective:
         quantities |= of_defect(left, situation, measured, refusal)
         statement = in_words(situation.place, quantities['defect_width_mm'])
+        if denied:
+            statement = f'no width: {denied}'
     else:
         width, statement = without_defect(x, situation, scale, unit, seed, verdict)
         quantities |= {'defect_width_mm': width, **supposed(values, weights, situation)}

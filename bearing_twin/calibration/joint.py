@@ -112,6 +112,8 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     why = f'{len(telling)} of {len(found)} records tell it'
     if not telling:
         low, why = 0.0, found[0].quantities[WIDTH].why
+        # What each says of itself may be wider than any candidate: so is what they say together.
+        high = max(high, *(each.quantities[WIDTH].q95 for each in of))
     width = Estimate(
         q05=low, median=median, q95=high, unit='mm', identifiable=bool(telling), why=why
     )

@@ -20,6 +20,7 @@ from bearing_twin.calibration.passage import (
     widest,
 )
 from bearing_twin.calibration.path import identify, noise_floor, resonances
+from bearing_twin.calibration.refusals import no_impacts
 from bearing_twin.calibration.summaries import summarise
 from bearing_twin.calibration.whatif import expect, features
 from bearing_twin.cli import main
@@ -265,16 +266,30 @@ def test_a_slot_wider_than_is_simulated_is_said_to_be():
     width = found.quantities['defect_width_mm']
     assert not width.identifiable and 'are 6.0 mm apart' in width.why
     assert width.q95 == pytest.approx(math.pi * (39.04 + 7.94) / 9, rel=1e-3)
+    # Two records together bound it no closer than each alone.
+    assert joined([found, found])[1].q95 == width.q95
 
 
 @pytest.mark.parametrize(('place', 'shaft_hz'), [('outer', 12.0), ('inner', 13.0)])
 def test_impacts_of_another_part_or_speed_are_no_width(place, shaft_hz):
     x = impact_train(2e-3, 'inner', 12.0)
-    width = fit(x, RATE, BEARING, shaft_hz, place=place, candidates=64).quantities[
-        'defect_width_mm'
-    ]
+    found = fit(x, RATE, BEARING, shaft_hz, place=place, candidates=64)
+    width = found.quantities['defect_width_mm']
     assert not width.identifiable
     assert f'of the {place} race stand out: check bearing, speed and place' in width.why
+    assert found.statement.startswith('no width: no impacts at')
+
+
+@pytest.mark.parametrize('shaft_hz', [10.0, 25.4])
+def test_a_part_that_strikes_at_a_multiple_of_the_shaft_is_seen(shaft_hz):
+    """The outer race of a 6307 strikes 3.026 times a turn, where the shaft has a line."""
+    machine = Situation(
+        bearing=find_bearing('6307'), place='outer', shaft_hz=shaft_hz, sample_rate=12800.0
+    )
+    x = np.random.default_rng(1).standard_normal(38400)
+    times = np.arange(0.0, 3.0, 1.008 / machine.strikes)
+    x[np.round(12800.0 * times).astype(int)] += 12.0
+    assert not no_impacts(x, machine)
 
 
 @pytest.mark.parametrize('name', ['6203', '6313', '6220', '7218B'])
