@@ -7,8 +7,10 @@ The oil brakes cage and balls with a force F on their circle. The load-independe
 of Palmgren, ``M_0 = 1e-7 f_0 (nu n)^(2/3) d_m^3`` in N mm, mm^2/s, 1/min and mm, with f_0 = 2 for
 an oil bath (Harris and Kotzalas, Essential Concepts of Bearing Technology, 5th ed., chapter 10),
 takes the power ``M_0 omega = F v``, where v is the speed of the balls on their circle. It is an
-upper bound: some of the moment brakes the spin of the balls, not their way round. SKF's minimum
-radial load against skidding, ``k_r (nu n/1000)^(2/3) (d_m/100)^2``, has the same form.
+upper bound: some of the moment brakes the spin of the balls, not their way round. The formula
+holds for nu n of at least 2000; below, where metallic contact holds the balls, it is too small.
+SKF's minimum radial load against skidding, ``k_r (nu n/1000)^(2/3) (d_m/100)^2``, has the same
+form.
 
 The loaded balls are driven by the inner race and held by the outer one. A slip s makes both
 contacts slide by the share s of their rolling speed, and each gives the traction ``mu(s) Q`` of
