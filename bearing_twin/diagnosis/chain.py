@@ -298,7 +298,8 @@ class Analysis:
             self.window.revolutions * len(windows),
         )
         settings = excerpt.settings
-        slow = self.shaft_hz < SLOW_HZ and settings.power_group and settings.mounting
+        asked = settings.power_group and settings.mounting and not self.window.severity.iso_zone
+        slow = asked and self.shaft_hz < SLOW_HZ
         return report(
             replace(
                 verdict,

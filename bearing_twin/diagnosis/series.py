@@ -40,9 +40,10 @@ if TYPE_CHECKING:
 
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.averaging import Comb
+    from bearing_twin.diagnosis.result import Severity
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['CONFIRMING', 'SeriesMonitor']
+__all__ = ['CONFIRMING', 'SeriesMonitor', 'of_length']
 
 MEASURES = ('whole band', *(f'{low:g} to {high:g} Hz' for low, high in BANDS_HZ[1:]))
 """Levels that are watched: of the whole signal, and of the bands in which bearings ring. Below
@@ -69,6 +70,24 @@ _FALLEN = (
 )
 _KEPT = ('held', 'low_since', 'alarms', 'changes', 'refused', 'unjudged')
 """Plain values that are saved as they are."""
+
+
+def of_length(severity: Severity, count: int, sample_rate: float) -> Severity:
+    """
+    Return what a snapshot of ``count`` samples at ``sample_rate`` Hz tells of its severity.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.diagnosis.report import insufficient
+    >>> measured = insufficient(['too short'], find_bearing('6307')).severity
+    >>> measured = replace(measured, velocity_rms=2.0, iso_zone='B')
+    >>> [of_length(measured, n, 25600.4).iso_zone for n in (25600, 12800)]
+    ['B', '']
+
+    """
+    # A rate that is measured never makes a whole number of samples.
+    if count >= round(SHORTEST_VELOCITY * sample_rate):
+        return severity
+    return replace(severity, velocity_rms=math.nan, iso_zone='')
 
 
 class SeriesMonitor:
@@ -179,8 +198,7 @@ class SeriesMonitor:
             power_group=self._settings.power_group, mounting=self._settings.mounting,
             shaft_hz=shaft_hz,
         )  # fmt: skip
-        if len(signal) < SHORTEST_VELOCITY * sample_rate:
-            severity = replace(severity, velocity_rms=math.nan, iso_zone='')
+        severity = of_length(severity, len(signal), sample_rate)
         heights = np.array([severity.rms, *severity.band_rms[1:]])
         # A band beyond half the sample rate is empty: it never rises.
         levels = 20.0 * np.log10(np.maximum(heights, 1e-9 * severity.rms))
@@ -292,8 +310,7 @@ class SeriesMonitor:
             return self._held
         base = self._baseline
         if base is None:
-            wanted = 'fault' if over >= FAULT_DB else 'none' if self._held == 'none' else 'ok'
-            return max(wanted, zone_level, key=LEVELS.index)
+            return max('fault' if over >= FAULT_DB else 'none', zone_level, key=LEVELS.index)
         suspect = max(SUSPECT_DB, SCATTER_FACTOR * float(base.scatter[measure]))
         thresholds = {'suspect': suspect, 'fault': max(FAULT_DB, 2.0 * suspect)}
         wanted = 'ok'
@@ -335,7 +352,7 @@ class SeriesMonitor:
             heat = [point.temperature for point in self._points[-CONFIRMING:]]
             warmer = float(np.median(heat)) - base.temperature
         return SeriesReport(
-            level='none' if self._lost else self._held, points=tuple(self._points),
+            level='none' if self.lost else self._held, points=tuple(self._points),
             baseline=base.times if base else None,
             scatter=float(base.scatter[0]) if base else math.nan,
             change=change, first_alarm=first, first_fault=self._alarms.get('fault', math.nan),
@@ -345,7 +362,7 @@ class SeriesMonitor:
         )  # fmt: skip
 
     @property
-    def _lost(self) -> bool:
+    def lost(self) -> bool:
         """Whether so many snapshots were not judged that a sound machine is none any more."""
         return self._held == 'ok' and self._unjudged >= self._settings.baseline
 
@@ -443,7 +460,7 @@ class SeriesMonitor:
                 f'temperature by less than {SETTLED_K:g} K, with a scatter of at most '
                 f'{MOST_SCATTER_DB:g} dB'
             )
-        if self._lost:
+        if self.lost:
             reasons.append(f'not known: the last {self._unjudged} snapshots were not judged')
         if self._points:
             last = self._points[-1]

@@ -176,8 +176,8 @@ def measure_severity(
     power_group, mounting
         See :func:`iso_zone`.
     shaft_hz
-        Shaft speed, Hz. Below 600 1/min there is no zone: its velocity is that from 2 Hz on, and
-        here it is measured from 10 Hz on.
+        Shaft speed, Hz. Below 600 1/min the velocity is that from 2 Hz on, which is no less than
+        the one measured here, from 10 Hz on: there is no zone but D.
 
     >>> x = np.sin(2.0 * np.pi * 100.0 * np.arange(25600) / 25600.0)
     >>> found = measure_severity(Levels.of(x, np.fft.rfft(x) / len(x), 25600.0), unit='m/s^2')
@@ -190,7 +190,9 @@ def measure_severity(
     peak = max(levels.high - levels.mean, levels.mean - levels.low)
     factor = acceleration_factor(unit)
     velocity = 1e3 * factor * math.sqrt(levels.powers[-1])
-    zone = '' if shaft_hz < SLOW_HZ else iso_zone(velocity, power_group, mounting)
+    zone = iso_zone(velocity, power_group, mounting)
+    if shaft_hz < SLOW_HZ and zone != 'D':
+        zone = ''
     return Severity(
         rms=rms,
         peak=peak,

@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import FAULT_CODES, LEVELS
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.level import raised, UNKNOWN
-from bearing_twin.diagnosis.series import SeriesMonitor
+from bearing_twin.diagnosis.series import of_length, SeriesMonitor
 from bearing_twin.diagnosis.series_result import LEAST_BASELINE, MOST_BASELINE, SeriesSettings
 from bearing_twin.diagnosis.shaft import Turning
 from bearing_twin.diagnosis.state import pack, unpack
@@ -170,7 +170,9 @@ class SeriesDiagnoser:
     def judge(self, analysis: Analysis) -> Diagnosis:
         """Judge a snapshot together with all before it."""
         excerpt, time = analysis.excerpt, self._due.popleft()
-        found = raised(analysis.conclude())
+        found = analysis.conclude()
+        severity = of_length(found.severity, len(excerpt.samples), excerpt.sample_rate)
+        found = raised(replace(found, severity=severity))
         source = Source(excerpt.sensor, excerpt.bearing.name, excerpt.unit, excerpt.sample_rate)
         if not self._source.sample_rate:
             self._source = source
@@ -184,27 +186,31 @@ class SeriesDiagnoser:
         )  # fmt: skip
         report = self._monitor.report()
         reasons = (*found.reasons, *(f'series: {text}' for text in report.reasons))
-        if point is None:
-            return replace(found, reasons=reasons)
-        severity = replace(
-            found.severity, rms=point.rms, iso_zone=point.iso_zone,
-            level_over_baseline=point.over_baseline if point.measure else math.nan,
-            correction=point.correction, correction_sd=point.correction_sd,
-            correction_basis=str(report.law),
-            rising=round(point.rising * self._settings.series_cycle / 60.0),
-        )  # fmt: skip
+        if point is not None:
+            severity = replace(
+                found.severity, rms=point.rms, iso_zone=point.iso_zone,
+                level_over_baseline=point.over_baseline if point.measure else math.nan,
+                correction=point.correction, correction_sd=point.correction_sd,
+                correction_basis=str(report.law),
+                rising=math.ceil(point.rising * self._settings.series_cycle / 60.0),
+            )  # fmt: skip
+        # What is held stands, whether or not this snapshot can be judged.
+        level = report.level
         found = replace(found, severity=severity, reasons=reasons)
-        if LEVELS.index(point.level) <= LEVELS.index(found.level) or point.level == 'none':
+        unknown = self._monitor.lost and found.level == 'ok'
+        if not unknown and LEVELS.index(level) <= LEVELS.index(found.level):
             return found
         result, faults, confidence = found.result, found.faults, found.confidence
-        if point.level in ('suspect', 'fault'):
+        if unknown:
+            result, confidence = 'insufficient', UNKNOWN
+        elif level in ('suspect', 'fault'):
             confidence = UNKNOWN
-            result = 'suspect' if point.level == 'suspect' else 'ambiguous'
+            result = 'suspect' if level == 'suspect' else 'ambiguous'
             if report.place is not None:
                 faults = (report.place.place,)
-                result = faults[0] if point.level == 'fault' else 'suspect'
+                result = faults[0] if level == 'fault' else 'suspect'
         return replace(
-            found, level=point.level, result=result, faults=faults, confidence=confidence,
+            found, level=level, result=result, faults=faults, confidence=confidence,
             fault_code=FAULT_CODES[result], window=(found.result, found.level),
         )  # fmt: skip
 

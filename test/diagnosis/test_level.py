@@ -183,11 +183,17 @@ def test_a_broken_sample_spoils_its_own_windows_only(at):
 def test_a_slow_shaft_has_no_zone_and_the_reason_says_why():
     settings = DiagnosisSettings(power_group=2, mounting='rigid')
     x = np.random.default_rng(6).standard_normal(int(8 * RATE))
-    slow, fast = (
-        diagnose_record(x, RATE, BEARING, hertz, unit='g', settings=settings)
-        for hertz in (9.0, 11.0)
+    (slow, fast), (worn, _) = (
+        [
+            diagnose_record(factor * x, RATE, BEARING, hertz, unit='g', settings=settings)
+            for hertz in (9.0, 11.0)
+        ]
+        for factor in (0.8, 3.0)
     )
-    assert (slow.severity.iso_zone, fast.severity.iso_zone) == ('', 'D')
+    assert (slow.severity.iso_zone, fast.severity.iso_zone) == ('', 'C')
+    # More than the limit from 10 Hz on is more than it from 2 Hz on.
+    assert (worn.severity.iso_zone, worn.level) == ('D', 'fault')
+    assert 'below 600 1/min' not in ' '.join(worn.reasons)
     assert 'below 600 1/min' in ' '.join(slow.reasons)
     assert 'below 600 1/min' not in ' '.join(fast.reasons)
 

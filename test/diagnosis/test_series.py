@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Many short snapshots of one machine: simulated lives, and the FEMTO runs to failure."""
 
+from dataclasses import replace
 import itertools
 import json
 
@@ -281,12 +282,12 @@ def test_series_of_many_files_in_a_folder(tmp_path, capsys):
     assert 'no file ends in' in capsys.readouterr().err
 
 
-def played(diagnoser, numbers, *, worn, index=None):
+def played(diagnoser, numbers, *, worn, index=None, height=5.0):
     """Half a second of noise each ten minutes, in blocks of 512 samples."""
     said = []
     for number in numbers:
         rng = np.random.default_rng(number)
-        x = (5.0 if number >= worn else 1.0) * rng.standard_normal(5 * 2560)
+        x = (height if number >= worn else 1.0) * rng.standard_normal(5 * 2560)
         first = round(600.0 * number * RATE) if index is None else index
         for start in range(0, len(x), 512):
             block = x[start : start + 512]
@@ -316,6 +317,30 @@ def test_snapshots_of_a_stream_with_gaps_are_judged_as_one_series(index):
     assert said[-1].severity.rising == 100
     assert any(reason.startswith('series: ') for reason in said[-1].reasons)
     # A stream of half a second each ten minutes never fills a window.
+
+
+@pytest.mark.parametrize(
+    ('worn', 'before', 'level', 'result'),
+    [(30, 'fault', 'fault', 'ambiguous'), (40, 'ok', 'none', 'insufficient')],
+)
+def test_a_machine_that_stops_keeps_its_alarm_and_is_not_ok(worn, before, level, result):
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
+    assert played(diagnoser, range(40), worn=worn)[-1].level == before
+    last = played(diagnoser, range(40, 65), worn=0, height=1e-3)[-1]
+    assert (last.level, last.result) == (level, result)
+    assert 'does the machine stand still' in ' '.join(last.reasons)
+
+
+@pytest.mark.parametrize(('seconds', 'zone'), [(0.5, ''), (1.0, 'D')])
+def test_half_a_second_raises_no_level_by_its_zone(seconds, zone):
+    """30 mm/s are zone D, but a velocity from 10 Hz on takes a second to measure."""
+    settings = replace(CYCLE_SETTINGS, power_group=2, mounting='rigid', series_snapshot=seconds)
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), settings)
+    x = 8.0 * np.random.default_rng(1).standard_normal(round(seconds * RATE))
+    (due,) = diagnoser.take(0, x, RATE, 50.0, unit='g')
+    said = diagnoser.judge(due.analyse())
+    assert said.severity.iso_zone == zone
+    assert (said.level == 'fault') == (zone == 'D')
 
 
 def test_series_of_a_continuous_stream_takes_one_snapshot_a_cycle():
