@@ -34,7 +34,7 @@ HARMONICS = 3
 SLIP = 0.03
 """Largest slip of a race or ball looked for."""
 Z_PLACE, RIVAL = 5.0, 1.4
-"""Significance from which a place is named, and lead over the next it needs: those of a record."""
+"""Significance from which a place is named, and lead over the next that it needs."""
 LEAST = 20
 """Snapshots without which an average names nothing."""
 

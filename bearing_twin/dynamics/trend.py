@@ -74,7 +74,7 @@ def mean_of_largest(maxima: npt.NDArray[np.floating]) -> float:
 
 def amplitude_change(parameters: TwinParameters, shaft_hz: float) -> float:
     """
-    Relative change of the impact amplitude from 20 to 110 degC, computed; NaN at a standstill.
+    Relative change of the impact amplitude from 20 to 110 degC, computed; NaN below 1 Hz.
 
     Two short runs at held temperatures, vertical acceleration, with the sensor, without jitter,
     noise and cage slip: slip moves the impacts against the shaft, which would hide the change in
@@ -123,7 +123,7 @@ def trend_sentence(parameters: TwinParameters, shaft_hz: float) -> str:
     change = amplitude_change(parameters, shaft_hz)
     lead = f'impact amplitude from {COLD:g} to {HOT:g} degC in the mode {parameters.thermal_mode}'
     if math.isnan(change):
-        return f'{lead}: none, the shaft stands'
+        return f'{lead}: not computed below 1 Hz'
     way = 'as the paper states' if change < -NO_CHANGE else "against the paper's statement"
     word = 'falls' if change < -NO_CHANGE else 'rises' if change > NO_CHANGE else 'does not move'
     return (

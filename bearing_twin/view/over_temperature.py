@@ -63,12 +63,12 @@ class OverTemperature:
         self._found = ''
 
     def vibration(self, samples: NDArray[np.floating], unit: str, temperature: float) -> None:
-        """Take samples at a temperature in degC: their rms and their largest magnitude."""
+        """Take samples at a temperature in degC: rms and largest magnitude about their mean."""
         if not (math.isfinite(temperature) and samples.size):
             return
         self._unit = unit
-        low, high = float(samples.min()), float(samples.max())
-        self._add('amplitude', temperature, max(high, -low))
+        samples = samples - samples.mean()
+        self._add('amplitude', temperature, float(np.abs(samples).max()))
         self._add('level', temperature, float(np.dot(samples, samples)) / samples.size)
 
     def state(self, message: Any) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import math
 from typing import Any, NamedTuple
 
-from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_FAULT
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
 from bearing_twin.view.style import Colour, FAMILIES, LINE
 
 __all__ = ['CALIBRATION', 'DIAGNOSIS', 'TWIN_STATE', 'Limit', 'Panel', 'Trend', 'recorded']
@@ -133,7 +133,7 @@ DIAGNOSIS = (
         'significance',
         'Significance [σ over noise]',
         _per_family('score'),
-        Limit(f'fault above {Z_FAULT:g}', Z_FAULT),
+        Limit(f'fault above {Z_FAULT:g}, cage {Z_CAGE:g}', Z_FAULT),
     ),
     Panel(
         'modulation',

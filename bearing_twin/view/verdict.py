@@ -11,7 +11,7 @@ from typing import Any
 from bearing_twin.bearing.geometry import FaultFrequencies
 from bearing_twin.bearing.vocabulary import next_step as next_step_of
 from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
-from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_FAULT
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
 from bearing_twin.view.trends import recorded
 
 __all__ = [
@@ -134,11 +134,12 @@ def rival(diagnosis: Any) -> str:
     ]
     scores, index = measured
     own = scores.pop(result, 0.0)
-    other = max(scores, key=lambda place: scores[place])
-    if not scores[other] >= max(Z_FAULT, RIVAL * own):
+    limits = {place: Z_CAGE if place == 'cage' else Z_FAULT for place in scores}
+    other = max(scores, key=lambda place: scores[place] / limits[place])
+    if not scores[other] >= max(limits[other], RIVAL * own):
         return ''
     name = TITLES[other].lower().removesuffix(' fault')
-    if result == 'healthy':
+    if result == 'healthy' and index[other] < INDEX_FAULT:
         return (
             f'The {name} is significant ({scores[other]:.1f}), but its modulation index of '
             f'{index[other]:.2f} is below the {INDEX_FAULT:g} of a fault: balls pass a healthy '

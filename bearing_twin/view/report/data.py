@@ -226,6 +226,8 @@ class _Collector:
         machine.sample_rate = float(message.sample_rate)
         finite = samples[np.isfinite(samples)].astype(np.float64)
         if finite.size:
+            # The diagnosis leaves a sensor's offset out too.
+            finite -= finite.mean()
             rms = float(np.sqrt(np.mean(finite**2)))
             machine.vibration.append((time, rms, float(np.abs(finite).max())))
             machine.over_temperature.vibration(finite, machine.unit, self._temperature)

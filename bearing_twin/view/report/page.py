@@ -152,7 +152,9 @@ def _measurement(machine: Machine, worst: Any) -> list[tuple[str, str]]:
     if not worst.iso_zone:
         rows.append(('ISO 20816-3 zone', 'not given: needs machine group and mounting'))
     if not math.isfinite(worst.level_over_baseline):
-        rows.append(('Level over its own baseline', 'no baseline learnt yet'))
+        rows.append(
+            ('Level over its own baseline', 'not known: no baseline yet, or one of another speed')
+        )
     if math.isfinite(worst.smallest_detectable):
         rows.append(('Smallest fault that would show', f'{worst.smallest_detectable:.2f} mm'))
     return rows

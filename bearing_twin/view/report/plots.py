@@ -278,11 +278,14 @@ def _over_temperature(machine: Machine) -> tuple[str, Figure] | None:
             title.append(f'x {ratio:.3f} at {curve.temperatures[-1]:.0f} °C')
             axes.axhline(curve.base, color='#9e9e9e', linewidth=0.7, dashes=(4, 2))
         axes.set_title('\n'.join(title))
-    reference = curves[0].reference
+    references = {curve.reference for curve in curves}
+    where = 'the temperature next to 20 °C'
+    if len(references) == 1:
+        where = f'{references.pop():.0f} °C'
     caption = (
         'Over temperature, means of 5 K: largest magnitude of a block, level, fault frequency '
         'found by the diagnosis and expected by the twin, its cage slip. Dashed: the value at '
-        f'{reference:.0f} °C, to which the ratios refer'
+        f'{where}, to which the ratios refer'
     )
     return caption, figure
 
