@@ -176,7 +176,7 @@ def _impacts_elsewhere(e: Evidence) -> Verdict | None:
 
 @_rule(
     'insufficient',
-    'Combs of two places of the bearing are not chance together, and sound bearings show none.',
+    'Combs of two places of one bearing are not chance: first damage, or waves of its surfaces.',
 )
 def _two_faint_places(e: Evidence) -> Verdict | None:
     if e.remaining or len(e.faint) < 2:
