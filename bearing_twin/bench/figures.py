@@ -26,6 +26,9 @@ FIGURES = {
     'fleet_error_harder': Figure('', 'the same of a fleet at 50 and 100 Hz and under 5 kN'),
     'ratio_to_lsoda': Figure('', 'time of LSODA at rtol 1e-6 over that of the kernel', '> 1'),
     'ratio_to_bdf': Figure('', 'time of BDF at rtol 1e-6 over that of the kernel', '> 1'),
+    'ratio_to_plain': Figure(
+        '', 'the same of a plain RK4 whose error is that of the kernel', '> 1'
+    ),
     'fleet_bearings_per_core': Figure('bearings', 'simulated in real time, all of them unlike'),
     'alike_bearings_per_core': Figure('bearings', 'the same with one defect and one speed'),
     'fleet_two_threads': Figure('', 'speed of a fleet with two threads over one', '> 1.8'),
@@ -49,8 +52,6 @@ FIGURES = {
     'live_share_of_the_process': Figure('cores', 'share of a core for the process as such'),
     'core_share': Figure('cores', 'twin, diagnosis and recorder together', '< 1'),
     'blocks': Figure('', 'blocks published in the live run'),
-    'fits': Figure('', 'calibrations in that time, in a process of their own', '> 0'),
-    'fit_cost_s': Figure('s', 'greatest processor time of a calibration', '< 10'),
     'late_blocks': Figure('', 'blocks that came more than a period late', '0'),
     'dropped_blocks': Figure('', 'blocks never published', '0'),
     'lost_blocks': Figure('', 'blocks published and not recorded', '0'),

@@ -15,6 +15,7 @@ from functools import partial
 import time
 from typing import TYPE_CHECKING
 
+from bearing_twin.bench.plain import time_at
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.reference import solve
@@ -60,6 +61,8 @@ def measure() -> dict[str, float]:
         ``kernel_error_harder``, ``fleet_error_harder``: the same over half a second at 50 and
         100 Hz and under 5 kN.
         ``ratio_to_lsoda``, ``ratio_to_bdf``: their processor time over the kernel's, at rtol 1e-6.
+        ``ratio_to_plain``: the same of a plain Runge-Kutta scheme with the error of the kernel,
+        both without jitter, noise and waviness.
         ``fleet_bearings_per_core``: bearings that one core runs in real time, each with its own
         temperature, speed, seed and place of one of three kinds of defect.
         ``alike_bearings_per_core``: the same where all have an inner defect and one speed.
@@ -111,6 +114,7 @@ def measure() -> dict[str, float]:
         'kernel_error_harder': float(harder[:, 0].max()),
         'ratio_to_lsoda': adaptive['LSODA'] / per_second,
         'ratio_to_bdf': adaptive['BDF'] / per_second,
+        'ratio_to_plain': _ratio_to_plain(replace(clean, waviness=0.0)),
         'fleet_bearings_per_core': _FLEET * _BLOCK / _RATE / fleet_time,
         'alike_bearings_per_core': _FLEET * _BLOCK / _RATE / alike_time,
         'fleet_two_threads': one / two,
@@ -143,6 +147,16 @@ def _best(
         run()
         best = min(best, clock() - begin)
     return best
+
+
+def _ratio_to_plain(parameters: TwinParameters) -> float:
+    """Processor time of a plain scheme over the kernel's, at the error of the kernel."""
+    samples, hz = int(_SHORT * _RATE), 25.4
+    reference, simulator = solve(parameters, samples, shaft_hz=hz), Simulator(parameters)
+    block = simulator.advance(samples, 20.0, hz)
+    error = _error(np.array([block.x, block.y]), np.array([reference.x, reference.y]))
+    ours = _best(partial(simulator.advance, samples, 20.0, hz), 10)
+    return time_at(parameters, reference, error, shaft_hz=hz) / ours
 
 
 def _errors(parameters: TwinParameters, samples: int, hz: float) -> tuple[float, float]:
