@@ -82,8 +82,12 @@ class TwinCheck:
 
     def has_block_of(self, state: Any) -> bool:
         """Whether the block that waits, or for sure one before it, is of the twin of a state."""
+        return self._last is not None or self.waits_for(state)
+
+    def waits_for(self, state: Any) -> bool:
+        """Whether the first block, which no state has claimed yet, is of the twin of a state."""
         if self._last is not None or self._recorded is None:
-            return self._last is not None
+            return False
         block = self._recorded.decode()
         same_time = stamp_ns(block.header.stamp) == stamp_ns(state.header.stamp)
         return same_time and int(block.first_sample) == int(state.first_sample)

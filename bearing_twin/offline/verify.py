@@ -87,7 +87,7 @@ def reproduce(path: Path) -> Reproduction:
             return twin
         for topic, other in sources.items():
             former = topic.removesuffix('/vibration')
-            if f'{former}/twin_state' not in info.topics and other.has_block_of(state):
+            if f'{former}/twin_state' not in info.topics and other.waits_for(state):
                 if sources.get(twin.topic) is twin:
                     sources[twin.topic] = TwinCheck(twin.topic, result)
                 twin.take_over(other)

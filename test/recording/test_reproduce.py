@@ -101,17 +101,22 @@ def test_verify_agrees(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert 'identical to the byte: /diagnosis, /vibration\n' in capsys.readouterr().out
 
 
+def put(writer: RecordingWriter, message: Any, topic: str, cdr: bytes) -> None:
+    """Write a recorded message on another topic or with other bytes."""
+    c = message.channel
+    writer.write(
+        topic, c.type_name, cdr, log_time=message.log_time, publish_time=message.publish_time,
+        schema=MessageSchema(c.type_name, c.schema, c.type_hash),
+    )  # fmt: skip
+
+
 def rewritten(source: Path, target: Path, change: Callable[[Any, bytes], bytes | None]) -> Path:
     """Copy a recording; ``change`` gives each message its bytes, None leaves it out."""
     with RecordingWriter(target) as writer:
         for m in read_messages(source):
             cdr = change(m, m.cdr)
             if cdr is not None:
-                c = m.channel
-                writer.write(
-                    c.topic, c.type_name, cdr, log_time=m.log_time, publish_time=m.publish_time,
-                    schema=MessageSchema(c.type_name, c.schema, c.type_hash),
-                )  # fmt: skip
+                put(writer, m, m.topic, cdr)
     return target
 
 
@@ -237,26 +242,36 @@ def test_a_twin_whose_vibration_was_renamed_beside_a_sensor(
     """As machine.launch.py has it: what is named as the twin's vibration is the sensor's."""
     target = tmp_path / 'machine'
     with RecordingWriter(target) as writer:
-
-        def write(message: Any, topic: str, cdr: bytes) -> None:
-            c = message.channel
-            writer.write(
-                topic, c.type_name, cdr, log_time=message.log_time,
-                publish_time=message.publish_time,
-                schema=MessageSchema(c.type_name, c.schema, c.type_hash),
-            )  # fmt: skip
-
         for m in read_messages(run):
             if m.topic == '/vibration':
-                write(m, '/fan/vibration', changed(m, source=Vibration.SOURCE_MEASURED))
-                write(m, name, m.cdr)
+                put(writer, m, '/fan/vibration', changed(m, source=Vibration.SOURCE_MEASURED))
+                put(writer, m, name, m.cdr)
             elif not m.topic.startswith('/diagnosis'):
-                write(m, f'/fan{m.topic}', m.cdr)
+                put(writer, m, f'/fan{m.topic}', m.cdr)
     result = reproduce(target)
     assert result.identical, result
     assert result.topics[name].identical == 12 * 25
     assert result.topics.keys() == {name}
     assert any(note.startswith('/fan/vibration: no twin') for note in result.notes)
+
+
+def test_a_renamed_twin_without_its_first_block_takes_no_other_twins(
+    run: Path, tmp_path: Path
+) -> None:
+    target = tmp_path / 'machines'
+    first = True
+    with RecordingWriter(target) as writer:
+        for m in read_messages(run, topics=['/vibration', '/twin_state', '/twin_checkpoint']):
+            for machine in ('/m1', '/m2'):
+                if machine == '/m2' and m.topic == '/vibration' and first:
+                    first = False
+                    continue
+                name = m.topic.replace('/vibration', '/twin/vibration')
+                put(writer, m, f'{machine}{name}', m.cdr)
+    result = reproduce(target)
+    assert result.topics['/m1/twin/vibration'].identical == 12 * 25
+    # The next checkpoint is that of block 250.
+    assert result.topics['/m2/twin/vibration'].identical == 50
 
 
 def changed(message: Any, **fields: Any) -> bytes:
