@@ -22,7 +22,8 @@ def whole_file(path: Path, *, new: bool = False) -> Iterator[BinaryIO]:
     Open a file to be written beside ``path``, which takes its place when all is written.
 
     A full disk, or an error in between, leaves what was at ``path`` before, and nothing else. A
-    link is replaced, not followed. With ``new`` nothing is replaced.
+    link is replaced, not followed. With ``new`` nothing is replaced; where the file system has no
+    hard links, a crash between taking the name and renaming leaves an empty file.
 
     Raises
     ------
@@ -39,14 +40,26 @@ def whole_file(path: Path, *, new: bool = False) -> Iterator[BinaryIO]:
         with part.open('xb') as file:
             yield file
         if new:
-            os.link(part, path)
-            part.unlink()
+            _take_free_name(part, path)
         else:
             part.replace(path)
     except BaseException:
         with contextlib.suppress(OSError):
             part.unlink(missing_ok=True)
         raise
+
+
+def _take_free_name(part: Path, path: Path) -> None:
+    try:
+        os.link(part, path)
+    except FileExistsError:
+        raise
+    except OSError:
+        # vfat, CIFS and shared folders of virtual machines may have no hard links.
+        path.open('xb').close()
+        part.replace(path)
+    else:
+        part.unlink()
 
 
 def free_path(path: Path) -> Path:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The doors of the nodes: shaft speed, vibration blocks, saved states."""
 
+import errno
 from itertools import islice
 import math
 import os
@@ -184,6 +185,19 @@ def test_before_the_first_valid_temperature_the_start_temperature_is_named():
 def test_states_stay_in_their_folder(tmp_path, name):
     with pytest.raises(BearingTwinError, match='plain file name'):
         StateFolder(str(tmp_path)).save(name, b'x')
+
+
+def test_a_state_is_saved_once_where_there_are_no_hard_links(tmp_path, monkeypatch):
+    def refuse(*_):
+        raise PermissionError(errno.EPERM, 'Operation not permitted')
+
+    monkeypatch.setattr(os, 'link', refuse)
+    folder = StateFolder(str(tmp_path))
+    folder.save('a', b'1')
+    with pytest.raises(BearingTwinError, match='exists and is not overwritten'):
+        folder.save('a', b'2')
+    assert folder.load('a') == b'1'
+    assert [path.name for path in tmp_path.iterdir()] == ['a']
 
 
 def test_states_are_not_overwritten(tmp_path):
