@@ -156,10 +156,11 @@ class RawSubscriptions:
             return
         if why:
             self.left_out[topic] = why
-            self._node.get_logger().error(f'{topic} is not recorded: {why}')
+            how = 'recorded in one type only' if topic in self._subscriptions else 'not recorded'
+            self._node.get_logger().error(f'{topic} is {how}: {why}')
         else:
             del self.left_out[topic]
-            self._node.get_logger().info(f'{topic} is recorded again')
+            self._node.get_logger().info(f'{topic} is recorded, all of it')
 
     def close(self) -> None:
         """Unsubscribe from everything."""

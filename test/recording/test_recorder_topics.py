@@ -82,8 +82,11 @@ def test_the_regex_of_a_machine_follows_the_namespace_of_the_recorder(namespace:
     assert ('/line3/fan_7/vibration' in choice) == (namespace == '/')
 
 
-def test_a_second_type_for_a_moment_ends_no_recording(ros_domain: int, tmp_path: Path) -> None:
+def test_a_second_type_for_a_moment_ends_no_recording(
+    ros_domain: int, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
     bag = tmp_path / 'bag'
+    beside = 'std_msgs/msg/String beside std_msgs/msg/Float64'
     rclpy.init(args=['--ros-args', '-p', f'output:={bag}', '-p', 'topics:=[level, text]'])
     try:
         recorder = RecorderNode()
@@ -101,7 +104,7 @@ def test_a_second_type_for_a_moment_ends_no_recording(ros_domain: int, tmp_path:
         stray = other.create_publisher(String, 'level', 10)
         until(lambda: recorder.count_publishers('/level') == 2)
         topics.discover()
-        assert topics.left_out['/level'] == 'std_msgs/msg/String beside std_msgs/msg/Float64'
+        assert topics.left_out['/level'] == beside
         until(lambda: level.get_subscription_count() == 1)
         level.publish(Float64(data=1.0))
         assert level.wait_for_all_acked(rclpy.duration.Duration(seconds=60))
@@ -118,3 +121,7 @@ def test_a_second_type_for_a_moment_ends_no_recording(ros_domain: int, tmp_path:
         for node in (source, other):
             node.context.shutdown()
     assert [m.decode().data for m in read_messages(bag, topics=['/level'])] == [1.0]
+    said = capfd.readouterr().err
+    assert '/text is not recorded: ' in said
+    assert f'/level is recorded in one type only: {beside}' in said
+    assert all(f'{topic} is recorded, all of it' in said for topic in ('/level', '/text'))
