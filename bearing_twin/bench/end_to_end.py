@@ -58,8 +58,9 @@ def live_run(
         ``late_blocks``: blocks later than one block period; ``dropped_blocks``;
         ``lateness_p50_ms``, ``_p99_ms``, ``_max_ms``: of publishing against the deadline;
         ``delivery_p99_ms``, ``_max_ms``: from a block's last sample to the recorder having it;
-        ``lost_blocks``: published in that time but not in the recording; ``fits`` and
-        ``fit_cost_s``: calibrations and the greatest processor time of one, if ``calibrate``.
+        ``lost_blocks``: published in that time but not in the recording.
+        If ``calibrate``, ``fits``: calibrations; ``fit_cost_s``: the greatest processor time of
+        one, where there is any.
 
     """
     with tempfile.TemporaryDirectory() as name, own_domain(os.getpid()) as domain:
@@ -93,7 +94,7 @@ def live_run(
         return {
             'core_share': sum(share.values()),
             **{f'core_share_{node}': value for node, value in share.items()},
-            **_punctuality(folder / 'bag', began, ended),
+            **_punctuality(folder / 'bag', began, ended, calibrate=calibrate),
         }
 
 
@@ -131,7 +132,7 @@ def cpu_seconds(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 
 
-def _punctuality(bag: Path, began: int, ended: int) -> dict[str, float]:
+def _punctuality(bag: Path, began: int, ended: int, *, calibrate: bool) -> dict[str, float]:
     lateness, delivery, indices = [], [], []
     period, dropped, costs = 0.0, 0, []
     for message in read_messages(bag):
@@ -153,9 +154,9 @@ def _punctuality(bag: Path, began: int, ended: int) -> dict[str, float]:
         msg = 'the recording of the live run holds no block'
         raise BearingTwinError(msg)
     late = np.array(lateness)
-    fits = {'fits': float(len(costs)), 'fit_cost_s': max(costs)} if costs else {}
     return {
-        **fits,
+        **({'fits': float(len(costs))} if calibrate else {}),
+        **({'fit_cost_s': max(costs)} if costs else {}),
         'blocks': float(len(late)),
         'late_blocks': float((late > period).sum()),
         'dropped_blocks': float(dropped),
