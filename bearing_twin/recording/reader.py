@@ -66,6 +66,8 @@ class TopicInfo:
     """Offered profiles as rosbag2 writes them, YAML."""
     schema: str
     """Definition of the type, as the recording has it."""
+    schema_encoding: str
+    """Of the definition: ``ros2msg`` in ROS 2."""
     count: int = 0
 
 
@@ -311,9 +313,9 @@ def _read_header(file: BinaryIO, size: int, info: RecordingInfo) -> None:
 
 
 def _count(info: RecordingInfo, channel: RecordedChannel, count: int) -> None:
+    c = channel
     topic = info.topics.setdefault(
-        channel.topic,
-        TopicInfo(channel.type_name, channel.type_hash, channel.qos, channel.schema),
+        c.topic, TopicInfo(c.type_name, c.type_hash, c.qos, c.schema, c.schema_encoding)
     )
     topic.count += count
     info.count += count

@@ -25,6 +25,7 @@ from bearing_twin.view.rerun.texts import parameter_tables
 from bearing_twin.view.rerun.timebase import Timebase
 from bearing_twin.view.rerun.viewer import live_url, LOOPBACK
 from bearing_twin.view.rerun.waveform import extremes
+from mcap.writer import Writer
 import numpy as np
 import pytest
 import rerun as rr
@@ -234,6 +235,21 @@ def test_defects_are_drawn_where_their_text_says(tmp_path):
     assert drawn_angle(cage) == pytest.approx(math.pi / 2.0)
     times, _ = columns(rrd, f'{root}/inner/defect_0', 'is_recursive')
     assert list(times) == [2 * SECOND], 'the mark goes with the defect'
+
+
+def test_topics_in_other_encodings_are_left_to_rerun(tmp_path):
+    path, rrd = tmp_path / 'a.mcap', tmp_path / 'a.rrd'
+    with path.open('wb') as file:
+        writer = Writer(file)
+        writer.start(profile='')
+        schema = writer.register_schema('Log', 'jsonschema', b'{"type": "object"}')
+        channel = writer.register_channel('/levels', 'json', schema)
+        for k in range(5):
+            writer.add_message(channel, SECOND + k, b'{"level": 1}', SECOND + k)
+        writer.finish()
+    assert draw_recordings([path], rrd).keys() == {'/levels'}
+    drawn = [c for c in RrdReader(rrd).stream() if c.entity_path == '/levels']
+    assert 5 in [chunk.num_rows for chunk in drawn]
 
 
 @pytest.mark.parametrize('size', [1, 15, 16, 17, 1024, 1030])

@@ -114,9 +114,12 @@ def _draw_foreign(
     info: RecordingInfo, rrd: Path, progress: Callable[[float], None] | None
 ) -> dict[str, str]:
     """Draw what others recorded: Rerun what it knows, we the numbers of all other types."""
-    # Types that hold themselves would end Rerun with a stack overflow.
-    readable = [name for name, topic in info.topics.items() if _is_readable(topic)]
-    natively = {name for name in readable if info.topics[name].type_name.split('/')[-1] in NATIVE}
+    readable = {name: topic for name, topic in info.topics.items() if _is_readable(topic)}
+    natively = {
+        name
+        for name, topic in readable.items()
+        if topic.schema_encoding == 'ros2msg' and topic.type_name.split('/')[-1] in NATIVE
+    }
     lines = [name for name in natively if info.topics[name].type_name.split('/')[-1] in SERIES]
     problems: dict[str, str] = {}
     with RerunLogger(
@@ -133,6 +136,9 @@ def _draw_foreign(
 
 
 def _is_readable(topic: TopicInfo) -> bool:
+    """Whether Rerun can read it: a .msg that holds itself would end it with a stack overflow."""
+    if topic.schema_encoding != 'ros2msg':
+        return True
     with contextlib.suppress(BearingTwinError):
         store_from_text(topic.type_name, topic.schema)
         return True
