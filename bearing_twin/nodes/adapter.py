@@ -18,7 +18,7 @@ from bearing_twin.ros.lifecycle import ManagedNode, run
 from bearing_twin.ros.qos import OVERRIDES, own, SENSOR, STREAM
 from bearing_twin.ros.subscribing import subscribe
 from bearing_twin.stamps import samples_ns, stamp_ns
-from bearing_twin.streams.samplerate import RateMeter
+from bearing_twin.streams.samplerate import RateMeter, REFUSED
 from bearing_twin.streams.sampling import (
     BlockBuilder,
     SequenceTracker,
@@ -227,11 +227,9 @@ class AdapterNode(ManagedNode):
         rate = self._stamps.rate
         if not rate:
             return
-        if missing and not self.parameters['sample_rate']:
-            wrong = self._meter.problem(rate)
-            if wrong and wrong.refused:
-                self._begin_anew()
-                return
+        if missing and not self.parameters['sample_rate'] and self._runs_at_another_rate():
+            self._begin_anew()
+            return
         if missing:
             self._gap(missing)
         acceleration = message.linear_acceleration
@@ -255,6 +253,15 @@ class AdapterNode(ManagedNode):
             self._gap(-1)
             self._stamps.restart()
             self._meter = RateMeter()
+
+    def _runs_at_another_rate(self) -> bool:
+        """Whether another number of samples comes than expected, and not because of losses."""
+        rate = self._stamps.rate
+        wrong = self._meter.problem(rate)
+        if wrong is None or not wrong.refused:
+            return False
+        # NaN, where no steps are known, is another rate.
+        return self._meter.rate > rate or not abs(self._stamps.usual_rate / rate - 1.0) <= REFUSED
 
     def _gap(self, missing: int) -> None:
         self._lost += max(0, missing)
@@ -307,6 +314,11 @@ class AdapterNode(ManagedNode):
             message = 'samples without a stamp, and no /clock yet (use_sim_time): left out'
         elif not rate:
             level, message = Level.WARN, 'estimating the sample rate'
+        elif wrong and wrong.refused and not self._runs_at_another_rate():
+            level = Level.ERROR
+            message = (
+                f'{self._meter.rate:.5g} of {rate:.5g} samples a second arrive, others are lost'
+            )
         elif wrong:
             level, message = Level.ERROR if wrong.refused else Level.WARN, wrong.text
         else:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from bearing_twin.stamps import NANO
 import numpy as np
 
-__all__ = ['RateMeter', 'RateProblem']
+__all__ = ['REFUSED', 'RateMeter', 'RateProblem']
 
 SPAN = NANO
 """Time over which one rate is taken, ns: a message that is 10 ms late shifts it by 1 %."""

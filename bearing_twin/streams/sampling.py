@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
@@ -22,6 +23,9 @@ ESTIMATE_FROM = 256
 LONGEST_ESTIMATE = 4 * ESTIMATE_FROM
 """Time from the first to the last of these stamps, in median steps, above which a pause or a
 stepped clock lies among them: the memory that the estimate takes grows with it."""
+
+USUAL = 64
+"""Last steps of the stamps whose median is the usual one: losses below a half do not move it."""
 
 LONGEST_GAP = 3600 * NANO
 """Step of the stamps above which the clock was set and no samples are missing, ns."""
@@ -91,6 +95,14 @@ class StampTracker:
         self._first: list[int] = []
         self._expected: float | None = None
         self._jitter = 0.25  # until the stamps have shown theirs
+        self._last: int | None = None
+        self._steps: deque[int] = deque(maxlen=USUAL)
+
+    @property
+    def usual_rate(self) -> float:
+        """Rate of the median step of the last stamps, Hz; NaN while there is none."""
+        usual = float(np.median(self._steps)) if self._steps else math.nan
+        return NANO / usual if usual > 0.0 else math.nan
 
     def missing(self, stamp: int) -> int:
         """
@@ -112,6 +124,9 @@ class StampTracker:
         if not self.rate:
             self._estimate(stamp)
             return 0
+        if self._last is not None:
+            self._steps.append(stamp - self._last)
+        self._last = stamp
         period = NANO / self.rate
         gap = 0
         if self._expected is None:

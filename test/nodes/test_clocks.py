@@ -200,3 +200,28 @@ def test_an_estimated_rate_follows_its_source(ros_domain):
         node.shut_down()
     finally:
         rclpy.shutdown()
+
+
+@pytest.mark.ros
+def test_lost_samples_are_no_other_rate(ros_domain):
+    rclpy.init(args=['--ros-args', '-p', 'source:=imu'])
+    try:
+        node = AdapterNode()
+        node.trigger_configure()
+        rng = random.Random(3)
+        lost, message = 0, Imu()
+        for k in range(400 * 60):
+            if rng.random() < 0.15:
+                # What is lost while the rate is estimated is not counted.
+                lost += node._stamps.rate > 0.0
+                continue
+            message.header.stamp = time_message(EPOCH + k * NANO // 400)
+            node._on_imu(message, {'publisher_gid': 'a'})
+        assert node._stamps.rate == pytest.approx(400.0, rel=1e-3)
+        assert node._restarts == 0
+        # A single loss may pass as jitter.
+        assert node._lost == pytest.approx(lost, rel=0.01)
+        assert 'of 400 samples a second arrive, others are lost' in node._input_status().message
+        node.shut_down()
+    finally:
+        rclpy.shutdown()
