@@ -102,7 +102,9 @@ class TwinCalibration:
         if self._problem:
             return Status(Level.WARN, f'calibration not taken: {self._problem}', {})
         if sensor is None:
-            waits = self._topic is not None
+            # A twin may follow in case the calibration node is started beside it.
+            topic = self._topic
+            waits = topic is not None and self._node.count_publishers(topic.topic_name) > 0
             text = 'no calibration yet' if waits else 'runs by its own parameters'
             return Status(Level.STALE if waits else Level.OK, text, {})
         fitted, alike = sensor.fitted, sensor.likeness()
