@@ -42,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
         answer = {
             **asdict(info),
             'topics': {
-                name: {k: v for k, v in asdict(topic).items() if not k.startswith('schema')}
+                name: {k: v for k, v in asdict(topic).items() if k != 'schemas'}
                 for name, topic in info.topics.items()
             },
             'duration': info.duration,

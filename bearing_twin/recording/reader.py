@@ -64,11 +64,9 @@ class TopicInfo:
     type_hash: str
     qos: str
     """Offered profiles as rosbag2 writes them, YAML."""
-    schema: str
-    """Definition of the type, as the recording has it."""
-    schema_encoding: str
-    """Of the definition: ``ros2msg`` in ROS 2."""
     count: int = 0
+    schemas: set[tuple[str, str, str]] = field(default_factory=set)
+    """Type, encoding and definition: one, unless the topic is described in different ways."""
 
 
 @dataclass
@@ -313,10 +311,10 @@ def _read_header(file: BinaryIO, size: int, info: RecordingInfo) -> None:
 
 
 def _count(info: RecordingInfo, channel: RecordedChannel, count: int) -> None:
-    c = channel
     topic = info.topics.setdefault(
-        c.topic, TopicInfo(c.type_name, c.type_hash, c.qos, c.schema, c.schema_encoding)
+        channel.topic, TopicInfo(channel.type_name, channel.type_hash, channel.qos)
     )
+    topic.schemas.add((channel.type_name, channel.schema_encoding, channel.schema))
     topic.count += count
     info.count += count
 

@@ -110,12 +110,16 @@ def test_a_thousand_damaged_bags(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_type_that_holds_itself_is_not_given_to_rerun(tmp_path: Path) -> None:
     path, picture = tmp_path / 'a.mcap', tmp_path / 'a.rrd'
+    itself = ('a/msg/B', b'a/B b\n' + b'=' * 80 + b'\nMSG: a/B\na/B b\n')
+    number = ('std_msgs/msg/Float64', b'float64 data')
     with path.open('wb') as file:
         writer = Writer(file)
         writer.start(profile='ros2')
-        for topic, name, text in (
-            ('/itself', 'a/msg/B', b'a/B b'),
-            ('/t', 'std_msgs/msg/Float64', b'float64 data'),
+        for topic, (name, text) in (
+            ('/itself', itself),
+            ('/t', number),
+            ('/twice', number),
+            ('/twice', itself),
         ):
             schema = writer.register_schema(name, 'ros2msg', text)
             channel = writer.register_channel(topic, 'cdr', schema)
@@ -126,5 +130,6 @@ def test_a_type_that_holds_itself_is_not_given_to_rerun(tmp_path: Path) -> None:
     words = [sys.executable, '-m', 'bearing_twin', 'view', str(path), '--save', str(picture)]
     ran = subprocess.run(words, capture_output=True, text=True, check=False)
     assert ran.returncode == 0, ran.stderr
-    assert '/itself is not drawn: the schema of a/msg/B cannot be read' in ran.stderr
+    for topic in ('/itself', '/twice'):
+        assert f'{topic} is not drawn: the schema of a/msg/B cannot be read' in ran.stderr
     assert picture.stat().st_size > 0

@@ -118,7 +118,8 @@ def _draw_foreign(
     natively = {
         name
         for name, topic in readable.items()
-        if topic.schema_encoding == 'ros2msg' and topic.type_name.split('/')[-1] in NATIVE
+        if topic.type_name.split('/')[-1] in NATIVE
+        and all(encoding == 'ros2msg' for _, encoding, _ in topic.schemas)
     }
     lines = [name for name in natively if info.topics[name].type_name.split('/')[-1] in SERIES]
     problems: dict[str, str] = {}
@@ -137,10 +138,10 @@ def _draw_foreign(
 
 def _is_readable(topic: TopicInfo) -> bool:
     """Whether Rerun can read it: a .msg that holds itself would end it with a stack overflow."""
-    if topic.schema_encoding != 'ros2msg':
-        return True
     with contextlib.suppress(BearingTwinError):
-        store_from_text(topic.type_name, topic.schema)
+        for type_name, encoding, text in topic.schemas:
+            if encoding == 'ros2msg':
+                store_from_text(type_name, text)
         return True
     return False
 
