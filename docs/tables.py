@@ -26,6 +26,7 @@ from bearing_twin.bearing import (
     RESULTS,
     TITLES,
 )
+from bearing_twin.bearing.vocabulary import STAGE_STEPS, STAGES
 from bearing_twin.diagnosis.report import insufficient
 from bearing_twin.nodes.diagnosis_topics import (
     LEVELS as STATUS_LEVELS,
@@ -110,8 +111,8 @@ CODES = """\
 
 `diagnosis` and the status `bearing` carry a code that programs can rely on. In OPC UA terms each
 machine is a device (OPC 10000-100) with one condition, whose type and severity (1 to 1000) follow
-from the level; the code is its condition name. Mapped here, not shipped: there is no OPC UA server
-in this package.
+from the level; the code is its condition name. The next step of a place whose level is fault
+follows from the stage. Mapped here, not shipped: there is no OPC UA server in this package.
 """
 
 CONDITIONS = {
@@ -308,9 +309,11 @@ def codes() -> list[str]:
         (f'`{level}`', str(VERDICT_LEVELS[level]), STATUS_LEVELS[level].name, *CONDITIONS[level])
         for level in LEVELS
     ]
+    stages = [(str(stage), STAGES[stage], step) for stage, step in enumerate(STAGE_STEPS) if stage]
     return [
         CODES,
         *_table(('fault_code', 'result', 'meaning', 'next step'), answers),
+        *_table(('stage of a fault', 'name', 'next step'), stages),
         *_table(
             (
                 'level',

@@ -83,7 +83,7 @@ def next_step(result: str, stage: int = 0) -> str:
     result : str
         The answer, one of ``RESULTS``.
     stage : int
-        Stage of the defect, an index of ``STAGES``.
+        Stage of the defect, an index of ``STAGES``; it decides where a place is named.
 
     Returns
     -------
@@ -98,6 +98,6 @@ def next_step(result: str, stage: int = 0) -> str:
     'plan to replace the bearing soon: a cage fails without much warning'
 
     """
-    if result == 'cage' and stage < 3:
-        return _STEPS['cage']
-    return STAGE_STEPS[stage] if stage else _STEPS.get(result, STAGE_STEPS[0])
+    if result in PLACES and not (result == 'cage' and stage < 3):
+        return STAGE_STEPS[stage]
+    return _STEPS[result]

@@ -14,7 +14,7 @@ from bearing_twin.diagnosis.severity import HIGHEST_LIMIT
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis, Severity
 
-__all__ = ['FAULT_DB', 'SUSPECT_DB', 'UNKNOWN', 'by_zone', 'fault_stage', 'raised']
+__all__ = ['FAULT_DB', 'SUSPECT_DB', 'UNKNOWN', 'by_zone', 'fault_stage', 'raised', 'staged']
 
 SUSPECT_DB, FAULT_DB = 6.0, 12.0
 """Level over the baseline of a machine that is doubtful, and of one that is damaged: twice and
@@ -44,13 +44,26 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
     ('fault', 'ambiguous', 'zone D of ISO 20816-3 is a fault; place unknown')
 
     """
-    found = _with_reason(diagnosis)
-    stage = 0
-    if found.level == 'fault':
-        severity = found.severity
-        index = found.modulation_index[found.faults[0]] if found.faults else 0.0
+    return staged(_with_reason(diagnosis))
+
+
+def staged(diagnosis: Diagnosis) -> Diagnosis:
+    """
+    Return a diagnosis with the stage of its fault, 0 where its level is none.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.diagnosis.report import insufficient
+    >>> verdict = replace(insufficient(['too short'], find_bearing('6307')), level='fault')
+    >>> staged(verdict).severity.stage, staged(replace(verdict, level='ok')).severity.stage
+    (1, 0)
+
+    """
+    severity, stage = diagnosis.severity, 0
+    if diagnosis.level == 'fault':
+        place = diagnosis.faults[0] if diagnosis.faults else ''
+        index = diagnosis.modulation_index.get(place, 0.0)
         stage = fault_stage(index, severity.level_over_baseline, severity.iso_zone)
-    return replace(found, severity=replace(found.severity, stage=stage))
+    return replace(diagnosis, severity=replace(severity, stage=stage))
 
 
 def fault_stage(index: float, level_over_baseline: float, iso_zone: str) -> int:

@@ -96,7 +96,7 @@ class SeriesMonitor:
 
     The baseline is learnt from the first snapshots over which level and temperature have settled,
     and again where a machine settles lower: run-in and warm-up are no damage. Until then only a
-    rise to fourfold over the last snapshots is an alarm.
+    rise to fourfold over the last snapshots, or a zone, is an alarm.
 
     Parameters
     ----------

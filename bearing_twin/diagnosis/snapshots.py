@@ -11,7 +11,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.level import raised, UNKNOWN
+from bearing_twin.diagnosis.level import raised, staged, UNKNOWN
 from bearing_twin.diagnosis.series import of_length, SeriesMonitor
 from bearing_twin.diagnosis.series_result import LEAST_BASELINE, MOST_BASELINE, SeriesSettings
 from bearing_twin.diagnosis.shaft import Turning
@@ -199,7 +199,7 @@ class SeriesDiagnoser:
         found = replace(found, severity=severity, reasons=reasons)
         unknown = self._monitor.lost and found.level == 'ok'
         if not unknown and LEVELS.index(level) <= LEVELS.index(found.level):
-            return found
+            return staged(found)
         result, faults, confidence = found.result, found.faults, found.confidence
         if unknown:
             result, confidence = 'insufficient', UNKNOWN
@@ -209,10 +209,11 @@ class SeriesDiagnoser:
             if report.place is not None:
                 faults = (report.place.place,)
                 result = faults[0] if level == 'fault' else 'suspect'
-        return replace(
+        found = replace(
             found, level=level, result=result, faults=faults, confidence=confidence,
             fault_code=FAULT_CODES[result], window=(found.result, found.level),
         )  # fmt: skip
+        return staged(found)
 
     def save(self) -> bytes:
         """State worth keeping over a restart: the series, without a snapshot that is not whole."""

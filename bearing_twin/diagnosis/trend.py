@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS, PLACES, RESULTS
 from bearing_twin.diagnosis.dependence import Condition, HealthyRecord, Law
-from bearing_twin.diagnosis.level import raised
+from bearing_twin.diagnosis.level import raised, staged
 from bearing_twin.diagnosis.onset import Rise
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -235,7 +235,7 @@ class Trend:
         if own.level != level:
             count, words = self.pending_count, f'{said}, {own.level}'
         text = f'{self.answer}, {level} held: {count} of {hold} verdicts say {words}'
-        return replace(
+        held = replace(
             own,
             result=result,
             level=level,
@@ -245,6 +245,7 @@ class Trend:
             reasons=(*own.reasons, text),
             window=(own.result, own.level),
         )
+        return staged(held)
 
     def _another(self, said: str, hold: int) -> bool:
         """Whether another answer of the held level takes over."""

@@ -5,7 +5,7 @@
 from dataclasses import replace
 import math
 
-from bearing_twin.bearing import fault_orders, find_bearing
+from bearing_twin.bearing import fault_orders, find_bearing, next_step
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
 from bearing_twin.diagnosis.level import raised
 from bearing_twin.diagnosis.report import insufficient
@@ -68,6 +68,22 @@ def test_the_level_is_what_combs_baseline_and_zone_ask_for(fresh, known, result,
         why = found.reasons[-1]
         assert 'ISO 20816-3' in why or 'dB over the baseline' in why
         assert ('place unknown' in why) == (not found.faults)
+
+
+@pytest.mark.parametrize(
+    ('result', 'stage', 'step'),
+    [
+        ('healthy', 2, 'nothing'),
+        ('suspect', 1, 'record again'),
+        ('ambiguous', 4, 'record longer'),
+        ('inner', 0, 'record again'),
+        ('outer', 4, 'stop the machine'),
+        ('cage', 1, 'plan to replace'),
+        ('cage', 4, 'stop the machine'),
+    ],
+)
+def test_the_stage_decides_what_to_do_only_about_a_named_place(result, stage, step):
+    assert next_step(result, stage).startswith(step)
 
 
 def test_a_worn_out_machine_is_a_fault_of_unknown_place_over_its_own_baseline():

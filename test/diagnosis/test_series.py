@@ -313,6 +313,8 @@ def test_snapshots_of_a_stream_with_gaps_are_judged_as_one_series(index):
     assert said[-1].level == 'fault' and said[-1].result == 'ambiguous'
     assert said[-1].severity.level_over_baseline == pytest.approx(14.0, abs=0.5)
     assert said[-1].window == ('insufficient', 'none')
+    # 14 dB over the baseline, whatever the place.
+    assert said[-1].severity.stage == 4
     # Ten snapshots are a hundred minutes.
     assert said[-1].severity.rising == 100
     assert any(reason.startswith('series: ') for reason in said[-1].reasons)
