@@ -52,6 +52,8 @@ FIGURES = {
     'live_share_of_the_process': Figure('cores', 'share of a core for the process as such'),
     'core_share': Figure('cores', 'twin, diagnosis and recorder together', '< 1'),
     'blocks': Figure('', 'blocks published in the live run'),
+    'fits': Figure('', 'calibrations in that time, in a process of their own', '> 0'),
+    'fit_cost_s': Figure('s', 'greatest processor time of a calibration', '< 10'),
     'late_blocks': Figure('', 'blocks that came more than a period late', '0'),
     'dropped_blocks': Figure('', 'blocks never published', '0'),
     'lost_blocks': Figure('', 'blocks published and not recorded', '0'),

@@ -15,7 +15,7 @@ from functools import partial
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.bench.plain import time_at
+from bearing_twin.bench.plain import error_after_start, time_at
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.reference import solve
@@ -154,7 +154,7 @@ def _ratio_to_plain(parameters: TwinParameters) -> float:
     samples, hz = int(_SHORT * _RATE), 25.4
     reference, simulator = solve(parameters, samples, shaft_hz=hz), Simulator(parameters)
     block = simulator.advance(samples, 20.0, hz)
-    error = _error(np.array([block.x, block.y]), np.array([reference.x, reference.y]))
+    error = error_after_start(np.array([block.x, block.y]), reference)
     ours = _best(partial(simulator.advance, samples, 20.0, hz), 10)
     return time_at(parameters, reference, error, shaft_hz=hz) / ours
 

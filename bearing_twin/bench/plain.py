@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
     from bearing_twin.dynamics.reference import Reference
 
-__all__ = ['solve_plainly', 'time_at']
+__all__ = ['error_after_start', 'solve_plainly', 'time_at']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -177,6 +177,13 @@ def solve_plainly(
     return found, time.process_time() - began
 
 
+def error_after_start(got: FloatArray, reference: Reference) -> float:
+    """Relative L2 of a signal, shape (2, n), without the samples that lack what was before."""
+    skip = len(filters.decimator(filters.oversampling(25600.0)))
+    expected = np.array([reference.x, reference.y])[:, skip:]
+    return float(np.linalg.norm(got[:, skip:] - expected) / np.linalg.norm(expected))
+
+
 def time_at(p: TwinParameters, reference: Reference, error: float, *, shaft_hz: float) -> float:
     """
     Processor time of the steps whose relative error is ``error``, s; between those tried.
@@ -184,16 +191,13 @@ def time_at(p: TwinParameters, reference: Reference, error: float, *, shaft_hz: 
     ``reference`` is the solution that the error is taken against. Where the most steps tried have
     a larger error, their time.
     """
-    expected = np.array([reference.x, reference.y])
-    skip = len(filters.decimator(filters.oversampling(25600.0)))
     errors, times = [], []
     for steps in _STEPS:
         runs = [
-            solve_plainly(p, reference.states[:, 0], expected.shape[1], steps, shaft_hz=shaft_hz)
+            solve_plainly(p, reference.states[:, 0], len(reference.x), steps, shaft_hz=shaft_hz)
             for _ in range(_RUNS)
         ]
-        off = np.linalg.norm((runs[0][0] - expected)[:, skip:])
-        errors.append(float(off / np.linalg.norm(expected[:, skip:])))
+        errors.append(error_after_start(runs[0][0], reference))
         times.append(min(took for _, took in runs))
         if errors[-1] <= error:
             break

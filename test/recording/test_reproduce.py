@@ -13,6 +13,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.checkpoints import configuration_values
 from bearing_twin.bench.end_to_end import _punctuality
+from bearing_twin.bench.figures import FIGURES
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.run import run_offline
@@ -364,7 +365,7 @@ def test_an_interrupted_run_is_a_sound_recording(
 def test_no_calibration_at_all_is_a_figure_that_misses_its_target(run: Path) -> None:
     with_calibration = _punctuality(run, 0, 2**63, calibrate=True)
     assert with_calibration['blocks'] == 12 * 25
-    assert with_calibration['fits'] == 0.0
+    assert with_calibration['fits'] == 0.0 and FIGURES['fits'].target == '> 0'
     assert with_calibration.keys() - _punctuality(run, 0, 2**63, calibrate=False) == {'fits'}
 
 
