@@ -118,8 +118,8 @@ def line_over_floor(x: FloatArray, situation: Situation) -> float:
     """
     Highest line at the frequency of the impacts, whatever their slip, over the floor about it.
 
-    Lines of the shaft are left out, unless one lies where the part may strike: an inner race has
-    them whatever its bearing. So are harmonics: three of an outer race may be two of an inner one.
+    Harmonics are left out: three of an outer race may be two of an inner one. A line of the shaft
+    that lies where the part may strike counts as the part's.
 
     Parameters
     ----------
@@ -147,11 +147,7 @@ def line_over_floor(x: FloatArray, situation: Situation) -> float:
     power = np.abs(fft.rfft(envelope)) ** 2
     hertz = np.arange(len(power)) * rate / len(envelope)
     apart = hertz / situation.strikes - 1.0
-    shaft = np.abs(hertz - situation.shaft_hz * np.round(hertz / situation.shaft_hz))
     near = np.abs(apart) < SLIPPED
-    order = situation.strikes / situation.shaft_hz
-    if abs(order - round(order)) > SLIPPED * order:
-        near &= shaft > 1.5 * hertz[1] + 0.002 * hertz
     floor = float(np.median(power[np.abs(apart) < 0.2])) / math.log(2.0)
     return float(power.max(initial=0.0, where=near)) / max(floor, 1e-300)
 

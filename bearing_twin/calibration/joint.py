@@ -117,4 +117,6 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     width = Estimate(
         q05=low, median=median, q95=high, unit='mm', identifiable=bool(telling), why=why
     )
+    if all(each.statement.startswith('no width') for each in found):
+        return found, width, found[0].statement
     return found, width, in_words(places[0], width)
