@@ -135,9 +135,10 @@ def rival(diagnosis: Any) -> str:
     scores, index = measured
     own = scores.pop(result, 0.0)
     limits = {place: Z_CAGE if place == 'cage' else Z_FAULT for place in scores}
-    other = max(scores, key=lambda place: scores[place] / limits[place])
-    if not scores[other] >= max(limits[other], RIVAL * own):
+    rivals = [place for place in scores if scores[place] >= max(limits[place], RIVAL * own)]
+    if not rivals:
         return ''
+    other = max(rivals, key=lambda place: scores[place] / limits[place])
     name = TITLES[other].lower().removesuffix(' fault')
     if result == 'healthy' and index[other] < INDEX_FAULT:
         return (

@@ -99,6 +99,9 @@ def test_a_rival_is_named_with_the_reason_it_lost():
     healthy = verdict('healthy')
     healthy.score, healthy.modulation_index = [1.0, 13.0, 2.0, 1.0], [0.0, 0.13, 0.0, 0.0]
     assert 'modulation index of 0.13 is below the 0.6 of a fault' in rival(healthy)
+    # The cage is a rival though the outer race is farther over its own limit.
+    inner.score = [12.0, 7.0, 1.0, 9.0]
+    assert 'cage is nearly as significant' in rival(inner)
     # A cage needs more, and one with the index of a fault is not denied by it.
     for cage, index in ((6.0, 0.3), (9.0, 0.7)):
         healthy.score, healthy.modulation_index = [1.0, 2.0, 2.0, cage], [0.0, 0.0, 0.0, index]
