@@ -57,7 +57,11 @@ def _take_free_name(part: Path, path: Path) -> None:
     except OSError:
         # vfat, CIFS and shared folders of virtual machines may have no hard links.
         path.open('xb').close()
-        part.replace(path)
+        try:
+            part.replace(path)
+        except BaseException:
+            path.unlink(missing_ok=True)
+            raise
     else:
         part.unlink()
 
