@@ -105,4 +105,4 @@ def test_presets_and_modes_say_which_way_they_move():
         assert ('it falls, as the paper states' in said) == falls, said
         assert ("it rises, against the paper's statement" in said) != falls, said
     assert 'no defect' in trend_sentence(preset('paper', defect='none'), 25.4)
-    assert 'stands' in trend_sentence(preset('paper'), 0.0)
+    assert 'not computed below 1 Hz' in trend_sentence(preset('paper'), 0.0)
