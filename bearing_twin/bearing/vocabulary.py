@@ -100,4 +100,4 @@ def next_step(result: str, stage: int = 0) -> str:
     """
     if result in PLACES and not (result == 'cage' and stage < 3):
         return STAGE_STEPS[stage]
-    return _STEPS[result]
+    return _STEPS.get(result, STAGE_STEPS[0])

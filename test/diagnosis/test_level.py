@@ -80,6 +80,7 @@ def test_the_level_is_what_combs_baseline_and_zone_ask_for(fresh, known, result,
         ('outer', 4, 'stop the machine'),
         ('cage', 1, 'plan to replace'),
         ('cage', 4, 'stop the machine'),
+        ('of another version', 0, 'record again'),
     ],
 )
 def test_the_stage_decides_what_to_do_only_about_a_named_place(result, stage, step):
