@@ -15,7 +15,7 @@ from functools import partial
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.bench.plain import error_after_start, time_at
+from bearing_twin.bench.plain import error_after_start, relative_error, time_at
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.reference import solve
@@ -166,10 +166,6 @@ def _errors(parameters: TwinParameters, samples: int, hz: float) -> tuple[float,
     single = Simulator(parameters, shaft_hz=hz).advance(samples, 20.0, hz)
     group = Fleet([parameters], shaft_hz=hz).advance(samples, 20.0, hz)
     return (
-        _error(np.array([single.x, single.y]), expected),
-        _error(np.array([group.x[0], group.y[0]]), expected),
+        relative_error(np.array([single.x, single.y]), expected),
+        relative_error(np.array([group.x[0], group.y[0]]), expected),
     )
-
-
-def _error(got: np.ndarray, expected: np.ndarray) -> float:
-    return float(np.linalg.norm(got - expected) / np.linalg.norm(expected))

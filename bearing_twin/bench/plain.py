@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
     from bearing_twin.dynamics.reference import Reference
 
-__all__ = ['error_after_start', 'solve_plainly', 'time_at']
+__all__ = ['error_after_start', 'relative_error', 'solve_plainly', 'time_at']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -177,11 +177,16 @@ def solve_plainly(
     return found, time.process_time() - began
 
 
+def relative_error(got: FloatArray, expected: FloatArray) -> float:
+    """Relative L2 of signals of one shape."""
+    return float(np.linalg.norm(got - expected) / np.linalg.norm(expected))
+
+
 def error_after_start(got: FloatArray, reference: Reference) -> float:
     """Relative L2 of a signal, shape (2, n), without the samples that lack what was before."""
     skip = len(filters.decimator(filters.oversampling(25600.0)))
     expected = np.array([reference.x, reference.y])[:, skip:]
-    return float(np.linalg.norm(got[:, skip:] - expected) / np.linalg.norm(expected))
+    return relative_error(got[:, skip:], expected)
 
 
 def time_at(p: TwinParameters, reference: Reference, error: float, *, shaft_hz: float) -> float:
