@@ -82,7 +82,7 @@ class Fitted:
             )
             raise BearingTwinError(msg)
         given: dict[str, Any] = dict(self.machine)
-        # The fit has the load along the sensor's axis, and so what stands still beside it too.
+        # A fit takes the load along the sensor's axis, so defects that stand still turn with it.
         turned = DOWN - own.load_angle
         injected = tuple(
             replace(each, angle=each.angle + turned) if each.place in ('outer', 'cage') else each
@@ -144,7 +144,7 @@ def read_fitted(text: str) -> Fitted:
         if sorted(twin) != sorted(('defects', *FITTED)):
             msg = f'it gives {", ".join(twin)} of a twin'
             raise ValueError(msg)
-        # Both are published: what is no text ends here.
+        # Both are published, so what cannot be encoded is refused here.
         (kept['statement'] + unit).encode()
         fitted = Fitted(
             text=json.dumps(kept),

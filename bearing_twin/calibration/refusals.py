@@ -50,7 +50,7 @@ SAME_TIME, OTHER_SPEED = 0.03, 1.08
 
 def no_impacts(x: FloatArray, situation: Situation) -> str:
     """
-    Why a record has no impacts of the part that is said to have the defect; '' if it has.
+    Return why the part that is named does not strike in a record; '' if it does.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ __all__ = ['limit_impulsive_outliers']
 
 _ABOVE = 2.0
 _TURNS = 5
-"""Fewest turns of which a median is taken. A segment of 20 turns of the shaft holds 6 to 9."""
+"""Fewest turns of the cage for a median; a segment of 20 turns of the shaft holds 6 to 9."""
 
 
 def limit_impulsive_outliers(
