@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 __all__ = ['CalibrationCore', 'Fit', 'Task', 'work']
 
-_VERSION = 2002
+_VERSION = 2003
 SHARE = 1.0 / 3.0
 """Most of one core that is used, over time: 10 s each 30 s."""
 SHOWN_S = 2.0

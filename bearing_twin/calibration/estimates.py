@@ -12,7 +12,7 @@ from bearing_twin.calibration.healthy import LOSS_DB, smallest_shown, UNKNOWN_DB
 from bearing_twin.calibration.passage import interference, path_curvature, widest
 from bearing_twin.calibration.path import LINE_DAMPING, noise_floor
 from bearing_twin.calibration.posterior import resolved, weighted_quantile
-from bearing_twin.calibration.refusals import MANY_WIDTHS, WIDER
+from bearing_twin.calibration.refusals import Kind, Refusal
 from bearing_twin.calibration.result import Estimate
 from bearing_twin.diagnosis.severity import acceleration_factor
 import numpy as np
@@ -95,7 +95,7 @@ def of_path(
 
 
 def of_defect(
-    left: Posterior, situation: Situation, measured: Summary, refusal: str
+    left: Posterior, situation: Situation, measured: Summary, refusal: Refusal | None
 ) -> dict[str, Estimate]:
     """
     Return the quantities of a bearing with a race defect.
@@ -109,7 +109,7 @@ def of_defect(
     measured
         Summary of the vibration.
     refusal
-        Why the width is not told, or ''.
+        Why the width is not told; None if it is.
 
     Examples
     --------
@@ -123,7 +123,8 @@ def of_defect(
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> measured = summarise(noise, 12800.0, machine.longest)
     >>> left = limit(measured, machine, candidates=32)
-    >>> width = of_defect(left, machine, measured, 'ringing hides it')['defect_width_mm']
+    >>> hidden = Refusal(Kind.HIDDEN, 'ringing hides it')
+    >>> width = of_defect(left, machine, measured, hidden)['defect_width_mm']
     >>> width.identifiable, width.q05, width.why[-16:]
     (False, 0.0, 'ringing hides it')
 
@@ -133,8 +134,7 @@ def of_defect(
         low, median, high = (float(v) for v in left.quantiles(name))
         why = 'on simulated machines of known truth its intervals held too seldom to be told'
         if name == 'defect_width_mm':
-            why = refusal
-            if not refusal:
+            if refusal is None:
                 # The model may be wrong about the path of a ball over an edge: the least width is
                 # that of impacts at the edges themselves, an impact being as sharp as it looks.
                 spacing, lobe = (
@@ -145,16 +145,18 @@ def of_defect(
                     f'from impacts {spacing:.2f} mm apart on the race; the rest is the path of a '
                     'ball over the edges, without which the lower bound does'
                 )
-            elif WIDER in refusal:
+            elif refusal.kind is Kind.TOO_WIDE:
                 # A ball is always in a defect that is wider than the distance of two balls.
-                high = 1e3 * situation.speed / situation.strikes
-            elif refusal != MANY_WIDTHS:
+                high, why = 1e3 * situation.speed / situation.strikes, refusal.why
+            elif refusal.kind is Kind.MANY_WIDTHS:
+                why = refusal.why
+            else:
                 # What hides the spacing hides it in narrower defects too, whatever was supposed.
                 high = max(high, min(about.high, 1e3 * _hidden(situation, measured)))
-                low, why = 0.0, f'at most {high:.2f} mm: {refusal}'
+                low, why = 0.0, f'at most {high:.2f} mm: {refusal.why}'
         quantities[name] = Estimate(
             q05=low, median=median, q95=high, unit=about.unit,
-            identifiable=name == 'defect_width_mm' and not refusal, why=why,
+            identifiable=name == 'defect_width_mm' and refusal is None, why=why,
         )  # fmt: skip
     return quantities
 
@@ -178,7 +180,12 @@ def _hidden(situation: Situation, measured: Summary) -> float:
 
 
 def without_defect(
-    x: FloatArray, situation: Situation, scale: float, unit: str, seed: int, verdict: str = ''
+    x: FloatArray,
+    situation: Situation,
+    scale: float,
+    unit: str,
+    seed: int,
+    refusal: Refusal | None = None,
 ) -> tuple[Estimate, str]:
     """
     Return the width of a defect that the record would have shown, and that in words.
@@ -195,8 +202,8 @@ def without_defect(
         Of the samples; '' if unknown.
     seed
         Of the draws.
-    verdict
-        Why the bearing may have a defect though none is fitted, or ''.
+    refusal
+        Why the bearing may have a defect though none is fitted; None if it is healthy.
 
     Examples
     --------
@@ -205,18 +212,20 @@ def without_defect(
     >>> machine = Situation(
     ...     bearing=find_bearing('6205'), place='ball', shaft_hz=25.0, sample_rate=12800.0
     ... )
-    >>> without_defect(np.zeros(25600), machine, 1.0, 'm/s^2', seed=0)[1]
+    >>> ball = Refusal(Kind.NOT_FITTED, 'the width of a ball defect is not fitted')
+    >>> without_defect(np.zeros(25600), machine, 1.0, 'm/s^2', seed=0, refusal=ball)[1]
     'ball defect, at most 4.0 mm wide'
 
     """
     highest = 1e3 * widest(situation.bearing)
-    if verdict or situation.place in ('ball', 'cage'):
-        why = verdict or f'the width of a {situation.place} defect is not fitted'
+    if refusal is not None:
         width = Estimate(
-            q05=0.0, median=0.5 * highest, q95=highest, unit='mm', identifiable=False, why=why
-        )
-        said = f'{situation.place} defect, at most {highest:.1f} mm wide'
-        return width, f'no width: {verdict}' if verdict else said
+            q05=0.0, median=0.5 * highest, q95=highest, unit='mm', identifiable=False,
+            why=refusal.why,
+        )  # fmt: skip
+        if refusal.kind is Kind.NO_PART:
+            return width, f'no width: {refusal.why}'
+        return width, f'{situation.place} defect, at most {highest:.1f} mm wide'
     known = math.isfinite(acceleration_factor(unit))
     found = smallest_shown(x, situation, scale, LOSS_DB if known else UNKNOWN_DB, seed)
     largest = found.width_mm if math.isfinite(found.width_mm) else highest

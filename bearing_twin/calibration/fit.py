@@ -27,9 +27,16 @@ from bearing_twin.calibration.estimates import (
 )
 from bearing_twin.calibration.passage import load_range
 from bearing_twin.calibration.path import identify, LINE_DAMPING, REACH_S, resonances
-from bearing_twin.calibration.refusals import MANY_WIDTHS, no_impacts, too_wide, unresolved, untold
+from bearing_twin.calibration.refusals import (
+    Kind,
+    no_impacts,
+    Refusal,
+    too_wide,
+    unresolved,
+    untold,
+)
 from bearing_twin.calibration.result import Calibration, in_words
-from bearing_twin.calibration.summaries import summarise
+from bearing_twin.calibration.summaries import correlate
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.severity import acceleration_factor
 from bearing_twin.dynamics import warm_up
@@ -117,12 +124,15 @@ def fit(
     # The first fit of an installation compiles the kernels: that is no cost of a fit.
     warm_up(fleet=True)
     start = time.process_time()
-    slip, verdict, named = math.nan, '', place is not None
+    slip, refusal, named = math.nan, None, place is not None
     if place is None:
         said = diagnose_record(x, sample_rate, bearing, shaft_hz, unit=unit)
         place, slip = said.result if said.result in PLACES else 'none', said.slip
         if place == 'none' and said.result != 'healthy':
-            verdict = f'the diagnosis says {said.result} and names no part; --place names one'
+            refusal = Refusal(
+                Kind.NO_PART,
+                f'the diagnosis says {said.result} and names no part; --place names one',
+            )
     elif place not in (*PLACES, 'none'):
         msg = f"place={place!r}: choose 'none' or one of {', '.join(PLACES)}"
         raise BearingTwinError(msg)
@@ -130,7 +140,9 @@ def fit(
         situation = replace(situation, slip=slip)
     x, rate = _decimated(x, sample_rate)
     situation = replace(situation, place=place, sample_rate=rate)
-    return _fitted(x, situation, unit, candidates, seed, start, verdict, named=named)
+    if place in ('ball', 'cage'):
+        refusal = Refusal(Kind.NOT_FITTED, f'the width of a {place} defect is not fitted')
+    return _fitted(x, situation, unit, candidates, seed, start, refusal, named=named)
 
 
 def fitted_vibration(found: Calibration, seconds: float, seed: int = 0) -> FloatArray:
@@ -223,16 +235,17 @@ def _fitted(
     candidates: int,
     seed: int,
     start: float,
-    verdict: str,
+    refusal: Refusal | None,
     *,
     named: bool,
 ) -> Calibration:
-    measured = summarise(x, situation.sample_rate, situation.longest)
+    whole = correlate(x, situation.sample_rate)
+    measured = whole.summary(situation.longest)
     modes = resonances(x, situation.sample_rate)
     defective = situation.place in ('inner', 'outer')
-    denied = no_impacts(x, situation) if defective and named else ''
     if defective:
-        refusal = denied or too_wide(x, situation, measured)
+        refusal = no_impacts(x, situation) if named else None
+        refusal = refusal or too_wide(whole, situation, measured)
         left, refusal = _defect(measured, situation, modes, candidates, seed, refusal)
         values, weights = left.values, left.weights
     else:
@@ -248,10 +261,10 @@ def _fitted(
     if defective:
         quantities |= of_defect(left, situation, measured, refusal)
         statement = in_words(situation.place, quantities['defect_width_mm'])
-        if denied:
-            statement = f'no width: {denied}'
+        if refusal is not None and refusal.kind is Kind.NO_IMPACTS:
+            statement = f'no width: {refusal.why}'
     else:
-        width, statement = without_defect(x, situation, scale, unit, seed, verdict)
+        width, statement = without_defect(x, situation, scale, unit, seed, refusal)
         quantities |= {'defect_width_mm': width, **supposed(values, weights, situation)}
     fitted = path.filter(seed).apply(twin)[len(path.denominator) :]
     machine, own, other = (
@@ -261,6 +274,7 @@ def _fitted(
         situation=situation,
         quantities=quantities,
         statement=statement,
+        refusal=None if refusal is None else refusal.kind,
         path=path,
         distance_before=distance(machine, other),
         distance=distance(machine, own),
@@ -284,9 +298,9 @@ def _defect(
     modes: list[Resonance],
     candidates: int,
     seed: int,
-    refusal: str,
-) -> tuple[Posterior, str]:
-    """Return what is left possible of a defect, and why its width is not told, or ''."""
+    refusal: Refusal | None,
+) -> tuple[Posterior, Refusal | None]:
+    """Return what is left possible of a defect, and why its width is not told, if it is not."""
     refusal = refusal or unresolved(measured)
     if refusal:
         return posterior.limit(measured, situation, candidates=candidates, seed=seed), refusal
@@ -295,7 +309,7 @@ def _defect(
     fastest = max((m.hz[1] for m in modes if m.damping[1] >= LINE_DAMPING), default=math.nan)
     refusal = untold(measured, left, situation, fastest)
     # The impacts are those of a passage, or they are not and hide it: one as likely as the other.
-    if refusal not in ('', MANY_WIDTHS):
+    if refusal is not None and refusal.kind is not Kind.MANY_WIDTHS:
         left = left.or_else(posterior.limit(measured, situation, candidates=candidates, seed=seed))
     return left, refusal
 

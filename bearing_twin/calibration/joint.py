@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from bearing_twin.calibration.posterior import weighted_quantile
-from bearing_twin.calibration.refusals import ringing
+from bearing_twin.calibration.refusals import Kind, ringing
 from bearing_twin.calibration.result import Estimate, in_words
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -50,15 +50,16 @@ def compared(found: Calibration, others: Iterable[tuple[str, float, float]]) -> 
     width = found.quantities[WIDTH]
     if found.spacing_s is None or not width.identifiable:
         return found
-    why = ringing(found.defect, found.situation.shaft_hz, found.spacing_s, others)
-    if not why:
+    refusal = ringing(found.defect, found.situation.shaft_hz, found.spacing_s, others)
+    if refusal is None:
         return found
-    why = f'at most {width.q95:.2f} mm: {why}'
+    why = f'at most {width.q95:.2f} mm: {refusal.why}'
     limited = replace(width, q05=0.0, identifiable=False, why=why)
     return replace(
         found,
         quantities=found.quantities | {WIDTH: limited},
         statement=in_words(found.defect, limited),
+        refusal=refusal.kind,
     )
 
 
@@ -100,7 +101,8 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     ]
     found = [compared(each, seen) for each in found]
     if places == ['none']:
-        clearest = min(found, key=lambda each: each.quantities[WIDTH].q95)
+        # A record that may be of a defect is not made healthy by another.
+        clearest = min(found, key=lambda each: (each.refusal is None, each.quantities[WIDTH].q95))
         return found, clearest.quantities[WIDTH], clearest.statement
     telling = [each for each in found if each.quantities[WIDTH].identifiable]
     of = telling or found
@@ -117,6 +119,6 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     width = Estimate(
         q05=low, median=median, q95=high, unit='mm', identifiable=bool(telling), why=why
     )
-    if all(each.statement.startswith('no width') for each in found):
+    if all(each.refusal is Kind.NO_IMPACTS for each in found):
         return found, width, found[0].statement
     return found, width, in_words(places[0], width)

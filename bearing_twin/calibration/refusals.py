@@ -4,28 +4,28 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from enum import Enum
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.calibration import posterior
 from bearing_twin.calibration.healthy import COMB_OVER_FLOOR, line_over_floor
 from bearing_twin.calibration.passage import widest
-from bearing_twin.calibration.summaries import summarise
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from bearing_twin.calibration.cloud import Situation
     from bearing_twin.calibration.posterior import Posterior
-    from bearing_twin.calibration.summaries import Summary
+    from bearing_twin.calibration.summaries import Correlation, Summary
     import numpy as np
     from numpy.typing import NDArray
 
     FloatArray = NDArray[np.float64]
 
 __all__ = [
-    'MANY_WIDTHS',
     'NARROWED',
-    'WIDER',
+    'Kind',
+    'Refusal',
     'no_impacts',
     'ringing',
     'too_wide',
@@ -40,17 +40,48 @@ ALIKE = 2.0
 RIVAL = 0.25
 """Most that a second spacing may be as clear as the first. Fixed on CWRU, as is `RESOLVED`: spots
 of 0.18 mm leave a second impact after 2.0 ms at any speed, beside another a third as clear."""
-MANY_WIDTHS = 'defects of many widths give impacts like these'
-WIDER = 'the defect may be wider'
 PERIODS = 2.0
 """Least periods of the resonance it excites that a passage has to last."""
 SAME_TIME, OTHER_SPEED = 0.03, 1.08
 """Two impacts at the same time within this share at speeds this far apart are ringing."""
 
 
-def no_impacts(x: FloatArray, situation: Situation) -> str:
+class Kind(str, Enum):
+    """Why no width is told."""
+
+    NO_PART = 'no_part'
+    """The diagnosis finds something and names no part."""
+    NOT_FITTED = 'not_fitted'
+    """Defects of this part are not fitted."""
+    NO_IMPACTS = 'no_impacts'
+    """The part that was named does not strike."""
+    TOO_WIDE = 'too_wide'
+    """The defect may be wider than any that is simulated."""
+    HIDDEN = 'hidden'
+    """The ringing of one impact hides a second."""
+    SEVERAL_SPACINGS = 'several_spacings'
+    """Impacts repeat after several times that are about as clear."""
+    SHORT_PASSAGE = 'short_passage'
+    """The passage is too short for the resonance that it excites."""
+    UNLIKE_THE_TWIN = 'unlike_the_twin'
+    """No candidate of the twin is like the record."""
+    MANY_WIDTHS = 'many_widths'
+    """Candidates of many widths are."""
+    SAME_AT_ANOTHER_SPEED = 'same_at_another_speed'
+    """Another record shows the same time between impacts at another speed."""
+
+
+class Refusal(NamedTuple):
+    """A width that is not told."""
+
+    kind: Kind
+    why: str
+    """In words."""
+
+
+def no_impacts(x: FloatArray, situation: Situation) -> Refusal | None:
     """
-    Return why the part that is named does not strike in a record; '' if it does.
+    Return why the part that is named does not strike in a record; None if it does.
 
     Parameters
     ----------
@@ -67,31 +98,32 @@ def no_impacts(x: FloatArray, situation: Situation) -> str:
     >>> machine = Situation(
     ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
     ... )
-    >>> no_impacts(np.random.default_rng(1).standard_normal(25600), machine)[:44]
+    >>> no_impacts(np.random.default_rng(1).standard_normal(25600), machine).why[:44]
     'no impacts at the 89.6 Hz of the outer race '
 
     """
     strikes = situation.strikes
     if line_over_floor(x, situation) >= COMB_OVER_FLOOR:
-        return ''
-    return (
+        return None
+    return Refusal(
+        Kind.NO_IMPACTS,
         f'no impacts at the {strikes:.1f} Hz of the {situation.place} race stand out: check '
-        'bearing, speed and place'
+        'bearing, speed and place',
     )
 
 
-def too_wide(x: FloatArray, situation: Situation, measured: Summary) -> str:
+def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Refusal | None:
     """
-    Why a defect may be wider than is simulated; '' if it is not.
+    Return why a defect may be wider than is simulated; None if it is not.
 
     Parameters
     ----------
-    x
-        The record, shape (n,).
+    whole
+        Of the record.
     situation
         Of the machine.
     measured
-        Summary of the record.
+        Its summary, of the lags of simulated defects.
 
     Examples
     --------
@@ -101,50 +133,55 @@ def too_wide(x: FloatArray, situation: Situation, measured: Summary) -> str:
     >>> machine = Situation(
     ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
     ... )
-    >>> noise = np.random.default_rng(1).standard_normal(25600)
-    >>> too_wide(noise, machine, summarise(noise, 12800.0, machine.longest))
-    ''
+    >>> from bearing_twin.calibration.summaries import correlate
+    >>> noise = correlate(np.random.default_rng(1).standard_normal(25600), 12800.0)
+    >>> too_wide(noise, machine, noise.summary(machine.longest)) is None
+    True
 
     """
     # Half way to the next ball it is no longer clear which two impacts are of one.
-    farther = summarise(x, situation.sample_rate, 0.45 / situation.strikes)
+    farther = whole.summary(0.45 / situation.strikes)
     # Of noise alone, the longer the lags the likelier a peak; but never one so much clearer.
     clear = farther.prominence > measured.prominence and farther.rival <= RIVAL
     if not (clear and farther.spacing > situation.longest):
-        return ''
-    return (
+        return None
+    return Refusal(
+        Kind.TOO_WIDE,
         f'the clearest two impacts are {1e3 * farther.spacing * situation.speed:.1f} mm apart on '
         f'the race, and the widest defect that is simulated has '
-        f'{1e3 * widest(situation.bearing):.1f} mm: {WIDER}'
+        f'{1e3 * widest(situation.bearing):.1f} mm: the defect may be wider',
     )
 
 
-def unresolved(measured: Summary) -> str:
+def unresolved(measured: Summary) -> Refusal | None:
     """
-    Why a record tells no spacing of the impacts of a passage; '' if it does.
+    Return why a record tells no spacing of the impacts of a passage; None if it does.
 
     Examples
     --------
     >>> import numpy as np
     >>> from bearing_twin.calibration.summaries import summarise
     >>> noise = np.random.default_rng(1).standard_normal(25600)
-    >>> bool(unresolved(summarise(noise, 12800.0, 5e-4)))
-    True
+    >>> unresolved(summarise(noise, 12800.0, 5e-4)).kind.value
+    'hidden'
 
     """
     shortest = posterior.resolved(measured)
     if not measured.seen or measured.spacing < shortest:
         seen = f'{1e3 * measured.spacing:.2f} ms apart' if measured.seen else 'not told apart'
-        return (
+        return Refusal(
+            Kind.HIDDEN,
             f'the impacts of a passage are {seen}; the ringing of one hides a second up to '
-            f'{1e3 * shortest:.2f} ms'
+            f'{1e3 * shortest:.2f} ms',
         )
-    return ''
+    return None
 
 
-def untold(measured: Summary, left: Posterior, situation: Situation, fastest: float) -> str:
+def untold(
+    measured: Summary, left: Posterior, situation: Situation, fastest: float
+) -> Refusal | None:
     """
-    Why the candidates that were kept tell no width; '' if they do.
+    Return why the candidates that were kept tell no width; None if they do.
 
     Parameters
     ----------
@@ -170,29 +207,35 @@ def untold(measured: Summary, left: Posterior, situation: Situation, fastest: fl
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> measured = replace(summarise(noise, 12800.0, machine.longest), rival=0.0)
     >>> left = posterior.limit(measured, machine, candidates=32)
-    >>> untold(measured, left, machine, 10.0).startswith('the passage lasts')
-    True
+    >>> untold(measured, left, machine, 10.0).kind.value
+    'short_passage'
 
     """
     if measured.rival > RIVAL:
-        return 'the impacts repeat after several times that are about as clear: ringing'
+        return Refusal(
+            Kind.SEVERAL_SPACINGS,
+            'the impacts repeat after several times that are about as clear: ringing',
+        )
     median = 1e-3 * float(left.quantiles('defect_width_mm', (0.5,))[0])
     periods = median / situation.speed * fastest
     if periods < PERIODS:
-        return (
+        return Refusal(
+            Kind.SHORT_PASSAGE,
             f'the passage lasts {periods:.1f} periods of the resonance at {fastest:.0f} Hz '
-            f'that it excites; {PERIODS:g} are needed'
+            f'that it excites; {PERIODS:g} are needed',
         )
     if left.distance > ALIKE * left.typical:
-        return 'no candidate of the twin gives impacts like these'
-    return MANY_WIDTHS if left.narrowed('defect_width_mm') > NARROWED else ''
+        return Refusal(Kind.UNLIKE_THE_TWIN, 'no candidate of the twin gives impacts like these')
+    if left.narrowed('defect_width_mm') > NARROWED:
+        return Refusal(Kind.MANY_WIDTHS, 'defects of many widths give impacts like these')
+    return None
 
 
 def ringing(
     place: str, shaft_hz: float, spacing: float, others: Iterable[tuple[str, float, float]]
-) -> str:
+) -> Refusal | None:
     """
-    Why a spacing is no passage: it is the same at another speed; '' if it is at none.
+    Return why a spacing is no passage: it is the same at another speed; None if it is at none.
 
     Parameters
     ----------
@@ -203,17 +246,18 @@ def ringing(
 
     Examples
     --------
-    >>> ringing('inner', 20.0, 1.50e-3, [('inner', 10.0, 3.1e-3)])
-    ''
-    >>> ringing('inner', 20.0, 1.50e-3, [('inner', 10.0, 1.51e-3)]).partition(':')[0]
+    >>> ringing('inner', 20.0, 1.50e-3, [('inner', 10.0, 3.1e-3)]) is None
+    True
+    >>> ringing('inner', 20.0, 1.50e-3, [('inner', 10.0, 1.51e-3)]).why.partition(':')[0]
     'the impacts are 1.51 ms apart at 10.0 and at 20.0 Hz'
 
     """
     for other, hz, time in others:
         apart = max(hz, shaft_hz) / min(hz, shaft_hz)
         if other == place and apart > OTHER_SPEED and abs(time / spacing - 1.0) < SAME_TIME:
-            return (
+            return Refusal(
+                Kind.SAME_AT_ANOTHER_SPEED,
                 f'the impacts are {1e3 * time:.2f} ms apart at {hz:.1f} and at '
-                f'{shaft_hz:.1f} Hz: ringing, which does not follow the speed'
+                f'{shaft_hz:.1f} Hz: ringing, which does not follow the speed',
             )
-    return ''
+    return None

@@ -11,6 +11,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import Bearing
 from bearing_twin.calibration.cloud import parameters, Situation
 from bearing_twin.calibration.posterior import weighted_quantile
+from bearing_twin.calibration.refusals import Kind
 from bearing_twin.dynamics.parameters import FITTED
 from bearing_twin.dynamics.sensor_path import SensorPath
 from bearing_twin.errors import BearingTwinError
@@ -64,6 +65,8 @@ class Calibration:
     quantities: dict[str, Estimate]
     statement: str
     """Place and width of the defect, or its absence, in words."""
+    refusal: Kind | None
+    """Why no width is told; None where one is, and of a healthy bearing."""
     path: SensorPath
     distance_before: float
     """Log-spectral distance of an unfitted twin from the machine, dB."""
@@ -131,6 +134,7 @@ class Calibration:
             'quantities': {name: asdict(value) for name, value in self.quantities.items()},
             'defect': self.defect,
             'statement': self.statement,
+            'refusal': self.refusal and self.refusal.value,
             'residual': self.residual,
             'cost_s': round(self.cost_s, 3),
             'spectrum': {
@@ -171,6 +175,7 @@ class Calibration:
         try:
             machine, spectrum = values['machine'], values['spectrum']
             load, before = machine['load'], spectrum['level_before_db']
+            refusal = values['refusal']
             return cls(
                 situation=Situation(
                     bearing=Bearing(**machine['bearing']),
@@ -183,6 +188,7 @@ class Calibration:
                 ),
                 quantities={k: Estimate(**v) for k, v in values['quantities'].items()},
                 statement=str(values['statement']),
+                refusal=None if refusal is None else Kind(refusal),
                 path=SensorPath.from_dict(values['path']),
                 distance_before=float(spectrum['distance_before_db']),
                 distance=float(spectrum['distance_after_db']),

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import fft, linalg, ndimage, signal
 
-__all__ = ['Summary', 'levinson', 'squared_envelope', 'summarise']
+__all__ = ['Correlation', 'Summary', 'correlate', 'levinson', 'squared_envelope', 'summarise']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -38,6 +38,47 @@ FAINTEST = 0.015
 """Least prominence of a peak: a second impact of an eighth of the energy of the first."""
 ELSEWHERE = 1.25
 """Ratio of two lags from which on they are not those of one passage: a peak may be double."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Correlation:
+    """Autocorrelation of the squared envelope of a whole record, whitened."""
+
+    values: FloatArray
+    """1 at zero lag, circular, shape (n,)."""
+    rate: float
+    """Hz."""
+    impulsiveness: float
+
+    def summary(self, longest: float) -> Summary:
+        """
+        Summarise the lags of a passage.
+
+        Parameters
+        ----------
+        longest
+            Greatest time between the impacts of one passage that is looked for, s.
+
+        """
+        rate = self.rate
+        last = min(int(longest * rate) + 1, len(self.values) // 4)
+        near, beyond = self.values[:last], self.values[last : 2 * last]
+        beyond = beyond - ndimage.uniform_filter1d(beyond, max(3, len(beyond) // 16))
+        scatter = 1.4826 * float(np.median(np.abs(beyond)))
+        half_at = int(np.argmax(near < 0.5)) or 1
+        above, below = near[half_at - 1], near[half_at]
+        lobe = (half_at - 1 + (above - 0.5) / max(above - below, 1e-9)) / rate
+        spacing, prominence, rival = _peak(near, scatter, rate, CLEAR * lobe)
+        return Summary(
+            lag=np.arange(last) / rate,
+            correlation=near,
+            spacing=spacing,
+            prominence=prominence,
+            rival=rival,
+            lobe=float(lobe),
+            impulsiveness=self.impulsiveness,
+            scatter=scatter,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,9 +165,40 @@ def squared_envelope(x: FloatArray, sample_rate: float) -> tuple[FloatArray, flo
     return envelope, size * sample_rate / n
 
 
+def correlate(x: FloatArray, sample_rate: float) -> Correlation:
+    """
+    Correlate the squared envelope of a vibration with itself.
+
+    Parameters
+    ----------
+    x
+        Samples of one axis, shape (n,).
+    sample_rate
+        Hz.
+
+    Examples
+    --------
+    >>> found = correlate(np.random.default_rng(1).standard_normal(25600), 25600.0)
+    >>> round(float(found.values[0]), 6), round(found.impulsiveness, 1)
+    (1.0, 0.3)
+
+    """
+    envelope, rate = squared_envelope(x, sample_rate)
+    size = len(envelope)
+    mean = envelope.mean()
+    envelope -= mean
+    square = float((envelope * envelope).mean())
+    if square <= 0.0:
+        square = math.inf
+    # Circular: the ends meet in one of many passages.
+    values = fft.irfft(np.abs(fft.rfft(envelope)) ** 2, size) / (size * square)
+    impulsiveness = math.log10(1.0 + square / max(mean * mean, 1e-300))
+    return Correlation(values=values, rate=rate, impulsiveness=impulsiveness)
+
+
 def summarise(x: FloatArray, sample_rate: float, longest: float) -> Summary:
     """
-    Summarise a vibration.
+    Summarise a vibration: see `Correlation.summary`.
 
     Parameters
     ----------
@@ -150,34 +222,7 @@ def summarise(x: FloatArray, sample_rate: float, longest: float) -> Summary:
     1.99
 
     """
-    envelope, rate = squared_envelope(x, sample_rate)
-    size = len(envelope)
-    mean = envelope.mean()
-    envelope -= mean
-    square = float((envelope * envelope).mean())
-    if square <= 0.0:
-        square = math.inf
-    # Circular: the ends meet in one of many passages.
-    correlation = fft.irfft(np.abs(fft.rfft(envelope)) ** 2, size) / (size * square)
-    last = min(int(longest * rate) + 1, size // 4)
-    lag = np.arange(last) / rate
-    near, beyond = correlation[:last], correlation[last : 2 * last]
-    beyond = beyond - ndimage.uniform_filter1d(beyond, max(3, len(beyond) // 16))
-    scatter = 1.4826 * float(np.median(np.abs(beyond)))
-    half_at = int(np.argmax(near < 0.5)) or 1
-    above, below = near[half_at - 1], near[half_at]
-    lobe = (half_at - 1 + (above - 0.5) / max(above - below, 1e-9)) / rate
-    spacing, prominence, rival = _peak(near, scatter, rate, CLEAR * lobe)
-    return Summary(
-        lag=lag,
-        correlation=near,
-        spacing=spacing,
-        prominence=prominence,
-        rival=rival,
-        lobe=float(lobe),
-        impulsiveness=math.log10(1.0 + square / max(mean * mean, 1e-300)),
-        scatter=scatter,
-    )
+    return correlate(x, sample_rate).summary(longest)
 
 
 def _peak(

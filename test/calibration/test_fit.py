@@ -20,7 +20,7 @@ from bearing_twin.calibration.passage import (
     widest,
 )
 from bearing_twin.calibration.path import identify, noise_floor, resonances
-from bearing_twin.calibration.refusals import no_impacts
+from bearing_twin.calibration.refusals import Kind, no_impacts
 from bearing_twin.calibration.summaries import summarise
 from bearing_twin.calibration.whatif import expect, features
 from bearing_twin.cli import main
@@ -204,6 +204,7 @@ def test_a_real_slot_is_measured(slot, data_dir):
     assert width.median == pytest.approx(2.17, rel=0.2)
     assert found.distance < 0.3 * found.distance_before
     assert abs(found.level) < 1.0
+    assert found.refusal is None
     again = Calibration.from_dict(json.loads(json.dumps(found.to_dict())))
     assert again.to_dict() == found.to_dict()
     assert again.twin_parameters() == found.twin_parameters()
@@ -241,6 +242,7 @@ def test_ringing_at_two_speeds_is_no_width():
     _, width, statement = joined(both)
     assert not width.identifiable and 'does not follow the speed' in width.why
     assert statement.startswith('outer race defect, at most')
+    assert compared(both[1], [('outer', 12.0, apart)]).refusal is Kind.SAME_AT_ANOTHER_SPEED
     # A time that follows the speed is a passage, and both records tell one width.
     moved = replace(both[1], spacing_s=both[1].spacing_s * 1.2)
     found, width, _ = joined([both[0], moved])
@@ -264,7 +266,8 @@ def test_a_slot_wider_than_is_simulated_is_said_to_be():
     found = fit(impact_train(6e-3, 'outer', 12.0), RATE, BEARING, 12.0, place='outer',
                 candidates=64)  # fmt: skip
     width = found.quantities['defect_width_mm']
-    assert not width.identifiable and 'are 6.0 mm apart' in width.why
+    assert found.refusal is Kind.TOO_WIDE and not width.identifiable
+    assert 'are 6.0 mm apart' in width.why
     assert width.q95 == pytest.approx(math.pi * (39.04 + 7.94) / 9, rel=1e-3)
     # Two records together bound it no closer than each alone.
     assert joined([found, found])[1].q95 == width.q95
@@ -275,9 +278,26 @@ def test_impacts_of_another_part_or_speed_are_no_width(place, shaft_hz):
     x = impact_train(2e-3, 'inner', 12.0)
     found = fit(x, RATE, BEARING, shaft_hz, place=place, candidates=64)
     width = found.quantities['defect_width_mm']
-    assert not width.identifiable
+    assert found.refusal is Kind.NO_IMPACTS and not width.identifiable
     assert f'of the {place} race stand out: check bearing, speed and place' in width.why
     assert found.statement.startswith('no width: no impacts at')
+    assert joined([found, found])[2] == found.statement
+
+
+def test_a_record_that_may_have_a_defect_is_not_made_healthy_by_another():
+    noise = 0.01 * np.random.default_rng(1).standard_normal(25600)
+    healthy = fit(noise, 12800.0, BEARING, 25.0, unit='m/s^2', place='none')
+    assert healthy.refusal is None and json.loads(json.dumps(healthy.to_dict()))['refusal'] is None
+    width = healthy.quantities['defect_width_mm']
+    suspect = replace(
+        healthy,
+        refusal=Kind.NO_PART,
+        statement='no width: the diagnosis says suspect',
+        quantities=healthy.quantities | {'defect_width_mm': replace(width, q95=4.0)},
+    )
+    assert Calibration.from_dict(suspect.to_dict()).refusal is Kind.NO_PART
+    for both in ([healthy, suspect], [suspect, healthy]):
+        assert joined(both)[1:] == (suspect.quantities['defect_width_mm'], suspect.statement)
 
 
 @pytest.mark.parametrize('shaft_hz', [10.0, 25.4])
