@@ -14,7 +14,7 @@ from bearing_twin.assets.shared_specs import (
     JOINT,
     STATE_DIRECTORY,
 )
-from bearing_twin.assets.spec import field_spec, field_values, Spec
+from bearing_twin.assets.spec import field_spec, field_values, fixed, parameter
 from bearing_twin.bearing.catalogue import find_bearing, own_bearing
 from bearing_twin.diagnosis import DiagnosisSettings, StreamingDiagnoser
 from bearing_twin.diagnosis.snapshots import SeriesDiagnoser
@@ -31,43 +31,20 @@ __all__ = ['SPECS', 'build_bearing', 'build_diagnoser', 'build_settings', 'nomin
 _SETTINGS = tuple(field_spec(DiagnosisSettings, name) for name in quantities(DiagnosisSettings))
 
 SPECS = (
-    Spec(
-        name='bearing',
-        default='6307',
-        description="Bearing of the catalogue; '' to use the parameter geometry.",
-    ),
+    parameter('bearing', '6307', "Bearing of the catalogue; '' to use the parameter geometry."),
     GEOMETRY,
-    Spec(
-        name='shaft_hz',
-        default=0.0,
-        description=(
-            'Shaft speed where neither the vibration message nor a joint tells it; 0: unknown.'
-        ),
-        unit='Hz',
-        low=0.0,
-        high=FASTEST_SHAFT,
-    ),
+    parameter('shaft_hz', 0.0, 'Shaft speed where neither the vibration message nor a joint tells '
+              'it; 0: unknown.', 'Hz', 0.0, FASTEST_SHAFT),
     JOINT,
-    Spec(
-        name='axis',
-        default='y',
-        description='Axis of the vibration message to diagnose; the other one if it is empty.',
-        choices=('x', 'y'),
-        running=False,
-    ),
+    fixed('axis', 'y', 'Axis of the vibration message to diagnose; the other one if it is empty.',
+          choices=('x', 'y')),
     *_SETTINGS,
-    Spec(
-        name='state_name',
-        default='',
-        description=(
-            "File that keeps baseline and trend over restarts, in the state folder; '' for none."
-        ),
-        running=False,
-    ),
+    fixed('state_name', '', 'File that keeps baseline and trend over restarts, in the state '
+          "folder; '' for none."),
     STATE_DIRECTORY,
     CHECKPOINT_PERIOD,
     HARDWARE_ID,
-)
+)  # fmt: skip
 
 
 def build_bearing(values: Mapping[str, Any]) -> Bearing:

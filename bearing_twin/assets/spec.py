@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 from dataclasses import dataclass, replace
 import difflib
+import functools
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -21,7 +22,9 @@ __all__ = [
     'configuration',
     'field_spec',
     'field_values',
+    'fixed',
     'no_parameter',
+    'parameter',
     'read_values',
 ]
 
@@ -69,6 +72,25 @@ class Spec(Quantity):
             raise BearingTwinError(msg)
         self.check(self.name, value)
         return value
+
+
+def parameter(
+    name: str,
+    default: Value,
+    description: str,
+    unit: str = '',
+    low: float | None = None,
+    high: float | None = None,
+    **more: Any,
+) -> Spec:
+    """Return a parameter; ``more`` are further fields of :class:`Spec`."""
+    return Spec(
+        name=name, default=default, description=description, unit=unit, low=low, high=high, **more
+    )
+
+
+fixed = functools.partial(parameter, running=False)
+"""A parameter that can be changed in state 'unconfigured' only."""
 
 
 def read_values(specs: Iterable[Spec], given: Mapping[str, Any]) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from bearing_twin.assets.shared_specs import (
     JOINT,
     STATE_DIRECTORY,
 )
-from bearing_twin.assets.spec import field_spec, field_values, Spec, Value
+from bearing_twin.assets.spec import field_spec, field_values, fixed, parameter, Spec, Value
 from bearing_twin.bearing import find_bearing, own_bearing
 from bearing_twin.dynamics.parameters import Defect, TwinParameters
 from bearing_twin.dynamics.presets import preset, PRESET_FIELDS, PRESETS
@@ -77,91 +77,30 @@ _LUBRICANT = _group('lubricant', Lubricant)
 _NETWORK = _group('network', ThermalNetwork, without=('outer_capacity', 'ring_to_ambient'))
 
 SPECS = (
-    Spec(
-        name='bearing',
-        default='6307',
-        description="Bearing of the catalogue (6307: the paper's); '' to use geometry.",
-        running=False,
-    ),
+    fixed('bearing', '6307', "Bearing of the catalogue (6307: the paper's); '' to use geometry."),
     replace(GEOMETRY, running=False, implied=True),
-    Spec(
-        name='preset',
-        default='paper',
-        description=(
-            'Named and cited set of masses, dampings, load and defect size. With paper, hotter '
-            'impacts are weaker, as in the paper; with all others stronger, the reverse of it.'
-        ),
-        choices=tuple(PRESETS),
-    ),
-    Spec(
-        name='defect',
-        default='none',
-        description=(
-            "none, inner, outer, ball, cage; several: 'inner+ball'; with sizes and places of "
-            "their own: 'inner:width=0.001,angle=1.57+ball:ball=3,profile=rect'."
-        ),
-    ),
+    parameter('preset', 'paper', 'Named and cited set of masses, dampings, load and defect size. '
+              'With paper, hotter impacts are weaker, as in the paper; with all others stronger, '
+              'the reverse of it.', choices=tuple(PRESETS)),
+    parameter('defect', 'none', "none, inner, outer, ball, cage; several: 'inner+ball'; with "
+              'sizes and places of their own: '
+              "'inner:width=0.001,angle=1.57+ball:ball=3,profile=rect'."),
     field_spec(Defect, 'width', name='defect_width', absent=(0.0, 'from the preset')),
     field_spec(Defect, 'depth', name='defect_depth', absent=(0.0, 'from the preset')),
     field_spec(Defect, 'profile', name='defect_profile', implied=True),
     *_NAMED,
-    Spec(
-        name='seed',
-        default=0,
-        description='Seed of jitter, noise and surfaces: the same seed gives the same samples.',
-        low=0,
-        high=2**31 - 1,
-        running=False,
-    ),
-    Spec(
-        name='sample_rate',
-        default=25600.0,
-        description='Rate of the published samples.',
-        unit='Hz',
-        low=5000.0,
-        high=51200.0,
-        running=False,
-    ),
-    Spec(
-        name='block_size',
-        default=1024,
-        description='Samples per published block.',
-        low=64,
-        high=8192,
-        running=False,
-    ),
-    Spec(
-        name='shaft_hz',
-        default=25.4,
-        description='Shaft speed while no joint tells it. A joint is taken up to the same limit.',
-        unit='Hz',
-        low=0.0,
-        high=FASTEST_LIVE_SHAFT,
-    ),
+    fixed('seed', 0, 'Seed of jitter, noise and surfaces: the same seed gives the same samples.',
+          '', 0, 2**31 - 1),
+    fixed('sample_rate', 25600.0, 'Rate of the published samples.', 'Hz', 5000.0, 51200.0),
+    fixed('block_size', 1024, 'Samples per published block.', '', 64, 8192),
+    parameter('shaft_hz', 25.4, 'Shaft speed while no joint tells it. A joint is taken up to the '
+              'same limit.', 'Hz', 0.0, FASTEST_LIVE_SHAFT),
     JOINT,
-    Spec(
-        name='start_temperature',
-        default=20.0,
-        description='Temperature used until the first measurement.',
-        unit='degC',
-        low=TABLE_LOW,
-        high=TABLE_HIGH,
-        running=False,
-    ),
-    Spec(
-        name='temperature_timeout',
-        default=5.0,
-        description='Age above which a temperature is stale: the last valid one is then held.',
-        unit='s',
-        low=0.1,
-        high=3600.0,
-    ),
-    Spec(
-        name='frame_id',
-        default='bearing_housing',
-        description='Frame of the sensor, in every header.',
-        running=False,
-    ),
+    fixed('start_temperature', 20.0, 'Temperature used until the first measurement.',
+          'degC', TABLE_LOW, TABLE_HIGH),
+    parameter('temperature_timeout', 5.0, 'Age above which a temperature is stale: the last valid '
+              'one is then held.', 's', 0.1, 3600.0),
+    fixed('frame_id', 'bearing_housing', 'Frame of the sensor, in every header.'),
     HARDWARE_ID,
     CHECKPOINT_PERIOD,
     STATE_DIRECTORY,
@@ -169,26 +108,15 @@ SPECS = (
     *_BETA0,
     *_LUBRICANT,
     *_NETWORK,
-)
+)  # fmt: skip
 
 FITTED = (
-    Spec(
-        name='calibration',
-        default='',
-        description=(
-            "What 'bearing-twin fit --json' wrote, as a file in the state folder: the twin takes "
-            "path of the sensor, load, slip and defect from it; '' for none."
-        ),
-        implied=True,
-    ),
-    Spec(
-        name='follow_calibration',
-        default=False,
-        description='Take each calibration of the topic calibration.',
-        running=False,
-        implied=True,
-    ),
-)
+    parameter('calibration', '', "What 'bearing-twin fit --json' wrote, as a file in the state "
+              "folder: the twin takes path of the sensor, load, slip and defect from it; '' for "
+              'none.', implied=True),
+    fixed('follow_calibration', False, 'Take each calibration of the topic calibration.',
+          implied=True),
+)  # fmt: skip
 """Parameters of a twin of its own that its machine is fitted to; a fleet has none."""
 
 _DEFAULTS = {spec.name: spec.default for spec in SPECS if spec.implied}

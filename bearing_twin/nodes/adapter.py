@@ -11,7 +11,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.messages import floats, message_header
 from bearing_twin.assets.shared_specs import HARDWARE_ID
-from bearing_twin.assets.spec import Spec
+from bearing_twin.assets.spec import fixed
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode, run
@@ -44,83 +44,24 @@ ARRAY = 'float32_multi_array'
 IMU = 'imu'
 
 SPECS = (
-    Spec(
-        name='source',
-        default=ARRAY,
-        description='Message type of the accelerometer; topic samples, or imu.',
-        choices=(ARRAY, IMU),
-        running=False,
-    ),
-    Spec(
-        name='sample_rate',
-        default=0.0,
-        description='Sample rate; 0: estimated from the stamps (imu only).',
-        unit='Hz',
-        low=0.0,
-        high=1_000_000.0,
-        running=False,
-    ),
-    Spec(
-        name='channels',
-        default=1,
-        description='Channels in one Float32MultiArray.',
-        low=1,
-        high=16,
-        running=False,
-    ),
-    Spec(
-        name='interleaved',
-        default=True,
-        description='Whether the array holds a sample of every channel first, then the next.',
-        running=False,
-    ),
-    Spec(
-        name='channel_x',
-        default=-1,
-        description='Channel that becomes x; of an imu 0, 1, 2 are x, y, z; -1: none.',
-        low=-1,
-        high=15,
-        running=False,
-    ),
-    Spec(
-        name='channel_y',
-        default=0,
-        description='Channel that becomes y, which the diagnosis uses first; -1: none.',
-        low=-1,
-        high=15,
-        running=False,
-    ),
-    Spec(
-        name='scale',
-        default=1.0,
-        description='Factor from the values received to unit, e.g. 9.81 from V of a 1 V/g sensor.',
-        low=-1e6,
-        high=1e6,
-        running=False,
-    ),
-    Spec(
-        name='unit',
-        default='m/s^2',
-        description='Unit of the samples published.',
-        choices=('m/s^2', 'g'),
-        running=False,
-    ),
-    Spec(
-        name='block_size',
-        default=1024,
-        description='Samples per published block.',
-        low=64,
-        high=65536,
-        running=False,
-    ),
-    Spec(
-        name='frame_id',
-        default='',
-        description="Frame of the sensor; '' for that of the message received.",
-        running=False,
-    ),
+    fixed('source', ARRAY, 'Message type of the accelerometer; topic samples, or imu.',
+          choices=(ARRAY, IMU)),
+    fixed('sample_rate', 0.0, 'Sample rate; 0: estimated from the stamps (imu only).',
+          'Hz', 0.0, 1_000_000.0),
+    fixed('channels', 1, 'Channels in one Float32MultiArray.', '', 1, 16),
+    fixed('interleaved', True, 'Whether the array holds a sample of every channel first, then the '
+          'next.'),
+    fixed('channel_x', -1, 'Channel that becomes x; of an imu 0, 1, 2 are x, y, z; -1: none.',
+          '', -1, 15),
+    fixed('channel_y', 0, 'Channel that becomes y, which the diagnosis uses first; -1: none.',
+          '', -1, 15),
+    fixed('scale', 1.0, 'Factor from the values received to unit, e.g. 9.81 from V of a 1 V/g '
+          'sensor.', '', -1e6, 1e6),
+    fixed('unit', 'm/s^2', 'Unit of the samples published.', choices=('m/s^2', 'g')),
+    fixed('block_size', 1024, 'Samples per published block.', '', 64, 65536),
+    fixed('frame_id', '', "Frame of the sensor; '' for that of the message received."),
     HARDWARE_ID,
-)
+)  # fmt: skip
 
 
 class AdapterNode(ManagedNode):

@@ -16,7 +16,7 @@ from bearing_twin.assets import twin_parameters
 from bearing_twin.assets.checkpoints import Checkpoints
 from bearing_twin.assets.fleet import build_fleet, read_assets, SHARED
 from bearing_twin.assets.shared_specs import STATE_RATE, SUBSCRIBERS
-from bearing_twin.assets.spec import Spec
+from bearing_twin.assets.spec import fixed
 from bearing_twin.assets.twin import TwinChannel
 from bearing_twin.assets.twin_messages import StateTurns, TwinBlock, vibration_message
 from bearing_twin.assets.twin_parameters import build_parameters, build_simulator
@@ -48,46 +48,21 @@ BLOCK = 4096
 """Samples per block, 160 ms: to send a block costs the same as one of 40 ms."""
 
 SPECS = (
-    Spec(
-        name='assets_file',
-        default='',
-        description='YAML file of the assets; see config/fleet.yaml.',
-        running=False,
-        read_only=True,
-    ),
-    Spec(
-        name='names',
-        default=[''],
-        description='Namespaces of assets with a twin and a diagnosis each, where no file is.',
-        running=False,
-        read_only=True,
-    ),
+    fixed('assets_file', '', 'YAML file of the assets; see config/fleet.yaml.', read_only=True),
+    fixed('names', [''], 'Namespaces of assets with a twin and a diagnosis each, where no file '
+          'is.', read_only=True),
     *(
         replace(spec, read_only=True, default=BLOCK if spec.name == 'block_size' else spec.default)
         for spec in twin_parameters.SPECS
         if spec.name in SHARED
     ),
-    Spec(
-        name='slots',
-        default=4,
-        description='Wake-ups a block period over which the publishing is spread.',
-        low=1,
-        high=40,
-        running=False,
-    ),
-    Spec(
-        name='threads',
-        default=1,
-        description='Cores that share the equations, sixteen bearings at a time; no sample '
-        'depends on it.',
-        low=1,
-        high=64,
-        running=False,
-    ),
+    fixed('slots', 4, 'Wake-ups a block period over which the publishing is spread.', '', 1, 40),
+    fixed('threads', 1, 'Cores that share the equations, sixteen bearings at a time; no sample '
+          'depends on it.', '', 1, 64),
     *realtime.SPECS,
     SUBSCRIBERS,
     replace(STATE_RATE, default=5.0),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

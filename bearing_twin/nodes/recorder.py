@@ -11,7 +11,7 @@ import sys
 import time
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.spec import field_spec, Spec
+from bearing_twin.assets.spec import field_spec, fixed
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.recorder_watch import RecordingWatch
 from bearing_twin.recording.health import SENT_BEFORE
@@ -58,126 +58,37 @@ A publisher that offers less than this is found at once and subscribed to as it 
 """
 
 SPECS = (
-    Spec(
-        name='output',
-        default='',
-        description='Bag folder to make, or one file if it ends in .mcap. Where there is one of '
-        "this name already, NAME_2 is made, then NAME_3. '': bearing_twin_DATE-TIME in the "
-        'working directory.',
-        running=False,
-    ),
-    Spec(
-        name='topics',
-        default=[''],
-        description='Topics to record, relative names resolved; none given, and no regex: all.',
-        running=False,
-    ),
-    Spec(
-        name='regex',
-        default='',
-        description='Record the topics whose whole name matches, besides those of topics; '
-        '{namespace} stands for that of the recorder.',
-        running=False,
-    ),
-    Spec(
-        name='exclude',
-        default='',
-        description='Do not record topics whose whole name matches this regular expression.',
-        running=False,
-    ),
-    Spec(
-        name='include_hidden',
-        default=False,
-        description='Record hidden topics (a part of the name begins with _) too.',
-        running=False,
-    ),
-    Spec(
-        name='max_bag_size',
-        default=0,
-        description='Size after which a new file is begun; 0: never.',
-        unit='MiB',
-        low=0,
-        high=1_000_000,
-        running=False,
-    ),
+    fixed('output', '', 'Bag folder to make, or one file if it ends in .mcap. Where there is one '
+          "of this name already, NAME_2 is made, then NAME_3. '': bearing_twin_DATE-TIME in the "
+          'working directory.'),
+    fixed('topics', [''], 'Topics to record, relative names resolved; none given, and no regex: '
+          'all.'),
+    fixed('regex', '', 'Record the topics whose whole name matches, besides those of topics; '
+          '{namespace} stands for that of the recorder.'),
+    fixed('exclude', '', 'Do not record topics whose whole name matches this regular expression.'),
+    fixed('include_hidden', False, 'Record hidden topics (a part of the name begins with _) too.'),
+    fixed('max_bag_size', 0, 'Size after which a new file is begun; 0: never.',
+          'MiB', 0, 1_000_000),
     field_spec(WriterOptions, 'split_duration', name='max_bag_duration'),
     field_spec(WriterOptions, 'compression'),
-    Spec(
-        name='max_cache_size',
-        default=64,
-        description='Memory for messages that wait while the disk takes none.',
-        unit='MiB',
-        low=1,
-        high=100_000,
-        running=False,
-    ),
+    fixed('max_cache_size', 64, 'Memory for messages that wait while the disk takes none.',
+          'MiB', 1, 100_000),
     field_spec(WriterOptions, 'flush_period'),
     field_spec(WriterOptions, 'sync_period'),
-    Spec(
-        name='storage_limit',
-        default=0,
-        description='Most space the recording may take; 0: no limit. At the limit it stops.',
-        unit='MiB',
-        low=0,
-        high=100_000_000,
-        running=False,
-    ),
+    fixed('storage_limit', 0, 'Most space the recording may take; 0: no limit. At the limit it '
+          'stops.', 'MiB', 0, 100_000_000),
     field_spec(WriterOptions, 'delete_oldest'),
-    Spec(
-        name='snapshot',
-        default=False,
-        description='Keep the last seconds in memory and write them only when the diagnosis turns '
-        'to fault or ~/snapshot is called.',
-        running=False,
-    ),
-    Spec(
-        name='snapshot_before',
-        default=30.0,
-        description='Time that a snapshot reaches back.',
-        unit='s',
-        low=0.0,
-        high=3600.0,
-        running=False,
-    ),
-    Spec(
-        name='snapshot_after',
-        default=10.0,
-        description='Time that a snapshot goes on.',
-        unit='s',
-        low=0.0,
-        high=3600.0,
-        running=False,
-    ),
-    Spec(
-        name='snapshot_memory',
-        default=256,
-        description='Most memory for the seconds before.',
-        unit='MiB',
-        low=1,
-        high=100_000,
-        running=False,
-    ),
-    Spec(
-        name='rerun_file',
-        default='',
-        description="Rerun recording (.rrd) to write too, or NAME_2 likewise; '': none.",
-        running=False,
-    ),
-    Spec(
-        name='rerun_port',
-        default=0,
-        description='Port of a Rerun server for live viewers; 0: none (usual: 9876).',
-        low=0,
-        high=65535,
-        running=False,
-    ),
-    Spec(
-        name='rerun_address',
-        default='127.0.0.1',
-        description='Address the Rerun server binds to; 0.0.0.0 lets other machines in.',
-        running=False,
-    ),
-)
+    fixed('snapshot', False, 'Keep the last seconds in memory and write them only when the '
+          'diagnosis turns to fault or ~/snapshot is called.'),
+    fixed('snapshot_before', 30.0, 'Time that a snapshot reaches back.', 's', 0.0, 3600.0),
+    fixed('snapshot_after', 10.0, 'Time that a snapshot goes on.', 's', 0.0, 3600.0),
+    fixed('snapshot_memory', 256, 'Most memory for the seconds before.', 'MiB', 1, 100_000),
+    fixed('rerun_file', '', "Rerun recording (.rrd) to write too, or NAME_2 likewise; '': none."),
+    fixed('rerun_port', 0, 'Port of a Rerun server for live viewers; 0: none (usual: 9876).',
+          '', 0, 65535),
+    fixed('rerun_address', '127.0.0.1', 'Address the Rerun server binds to; 0.0.0.0 lets other '
+          'machines in.'),
+)  # fmt: skip
 
 
 class RecorderNode(ManagedNode):

@@ -14,7 +14,7 @@ import traceback
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.messages import time_message
-from bearing_twin.assets.spec import Spec
+from bearing_twin.assets.spec import fixed, parameter
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.player import Player, Section
 from bearing_twin.ros.health import Health, Level, Status
@@ -37,83 +37,22 @@ PROGRESS_PERIOD = 5.0
 LONGEST_WAIT = 0.5
 
 SPECS = (
-    Spec(
-        name='recording',
-        default='',
-        description='MCAP file or bag folder to replay.',
-        running=False,
-    ),
-    Spec(
-        name='rate',
-        default=1.0,
-        description='Pace: recorded seconds per second.',
-        low=0.001,
-        high=1e6,
-    ),
-    Spec(name='loop', default=False, description='Start again at the end.', running=False),
-    Spec(
-        name='start_offset',
-        default=0.0,
-        description='Recorded time to skip at the start.',
-        unit='s',
-        low=0.0,
-        high=1e9,
-        running=False,
-    ),
-    Spec(
-        name='duration',
-        default=0.0,
-        description='Recorded time to replay; 0: to the end.',
-        unit='s',
-        low=0.0,
-        high=1e9,
-        running=False,
-    ),
-    Spec(
-        name='topics',
-        default=[''],
-        description='Topics to replay; none given: all.',
-        running=False,
-    ),
-    Spec(
-        name='remap',
-        default=[''],
-        description="Other names for recorded topics, each as 'recorded:=new'.",
-        running=False,
-    ),
-    Spec(
-        name='clock_rate',
-        default=0.0,
-        description='Rate of /clock, which then follows recorded time; 0: no /clock.',
-        unit='Hz',
-        low=0.0,
-        high=1000.0,
-        running=False,
-    ),
-    Spec(name='start_paused', default=False, description='Wait for ~/resume.', running=False),
-    Spec(
-        name='wait_for_subscribers',
-        default=3.0,
-        description='Longest wait at the start until every topic has a subscriber.',
-        unit='s',
-        low=0.0,
-        high=3600.0,
-        running=False,
-    ),
-    Spec(
-        name='wait_for_nodes',
-        default=[''],
-        description='Nodes that have to subscribe to every topic by then too: recorder, in the '
-        'namespace of this node, or /fan_7/recorder.',
-        running=False,
-    ),
-    Spec(
-        name='exit_at_end',
-        default=True,
-        description='End the process when everything has been replayed.',
-        running=False,
-    ),
-)
+    fixed('recording', '', 'MCAP file or bag folder to replay.'),
+    parameter('rate', 1.0, 'Pace: recorded seconds per second.', '', 0.001, 1e6),
+    fixed('loop', False, 'Start again at the end.'),
+    fixed('start_offset', 0.0, 'Recorded time to skip at the start.', 's', 0.0, 1e9),
+    fixed('duration', 0.0, 'Recorded time to replay; 0: to the end.', 's', 0.0, 1e9),
+    fixed('topics', [''], 'Topics to replay; none given: all.'),
+    fixed('remap', [''], "Other names for recorded topics, each as 'recorded:=new'."),
+    fixed('clock_rate', 0.0, 'Rate of /clock, which then follows recorded time; 0: no /clock.',
+          'Hz', 0.0, 1000.0),
+    fixed('start_paused', False, 'Wait for ~/resume.'),
+    fixed('wait_for_subscribers', 3.0, 'Longest wait at the start until every topic has a '
+          'subscriber.', 's', 0.0, 3600.0),
+    fixed('wait_for_nodes', [''], 'Nodes that have to subscribe to every topic by then too: '
+          'recorder, in the namespace of this node, or /fan_7/recorder.'),
+    fixed('exit_at_end', True, 'End the process when everything has been replayed.'),
+)  # fmt: skip
 
 
 class ReplayNode(ManagedNode):

@@ -14,7 +14,7 @@ import time
 import traceback
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.spec import Spec
+from bearing_twin.assets.spec import fixed, Spec
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.ros.executor import LeanExecutor, PolledGroup
@@ -54,13 +54,10 @@ THREAD = 'compiler'
 PART = 'real time'
 """Part of the node that a status speaks of; every node that compiles has it later on, too."""
 
-AUTOSTART = Spec(
-    name='autostart',
-    default=True,
-    description='Configure and activate at start; false leaves that to a lifecycle manager.',
-    running=False,
-    read_only=True,
-)
+AUTOSTART = fixed(
+    'autostart', True, 'Configure and activate at start; false leaves that to a lifecycle '
+    'manager.', read_only=True,
+)  # fmt: skip
 
 
 class ManagedNode(LifecycleNode):

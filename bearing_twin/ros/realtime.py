@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import Any, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.assets.spec import Spec
+from bearing_twin.assets.spec import fixed, parameter, Spec
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.streams.pacer import Pacer
@@ -23,124 +23,55 @@ __all__ = ['SPECS', 'build_pacer', 'check_thresholds', 'lock_memory', 'raise_pri
 
 MCL_CURRENT, MCL_FUTURE = 1, 2
 
-SPECS = (
-    Spec(
-        name='catch_up_blocks',
-        default=25,
-        description='Most blocks published at once after being late; older ones are dropped.',
-        low=1,
-        high=100,
-        running=False,
-    ),
-    Spec(
-        name='late_after',
-        default=0.02,
-        description='Lateness above which a block counts as late.',
-        unit='s',
-        low=0.001,
-        high=10.0,
-        running=False,
-    ),
-    Spec(
-        name='lateness.warn',
-        default=0.04,
-        description='99th percentile of the lateness above which /diagnostics warns.',
-        unit='s',
-        low=0.0,
-        high=10.0,
-    ),
-    Spec(
-        name='lateness.error',
-        default=0.2,
-        description='99th percentile of the lateness that is an error.',
-        unit='s',
-        low=0.0,
-        high=10.0,
-    ),
-    Spec(
-        name='periodicity.mean_error.warn',
-        default=1.0,
-        description='Deviation of the mean rate of the cycles above which /diagnostics warns.',
-        unit='Hz',
-        low=0.0,
-        high=1000.0,
-    ),
-    Spec(
-        name='periodicity.mean_error.error',
-        default=5.0,
-        description='Deviation of the mean rate of the cycles that is an error.',
-        unit='Hz',
-        low=0.0,
-        high=1000.0,
-    ),
-    Spec(
-        name='periodicity.standard_deviation.warn',
-        default=5.0,
-        description='Standard deviation of the rate of the cycles above which /diagnostics warns.',
-        unit='Hz',
-        low=0.0,
-        high=1000.0,
-    ),
-    Spec(
-        name='periodicity.standard_deviation.error',
-        default=10.0,
-        description='Standard deviation of the rate of the cycles that is an error.',
-        unit='Hz',
-        low=0.0,
-        high=1000.0,
-    ),
-    Spec(
-        name='execution_time.warn',
-        default=0.5,
-        description='Mean execution time over the period above which /diagnostics warns.',
-        low=0.0,
-        high=10.0,
-    ),
-    Spec(
-        name='execution_time.error',
-        default=0.9,
-        description='Mean execution time over the period that is an error.',
-        low=0.0,
-        high=10.0,
-    ),
-    Spec(
-        name='execution_time.standard_deviation.warn',
-        default=0.25,
-        description='Standard deviation of the execution time over the period above which '
-        '/diagnostics warns.',
-        low=0.0,
-        high=10.0,
-    ),
-    Spec(
-        name='execution_time.standard_deviation.error',
-        default=0.5,
-        description='Standard deviation of the execution time over the period that is an error.',
-        low=0.0,
-        high=10.0,
-    ),
-    Spec(
-        name='priority',
-        default=0,
-        description='Real-time priority (SCHED_FIFO) of the publishing thread; 0: normal.',
-        low=0,
-        high=98,
-        running=False,
-    ),
-    Spec(
-        name='lock_memory',
-        default=False,
-        description='Keep the memory of the process from being swapped out (mlockall).',
-        running=False,
-    ),
-)
 
-PAIRS = (
-    'lateness',
-    'periodicity.mean_error',
-    'periodicity.standard_deviation',
-    'execution_time',
-    'execution_time.standard_deviation',
-)
+class Threshold(NamedTuple):
+    """A measure of punctuality, and what of it is worth a warning and what is an error."""
+
+    name: str
+    """Of the two parameters, before ``.warn`` and ``.error``."""
+    measure: str
+    unit: str
+    warn: float
+    error: float
+    highest: float
+    text: str
+    """What /diagnostics says of a measure that is above one of them."""
+
+
+THRESHOLDS = (
+    Threshold('lateness', '99th percentile of the lateness', 's', 0.04, 0.2, 10.0,
+              '99 % of the blocks are late by up to {:.4g} s'),
+    Threshold('periodicity.mean_error', 'Deviation of the mean rate of the cycles',
+              'Hz', 1.0, 5.0, 1000.0, 'the rate of the cycles is off by {:.4g} Hz'),
+    Threshold('periodicity.standard_deviation', 'Standard deviation of the rate of the cycles',
+              'Hz', 5.0, 10.0, 1000.0, 'the rate of the cycles varies by {:.4g} Hz'),
+    Threshold('execution_time', 'Mean execution time over the period', '', 0.5, 0.9, 10.0,
+              'a cycle takes {:.2f} of the period'),
+    Threshold('execution_time.standard_deviation',
+              'Standard deviation of the execution time over the period', '', 0.25, 0.5, 10.0,
+              'what a cycle takes varies by {:.2f} of the period'),
+)  # fmt: skip
+
+
+def _parameters(t: Threshold) -> tuple[Spec, Spec]:
+    return (
+        parameter(f'{t.name}.warn', t.warn, f'{t.measure} above which /diagnostics warns.',
+                  t.unit, 0.0, t.highest),
+        parameter(f'{t.name}.error', t.error, f'{t.measure} that is an error.',
+                  t.unit, 0.0, t.highest),
+    )  # fmt: skip
+
+
+SPECS = (
+    fixed('catch_up_blocks', 25, 'Most blocks published at once after being late; older ones are '
+          'dropped.', '', 1, 100),
+    fixed('late_after', 0.02, 'Lateness above which a block counts as late.', 's', 0.001, 10.0),
+    *(spec for threshold in THRESHOLDS for spec in _parameters(threshold)),
+    fixed('priority', 0, 'Real-time priority (SCHED_FIFO) of the publishing thread; 0: normal.',
+          '', 0, 98),
+    fixed('lock_memory', False, 'Keep the memory of the process from being swapped out '
+          '(mlockall).'),
+)  # fmt: skip
 
 
 def check_thresholds(values: Mapping[str, Any]) -> None:
@@ -153,7 +84,7 @@ def check_thresholds(values: Mapping[str, Any]) -> None:
         If a threshold of a warning is above that of the error.
 
     """
-    for name in PAIRS:
+    for name, *_ in THRESHOLDS:
         warn, error = values[f'{name}.warn'], values[f'{name}.error']
         if not warn <= error:
             msg = f'{name}.warn={warn:g} must not be above {name}.error={error:g}'
@@ -248,24 +179,15 @@ def status(
 
     """
     periodicity, execution = cycles.periodicity, cycles.execution_time
-    measures = {
-        'lateness': (report.p99, '99 % of the blocks are late by up to {:.4g} s'),
-        'periodicity.mean_error': (
-            abs(periodicity.mean - 1.0 / period),
-            'the rate of the cycles is off by {:.4g} Hz',
-        ),
-        'periodicity.standard_deviation': (
-            periodicity.std,
-            'the rate of the cycles varies by {:.4g} Hz',
-        ),
-        'execution_time': (execution.mean / period, 'a cycle takes {:.2f} of the period'),
-        'execution_time.standard_deviation': (
-            execution.std / period,
-            'what a cycle takes varies by {:.2f} of the period',
-        ),
-    }
+    measures = (
+        report.p99,
+        abs(periodicity.mean - 1.0 / period),
+        periodicity.std,
+        execution.mean / period,
+        execution.std / period,
+    )
     level, texts = Level.OK, []
-    for name, (value, text) in measures.items():
+    for (name, *_, text), value in zip(THRESHOLDS, measures, strict=True):
         for threshold, what in ((f'{name}.error', Level.ERROR), (f'{name}.warn', Level.WARN)):
             if value > values[threshold]:
                 level = max(level, what, key=lambda x: x.value)

@@ -91,7 +91,7 @@ def test_an_execution_time_that_varies_is_reported(longest, level):
     assert ('what a cycle takes varies' in found.message) == (level != Level.OK)
 
 
-@pytest.mark.parametrize('name', realtime.PAIRS)
+@pytest.mark.parametrize('name', [each.name for each in realtime.THRESHOLDS])
 def test_a_warning_above_the_error_is_refused(name):
     with pytest.raises(BearingTwinError, match=f'{name}.warn=9 must not be above'):
         realtime.check_thresholds(VALUES | {f'{name}.warn': 9.0, f'{name}.error': 8.0})
