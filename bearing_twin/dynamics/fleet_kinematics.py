@@ -69,7 +69,9 @@ def open_gap(group, spall, now, factor):
     slot = load(spall.fixed, 0) + load(spall.on_race, 0) * beyond
     there = (slot >= load(spall.low, 0)) & (load(spall.high, 0) >= slot)
     store(spall.slot, 0, chosen(there, slot, splat(_F(_NOWHERE))))
-    curvature = chosen(nearest == _F(1.0), load(spall.odd, 0), load(spall.even, 0))
+    # A spall of a ball meets the races by turns, many of them up to the next grid point.
+    odd = nearest - _F(2.0) * floor(nearest * _HALF) == _F(1.0)
+    curvature = chosen(odd, load(spall.odd, 0), load(spall.even, 0))
     profile, half, depth = load(spall.profile, 0), load(spall.half, 0), load(spall.depth, 0)
     along = (passed - nearest) * load(spall.metres, 0)
     sunk, slope = defect_path(profile, half, depth, curvature, along)

@@ -134,6 +134,14 @@ def test_fleet_carries_the_inner_ring_and_refuses_without_a_trace():
         Fleet([preset('incipient')] * 2).load(before[0])
 
 
+def test_a_ball_that_spins_fast_meets_both_races_by_turns():
+    """At a low rate its spall passes several contacts between two points of the grid."""
+    ball = preset('incipient', defect='ball', jitter=0.0, noise=0.0, waviness=0.0)
+    fleet = Fleet([ball], sample_rate=5000.0, shaft_hz=60.0).advance(5000, 20.0, 60.0)
+    alone = Simulator(ball, sample_rate=5000.0, shaft_hz=60.0).advance(5000, 20.0, 60.0)
+    assert relative(fleet.y[0], alone.y) < 5e-3
+
+
 def test_a_path_that_jumps_is_met_within_three_per_cent():
     """A fleet's steps do not end at the edges of 'rect': the force there is a mean."""
     parameters = [
