@@ -85,7 +85,9 @@ class Fitted:
         # A fit takes the load along the sensor's axis, so defects that stand still turn with it.
         turned = DOWN - own.load_angle
         injected = tuple(
-            replace(each, angle=each.angle + turned) if each.place in ('outer', 'cage') else each
+            replace(each, angle=math.fmod(each.angle + turned, 2.0 * math.pi))
+            if each.place in ('outer', 'cage')
+            else each
             for each in own.defects
         )
         return replace(

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 import re
@@ -26,7 +27,7 @@ SHARED = ('sample_rate', 'block_size', 'checkpoint_period')
 TWIN_SPECS = tuple(spec for spec in twin_parameters.SPECS if spec.name not in SHARED)
 DIAGNOSIS_SPECS = diagnosis_parameters.SPECS
 
-NAME = re.compile(r'[A-Za-z]\w*(/[A-Za-z]\w*)*')
+NAME = re.compile(r'[A-Za-z]\w*(/[A-Za-z]\w*)*', re.ASCII)
 PARTS = ('twin', 'diagnosis')
 
 
@@ -75,9 +76,20 @@ def read_assets(path: str, names: list[str]) -> list[Asset]:
     return assets
 
 
+class _EachOnce(yaml.SafeLoader):
+    """Refuse a name that a table has twice: YAML itself keeps the last, and says nothing."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        counts = Counter(str(key.value) for key, _ in node.value)
+        for name, count in counts.items():
+            if count > 1:
+                raise yaml.YAMLError(f'{name} stands {count} times in one table')
+        return super().construct_mapping(node, deep)
+
+
 def _table(path: str) -> dict[Any, Any]:
     try:
-        content = yaml.safe_load(Path(path).read_text(encoding='utf-8'))
+        content = yaml.load(Path(path).read_text(encoding='utf-8'), _EachOnce)
     except OSError as error:
         msg = f'{path} cannot be read: {error.strerror}'
         raise BearingTwinError(msg) from None

@@ -224,6 +224,9 @@ def test_injected_defects_keep_their_place_in_the_load(calibration):
     )
     for one, other in zip(down.defects, aside.defects, strict=True):
         assert one.angle == pytest.approx(other.angle)
+    behind = preset('incipient', bearing='6205', defect='outer:angle=-3', load_angle=3.0)
+    [defect] = fitted.parameters(behind).defects
+    assert defect.angle == pytest.approx(-6.0 - 0.5 * np.pi + 2.0 * np.pi)
 
 
 @pytest.mark.usefixtures('compiled')

@@ -243,6 +243,18 @@ def test_a_file_of_assets_takes_nested_tables(tmp_path):
     }
 
 
+@pytest.mark.parametrize(
+    ('names', 'said'),
+    [(('pump', 'fan', 'pump'), 'pump stands 2 times'), (('pümp',), 'no ROS namespace')],
+)
+def test_no_asset_is_lost_or_has_a_name_that_ros_refuses(tmp_path, names, said):
+    path = tmp_path / 'fleet.yaml'
+    lines = ''.join(f'  {name}:\n    twin: {{}}\n' for name in names)
+    path.write_text(f'assets:\n{lines}', encoding='utf-8')
+    with pytest.raises(BearingTwinError, match=said):
+        read_assets(str(path), [])
+
+
 def test_an_offline_run_says_once_where_a_limit_is_passed_and_records_it(tmp_path):
     source = tmp_path / 'schedule.mcap'
     times, temperatures = paper_schedule(5.0)
