@@ -117,10 +117,10 @@ def _place_claims(study: Study) -> list[Claim]:
     kinematic = {'f_in': bpfi, 'f_out': bpfo, 'f_b': bsf, 'f_c': ftf}
     own = {'inner': 'f_in', 'outer': 'f_out', 'ball': 'f_b', 'cage': 'f_c'}
     strongest = {
-        place: max(formula, key=lambda name: point.contrasts[name])
-        for place, point in study.faults.items()
+        place: max(formula, key=lambda name: contrasts[name])
+        for place, contrasts in study.faults.items()
     }
-    ball = study.faults['ball'].contrasts
+    ball = study.faults['ball']
     point = study.frequencies['incipient', 'none', COLD]
     tallest, height = _tallest(point)
     return [

@@ -143,9 +143,9 @@ def _clearance(study: Study) -> Claim:
     cold, *_, hot = study.trends['paper', 'all']
     holds = {"the paper's equations": hot.clearance < cold.clearance}
     for name, warming in study.physical.items():
-        before, after = warming.clearances
         weaker = same_direction(-1, warming.change, RESOLUTION)
-        holds[f"mode 'physical', {name}"] = after < before and weaker
+        shrinks = warming.hot.clearance < warming.cold.clearance
+        holds[f"mode 'physical', {name}"] = shrinks and weaker
     return Claim(
         id='clearance-shrinks',
         where='section 3.1, last paragraph',

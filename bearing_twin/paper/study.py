@@ -5,8 +5,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+import functools
+from itertools import product
 import math
-from typing import Any, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.dynamics.trend import impact_amplitude
@@ -17,14 +19,14 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Mapping
 
 
 __all__ = [
-    'FaultPoint',
     'FrequencyPoint',
     'Study',
     'TrendPoint',
+    'WarmPoint',
     'Warming',
     'run_study',
 ]
@@ -83,27 +85,25 @@ class FrequencyPoint:
     """Height of the f_in line over the floor of the envelope spectrum."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class FaultPoint:
-    """Envelope lines with a defect in one place."""
+class WarmPoint(NamedTuple):
+    """One preset in the physical mode at one temperature."""
 
-    contrasts: Mapping[str, float]
-    """Height over the floor of the lines f_in, f_out, f_b, 2 f_b, f_c."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Warming:
-    """Two amplitudes of one preset, m/s^2, and what went with them."""
-
-    amplitudes: tuple[float, float]
-    """At 20 and at 110 degC."""
-    clearances: tuple[float, float]
+    amplitude: float
+    """m/s^2."""
+    clearance: float
     """Radial clearance, m."""
+
+
+class Warming(NamedTuple):
+    """One preset at 20 and at 110 degC."""
+
+    cold: WarmPoint
+    hot: WarmPoint
 
     @property
     def change(self) -> float:
         """Relative change of the amplitude."""
-        return self.amplitudes[1] / self.amplitudes[0] - 1.0
+        return self.hot.amplitude / self.cold.amplitude - 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,8 +114,9 @@ class Study:
     """By preset and factor, one point a temperature."""
     frequencies: Mapping[tuple[str, str, float], FrequencyPoint]
     """By preset, slip model and temperature."""
-    faults: Mapping[str, FaultPoint]
-    """By place of the defect."""
+    faults: Mapping[str, Mapping[str, float]]
+    """By place of the defect: heights of the lines f_in, f_out, f_b, 2 f_b and f_c over the floor
+    of the envelope spectrum."""
     physical: Mapping[str, Warming]
     """In the twin's thermal mode ``'physical'``, by preset."""
     window: Mapping[settings.Factor, float]
@@ -160,110 +161,89 @@ def run_study(*, processes: int = 2, quiet: bool = False) -> Study:
     nodes = settings.TEMPERATURE_NODES
     names, factors = settings.PRESET_NAMES, settings.FACTORS
     cold, hot = nodes[0], nodes[-1]
-    trend_keys = [(p, f, t) for p in names for f in factors for t in nodes]
-    trend_specs = [
-        RunSpec(preset=p, factor=f, temperature=t, seconds=settings.DURATION + _beat())
-        for p, f, t in trend_keys
-    ]
-    frequency_keys = [(p, s, t) for p in names for s in ('none', 'mu_proportional') for t in nodes]
-    frequency_specs = [
-        RunSpec(
-            preset=p, factor='all', temperature=t, slip_model=s, seconds=FREQUENCY_SECONDS,
-            rate=FREQUENCY_RATE,
-        )
-        for p, s, t in frequency_keys
-    ]  # fmt: skip
-    fault_keys = ['inner', 'outer', 'ball', 'cage']
-    fault_specs = [
-        RunSpec(
-            preset='incipient', factor=None, temperature=cold, defect=place,
-            seconds=FREQUENCY_SECONDS, rate=FREQUENCY_RATE,
-        )
-        for place in fault_keys
-    ]  # fmt: skip
-    physical_specs = [
-        RunSpec(preset=p, factor=None, temperature=t, thermal_mode='physical')
-        for p in names
-        for t in (cold, hot)
-    ]
-    window_specs = [
-        RunSpec(preset='paper', factor=f, temperature=t, profile='rect', width=WINDOW_WIDTH)
-        for f in factors
-        for t in (cold, hot)
-    ]
-    ramp_specs = [
-        RunSpec(
-            preset=p,
-            factor='all',
-            temperature=hot,
-            was=cold,
-            ramp=True,
-            seconds=len(nodes) * _beat(),
-        )
-        for p in names
-    ]
-    other_specs = [
-        RunSpec(preset=p, factor='all', temperature=cold, was=was)
-        for p in names
-        for was in (cold, hot)
-    ]
-    mu_keys = [(p, f) for p in names for f in factors[:3]]
-    mu_specs = [
-        RunSpec(preset=p, factor=f, temperature=t, delta_mu=SMALL_DELTA_MU)
-        for p, f in mu_keys
-        for t in (cold, hot)
-    ]
-    literature_specs = [
-        RunSpec(
-            preset=name, factor='all', temperature=t, load=w, width=b, depth=h, seconds=_beat(),
-            rate=FREQUENCY_RATE,
-        )
-        for name in settings.LITERATURE_PRESETS
-        for w in LITERATURE_LOADS for b in LITERATURE_WIDTHS for h in LITERATURE_DEPTHS
-        for t in (cold, hot)
-    ]  # fmt: skip
-    groups: list[tuple[Callable[[RunSpec], object], list[RunSpec]]] = [
-        (trend_point, trend_specs),
-        (frequency_point, frequency_specs),
-        (fault_point, fault_specs),
-        (warm_point, physical_specs),
-        (ramp_point, ramp_specs),
-        (
-            only_amplitude,
-            window_specs + other_specs + mu_specs + literature_specs + SPACE.specs(),
-        ),
-    ]
-    jobs = [(work, spec) for work, specs in groups for spec in specs]
+    settings_of_models = list(product(LITERATURE_LOADS, LITERATURE_WIDTHS, LITERATURE_DEPTHS))
+    long = functools.partial(RunSpec, seconds=FREQUENCY_SECONDS, rate=FREQUENCY_RATE)
+    plan: dict[str, tuple[Callable[[RunSpec], Any], dict[Any, RunSpec]]] = {
+        'trends': (trend_point, {
+            (p, f, t): RunSpec(
+                preset=p, factor=f, temperature=t, seconds=settings.DURATION + _beat()
+            )
+            for p, f, t in product(names, factors, nodes)
+        }),
+        'frequencies': (frequency_point, {
+            (p, s, t): long(preset=p, factor='all', temperature=t, slip_model=s)
+            for p, s, t in product(names, ('none', 'mu_proportional'), nodes)
+        }),
+        'faults': (fault_point, {
+            place: long(preset='incipient', factor=None, temperature=cold, defect=place)
+            for place in ('inner', 'outer', 'ball', 'cage')
+        }),
+        'physical': (warm_point, {
+            (p, t): RunSpec(preset=p, factor=None, temperature=t, thermal_mode='physical')
+            for p, t in product(names, (cold, hot))
+        }),
+        'ramp': (ramp_point, {
+            p: RunSpec(
+                preset=p, factor='all', temperature=hot, was=cold, ramp=True,
+                seconds=len(nodes) * _beat(),
+            )
+            for p in names
+        }),
+        'window': (only_amplitude, {
+            (f, t): RunSpec(
+                preset='paper', factor=f, temperature=t, profile='rect', width=WINDOW_WIDTH
+            )
+            for f, t in product(factors, (cold, hot))
+        }),
+        'forgotten': (only_amplitude, {
+            (p, was): RunSpec(preset=p, factor='all', temperature=cold, was=was)
+            for p, was in product(names, (cold, hot))
+        }),
+        'small_mu': (only_amplitude, {
+            (p, f, t): RunSpec(preset=p, factor=f, temperature=t, delta_mu=SMALL_DELTA_MU)
+            for p, f, t in product(names, factors[:3], (cold, hot))
+        }),
+        'literature': (only_amplitude, {
+            (name, load, width, depth, t): RunSpec(
+                preset=name, factor='all', temperature=t, load=load, width=width, depth=depth,
+                seconds=_beat(), rate=FREQUENCY_RATE,
+            )
+            for name in settings.LITERATURE_PRESETS
+            for load, width, depth in settings_of_models
+            for t in (cold, hot)
+        }),
+        'space': (only_amplitude, dict(enumerate(SPACE.specs()))),
+    }  # fmt: skip
+    jobs = [(work, spec) for work, specs in plan.values() for spec in specs.values()]
     done = iter(in_parallel(_do, jobs, processes=processes, text='simulations', quiet=quiet))
-    trend = {key: next(done) for key in trend_keys}
-    frequency = {key: next(done) for key in frequency_keys}
-    fault = {key: next(done) for key in fault_keys}
-    warm = {name: (next(done), next(done)) for name in names}
-    ramp = {name: next(done) for name in names}
-    window = {factor: _change(done) for factor in factors}
-    forgotten = {name: _change(done) for name in names}
-    small: dict[tuple[str, str], float] = {key: _change(done) for key in mu_keys}
-    literature = {}
-    for name in settings.LITERATURE_PRESETS:
-        size = 2 * len(LITERATURE_LOADS) * len(LITERATURE_WIDTHS) * len(LITERATURE_DEPTHS)
-        cold_hot = np.array([float(next(done)) for _ in range(size)]).reshape(-1, 2)
-        literature[name] = cold_hot[:, 1] / cold_hot[:, 0] - 1.0
-    found = np.log(np.array(list(done)).reshape(*SPACE.shape, len(STATES)))
+    found = {name: {key: next(done) for key in specs} for name, (_, specs) in plan.items()}
+
+    def change(name: str, *key: Any) -> float:
+        """Relative change of an amplitude from the cold to the hot one."""
+        before, after = (float(found[name][each]) for each in ((*key, cold), (*key, hot)))
+        return after / before - 1.0
+
+    logs = np.log(np.array(list(found['space'].values())).reshape(*SPACE.shape, len(STATES)))
     rise = [math.log(settings.factor_of(factor).at(t)) for factor, t in STATES]
-    slopes = (found[..., 1:] - found[..., :1]) / np.array(rise[1:])
+    slopes = (logs[..., 1:] - logs[..., :1]) / np.array(rise[1:])
     return Study(
-        trends={(p, f): tuple(trend[p, f, t] for t in nodes) for p in names for f in factors},
-        frequencies=frequency,
-        faults=fault,
-        physical={
-            name: Warming(amplitudes=(first[0], last[0]), clearances=(first[1], last[1]))
-            for name, (first, last) in warm.items()
+        trends={
+            (p, f): tuple(found['trends'][p, f, t] for t in nodes)
+            for p, f in product(names, factors)
         },
-        window=window,
-        ramp=ramp,
-        forgotten=forgotten,
-        literature=literature,
-        small_mu=small,
+        frequencies=found['frequencies'],
+        faults=found['faults'],
+        physical={
+            p: Warming(found['physical'][p, cold], found['physical'][p, hot]) for p in names
+        },
+        window={f: change('window', f) for f in factors},
+        ramp=found['ramp'],
+        forgotten={p: change('forgotten', p) for p in names},
+        literature={
+            name: np.array([change('literature', name, *each) for each in settings_of_models])
+            for name in settings.LITERATURE_PRESETS
+        },
+        small_mu={(p, f): change('small_mu', p, f) for p, f in product(names, factors[:3])},
         grid=Grid(small=slopes[..., 0], large=slopes[..., 1]),
     )
 
@@ -271,12 +251,6 @@ def run_study(*, processes: int = 2, quiet: bool = False) -> Study:
 def _do(job):  # type: ignore[no-untyped-def]
     work, spec = job
     return work(spec)
-
-
-def _change(done: Iterator[Any]) -> float:
-    """Relative change between the next two amplitudes."""
-    first, last = float(next(done)), float(next(done))
-    return last / first - 1.0
 
 
 def _beat() -> float:
@@ -330,17 +304,13 @@ def frequency_point(spec: RunSpec) -> FrequencyPoint:
     )
 
 
-def fault_point(spec: RunSpec) -> FaultPoint:
+def fault_point(spec: RunSpec) -> dict[str, float]:
     """Simulate a defect in one place and measure the candidate lines."""
     record = simulate(spec)
     bpfo, bpfi, bsf, ftf = fault_frequencies(settings.BEARING, settings.SHAFT_HZ)
     lines = {'f_in': bpfi, 'f_out': bpfo, 'f_b': bsf, '2 f_b': 2.0 * bsf, 'f_c': ftf}
-    frequency, envelope = measures.envelope_spectrum(record.acceleration, record.rate)
-    return FaultPoint(
-        contrasts={
-            name: measures.line_contrast(frequency, envelope, line) for name, line in lines.items()
-        }
-    )
+    spectrum = measures.envelope_spectrum(record.acceleration, record.rate)
+    return {name: measures.line_contrast(*spectrum, line) for name, line in lines.items()}
 
 
 def only_amplitude(spec: RunSpec) -> float:
@@ -349,11 +319,11 @@ def only_amplitude(spec: RunSpec) -> float:
     return impact_amplitude(record.acceleration, record.rate, record.bpfi)
 
 
-def warm_point(spec: RunSpec) -> tuple[float, float]:
-    """Simulate and return impact amplitude, m/s^2, and radial clearance, m."""
+def warm_point(spec: RunSpec) -> WarmPoint:
+    """Simulate one temperature of the physical mode."""
     record = simulate(spec)
     amplitude = impact_amplitude(record.acceleration, record.rate, record.bpfi)
-    return amplitude, record.clearance
+    return WarmPoint(amplitude, record.clearance)
 
 
 def ramp_point(spec: RunSpec) -> FloatArray:

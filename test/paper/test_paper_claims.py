@@ -130,10 +130,8 @@ def test_frequency_verdicts_turn_with_the_lines(study):
 def test_fault_places_turn_with_the_lines(study):
     own = {'inner': 'f_in', 'outer': 'f_out', 'ball': 'f_b', 'cage': 'f_c'}
     faults = {
-        place: dataclasses.replace(
-            point, contrasts={name: 1.0 + (name == own[place]) for name in point.contrasts}
-        )
-        for place, point in study.faults.items()
+        place: {name: 1.0 + (name == own[place]) for name in contrasts}
+        for place, contrasts in study.faults.items()
     }
     found = verdicts(dataclasses.replace(study, faults=faults))
     assert found['frequencies-locate-the-fault'] == 'reproduced'
