@@ -75,7 +75,7 @@ def main(argv: Sequence[str] | None = None) -> int:
                 print(f'bearing-twin {name}: {error}; {missing}', file=sys.stderr)
                 return 1
             module.configure(sub)
-            sub.set_defaults(run=module.run)
+            sub.set_defaults(run=module.run, parser=sub)
     if completing:
         import argcomplete
 

@@ -231,16 +231,13 @@ def judge(label: str, diagnosis: Diagnosis) -> str:
     if diagnosis.result == 'insufficient':
         return 'insufficient'
     if label == 'healthy':
-        return 'wrong' if diagnosis.level == 'fault' else _quiet(diagnosis.result)
+        quiet = 'correct' if diagnosis.result == 'healthy' else diagnosis.result
+        return 'wrong' if diagnosis.level == 'fault' else quiet
     if diagnosis.result == 'healthy':
         return 'missed'
     if diagnosis.result in ('suspect', 'ambiguous'):
         return diagnosis.result
     return 'correct' if diagnosis.faults == (label,) else 'wrong'
-
-
-def _quiet(result: str) -> str:
-    return 'correct' if result == 'healthy' else result
 
 
 def score_case(case: Case, full: bool = False) -> list[Piece]:
@@ -388,9 +385,9 @@ def _table(title: str, kind: str, pieces: Iterable[Piece]) -> None:
             if group == kind:
                 counts.setdefault(name, Counter())[piece.outcome] += 1
     print(f'## {title}\n')
-    print(f'| {kind} | pieces | {" | ".join(OUTCOMES)} |')
-    print('|---' * (len(OUTCOMES) + 2) + '|')
-    for name, count in sorted(counts.items()):
-        cells = ' | '.join(str(count[outcome] or '') for outcome in OUTCOMES)
-        print(f'| {name} | {count.total()} | {cells} |')
+    rows = (
+        (name, count.total(), *(count[outcome] or '' for outcome in OUTCOMES))
+        for name, count in sorted(counts.items())
+    )
+    print_table((kind, 'pieces', *OUTCOMES), rows)
     print()

@@ -75,7 +75,7 @@ def run(args: argparse.Namespace) -> int:
     say(hidden.to_text())
     good = summary.good and hidden.place == HIDDEN['defect']
     if args.json:
-        print(json.dumps({**summary.to_dict(), 'hidden': asdict(hidden), 'good': good}))
+        print(json.dumps({**asdict(summary), 'hidden': asdict(hidden), 'good': good}))
     return 0 if good else 1
 
 
@@ -150,11 +150,15 @@ def _run_nodes(
         twin = {'bearing': '6307', 'preset': PRESET, 'defect': args.defect}
         twin['wait_for_subscribers'] = 2
         nodes.start('twin', twin)
-        compiling = _CompilingNote(folder / 'logs' / 'twin.log', quiet=args.json)
+        log, said = folder / 'logs' / 'twin.log', args.json
 
         def check() -> None:
+            """Look whether all still run; say once that the twin compiles, at its first start."""
+            nonlocal said
             nodes.check()
-            compiling.look()
+            if not said and COMPILING in log.read_text(errors='replace'):
+                print(f'twin       {COMPILING}', flush=True)
+                said = True
 
         watcher.wait_for_vibration(check, START_TIMEOUT)
         replay = {'recording': str(recording), 'rate': args.rate}
@@ -171,17 +175,3 @@ def _run_nodes(
         for name in ('twin', 'diagnosis', 'recorder'):
             watcher.show(1.0, quiet=args.json)
             nodes.end(name)
-
-
-class _CompilingNote:
-    """Say once that the twin compiles, which only its first start on a machine does."""
-
-    def __init__(self, log: Path, *, quiet: bool) -> None:
-        self._log = log
-        self._said = quiet
-
-    def look(self) -> None:
-        """Look into the twin's log."""
-        if not self._said and COMPILING in self._log.read_text(errors='replace'):
-            print(f'twin       {COMPILING}', flush=True)
-            self._said = True

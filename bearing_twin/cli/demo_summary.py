@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 import math
 from pathlib import Path
 import shlex
@@ -78,10 +78,6 @@ class Summary:
                 f'; {100.0 * self.amplitude_change:+.1f} % from the coldest to the hottest third'
             )
         return f'{text}; the paper states a decrease'
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain values."""
-        return asdict(self)
 
     def to_text(self) -> str:
         """Return the table."""

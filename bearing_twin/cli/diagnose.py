@@ -18,7 +18,7 @@ from bearing_twin.bearing import Bearing, named_bearing, next_step
 from bearing_twin.cli.diagnose_series import run_series
 from bearing_twin.cli.diagnose_text import line, page
 from bearing_twin.cli.signal_arguments import add_signal_arguments, given_bearing, given_speed
-from bearing_twin.cli.terminal import progress, refuse_given, shown, shown_inside
+from bearing_twin.cli.terminal import plain, progress, refuse_given, shown, shown_inside
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.dataset import dataset_signals, is_dataset
@@ -27,10 +27,6 @@ from bearing_twin.recording.foreign import channels, read_signal
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Iterator, Sequence
-
-SINGLE = {'speed_tolerance': None, 'plot': None, 'jobs': None, 'dask': None}
-SERIES = {'cycle': None, 'baseline': 60, 'hold': 3600.0}
-"""Options of single files and of series, with the values that they have if they are not given."""
 
 __all__ = [
     'Task',
@@ -41,8 +37,14 @@ __all__ = [
     'evidence',
     'picture',
     'run',
+    'unread',
 ]
 
+SINGLE = ('speed_tolerance', 'plot', 'jobs', 'dask')
+SERIES = ('cycle', 'baseline', 'hold')
+"""Options of single files and of series."""
+DIGITS = 7
+"""Of the numbers in an answer."""
 MOST_AT_ONCE = 16
 """Most files of one task of Dask; answers come as often."""
 TURNS = 8
@@ -209,7 +211,7 @@ def _on_cores(tasks: Sequence[Task], jobs: int) -> Iterator[dict[str, Any]]:
             failure = future.exception()
             if isinstance(failure, BrokenProcessPool):
                 text = 'the process that read it was killed; is there enough memory? try --jobs 1'
-                yield _unread(task.path, text)
+                yield unread(task.path, text)
             else:
                 yield future.result()
 
@@ -241,7 +243,7 @@ def _on_dask(tasks: Sequence[Task], address: str) -> Iterator[dict[str, Any]]:
             alone = client.map(diagnose_file, part, pure=False, retries=3)
             for task, single in zip(part, alone, strict=True):
                 reason = single.exception()
-                yield single.result() if reason is None else _unread(task.path, str(reason))
+                yield single.result() if reason is None else unread(task.path, str(reason))
 
 
 def _diagnose_files(tasks: Sequence[Task]) -> list[dict[str, Any]]:
@@ -271,7 +273,7 @@ def diagnose_file(task: Task) -> dict[str, Any]:
             settings=task.settings,
         )
     except (BearingTwinError, MemoryError) as error:
-        return _unread(task.path, str(error) or f'{task.path}: not enough memory')
+        return unread(task.path, str(error) or f'{task.path}: not enough memory')
     if task.plot and diagnosis.spectrum.values.size:
         from bearing_twin.cli.diagnose_plot import draw
 
@@ -286,8 +288,8 @@ def diagnose_file(task: Task) -> dict[str, Any]:
         'faults': list(diagnosis.faults),
         'level': diagnosis.level,
         'confidence': round(diagnosis.confidence, 4),
-        'shaft_hz': _number(diagnosis.shaft_hz),
-        'slip': _number(diagnosis.slip),
+        'shaft_hz': plain(diagnosis.shaft_hz, DIGITS),
+        'slip': plain(diagnosis.slip, DIGITS),
         'evidence': evidence(diagnosis),
         'reasons': list(diagnosis.reasons),
         'next_step': next_step(diagnosis.result, diagnosis.severity.stage),
@@ -296,39 +298,30 @@ def diagnose_file(task: Task) -> dict[str, Any]:
 
 def evidence(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return what a verdict rests on, as plain numbers; unknown ones are None."""
-    severity = asdict(diagnosis.severity)
-    severity['band_rms'] = [_number(value) for value in severity['band_rms']]
-    return {
-        'fault_code': diagnosis.fault_code,
-        'shaft_hz_given': _number(diagnosis.shaft_hz_given),
-        'fault_hz': _number(diagnosis.fault_hz),
-        'fault_hz_expected': _number(diagnosis.fault_hz_expected),
-        'expected_hz': {
-            name: _number(value) for name, value in diagnosis.expected._asdict().items()
+    found: dict[str, Any] = plain(
+        {
+            'fault_code': diagnosis.fault_code,
+            'shaft_hz_given': diagnosis.shaft_hz_given,
+            'fault_hz': diagnosis.fault_hz,
+            'fault_hz_expected': diagnosis.fault_hz_expected,
+            'expected_hz': diagnosis.expected._asdict(),
+            'found_hz': diagnosis.found_hz,
+            'score': diagnosis.score,
+            'modulation_index': diagnosis.modulation_index,
+            'band_hz': diagnosis.band,
+            'line_hz': diagnosis.line_hz.tolist(),
+            'line_level': diagnosis.line_level.tolist(),
+            'smallest_detectable_mm': diagnosis.smallest_detectable,
+            'severity': asdict(diagnosis.severity),
         },
-        'found_hz': {name: _number(value) for name, value in diagnosis.found_hz.items()},
-        'score': {name: _number(value) for name, value in diagnosis.score.items()},
-        'modulation_index': {
-            name: _number(value) for name, value in diagnosis.modulation_index.items()
-        },
-        'band_hz': [_number(edge) for edge in diagnosis.band],
-        'line_hz': [_number(float(value)) for value in diagnosis.line_hz],
-        'line_level': [_number(float(value)) for value in diagnosis.line_level],
-        'smallest_detectable_mm': _number(diagnosis.smallest_detectable),
-        'severity': {
-            name: _number(value) if isinstance(value, float) else value
-            for name, value in severity.items()
-        },
-    }
+        DIGITS,
+    )
+    return found
 
 
-def _unread(path: str, reason: str) -> dict[str, Any]:
+def unread(path: str, reason: str) -> dict[str, Any]:
+    """Answer for a file that cannot be read."""
     return {'file': path, 'error': reason if path in reason else f'{path}: {reason}'}
-
-
-def _number(value: float) -> float | None:
-    # Zero is added lest -0.0 be printed.
-    return float(f'{value:.7g}') + 0.0 if math.isfinite(value) else None
 
 
 def picture(folder: Path, name: str, channel: str | None) -> Path:

@@ -10,8 +10,9 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import find_bearing, named_bearing, own_bearing
-from bearing_twin.cli.terminal import by_level, progress
+from bearing_twin.bearing import named_bearing
+from bearing_twin.cli.signal_arguments import given_bearing
+from bearing_twin.cli.terminal import by_level, plain, progress
 from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.diagnosis.series_result import SeriesSettings
 from bearing_twin.errors import BearingTwinError
@@ -57,7 +58,7 @@ def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
             unit=args.unit or signal.unit,
         )
         if args.json and point is not None:
-            print(json.dumps(_plain(vars(point))), flush=True)
+            print(json.dumps(plain(vars(point))), flush=True)
         if count % 100 == 0:
             progress(count, count + 1, 'snapshots')
     if monitor is None:
@@ -73,10 +74,9 @@ def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
 
 
 def _bearing(args: argparse.Namespace, said: Bearing | str) -> Bearing | None:
-    if args.geometry:
-        return own_bearing(args.geometry)
-    if args.bearing:
-        return find_bearing(args.bearing)
+    given = given_bearing(args)
+    if given is not None:
+        return given
     if not isinstance(said, str):
         return said
     try:
@@ -86,17 +86,9 @@ def _bearing(args: argparse.Namespace, said: Bearing | str) -> Bearing | None:
         return None
 
 
-def _plain(values: dict[str, Any]) -> dict[str, Any]:
-    """Replace what JSON has no number for by null."""
-    return {
-        name: None if isinstance(value, float) and not math.isfinite(value) else value
-        for name, value in values.items()
-    }
-
-
 def _summary(report: SeriesReport, bearing: Bearing | None) -> dict[str, Any]:
     place = report.place
-    return _plain(
+    found: dict[str, Any] = plain(
         {
             'level': report.level,
             'snapshots': len(report.points),
@@ -116,6 +108,7 @@ def _summary(report: SeriesReport, bearing: Bearing | None) -> dict[str, Any]:
             'reasons': list(report.reasons),
         }
     )
+    return found
 
 
 def _page(said: str, report: SeriesReport, summary: dict[str, Any]) -> str:

@@ -14,7 +14,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import named_bearing
 from bearing_twin.calibration import Calibration, fit
 from bearing_twin.calibration.joint import joined
-from bearing_twin.cli.diagnose import add_reading, channels_of, picture
+from bearing_twin.cli.diagnose import add_reading, channels_of, picture, unread
 from bearing_twin.cli.signal_arguments import given_bearing, given_speed
 from bearing_twin.cli.terminal import progress, shown
 from bearing_twin.errors import BearingTwinError
@@ -79,8 +79,7 @@ def run(args: argparse.Namespace) -> int:
             )
         except (BearingTwinError, MemoryError) as error:
             failed += 1
-            reason = str(error) or 'not enough memory'
-            answer = {'file': name, 'error': reason if name in reason else f'{name}: {reason}'}
+            answer = unread(name, str(error) or 'not enough memory')
             print(f'bearing-twin fit: {shown(answer["error"])}', file=sys.stderr, flush=True)
             if args.json:
                 print(json.dumps(answer), flush=True)

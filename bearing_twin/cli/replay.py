@@ -14,7 +14,7 @@ import threading
 import time
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.cli.terminal import refuse_given, shown
+from bearing_twin.cli.terminal import percent, refuse_given, shown
 from bearing_twin.errors import BearingTwinError
 import yaml
 
@@ -24,17 +24,9 @@ if TYPE_CHECKING:
 
 __all__ = ['configure', 'run']
 
-LIVE = {
-    'rate': 1.0,
-    'loop': False,
-    'start_offset': 0.0,
-    'duration': 0.0,
-    'topics': [],
-    'remap': [],
-    'clock': 0.0,
-    'start_paused': False,
-}
-OFFLINE: dict[str, Any] = {'output': None, 'twin': [], 'diagnosis': [], 'json': False}
+
+LIVE = ('rate', 'loop', 'start_offset', 'duration', 'topics', 'remap', 'clock', 'start_paused')
+OFFLINE = ('output', 'twin', 'diagnosis', 'json')
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -108,7 +100,7 @@ def _offline(args: argparse.Namespace) -> int:
             args.output,
             twin=_parameters(args.twin),
             diagnosis=_parameters(args.diagnosis),
-            progress=_show if sys.stderr.isatty() else None,
+            progress=percent if sys.stderr.isatty() else None,
             stop=interrupted.is_set,
         )
     took = time.perf_counter() - began
@@ -161,8 +153,3 @@ def _parameters(words: list[str]) -> dict[str, Any]:
             msg = f'{word!r} cannot be read: {error}'
             raise BearingTwinError(msg) from None
     return values
-
-
-def _show(part: float) -> None:
-    end = '\n' if part >= 1.0 else ''
-    print(f'\r{100.0 * part:3.0f} %', end=end, file=sys.stderr, flush=True)

@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+import math
+from numbers import Integral, Real
 import os
 import sys
 from typing import Any, TextIO, TYPE_CHECKING
@@ -12,14 +15,23 @@ from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Mapping
+    from collections.abc import Iterable
 
-__all__ = ['by_level', 'coloured', 'progress', 'refuse_given', 'shown', 'shown_inside']
+__all__ = [
+    'by_level',
+    'coloured',
+    'percent',
+    'plain',
+    'progress',
+    'refuse_given',
+    'shown',
+    'shown_inside',
+]
 
 _COLOURS = {'ok': '32', 'suspect': '33', 'fault': '1;31', 'none': '36', 'bold': '1'}
 
 
-def refuse_given(args: argparse.Namespace, defaults: Mapping[str, Any], why: str) -> None:
+def refuse_given(args: argparse.Namespace, options: Iterable[str], why: str) -> None:
     """
     Refuse options that would do nothing.
 
@@ -27,8 +39,8 @@ def refuse_given(args: argparse.Namespace, defaults: Mapping[str, Any], why: str
     ----------
     args
         What was given.
-    defaults
-        The options, with the values that they have if they are not given.
+    options
+        Their names.
     why
         End of the sentence after their names.
 
@@ -38,11 +50,11 @@ def refuse_given(args: argparse.Namespace, defaults: Mapping[str, Any], why: str
         If one of them is given.
 
     """
-    given = [
-        f'--{name.replace("_", "-")}' for name in defaults if getattr(args, name) != defaults[name]
-    ]
+    default = args.parser.get_default
+    given = [name for name in options if getattr(args, name) != default(name)]
     if given:
-        msg = f'{", ".join(given)}: {why}'
+        names = ', '.join(f'--{name.replace("_", "-")}' for name in given)
+        msg = f'{names}: {why}'
         raise BearingTwinError(msg)
 
 
@@ -92,8 +104,33 @@ def shown_inside(value: Any) -> Any:
     return shown(value) if isinstance(value, str) else value
 
 
+def plain(value: Any, digits: int = 17) -> Any:
+    """
+    Return an answer as JSON takes it: numbers to so many digits, null for those without a value.
+
+    Examples
+    --------
+    >>> plain({'hz': 100.0 / 3.0, 'slip': float('nan'), 'lines': (1, -0.0)}, digits=4)
+    {'hz': 33.33, 'slip': None, 'lines': [1, 0.0]}
+
+    """
+    if isinstance(value, Mapping):
+        return {key: plain(inner, digits) for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(inner, digits) for inner in value]
+    if isinstance(value, Real) and not isinstance(value, Integral):
+        # Zero is added lest -0.0 be printed.
+        return float(f'{value:.{digits}g}') + 0.0 if math.isfinite(value) else None
+    return value
+
+
 def progress(done: int, total: int, what: str = '') -> None:
     """Say on stderr how far a long job is, where that is a terminal."""
     if total > 1 and sys.stderr.isatty():
         end = '\n' if done >= total else ''
         print(f'\r{done} of {total} {what}\x1b[K', end=end, file=sys.stderr, flush=True)
+
+
+def percent(part: float, what: str = '') -> None:
+    """Say on stderr which part of a long job is done, 0 to 1."""
+    print(f'\r{what}{part:4.0%} ', end='\n' if part >= 1.0 else '', file=sys.stderr, flush=True)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import functools
 from pathlib import Path
 import re
 import shutil
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recording
-from bearing_twin.cli.terminal import shown
+from bearing_twin.cli.terminal import percent, shown
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.wholefile import whole_file
 from bearing_twin.view.rerun.blueprint import PAGES
@@ -128,7 +129,7 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
             _copy(pictures[0], args.save)
         return [str(pictures[0])]
     rrd = folder / f'{paths[0].resolve().stem}.rrd'
-    progress = _progress if sys.stderr.isatty() else None
+    progress = functools.partial(percent, what='drawing ') if sys.stderr.isatty() else None
     try:
         problems = draw_recordings(paths, rrd, page=args.page, progress=progress)
     except RuntimeError as error:
@@ -166,7 +167,3 @@ def _screenshot(args: argparse.Namespace, sources: list[str]) -> int:
         viewer.wait(args.at)
         viewer.screenshot(args.screenshot.absolute())
     return 0
-
-
-def _progress(part: float) -> None:
-    print(f'\rdrawing {part:4.0%} ', end='\n' if part >= 1.0 else '', file=sys.stderr, flush=True)
