@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     'BANDS_HZ',
+    'GRAVITY',
     'HIGHEST_LIMIT',
     'ISO_LIMITS',
     'SLOW_HZ',
@@ -44,7 +45,15 @@ HIGHEST_LIMIT = max(limits[-1] for limits in ISO_LIMITS.values())
 SLOW_HZ = 10.0
 """Shaft speed below which ISO 20816-3 takes velocities from 2 Hz on."""
 
-_FACTORS = {'m/s^2': 1.0, 'm/s2': 1.0, 'm/s²': 1.0, 'g': 9.80665, 'mm/s^2': 1e-3}
+GRAVITY = 9.80665
+"""m/s^2 in one g."""
+
+_FACTORS = {
+    **dict.fromkeys(('m/s^2', 'm/s2', 'm/s²', 'm/s/s', 'm s-2', 'm s^-2', 'm/sec^2'), 1.0),
+    **dict.fromkeys(('g', 'G', 'gn', 'g_n'), GRAVITY),
+    **dict.fromkeys(('mm/s^2', 'mm/s2', 'mm/s²'), 1e-3),
+    'mg': 1e-3 * GRAVITY,
+}
 
 
 def acceleration_factor(unit: str) -> float:

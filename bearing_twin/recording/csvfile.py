@@ -18,8 +18,15 @@ __all__ = ['read_csv']
 HEAD = 100
 """Lines in which the numbers must begin."""
 MOST_COLUMNS = 1000
-TIME = re.compile(r'(?:t|time|timestamp|zeit)\b', re.IGNORECASE)
+TIME = re.compile(r'(?:(?i:timestamp|time|zeit)|t)(?:[\s_(\[]+(\w+)\W*)?')
+"""A heading of times, and its unit."""
+SECONDS = {
+    None: 1.0, 's': 1.0, 'sec': 1.0, 'seconds': 1.0, 'ms': 1e-3, 'us': 1e-6, 'µs': 1e-6,
+    'μs': 1e-6, 'ns': 1e-9,
+}  # fmt: skip
+"""By unit; the micro sign and the Greek letter look alike."""
 SAID = re.compile(r'(fs|sample_?rate|rpm|unit|label|bearing_name)\s*[=:,;]\s*([^,;\s]+)', re.I)
+DECIMAL = re.compile(r'([+-]?\d+,\d+\s+)*[+-]?\d+,\d+')
 UNIT = re.compile(r'[\[(](m/s\^?2|m/s²|g)[\])]')
 
 
@@ -27,13 +34,14 @@ def read_csv(path: Path) -> dict[str, Any]:
     """
     Read the columns of a text file by name, or by ``c0``, ``c1``, ... without a heading.
 
-    A column of times in seconds becomes ``fs``; ``fs = ...``, ``rpm = ...`` before the numbers and
-    a unit in brackets in a heading are taken as well.
+    A column of times in s, ms, us or ns becomes ``fs``; ``fs = ...``, ``rpm = ...`` before the
+    numbers and a unit in brackets in a heading are taken as well.
 
     Raises
     ------
     BearingTwinError
-        If there are no columns of numbers.
+        If there are no columns of numbers, or commas may be decimal ones as well as what parts
+        two columns.
 
     """
     try:
@@ -49,6 +57,9 @@ def read_csv(path: Path) -> dict[str, Any]:
     if separator != ',':
         # A comma is then a decimal comma.
         text = text.replace(',', '.')
+    elif DECIMAL.fullmatch(text.strip()):
+        msg = f'{path} has commas that may be decimal ones or part two columns: write a heading'
+        raise BearingTwinError(msg)
     table = _table(path, text, start, separator)
     names = _names(head[:start], separator, table.shape[1])
     found: dict[str, Any] = {}
@@ -57,8 +68,9 @@ def read_csv(path: Path) -> dict[str, Any]:
         if unit := UNIT.search(line):
             found['unit'] = np.array(unit[1])
     for name, column in zip(names, table.T, strict=True):
-        if TIME.match(name) and column.size > 1:
-            step = float(np.median(np.diff(column)))
+        time = TIME.fullmatch(name)
+        if time and time[1] in SECONDS and column.size > 1:
+            step = SECONDS[time[1]] * float(np.median(np.diff(column)))
             found.setdefault('fs', np.array(1.0 / step if step > 0.0 else np.nan))
         else:
             found[name] = np.ascontiguousarray(column)

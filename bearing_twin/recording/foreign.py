@@ -15,6 +15,8 @@ import math
 from typing import Any, TYPE_CHECKING
 import warnings
 
+from bearing_twin.bearing import Bearing
+from bearing_twin.diagnosis.severity import acceleration_factor, GRAVITY
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.csvfile import read_csv
 from bearing_twin.recording.dataset import dataset_signals, is_dataset, read_dataset_signal
@@ -28,7 +30,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
     from pathlib import Path
 
-    from bearing_twin.bearing import Bearing
     from numpy.typing import NDArray
 
 __all__ = ['LARGEST_FILE', 'MOST_SAMPLES', 'Signal', 'channels', 'read_signal']
@@ -55,7 +56,7 @@ class Signal:
     speeds: NDArray[np.float64]
     """Shaft speed at each sample, Hz, shape (n,); empty where it does not vary, or is unknown."""
     unit: str
-    """``'m/s^2'``, ``'g'``, or '' where the file does not say."""
+    """``'m/s^2'``, ``'g'``, another one, or '' where the file does not say."""
     bearing_name: str
     temperature: float
     """degC; NaN where the file does not say."""
@@ -105,13 +106,13 @@ def read_signal(
     if is_dataset(path):
         rows = {str(row['signal_id']): row for row in dataset_signals(path)}
         found = read_dataset_signal(path, rows[_named(rows, channel or '', path)])
-    elif path.is_dir() or path.suffix == '.mcap':
+    elif path.is_dir() or path.suffix.lower() == '.mcap':
         if channel and ':' not in channel and channel not in ('x', 'y', 'z'):
             channel = _named(vibration_topics(path), channel, path)
         found = read_vibration_topic(path, channel, most=MOST_SAMPLES)
     else:
         found = _read_file(path, channel)
-    rate = sample_rate or _number(found, RATES)
+    rate = _number(found, RATES) if sample_rate is None else sample_rate
     if not (math.isfinite(rate) and 1.0 <= rate <= 1e8):
         msg = (
             f'{path} does not say its sample rate (found {rate:g}); give it in Hz (--sample-rate)'
@@ -130,11 +131,11 @@ def read_signal(
         shaft_hz=float(speeds.mean()) if len(speeds) else shaft_hz,
         speeds=speeds if len(speeds) and np.ptp(speeds) > 0.0 else speeds[:0],
         unit=_unit(found),
-        bearing_name=_text(found, 'bearing_name'),
+        bearing_name=_text(found, 'bearing_name') or _text(found, 'bearing'),
         temperature=_number(found, ('temperature', 'temp_C')),
         label=_text(found, 'label'),
         source=f'{path}{found.get("where", "")}',
-        bearing=found.get('bearing'),
+        bearing=orders if isinstance(orders := found.get('bearing'), Bearing) else None,
     )
 
 
@@ -150,7 +151,7 @@ def channels(path: Path) -> list[str]:
     """
     if is_dataset(path):
         return [str(row['signal_id']) for row in dataset_signals(path)]
-    if path.is_dir() or path.suffix == '.mcap':
+    if path.is_dir() or path.suffix.lower() == '.mcap':
         return list(vibration_topics(path))
     arrays = _reader(path)(path)
     if path.suffix.lower() == '.wav':
@@ -273,6 +274,7 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
     """Pick the signal among the arrays of a file and keep the rest as its description."""
     numeric = _numeric(arrays)
     name, row = channel, ''
+    others: list[str] = []
     if channel is not None and channel not in numeric:
         name, _, row = channel.rpartition(':')
         if channel.isdecimal():
@@ -281,13 +283,19 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
             name, row = channel, ''
         name = _named(numeric, name, path) if name else name
     if not name:
-        longest = max(_candidates(numeric), key=lambda key: numeric[key].size, default='')
+        candidates = _candidates(numeric)
+        # A counter or a time without a name is the vibration only where there is nothing else.
+        free = [key for key in candidates if not _steady(numeric[key])] or candidates
+        longest = max(free, key=lambda key: numeric[key].size, default='')
         name = next((key for key in ('x', 'vibration', 'acceleration') if key in numeric), longest)
+        if name == longest and name:
+            size = numeric[name].size
+            others = [key for key in free if key != name and numeric[key].size == size]
     if name not in numeric:
         msg = f'{path} holds no array of numbers that could be a vibration'
         raise BearingTwinError(msg)
     x = numeric[name]
-    where = f', {name}'
+    where = f', {name}' + (f' (there is also {", ".join(others[:10])})' if others else '')
     if x.ndim > 1 and max(x.shape) == x.size:
         x = x.ravel()
     if x.ndim == 2:
@@ -304,6 +312,12 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
         raise BearingTwinError(msg)
     said = {key: value for key, value in arrays.items() if key != name}
     return {**said, 'x': x, 'where': where}
+
+
+def _steady(column: NDArray[Any]) -> bool:
+    """Whether an array rises by the same from each value to the next."""
+    steps = np.diff(column.ravel()[:1_000_000].astype(np.float64))
+    return bool(np.ptp(steps) <= 1e-6 * abs(steps.mean()))
 
 
 def _index(text: str, count: int, what: str) -> int:
@@ -336,7 +350,13 @@ def _speeds(found: Mapping[str, Any], count: int) -> NDArray[np.float64]:
     for name, factor in SPEEDS.items():
         values = np.asarray(found.get(name, math.nan))
         if values.size == count > 1 and values.dtype.kind in 'fiu':
-            return values.ravel().astype(np.float64) * factor
+            speeds = values.ravel().astype(np.float64) * factor
+            known = np.flatnonzero(np.isfinite(speeds))
+            # A driver knows its first speed some blocks after its first samples.
+            if known.size == 0:
+                break
+            filled: NDArray[np.float64] = np.interp(np.arange(count), known, speeds[known])
+            return filled
     return np.zeros(0)
 
 
@@ -346,7 +366,7 @@ def _text(found: Mapping[str, Any], name: str) -> str:
 
 
 def _unit(found: Mapping[str, Any]) -> str:
-    unit = _text(found, 'unit')
+    unit = _text(found, 'unit').strip()[:20]
     if not unit and '(g)' in _text(found, 'sensor'):
         unit = 'g'
-    return {'m/s2': 'm/s^2', 'm/s²': 'm/s^2', 'm/s^2': 'm/s^2', 'g': 'g'}.get(unit, '')
+    return {1.0: 'm/s^2', GRAVITY: 'g'}.get(acceleration_factor(unit), unit)

@@ -268,3 +268,57 @@ def test_other_endings_and_missing_files(tmp_path: Path) -> None:
     for name in ('a.npz', 'a.mat', 'a.wav', 'a.csv', 'a.mcap'):
         with pytest.raises(BearingTwinError):
             read_signal(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ('heading', 'factor'),
+    [('time (ms)', 1e3), ('t [us]', 1e6), ('time_s', 1.0), ('Timestamp', 1.0), ('t', 1.0)],
+)
+def test_times_have_the_unit_that_their_heading_says(tmp_path: Path, heading, factor) -> None:
+    path = tmp_path / 'a.csv'
+    rows = '\n'.join(f'{factor * k / 25600.0:.9g},{v:.9g}' for k, v in enumerate(X[:500]))
+    path.write_text(f'{heading},acc [g]\n{rows}')
+    signal = read_signal(path)
+    assert signal.sample_rate == pytest.approx(25600.0)
+    np.testing.assert_allclose(signal.x, X[:500], rtol=1e-8)
+
+
+def test_times_in_another_unit_give_no_sample_rate(tmp_path: Path) -> None:
+    path = tmp_path / 'a.csv'
+    path.write_text('time (min),acc\n' + '\n'.join(f'{k},{v:.9g}' for k, v in enumerate(X[:50])))
+    with pytest.raises(BearingTwinError, match='does not say its sample rate'):
+        read_signal(path)
+
+
+def test_a_counter_is_no_vibration(tmp_path: Path) -> None:
+    path = tmp_path / 'a.csv'
+    rows = '\n'.join(f'{k},{v:.9g},{2 * v:.9g}' for k, v in enumerate(X[:500]))
+    path.write_text(f'Sample,acc [g],other\n{rows}')
+    signal = read_signal(path, sample_rate=1000.0)
+    np.testing.assert_allclose(signal.x, X[:500], rtol=1e-8)
+    assert signal.source.endswith('acc [g] (there is also other)')
+
+
+def test_commas_of_two_meanings_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / 'a.csv'
+    path.write_text('\n'.join(f'{v:.5f}'.replace('.', ',') for v in X[:50]))
+    with pytest.raises(BearingTwinError, match='decimal ones or part two columns: write a head'):
+        read_signal(path, sample_rate=1000.0)
+    path.write_text('acc\n' + '\n'.join(f'{v:.5f}; 0'.replace('.', ',') for v in X[:50]))
+    assert read_signal(path, channel='c0', sample_rate=1000.0).x[3] == pytest.approx(
+        X[3], abs=1e-5
+    )
+
+
+def test_a_bearing_may_be_named_under_the_key_bearing(tmp_path: Path) -> None:
+    np.savez(tmp_path / 'a.npz', x=X, fs=1000.0, bearing='6205')
+    signal = read_signal(tmp_path / 'a.npz')
+    assert signal.bearing is None
+    assert signal.bearing_name == '6205'
+
+
+def test_a_speed_that_is_unknown_at_first_is_that_of_what_follows(tmp_path: Path) -> None:
+    rpm = np.full(len(X), 1500.0)
+    rpm[:100] = np.nan
+    np.savez(tmp_path / 'a.npz', x=X, fs=1000.0, rpm=rpm)
+    assert read_signal(tmp_path / 'a.npz').shaft_hz == pytest.approx(25.0)
