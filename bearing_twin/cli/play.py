@@ -11,6 +11,7 @@ from pathlib import Path
 import time
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.cli.signal_arguments import UNITS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.foreign import read_signal
 from bearing_twin.stamps import samples_ns
@@ -61,7 +62,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--block', type=int, default=1024, metavar='N', help='samples a message (default 1024)'
     )
-    parser.add_argument('--unit', choices=('m/s^2', 'g'), help='of vibration; else what it says')
+    parser.add_argument('--unit', choices=UNITS, help='of vibration; else what it says')
     parser.add_argument('--frame-id', default='accelerometer', help='default accelerometer')
 
 
@@ -157,6 +158,7 @@ class _Source:
 def _source(signal: Signal, args: argparse.Namespace) -> _Source:
     """Return the signal as messages of the type that is asked for."""
     from bearing_twin.assets.messages import floats, message_header
+    from bearing_twin.diagnosis.severity import acceleration_factor
     from bearing_twin_msgs.msg import Vibration
     from sensor_msgs.msg import Imu
     from std_msgs.msg import Float32MultiArray
@@ -166,7 +168,7 @@ def _source(signal: Signal, args: argparse.Namespace) -> _Source:
 
     def imus(_at: int, stamp: int, samples: np.ndarray[Any, Any]) -> list[Any]:
         found = []
-        for k, sample in enumerate(samples.tolist()):
+        for k, sample in enumerate((factor * samples).tolist()):
             time_ns = stamp + samples_ns(k, signal.sample_rate)
             message = Imu(header=message_header(time_ns, args.frame_id))
             message.linear_acceleration.x = sample
@@ -182,12 +184,14 @@ def _source(signal: Signal, args: argparse.Namespace) -> _Source:
                 sample_rate=signal.sample_rate,
                 first_sample=at,
                 source=Vibration.SOURCE_MEASURED,
-                unit=args.unit or signal.unit or 'm/s^2',
+                unit=args.unit or signal.unit,
                 shaft_hz=float(speed),
                 y=floats(samples),
             )
         ]
 
+    # An Imu is in m/s^2; what has no unit is taken for it.
+    factor = acceleration_factor(args.unit or signal.unit or 'm/s^2')
     of = partial(_Source, signal, speed=args.speed, loop=args.loop)
     if args.kind == 'imu':
         return of(Imu, imus, size=math.ceil(SINGLE_PERIOD * signal.sample_rate))

@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     import argparse
     from pathlib import Path
 
-__all__ = ['add_signal_arguments', 'as_recording', 'given_bearing', 'given_speed']
+__all__ = ['UNITS', 'add_signal_arguments', 'as_recording', 'given_bearing', 'given_speed']
 
+UNITS = ('m/s^2', 'g')
 FILES = ('.npz', '.mat', '.wav', '.csv', '.txt', '.tsv')
 
 
@@ -38,7 +39,7 @@ def add_signal_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--channel', metavar='NAME', help='name, number or topic, or any part that only one has'
     )
-    parser.add_argument('--unit', default='', help="'m/s^2' or 'g', for files that do not say it")
+    parser.add_argument('--unit', choices=UNITS, default='', help='for files that do not say it')
 
 
 def given_bearing(args: argparse.Namespace) -> Bearing | None:

@@ -86,6 +86,23 @@ def test_single_samples_have_their_own_stamps(probe, files):
     assert came[0].header.frame_id == 'fan'
 
 
+def test_a_file_in_g_is_an_imu_in_metres_and_no_unit_stays_unknown(probe, files):
+    from bearing_twin_msgs.msg import Vibration
+    from sensor_msgs.msg import Imu
+
+    came, blocks = probe.collect(Imu, '/imu', depth=SIGNAL.size), probe.collect(Vibration, '/v')
+    playing = play(files / 'a.npz', '--as', 'imu', '--unit', 'g', '--speed', 0.5)
+    probe.until(lambda: len(came) >= 100, 'some samples')
+    playing.terminate()
+    found = np.array([m.linear_acceleration.x for m in came[:100]])
+    assert found == pytest.approx(9.80665 * SIGNAL[:100], rel=1e-6)
+    playing.wait(120)
+    playing = play(files / 'a.wav', '--as', 'vibration', '--topic', '/v')
+    probe.until(lambda: blocks, 'a block')
+    assert blocks[0].unit == ''
+    assert playing.wait(120) == 0
+
+
 def test_what_cannot_be_played_is_refused_with_the_remedy(files):
     for words, said in (
         (('a.mat',), '--sample-rate'),
