@@ -123,6 +123,21 @@ def test_live_view_without_a_server_fails_at_once(capsys):
     assert f'rerun_port:={port}' in error
 
 
+def test_what_the_system_refuses_is_said_in_a_sentence(tmp_path, capsys):
+    (tmp_path / 'file').touch()
+    plot = ['--plot', str(tmp_path / 'file')]
+    assert main(['diagnose', 'x.npz', '--bearing', '6307', '--rpm', '1500', *plot]) == 1
+    assert f'File exists: {str(tmp_path / "file")!r}' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('seconds', ['0', '-5', 'nan', '1e9'])
+def test_a_schedule_has_two_readings_at_least(seconds, tmp_path, capsys):
+    target = tmp_path / 'run'
+    assert main(['schedule', f'--duration={seconds}', '-o', str(target)]) == 1
+    assert f'a schedule of {float(seconds):g} s: give 0.1 to 100000 s' in capsys.readouterr().err
+    assert not target.exists()
+
+
 def test_bench_says_what_a_figure_is(capsys, monkeypatch):
     monkeypatch.setenv('NO_COLOR', '1')
     assert main(['bench', 'diagnosis']) == 0

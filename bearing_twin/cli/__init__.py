@@ -95,4 +95,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 130
     except BrokenPipeError:
         return 141
+    except OSError as error:
+        print(f'bearing-twin {args.command}: {shown(error)}', file=sys.stderr)
+        return 1
     return status

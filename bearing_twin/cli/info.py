@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
     """Print; status 0 if the recording is sound, as far as it was looked at."""
     info = recording_info(args.recording)
     health = None if args.no_health else recording_health(args.recording)
-    problems = health.problems if health else info.problems
+    problems = list(dict.fromkeys([*info.problems, *(health.problems if health else ())]))
     if args.json:
         answer = {
             **asdict(info),

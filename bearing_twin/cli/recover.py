@@ -32,7 +32,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Recover; status 0 if anything was saved."""
-    source: Path = args.recording
+    # Resolved, since '.' has no name of its own.
+    source: Path = args.recording.resolve()
     target = args.output or source.with_name(f'{source.stem}_recovered{source.suffix}')
     report = recover(source, target)
     if args.json:

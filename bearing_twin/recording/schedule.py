@@ -57,7 +57,15 @@ def paper_schedule(
     times, temperatures
         Shape ``(round(duration * rate) + 1,)``.
 
+    Raises
+    ------
+    BearingTwinError
+        If there would be fewer than two readings, or more than a million.
+
     """
+    if not 1.0 <= duration * rate <= 1e6:
+        msg = f'a schedule of {duration:g} s: give {1.0 / rate:g} to {1e6 / rate:g} s'
+        raise BearingTwinError(msg)
     times = np.arange(round(duration * rate) + 1) / rate
     return times, 20.0 + 90.0 * times / times[-1]
 

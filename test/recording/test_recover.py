@@ -283,6 +283,15 @@ def test_what_is_not_ours_to_save(tmp_path: Path) -> None:
         recover(tmp_path / 'nothing.mcap', tmp_path / 'saved2.mcap')
 
 
+def test_the_folder_in_which_one_stands_is_recovered(tmp_path: Path, monkeypatch) -> None:
+    write_blocks(tmp_path / 'run', 4)
+    monkeypatch.chdir(tmp_path / 'run')
+    assert main(['recover', '.']) == 0
+    assert (
+        recording_info(tmp_path / 'run_recovered').count == recording_info(tmp_path / 'run').count
+    )
+
+
 def test_own_unfinished_files_are_found_and_live_ones_are_not(tmp_path: Path) -> None:
     write_blocks(tmp_path / 'sound', 10)
     shutil.copytree(tmp_path / 'sound', tmp_path / 'torn')
