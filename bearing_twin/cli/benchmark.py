@@ -20,14 +20,13 @@ import difflib
 from itertools import product, repeat
 import json
 import math
-import os
 from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, find_bearing, named_bearing, PLACES
 from bearing_twin.cli.benchmark_misled import ANSWERS, judge_misled, misled_rows
-from bearing_twin.cli.terminal import progress
+from bearing_twin.cli.terminal import processes, progress, refuse_given
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.confidence import KINDS
 from bearing_twin.errors import BearingTwinError
@@ -286,8 +285,12 @@ def score_misled(case: Case) -> list[tuple[str, bool, str, bool]]:
 def run(args: argparse.Namespace) -> int:
     """Score all records and print tables in Markdown."""
     cases = read_cases(Path(args.folder))
-    jobs = min(args.jobs or len(os.sched_getaffinity(0)), max(len(cases), 1))
-    with ProcessPoolExecutor(jobs) as pool:
+    if not cases:
+        msg = f'{args.folder} has no record with a label of {", ".join(PLACES)} or healthy'
+        raise BearingTwinError(msg)
+    if args.misled:
+        refuse_given(args, ('json', 'full', 'summary'), 'not with --misled, which has one table')
+    with ProcessPoolExecutor(processes(args.jobs, len(cases))) as pool:
         if args.misled:
             judged = (said for part in pool.map(score_misled, cases) for said in part)
             heading = ('given', 'machine', 'verdicts', *ANSWERS, 'alarms')

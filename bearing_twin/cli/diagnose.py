@@ -9,7 +9,6 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass, field, replace
 import json
 import math
-import os
 from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
@@ -18,7 +17,14 @@ from bearing_twin.bearing import Bearing, named_bearing, next_step
 from bearing_twin.cli.diagnose_series import run_series
 from bearing_twin.cli.diagnose_text import line, page
 from bearing_twin.cli.signal_arguments import add_signal_arguments, given_bearing, given_speed
-from bearing_twin.cli.terminal import plain, progress, refuse_given, shown, shown_inside
+from bearing_twin.cli.terminal import (
+    plain,
+    processes,
+    progress,
+    refuse_given,
+    shown,
+    shown_inside,
+)
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.dataset import dataset_signals, is_dataset
@@ -160,9 +166,6 @@ def _tasks(args: argparse.Namespace) -> list[Task]:
     if args.speed_tolerance is not None:
         # Checks the range; each task carries the value, since a varying speed has another default.
         replace(settings, speed_tolerance=args.speed_tolerance)
-    if args.jobs is not None and args.jobs < 1:
-        msg = f'--jobs {args.jobs}: at least one process is needed'
-        raise BearingTwinError(msg)
     shaft_hz = given_speed(args)
     if args.plot:
         Path(args.plot).mkdir(parents=True, exist_ok=True)
@@ -200,7 +203,7 @@ def _answers(tasks: Sequence[Task], args: argparse.Namespace) -> Iterator[dict[s
     """Answers in the order of the tasks."""
     if args.dask:
         return _on_dask(tasks, args.dask)
-    jobs = min(args.jobs or len(os.sched_getaffinity(0)), len(tasks))
+    jobs = processes(args.jobs, len(tasks))
     return map(diagnose_file, tasks) if jobs == 1 else _on_cores(tasks, jobs)
 
 
@@ -208,12 +211,19 @@ def _on_cores(tasks: Sequence[Task], jobs: int) -> Iterator[dict[str, Any]]:
     with ProcessPoolExecutor(jobs) as pool:
         futures = [pool.submit(diagnose_file, task) for task in tasks]
         for task, future in zip(tasks, futures, strict=True):
-            failure = future.exception()
-            if isinstance(failure, BrokenProcessPool):
-                text = 'the process that read it was killed; is there enough memory? try --jobs 1'
-                yield unread(task.path, text)
-            else:
-                yield future.result()
+            killed = isinstance(future.exception(), BrokenProcessPool)
+            # Which file it was shows when each has a process of its own.
+            yield _alone(task) if killed else future.result()
+
+
+def _alone(task: Task) -> dict[str, Any]:
+    with ProcessPoolExecutor(1) as pool:
+        try:
+            return pool.submit(diagnose_file, task).result()
+        except BrokenProcessPool:
+            return unread(
+                task.path, 'the process that read it was killed; is there enough memory?'
+            )
 
 
 def _on_dask(tasks: Sequence[Task], address: str) -> Iterator[dict[str, Any]]:

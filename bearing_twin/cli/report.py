@@ -35,7 +35,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the page; return 0."""
-    output: Path = args.output or Path(f'{args.recording.resolve().stem}.html')
+    output: Path = args.output or Path(f'{_name(args.recording.resolve())}.html')
     if output.suffix.lower() not in ('.html', '.htm', '.pdf'):
         msg = f'{output} is not called .html or .pdf; a report never overwrites a recording'
         raise BearingTwinError(msg)
@@ -59,3 +59,10 @@ def run(args: argparse.Namespace) -> int:
     else:
         print(f'{output} ({len(page) / 1e6:.1f} MB)')
     return 0
+
+
+def _name(recording: Path) -> str:
+    """Return the name of a recording; the bag of a demo has its folder's."""
+    if not recording.is_dir():
+        return recording.stem
+    return recording.parent.name if recording.name == 'bag' else recording.name

@@ -50,11 +50,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the recording."""
     if args.from_npz:
-        refuse_given(args, {'duration': 40.0}, 'not with --from-npz, which has its own')
+        refuse_given(args, ('duration',), 'not with --from-npz, which has its own')
         times, temperatures = load_trend(args.from_npz, until=args.until, every=args.every)
         source = f'measured, {args.from_npz.name}'
     else:
-        refuse_given(args, {'until': None, 'every': None}, 'only with --from-npz')
+        refuse_given(args, ('until', 'every'), 'only with --from-npz')
         times, temperatures = paper_schedule(args.duration)
         source = 'schedule of the paper: 20 to 110 degC in proportion to time'
     write_temperature_recording(args.output, times, temperatures, source=source, topic=args.topic)

@@ -22,6 +22,7 @@ __all__ = [
     'coloured',
     'percent',
     'plain',
+    'processes',
     'progress',
     'refuse_given',
     'shown',
@@ -56,6 +57,29 @@ def refuse_given(args: argparse.Namespace, options: Iterable[str], why: str) -> 
         names = ', '.join(f'--{name.replace("_", "-")}' for name in given)
         msg = f'{names}: {why}'
         raise BearingTwinError(msg)
+
+
+def processes(asked: int | None, tasks: int) -> int:
+    """
+    Return how many processes do so many tasks.
+
+    Parameters
+    ----------
+    asked
+        What was asked for; None: one a core.
+    tasks
+        How many there are.
+
+    Raises
+    ------
+    BearingTwinError
+        If fewer than one is asked for.
+
+    """
+    if asked is not None and asked < 1:
+        msg = f'--jobs {asked}: at least one process is needed'
+        raise BearingTwinError(msg)
+    return max(1, min(asked or len(os.sched_getaffinity(0)), tasks))
 
 
 def coloured(stream: TextIO) -> bool:

@@ -4,6 +4,7 @@
 
 import argparse
 from dataclasses import fields
+import functools
 import json
 import os
 import signal
@@ -13,7 +14,7 @@ import time
 
 from bearing_twin.bearing import fault_frequencies, fault_orders, find_bearing, own_bearing
 from bearing_twin.bench.diagnosis import fault_signal, measure, RATE, SHAFT_HZ
-from bearing_twin.cli import main
+from bearing_twin.cli import diagnose, main
 from bearing_twin.cli.diagnose import configure, diagnose_file, Task
 from bearing_twin.diagnosis import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
@@ -360,6 +361,43 @@ def test_bench_figures():
     if 'kurtogram_ms' in figures:
         ratio = figures['diagnosis_ms'] / figures['kurtogram_ms']
         assert figures['kurtogram_ratio'] == pytest.approx(ratio)
+
+
+def test_a_file_that_kills_its_process_takes_no_other_with_it(good, tmp_path, capsys, monkeypatch):
+    @functools.wraps(diagnose.diagnose_file)
+    def killed_by_one(task):
+        if task.path.endswith('2.npz'):
+            os.kill(os.getpid(), signal.SIGKILL)
+        return original(task)
+
+    original = diagnose.diagnose_file
+    monkeypatch.setattr(diagnose, 'diagnose_file', killed_by_one)
+    paths = [tmp_path / f'{number}.npz' for number in range(6)]
+    for path in paths:
+        path.write_bytes(good.read_bytes())
+    words = ['diagnose', *map(str, paths), '--bearing', '6307', '--shaft-hz', '25.4', '--json']
+    assert main([*words, '--jobs', '2']) == 1
+    answers = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [answer['file'] for answer in answers] == list(map(str, paths))
+    assert ['error' in answer for answer in answers] == [False, False, True, False, False, False]
+
+
+@pytest.mark.parametrize('command', ['diagnose', 'benchmark'])
+def test_fewer_processes_than_one_are_refused(command, good, tmp_path, capsys):
+    record = {
+        'id': 'a', 'file': 'a.npz', 'dataset': 'ours', 'label': 'healthy', 'bearing_name': '6307',
+        'rpm': 1500.0,
+    }  # fmt: skip
+    (tmp_path / 'index.json').write_text(json.dumps({'bearings': {}, 'records': [record]}))
+    word = str(good) if command == 'diagnose' else str(tmp_path)
+    assert main([command, word, '--jobs', '-1']) == 1
+    assert '--jobs -1' in capsys.readouterr().err
+
+
+def test_a_benchmark_of_no_records_is_an_error(tmp_path, capsys):
+    (tmp_path / 'index.json').write_text('{"bearings": {}, "records": []}')
+    assert main(['benchmark', str(tmp_path)]) == 1
+    assert 'has no record with a label of inner, outer, ball, cage' in capsys.readouterr().err
 
 
 def test_every_file_is_answered_although_a_dask_worker_is_killed(good, tmp_path, capsys):
