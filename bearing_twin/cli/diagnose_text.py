@@ -8,6 +8,7 @@ from typing import Any
 
 from bearing_twin.bearing import PLACES, TITLES
 from bearing_twin.cli.terminal import by_level
+from bearing_twin.diagnosis.severity import SLOW_HZ
 
 __all__ = ['line', 'page']
 
@@ -30,7 +31,7 @@ def page(answer: dict[str, Any]) -> str:
         ('verdict', _verdict(answer)),
         ('bearing', answer['bearing']),
         ('shaft', _shaft(answer)),
-        ('level', _level(severity)),
+        ('level', _level(severity, answer['shaft_hz'])),
     ]
     rows += [('found' if not index else '', text) for index, text in enumerate(_table(answer))]
     lines = [
@@ -69,7 +70,7 @@ def _shaft(answer: dict[str, Any]) -> str:
     return text
 
 
-def _level(severity: dict[str, Any]) -> str:
+def _level(severity: dict[str, Any], shaft_hz: float | None) -> str:
     unit = severity['unit'] or '(unit unknown)'
     if severity['rms'] is None:
         return 'not measured'
@@ -77,8 +78,11 @@ def _level(severity: dict[str, Any]) -> str:
     if severity['velocity_rms'] is None:
         text += '; no ISO 20816-3 zone: give --unit'
     else:
-        zone = severity['iso_zone']
-        known = f'zone {zone}' if zone else 'zone needs --power-group and --mounting'
+        known = 'zone needs --power-group and --mounting'
+        if severity['iso_zone']:
+            known = f'zone {severity["iso_zone"]}'
+        elif shaft_hz is not None and shaft_hz < SLOW_HZ:
+            known = f'no zone below {60.0 * SLOW_HZ:.0f} 1/min'
         text += f'; velocity {severity["velocity_rms"]:.3g} mm/s, {known} (ISO 20816-3)'
     return text
 
