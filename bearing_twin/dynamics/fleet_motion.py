@@ -11,6 +11,7 @@ in any lane are passed over: mostly the half on the side away from the load.
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 from bearing_twin.dynamics.compiled import compiled, FAST
@@ -18,6 +19,7 @@ from bearing_twin.dynamics.fleet_kinematics import look_up_waves, open_gap
 from bearing_twin.dynamics.fleet_layout import BALL_COS, BALL_ROWS, BALL_SIN, NUMBER, WAVE_STEPS
 from bearing_twin.dynamics.fleet_signal import sense
 from bearing_twin.dynamics.hermite import correct, taylor, ZERO
+from bearing_twin.dynamics.layout import CHUNK
 from bearing_twin.dynamics.model import contact_force, ring_motion
 from bearing_twin.dynamics.vector import any_of, chosen, load, magnitude, splat, store
 import numpy as np
@@ -207,6 +209,10 @@ def advance(group, slots, surfaces, first, count, oversample, h, raw, begin, str
     """
     g, n_balls = group, group.balls_in
     few = min(2 * ((n_balls + 3) // 4), n_balls)
+    # The slots follow the load from grid point to grid point. The few take half of the balls, so
+    # that within a quarter of a turn no other one comes under it.
+    if any_of(magnitude(load(g.turning, 0)) > _F(0.5 * math.pi / (CHUNK * oversample * h))):
+        few = n_balls
     tables, begins, starts, waves = surfaces
     first_step, last_step, most_slots = (
         first * oversample,

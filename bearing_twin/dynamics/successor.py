@@ -52,7 +52,7 @@ def successor(simulator: Simulator, parameters: TwinParameters) -> tuple[Simulat
         parameters, sample_rate=rate, seed=was.seed, temperature=temperature, shaft_hz=shaft_hz
     )
     new.start = simulator.start
-    physical = 'physical' in {parameters.thermal_mode, simulator.parameters.thermal_mode}
+    physical = {parameters.thermal_mode, simulator.parameters.thermal_mode} == {'physical'}
     rings = was.rings if physical else None
     n = int(SETTLE_S * rate)
     now, state = new.condition(), new.snapshot().state

@@ -8,6 +8,7 @@ from bearing_twin.dynamics import Fleet, preset, Simulator
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.parameters import MAX_DEFECTS, PROFILES
 from bearing_twin.dynamics.random import NOISE, normal_pair, normal_pairs
+from bearing_twin.dynamics.successor import successor
 from bearing_twin.dynamics.vector import load_words, store
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -140,6 +141,23 @@ def test_a_ball_that_spins_fast_meets_both_races_by_turns():
     fleet = Fleet([ball], sample_rate=5000.0, shaft_hz=60.0).advance(5000, 20.0, 60.0)
     alone = Simulator(ball, sample_rate=5000.0, shaft_hz=60.0).advance(5000, 20.0, 60.0)
     assert relative(fleet.y[0], alone.y) < 5e-3
+
+
+def test_a_cage_that_turns_far_between_grid_points_loses_no_loaded_ball():
+    sound = preset(
+        'incipient', defect='none', clearance=20e-6, jitter=0.0, noise=0.0, waviness=0.0
+    )
+    fleet = Fleet([sound], sample_rate=2000.0, shaft_hz=80.0).advance(1200, 20.0, 80.0)
+    alone = Simulator(sound, sample_rate=2000.0, shaft_hz=80.0).advance(1200, 20.0, 80.0)
+    assert np.abs(fleet.y).max() == pytest.approx(np.abs(alone.y).max(), rel=0.02)
+
+
+@pytest.mark.parametrize(('was', 'becomes'), [('paper', 'physical'), ('physical', 'paper')])
+def test_a_successor_may_be_of_another_thermal_mode(was, becomes):
+    old = Simulator(preset('incipient', thermal_mode=was), temperature=60.0)
+    new, before = successor(old, preset('incipient', thermal_mode=becomes))
+    assert np.isfinite(before.y).all()
+    assert (new.condition().inner_ring_temperature > 60.0) == (becomes == 'physical')
 
 
 def test_a_path_that_jumps_is_met_within_three_per_cent():
