@@ -53,11 +53,9 @@ def _machine(name: str, *, implied: bool = True) -> Spec:
     return field_spec(TwinParameters, name, absent=absent, implied=implied)
 
 
-def _group(group: str, owner: type, without: tuple[str, ...] = ()) -> tuple[Spec, ...]:
+def _group(group: str, owner: type) -> tuple[Spec, ...]:
     return tuple(
-        field_spec(owner, name, name=f'{group}.{name}', implied=True)
-        for name in quantities(owner)
-        if name not in without
+        field_spec(owner, name, name=f'{group}.{name}', implied=True) for name in quantities(owner)
     )
 
 
@@ -73,8 +71,7 @@ _IMPLIED = tuple(
 )
 _BETA0 = _group('beta0', Beta0)
 _LUBRICANT = _group('lubricant', Lubricant)
-# Not the capacity and the losses of the outer ring: its temperature is measured.
-_NETWORK = _group('network', ThermalNetwork, without=('outer_capacity', 'ring_to_ambient'))
+_NETWORK = _group('network', ThermalNetwork)
 
 SPECS = (
     fixed('bearing', '6307', "Bearing of the catalogue (6307: the paper's); '' to use geometry."),

@@ -57,8 +57,6 @@ class Reference(NamedTuple):
     """Vertical, m/s^2."""
     states: FloatArray
     """Positions and velocities of the rings, and the sensor, at the internal rate."""
-    evaluations: int
-    """Evaluations of the right-hand side."""
 
 
 class _Constants(NamedTuple):
@@ -169,7 +167,7 @@ def solve(
         np.concatenate([nothing, sensed], axis=1), len(taps), axis=1
     )
     x, y = (windows[:, ::factor] @ taps)[:, before // factor :]
-    return Reference(x, y, solution.y[:, before:], solution.nfev)
+    return Reference(x, y, solution.y[:, before:])
 
 
 def _constants(p: TwinParameters, temperature: float, shaft_hz: float) -> _Constants:

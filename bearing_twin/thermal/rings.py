@@ -112,14 +112,13 @@ def inner_ring_step(
 @dataclass(frozen=True, kw_only=True)
 class ThermalNetwork:
     """
-    Two nodes, inner and outer ring; the outer one is measured.
+    The inner ring between outer ring, whose temperature is measured, and shaft.
 
     ::
 
         C_i dT_i/dt = P/2 - G_io (T_i - T_o) - G_is (T_i - T_sh)
-        C_o dT_o/dt = P/2 + G_io (T_i - T_o) - G_oa (T_o - T_a)
 
-    The default capacities are those of the rings of a 6307, 0.17 and 0.24 kg. ``shaft_ratio`` is
+    The default capacity is that of the inner ring of a 6307, 0.17 kg. ``shaft_ratio`` is
     above 1 where heat comes in along the shaft (motor, pump, turbine), below 1 where the housing
     is heated.
 
@@ -133,15 +132,11 @@ class ThermalNetwork:
     inner_capacity: float = quantity(
         80.0, 'Thermal mode physical: heat capacity of the inner ring.', 'J/K', 0.1, 1e6
     )
-    outer_capacity: float = quantity(110.0, 'Heat capacity of the outer ring.', 'J/K', 0.1, 1e6)
     ring_to_ring: float = quantity(
         2.0, 'Thermal mode physical: conductance between the rings.', 'W/K', 1e-3, 1e4
     )
     ring_to_shaft: float = quantity(
         8.0, 'Thermal mode physical: conductance from inner ring to shaft.', 'W/K', 1e-3, 1e4
-    )
-    ring_to_ambient: float = quantity(
-        4.0, 'Conductance from outer ring to the surroundings.', 'W/K', 1e-3, 1e4
     )
     ambient: float = quantity(
         20.0, 'Thermal mode physical: temperature of the surroundings.', 'degC', -40.0, 110.0
@@ -166,33 +161,3 @@ class ThermalNetwork:
             inner_ring_target(outer, self.shaft(outer), 0.0, self.ring_to_ring, self.ring_to_shaft)
             - outer
         )
-
-    def unexplained_heat(self, inner: float, outer: float, rate: float, power: float) -> float:
-        """
-        Heat that must enter the outer ring from outside to explain the sensor, W.
-
-        Far from zero where the bearing's own friction should set the temperature, it says that
-        the sensor, the friction or the surroundings are not what the twin takes them for.
-
-        Parameters
-        ----------
-        inner, outer
-            Ring temperatures, degC.
-        rate
-            dT_o/dt, K/s.
-        power
-            Heat of friction, W.
-
-        """
-        exchanged = self.ring_to_ring * (inner - outer) - self.ring_to_ambient * (
-            outer - self.ambient
-        )
-        return self.outer_capacity * rate - 0.5 * power - exchanged
-
-    def self_heated(self, power: float) -> tuple[float, float]:
-        """Steady ring temperatures (inner, outer), degC, from friction alone, shaft at ambient."""
-        total = self.ring_to_ring + self.ring_to_shaft
-        outer_loss = self.ring_to_ambient + self.ring_to_ring * self.ring_to_shaft / total
-        outer = 0.5 * power * (1.0 + self.ring_to_ring / total) / outer_loss
-        inner = (0.5 * power + self.ring_to_ring * outer) / total
-        return self.ambient + inner, self.ambient + outer

@@ -136,15 +136,6 @@ def test_inner_ring_step_is_the_exact_solution():
     assert got == pytest.approx(expected, rel=1e-7)
 
 
-def test_self_heating_needs_no_unexplained_heat():
-    network = rings.ThermalNetwork(ambient=25.0)
-    inner, outer = network.self_heated(6.0)
-    assert inner > 25.0
-    assert network.unexplained_heat(inner, outer, 0.0, 6.0) == pytest.approx(0.0, abs=1e-12)
-    cold_shaft = rings.inner_ring_target(outer, 25.0, 6.0, network.ring_to_ring, 8.0)
-    assert inner == pytest.approx(cold_shaft)
-
-
 @pytest.mark.parametrize(
     ('name', 'dynamic', 'static'),
     [('6307-catalogue', 33.4e3, 19.2e3), ('6205', 14.0e3, 7.85e3), ('6203', 9.55e3, 4.8e3)],
