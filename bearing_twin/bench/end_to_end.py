@@ -54,7 +54,8 @@ def live_run(
     Returns
     -------
     dict
-        ``core_share``: CPU time of all processes over wall time (1 is one core), and of each;
+        ``core_share``: CPU time of twin, diagnosis and recorder over wall time (1 is one core),
+        and of each;
         ``late_blocks``: blocks later than one block period; ``dropped_blocks``;
         ``lateness_p50_ms``, ``_p99_ms``, ``_max_ms``: of publishing against the deadline;
         ``delivery_p99_ms``, ``_max_ms``: from a block's last sample to the recorder having it;
@@ -133,8 +134,8 @@ def cpu_seconds(pid: int) -> float:
 
 
 def _punctuality(bag: Path, began: int, ended: int, *, calibrate: bool) -> dict[str, float]:
-    lateness, delivery, indices = [], [], []
-    period, dropped, costs = 0.0, 0, []
+    lateness, delivery, indices, drops = [], [], [], []
+    period, costs = 0.0, []
     for message in read_messages(bag):
         if not began <= message.log_time <= ended:
             continue
@@ -147,20 +148,21 @@ def _punctuality(bag: Path, began: int, ended: int, *, calibrate: bool) -> dict[
         elif message.topic == '/twin_state':
             state = message.decode()
             lateness.append(state.lateness)
-            dropped = state.blocks_dropped
+            drops.append(int(state.blocks_dropped))
         elif message.topic == '/calibration':
             costs.append(float(message.decode().cost))
     if not lateness or not delivery:
         msg = 'the recording of the live run holds no block'
         raise BearingTwinError(msg)
     late = np.array(lateness)
+    dropped = drops[-1] - drops[0]
     return {
         **({'fits': float(len(costs))} if calibrate else {}),
         **({'fit_cost_s': max(costs)} if costs else {}),
         'blocks': float(len(late)),
         'late_blocks': float((late > period).sum()),
         'dropped_blocks': float(dropped),
-        'lost_blocks': float(indices[-1] - indices[0] + 1 - len(indices)),
+        'lost_blocks': float(indices[-1] - indices[0] + 1 - len(indices) - dropped),
         'lateness_p50_ms': 1e3 * float(np.percentile(late, 50)),
         'lateness_p99_ms': 1e3 * float(np.percentile(late, 99)),
         'lateness_max_ms': 1e3 * float(late.max()),

@@ -62,15 +62,16 @@ def run(args: argparse.Namespace) -> int:
     if unknown:
         msg = f'there is no bench {", ".join(unknown)}; there are {", ".join(BENCHES)}'
         raise BearingTwinError(msg)
-    if not args.seconds >= 5.0:
+    live = args.live or args.calibrate
+    if live and not args.seconds >= 5.0:
         msg = f'--seconds {args.seconds:g} is too short to measure a live run: at least 5'
         raise BearingTwinError(msg)
     figures: dict[str, float] = {}
-    names = args.names or ([] if args.live or args.calibrate else list(BENCHES))
+    names = args.names or ([] if live else list(BENCHES))
     for done, name in enumerate(names, start=1):
         _say(args, f'{by_level(name, "bold")} ({done} of {len(names)}): {BENCHES[name]} ...')
         figures |= importlib.import_module(f'bearing_twin.bench.{name}').measure()
-    if args.live or args.calibrate:
+    if live:
         _say(args, f'live run of {args.seconds:g} s ...')
         from bearing_twin.bench.end_to_end import live_run
 

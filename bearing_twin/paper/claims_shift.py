@@ -33,7 +33,7 @@ SLIPS: Mapping[str, str] = MappingProxyType(
 )
 _PLACES = 4
 """Decimals of a line that mean something: below them is the compiler's rounding."""
-COLD, WARM, HOT = 20.0, 70.0, 100.0
+COLD, HOT = 20.0, 100.0
 
 
 def shift_claims(study: Study) -> list[Claim]:
@@ -60,7 +60,7 @@ def _lines(study: Study) -> dict[tuple[str, str, float], float]:
         (preset, slip, t): round(study.frequencies[preset, slip, t].line, _PLACES)
         for preset in settings.PRESET_NAMES
         for slip in SLIPS
-        for t in (COLD, WARM, HOT)
+        for t in (COLD, HOT)
     }
 
 

@@ -116,7 +116,12 @@ def main(argv: Sequence[str] | None = None) -> None:
         running = {pool.submit(task[2], *task[3]): task[:2] for task in left}
         for future in as_completed(running):
             group, name = running[future]
-            lines.append({'group': group, 'name': name, 'rows': future.result()})
+            try:
+                lines.append({'group': group, 'name': name, 'rows': future.result()})
+            except BearingTwinError as error:
+                # The others go on; a later run meets this one again.
+                print(f'{group}, {name}: {error}', file=sys.stderr, flush=True)
+                continue
             print(json.dumps(lines[-1]), file=out, flush=True)
     print_tables(lines)
 

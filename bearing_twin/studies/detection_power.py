@@ -36,16 +36,16 @@ SEEDS = (1, 2, 3)
 
 
 def _record(
-    defect: str, width: float | None, shaft_hz: float, temperature: float, noise: float, seed: int
+    defect: str, width: float, shaft_hz: float, temperature: float, noise: float, seed: int
 ) -> np.ndarray[Any, Any]:
     """Vertical acceleration of the twin, m/s^2, as long as the longest window."""
     parameters = preset(
         'incipient',
         bearing=BEARING,
         defect=defect,
-        width=None if width is None else width * 1e-3,
+        width=width * 1e-3,
         # The ball profile bounds the depth by the width: a deep floor never touches.
-        depth=None if width is None else 50e-6,
+        depth=50e-6,
         noise=noise,
     )
     twin = Simulator(

@@ -270,6 +270,9 @@ def main(argv: Sequence[str] | None = None) -> None:
     rows = []
     for kind in (*KINDS, 'all'):
         part = [t for t in fresh if kind in (t.kind, 'all')]
+        if not part:
+            rows.append((f'**{kind}**', '', 0, '', '', ''))
+            continue
         said = _read(weights, part)
         if kind != 'all':
             rows += [
