@@ -65,7 +65,8 @@ class Fitted:
         """
         Return a twin's parameters with what the calibration tells; the others stay.
 
-        Defects that the twin's own parameters name stay too: they have been injected.
+        Defects that the twin's own parameters name have been injected: they take the place of the
+        fitted ones.
 
         Raises
         ------

@@ -105,8 +105,9 @@ def _table(path: str) -> dict[Any, Any]:
 
 def _asset(path: str, name: Any, parts: Any) -> Asset:
     parts = {part: {} for part in PARTS} if parts is None else parts
-    unknown = sorted(set(parts) - set(PARTS)) if isinstance(parts, dict) else ['no table']
-    if unknown or not parts:
+    known = isinstance(parts, dict) and parts
+    unknown = sorted({str(part) for part in parts} - set(PARTS)) if known else ['no table']
+    if unknown:
         msg = f"{path}: asset '{name}' may have twin and diagnosis, not {', '.join(unknown)}"
         raise BearingTwinError(msg)
     chosen: dict[str, dict[str, Any] | None] = dict.fromkeys(PARTS)

@@ -18,6 +18,7 @@ from bearing_twin.assets.twin_parameters import (
     build_simulator,
     FASTEST_LIVE_SHAFT,
 )
+from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin.dynamics.saved import Envelope
 from bearing_twin.dynamics.successor import successor
 from bearing_twin.stamps import stamp_ns
@@ -256,7 +257,8 @@ class Twin(TwinChannel):
         temperature, shaft_hz = self.inputs()
         block = self.block(self.values['block_size'], temperature.used, shaft_hz)
         fitted = self.fitted
-        defect = fitted.defect if fitted and self.values['defect'].strip() == 'none' else ''
+        injected = defect_places(self.values['defect']) != 'none'
+        defect = fitted.defect if fitted and not injected else ''
         return TwinBlock(block, temperature, shaft_hz, self.unit, defect)
 
     def block(self, n: int, temperature: float, shaft_hz: float) -> Block:

@@ -65,7 +65,7 @@ class ShaftSpeed:
 
     def offer(self, names: Sequence[str], velocities: Sequence[float], *, now: float) -> None:
         """Take one JointState: names, and velocities in rad/s; ``now`` in s."""
-        if self.joint not in names:
+        if not self.joint or self.joint not in names:
             return
         index = list(names).index(self.joint)
         if index >= len(velocities):

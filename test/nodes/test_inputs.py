@@ -57,6 +57,7 @@ def test_joint_states_without_the_joint_say_nothing_of_it():
 
 def message(**changes):
     fields = {
+        'header': SimpleNamespace(stamp=SimpleNamespace(sec=0, nanosec=0), frame_id=''),
         'sample_rate': 25600.0,
         'first_sample': 1024,
         'unit': 'm/s^2',
