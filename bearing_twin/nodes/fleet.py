@@ -325,7 +325,8 @@ class FleetNode(ManagedNode):
         self._checkpoints.ask()
 
     def _reset_all(self) -> str:
-        self._pending.clear()
+        # What waits has been counted as published.
+        self._publish_share(1.0)
         self._fleet = self._build_fleet()
         self._checkpoints.ask()
         for member in self._members:

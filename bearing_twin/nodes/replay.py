@@ -17,6 +17,7 @@ from bearing_twin.assets.messages import time_message
 from bearing_twin.assets.spec import fixed, parameter
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.player import Player, Section
+from bearing_twin.recording.schema import message_schema
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode, run
 from bearing_twin.ros.qos import RESULT
@@ -28,7 +29,7 @@ from rosgraph_msgs.msg import Clock
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bearing_twin.recording.reader import RecordedMessage
+    from bearing_twin.recording.reader import RecordedMessage, TopicInfo
     from rclpy.publisher import Publisher
 
 __all__ = ['SPECS', 'ReplayNode', 'main']
@@ -102,6 +103,7 @@ class ReplayNode(ManagedNode):
             if p['clock_rate'] and name == '/clock':
                 continue
             try:
+                _check_definition(topic)
                 self._topics[name] = self.create_publisher(
                     message_class(topic.type_name), names.get(name, name), replay_qos(topic.qos)
                 )
@@ -130,8 +132,9 @@ class ReplayNode(ManagedNode):
 
     def stop(self) -> None:
         """Stop; a later start goes on from here."""
+        # Before the lock, which a batch of messages may hold for long.
+        self._playing = False
         with self._wake:
-            self._playing = False
             self._wake.notify()
         self._thread.join()
 
@@ -192,6 +195,8 @@ class ReplayNode(ManagedNode):
                 now = time.monotonic()
                 for message in player.due(now):
                     self._publish(message)
+                    if not self._playing:
+                        break
                 if now >= clock_due and not player.paused:
                     self._publish_clock()
                     clock_due = max(clock_due + clock_period, now)
@@ -295,6 +300,17 @@ class ReplayNode(ManagedNode):
             return Status(Level.WARN, f'{len(self._left_out)} topics are left out', values)
         state = 'at the end' if player.finished else 'paused' if player.paused else 'playing'
         return Status(Level.OK, state, values)
+
+
+def _check_definition(topic: TopicInfo) -> None:
+    """Raise BearingTwinError for bytes that the installed message would read in another way."""
+    try:
+        ours = message_schema(topic.type_name).type_hash
+    except BearingTwinError:
+        return
+    if topic.type_hash not in ('', 'INVALID', ours):
+        msg = f'{topic.type_name} was recorded with another definition than the installed one'
+        raise BearingTwinError(msg)
 
 
 def main(args: list[str] | None = None) -> int:
