@@ -50,9 +50,8 @@ class DueVerdict:
     """A verdict that is due. Verdicts are judged in the order in which they fell due."""
 
     excerpt: Excerpt
-    stamp: int
-    """Of the first sample of the window, ns."""
-    frame_id: str
+    block: VibrationBlock
+    """The last one of the window."""
     diagnoser: StreamingDiagnoser | SeriesDiagnoser
 
     def analyse(self) -> Analysis:
@@ -62,7 +61,9 @@ class DueVerdict:
     def judge(self, analysis: Analysis) -> Verdict:
         """Judge the window by its analysis."""
         result = self.diagnoser.judge(analysis)
-        stamp, frame_id = self.stamp, self.frame_id
+        last, frame_id = self.block, self.block.frame_id
+        before = self.excerpt.first_sample - last.first_sample
+        stamp = last.stamp + samples_ns(before, last.sample_rate)
         diagnosis = diagnosis_message(
             result, stamp=stamp, frame_id=frame_id, bearing=self.excerpt.bearing.name
         )
@@ -113,7 +114,7 @@ class DiagnosisCore:
             self.diagnoser = build_diagnoser(values)
         self.diagnoser.reconfigure(build_bearing(values), settings)
 
-    def admit(self, block: VibrationBlock, stamp: int) -> None:
+    def admit(self, block: VibrationBlock) -> None:
         """
         Measure the sample rate at a block, before it is taken.
 
@@ -123,21 +124,14 @@ class DiagnosisCore:
             If the declared sample rate is so wrong that no verdict can be trusted.
 
         """
-        self._rate_meter.take(block.first_sample, stamp)
+        self._rate_meter.take(block.first_sample, block.stamp)
         problem = self._rate_meter.problem(block.sample_rate)
         self.rate_problem = problem.text if problem else ''
         if problem and problem.refused:
             raise BearingTwinError(problem.text)
 
     def take(
-        self,
-        block: VibrationBlock,
-        *,
-        stamp: int,
-        frame_id: str,
-        temperature: float,
-        joint_hz: float,
-        measured: bool,
+        self, block: VibrationBlock, *, temperature: float, joint_hz: float, measured: bool
     ) -> list[DueVerdict]:
         """
         Take one block; return the verdicts that are due.
@@ -146,10 +140,6 @@ class DiagnosisCore:
         ----------
         block
             The block.
-        stamp
-            Of its first sample, ns.
-        frame_id
-            Of the sensor.
         temperature
             Of the bearing, degC; NaN where there is none.
         joint_hz
@@ -173,14 +163,7 @@ class DiagnosisCore:
             speed_measured=carried or measured,
             temperature=temperature,
             unit=block.unit,
-            sensor=f'{frame_id} {self._axis}{" simulated" if block.simulated else ""}'.strip(),
+            sensor=f'{block.frame_id} {self._axis}'.strip()
+            + (' simulated' if block.simulated else ''),
         )
-        return [
-            DueVerdict(
-                excerpt,
-                stamp + samples_ns(excerpt.first_sample - block.first_sample, block.sample_rate),
-                frame_id,
-                self.diagnoser,
-            )
-            for excerpt in excerpts
-        ]
+        return [DueVerdict(excerpt, block, self.diagnoser) for excerpt in excerpts]

@@ -13,13 +13,14 @@ import shutil
 import sys
 from typing import Any
 
-from bearing_twin.bearing import FaultFrequencies, PLACES
+from bearing_twin.bearing import PLACES
 from bearing_twin.cli.demo_amplitude import AmplitudeByTemperature
 from bearing_twin.dynamics.presets import PRESETS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.health import sent_before
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.streams.vibration_input import GapCounter
+from bearing_twin.view.verdict import impacts
 
 __all__ = ['Summary', 'summarise']
 
@@ -167,6 +168,7 @@ def summarise(folder: Path, defect: str, preset: str) -> Summary:
         missing = 'twin state' if state is None else 'verdict'
         msg = f'the recording in {folder / "bag"} holds no {missing}; see {folder / "logs"}'
         raise BearingTwinError(msg)
+    found = verdict.result_name
     amplitude.draw(folder / 'amplitude.png', preset)
     files = {
         str(path): path.stat().st_size
@@ -180,13 +182,13 @@ def summarise(folder: Path, defect: str, preset: str) -> Summary:
         preset=preset,
         amplitude_by_temperature=amplitude.by_temperature(),
         amplitude_change=amplitude.change(),
-        result=verdict.result_name,
+        result=found,
         verdicts=dict(verdicts),
         false_alarms=false_alarms,
         confidence=verdict.confidence,
         fault_hz=verdict.fault_hz,
         fault_hz_expected=verdict.fault_hz_expected,
-        fault_hz_twin=_frequency(state, verdict.result_name),
+        fault_hz_twin=impacts(state, found) if found in PLACES else math.nan,
         blocks_published=state.blocks_published,
         blocks_recorded=recorded,
         blocks_late=state.blocks_late,
@@ -198,13 +200,6 @@ def summarise(folder: Path, defect: str, preset: str) -> Summary:
         files=files,
         open_with=f'{_command()} view {shlex.quote(str(folder))}',
     )
-
-
-def _frequency(state: Any, family: str) -> float:
-    """Return the frequency at which the twin's slip lets a family strike, Hz."""
-    if family not in PLACES:
-        return math.nan
-    return FaultFrequencies(state.bpfo, state.bpfi, state.bsf, state.ftf).impacts(family)
 
 
 def _command() -> str:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bearing_twin.bearing import PLACES, TITLES
+from bearing_twin.bearing import FaultFrequencies, PLACES, TITLES
 from bearing_twin.cli.terminal import by_level
 from bearing_twin.diagnosis.severity import SLOW_HZ
 
@@ -91,20 +91,16 @@ def _table(answer: dict[str, Any]) -> list[str]:
     evidence, shaft_hz = answer['evidence'], answer['shaft_hz']
     if shaft_hz is None or any(value is None for value in evidence['expected_hz'].values()):
         return []
-    hertz = evidence['expected_hz']
-    expected = {
-        'inner': hertz['bpfi'], 'outer': hertz['bpfo'], 'ball': 2.0 * hertz['bsf'],
-        'cage': hertz['ftf'],
-    }  # fmt: skip
+    frequencies = FaultFrequencies(**evidence['expected_hz'])
     rows = ['             expected          clearest comb     slip   significance  index']
     for place in PLACES:
-        found = evidence['found_hz'].get(place)
+        found, expected = evidence['found_hz'].get(place), frequencies.impacts(place)
         text = f'{place:<6}{_ORDERS[place]:<8}'
-        text += f'{expected[place]:8.2f} Hz{expected[place] / shaft_hz:7.3f}'
+        text += f'{expected:8.2f} Hz{expected / shaft_hz:7.3f}'
         if found is None:
             rows.append(f'{text}   none looked for')
             continue
-        slip = found / expected[place] - 1.0
+        slip = found / expected - 1.0
         text += f'{found:9.2f} Hz{found / shaft_hz:7.3f} {slip:+7.2%}'
         text += f'{evidence["score"][place]:12.1f}{evidence["modulation_index"][place]:9.2f}'
         named = place in answer['faults']

@@ -26,7 +26,7 @@ __all__ = ['configure', 'run']
 
 
 LIVE = ('rate', 'loop', 'start_offset', 'duration', 'topics', 'remap', 'clock', 'start_paused')
-OFFLINE = ('output', 'twin', 'diagnosis', 'json')
+OFFLINE = ('output', 'temperature', 'twin', 'diagnosis', 'json')
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -46,6 +46,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     offline = parser.add_argument_group('offline: through twin and diagnosis without DDS')
     offline.add_argument('--offline', action='store_true', help='write a new recording')
     offline.add_argument('-o', '--output', type=Path, help='recording to make')
+    offline.add_argument('--temperature', default='', metavar='TOPIC', help='where there are more')
     for node in ('twin', 'diagnosis'):
         offline.add_argument(
             f'--{node}',
@@ -69,17 +70,11 @@ def run(args: argparse.Namespace) -> int:
 def _live(args: argparse.Namespace) -> int:
     from bearing_twin.nodes.replay import main
 
-    parameters = {
-        'recording': str(args.recording),
-        'rate': args.rate,
-        'loop': args.loop,
-        'start_offset': args.start_offset,
-        'duration': args.duration,
-        'topics': args.topics or [''],
-        'remap': args.remap or [''],
-        'clock_rate': args.clock,
-        'start_paused': args.start_paused,
-    }
+    parameters = {name: getattr(args, name) for name in LIVE}
+    parameters |= {'recording': str(args.recording), 'clock_rate': parameters.pop('clock')}
+    for name in ('topics', 'remap'):
+        # An empty list has no type to ROS.
+        parameters[name] = parameters[name] or ['']
     words = ['--ros-args']
     for name, value in parameters.items():
         # JSON is YAML, and quotes every string.
@@ -100,6 +95,7 @@ def _offline(args: argparse.Namespace) -> int:
             args.output,
             twin=_parameters(args.twin),
             diagnosis=_parameters(args.diagnosis),
+            temperature=args.temperature,
             progress=percent if sys.stderr.isatty() else None,
             stop=interrupted.is_set,
         )

@@ -189,8 +189,7 @@ class DiagnosisTopics:
         self._arrived = time.monotonic()
         try:
             block = read_vibration(message, self.parameters['axis'])
-            stamp = stamp_ns(message.header.stamp)
-            self._core.admit(block, stamp)
+            self._core.admit(block)
         except BearingTwinError as error:
             self._refused += 1
             self._problem = str(error)
@@ -202,11 +201,9 @@ class DiagnosisTopics:
             self._checkpoints.ask()
         self._problem = ''
         if self._checkpoints.is_due(block.first_sample):
-            self._publish_checkpoint(block, stamp)
+            self._publish_checkpoint(block)
         for due in self._core.take(
             block,
-            stamp=stamp,
-            frame_id=message.header.frame_id,
             temperature=temperature,
             joint_hz=self._shaft.hz,
             measured=self._shaft.measured,
@@ -227,11 +224,11 @@ class DiagnosisTopics:
         self._spectrum.publish(verdict.spectrum)
         self._envelope.publish(verdict.envelope_spectrum)
 
-    def _publish_checkpoint(self, block: VibrationBlock, stamp: int) -> None:
+    def _publish_checkpoint(self, block: VibrationBlock) -> None:
         self._checkpoint.publish(
             self._checkpoints.make(
                 block.first_sample,
-                stamp=stamp,
+                stamp=block.stamp,
                 sample_rate=block.sample_rate,
                 configuration=self.parameters.text,
                 state=self._core.diagnoser.save(),

@@ -93,22 +93,9 @@ class DiagnosisRun:
         )
         return output('/diagnosis_checkpoint', checkpoint)
 
-    def push(
-        self,
-        message: Any,
-        *,
-        temperature: float,
-        joint_hz: float = math.nan,
-        measured: bool = False,
-    ) -> Iterator[Output]:
-        """
-        Take one vibration message; yield what the node publishes.
-
-        The same as :meth:`take`, the analyses and verdicts that are due, and :meth:`outputs`.
-        """
-        for due in self.take(
-            message, temperature=temperature, joint_hz=joint_hz, measured=measured
-        ):
+    def push(self, message: Any, **known: Any) -> Iterator[Output]:
+        """Yield what the node publishes of one vibration message; ``known`` as in :meth:`take`."""
+        for due in self.take(message, **known):
             yield from self.outputs(due.judge(due.analyse()))
 
     def take(
@@ -140,15 +127,9 @@ class DiagnosisRun:
 
         """
         block = read_vibration(message, self.values['axis'])
-        stamp = stamp_ns(message.header.stamp)
-        self._core.admit(block, stamp)
+        self._core.admit(block)
         return self._core.take(
-            block,
-            stamp=stamp,
-            frame_id=message.header.frame_id,
-            temperature=temperature,
-            joint_hz=joint_hz,
-            measured=measured,
+            block, temperature=temperature, joint_hz=joint_hz, measured=measured
         )
 
     def outputs(self, verdict: Verdict) -> Iterator[Output]:

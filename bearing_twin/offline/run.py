@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from itertools import chain
 import math
 import os
 from typing import Any, NamedTuple, TYPE_CHECKING
@@ -14,7 +15,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from bearing_twin.assets import diagnosis_parameters, twin_parameters
 from bearing_twin.assets.spec import configuration, read_values
 from bearing_twin.assets.twin import Twin
-from bearing_twin.assets.twin_messages import state_message, vibration_message
+from bearing_twin.assets.twin_messages import REALTIME, TwinBytes, vibration_message
 from bearing_twin.dynamics.limits import Limit
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.diagnosis_run import DiagnosisRun
@@ -40,6 +41,8 @@ if TYPE_CHECKING:
 
 __all__ = ['OfflineReport', 'run_offline']
 
+VIBRATION = 'bearing_twin_msgs/msg/Vibration'
+STATE = 'bearing_twin_msgs/msg/TwinState'
 TEMPERATURE = 'sensor_msgs/msg/Temperature'
 JOINTS = 'sensor_msgs/msg/JointState'
 LONGEST_PAUSE = 86_400 * NANO
@@ -85,6 +88,7 @@ def run_offline(
     *,
     twin: Mapping[str, Any] | None = None,
     diagnosis: Mapping[str, Any] | None = None,
+    temperature: str = '',
     options: WriterOptions | None = None,
     progress: Callable[[float], None] | None = None,
     stop: Callable[[], bool] = lambda: False,
@@ -107,6 +111,8 @@ def run_offline(
         Recording to make.
     twin, diagnosis
         Parameters of the nodes that differ from their defaults.
+    temperature
+        Topic of the temperature; '': the only one.
     options
         How the new recording is written.
     progress
@@ -117,36 +123,42 @@ def run_offline(
     Raises
     ------
     BearingTwinError
-        If there is no temperature in the source, its inputs pause for more than a day, or
-        parameters or target do not fit.
+        If there is no temperature in the source, or more than one to choose from, its inputs pause
+        for more than a day, or parameters or target do not fit.
 
     """
     info = recording_info(source)
     topics = [t for t, about in info.topics.items() if about.type_name in (TEMPERATURE, JOINTS)]
-    if not any(info.topics[t].type_name == TEMPERATURE and info.topics[t].count for t in topics):
-        msg = f'{source} holds no {TEMPERATURE}; an offline run needs it'
+    heard = [t for t in topics if info.topics[t].type_name == TEMPERATURE and info.topics[t].count]
+    chosen = [t for t in heard if temperature in ('', t)]
+    if len(chosen) != 1:
+        known = f'there are {", ".join(heard)}: choose one' if heard else 'an offline run needs it'
+        msg = f'{source} holds {"more than one" if chosen else "no such"} {TEMPERATURE}; {known}'
         raise BearingTwinError(msg)
+    topics = [t for t in topics if t in chosen or t not in heard]
     twin_values = read_values(twin_parameters.SPECS, twin or {})
     diagnosis_values = read_values(diagnosis_parameters.SPECS, diagnosis or {})
     report = OfflineReport(target, info.duration)
     threads = workers()
-    twin_side = _TwinSide(twin_values, diagnosis_values['joint'], info.start)
     with (
         whole_recording(target, options) as writer,
         ThreadPoolExecutor(threads, thread_name_prefix='analysis') as pool,
     ):
         writer.metadata('bearing_twin.source', {'source': source.name, 'mode': 'offline'})
         diagnosis_side = _DiagnosisSide(diagnosis_values, writer, pool, threads + 1, report)
-        reported = info.start
-        messages = read_messages(source, topics=topics, problems=report.problems)
-        for item in ahead(twin_side.run(messages, info.end), depth=AHEAD, batch=BATCH):
+        messages = iter(read_messages(source, topics=topics, problems=report.problems))
+        first = next(messages)
+        reported = start = first.log_time
+        twin_side = _TwinSide(twin_values, diagnosis_values['joint'], start)
+        made = twin_side.run(chain([first], messages), info.end)
+        for item in ahead(made, depth=AHEAD, batch=BATCH):
             if stop():
                 report.stopped = True
                 break
             diagnosis_side.take(item)
             if progress is not None and isinstance(item, _Block) and item.now - reported > NANO:
                 reported = item.now
-                progress((reported - info.start) / max(1, info.end - info.start))
+                progress((reported - start) / max(1, info.end - start))
         diagnosis_side.finish()
         if progress is not None and not report.stopped:
             progress(1.0)
@@ -178,6 +190,7 @@ class _TwinSide:
         self._start = self._latest = start
         self._next_sample = 0
         self._passed = Limit(0)
+        self._bytes = TwinBytes(lambda message: output('', message).cdr)
 
     def run(
         self, messages: Iterable[RecordedMessage], end: int
@@ -232,10 +245,13 @@ class _TwinSide:
         checkpoint = self._twin.checkpoint(due, self._text)
         made, values = self._twin.advance(), self._twin.values
         vibration = vibration_message(made.block, due, values, made.shaft_hz)
-        state = state_message(made, due, values)
         # How late a block was says nothing here, and would differ each time.
-        state.blocks_published = due.first_sample // len(vibration.y) + 1
-        outputs = [output('/vibration', vibration), output('/twin_state', state)]
+        realtime = dict.fromkeys(REALTIME, 0)
+        realtime['blocks_published'] = due.first_sample // len(vibration.y) + 1
+        outputs = [
+            Output('/vibration', VIBRATION, self._bytes.vibration(made, due, values)),
+            Output('/twin_state', STATE, self._bytes.state(made, due, values, realtime)),
+        ]
         if checkpoint is not None:
             outputs.insert(0, output('/twin_checkpoint', checkpoint))
         return _Block(

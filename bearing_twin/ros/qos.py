@@ -18,6 +18,7 @@ __all__ = [
     'SENSOR',
     'STREAM',
     'own',
+    'profile',
     'stream',
 ]
 
@@ -25,38 +26,34 @@ HELD = 2.0
 """Time whose blocks a publisher holds for those who have missed one, s."""
 
 
+def profile(depth: int, *, reliable: bool = True, latched: bool = False) -> QoSProfile:
+    """Return a profile that keeps the last messages; ``latched`` ones also for late listeners."""
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
 def stream(period: float) -> QoSProfile:
     """Return the profile of vibration, and of what comes with each block of ``period`` s."""
-    depth = max(10, math.ceil(HELD / period))
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST, depth=depth, reliability=ReliabilityPolicy.RELIABLE
-    )
+    return profile(max(10, math.ceil(HELD / period)))
 
 
 STREAM = stream(0.04)
 """The same for blocks of 40 ms, and for those who listen."""
 
-MEASUREMENT = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST, depth=10, reliability=ReliabilityPolicy.BEST_EFFORT
-)
+MEASUREMENT = profile(10, reliable=False)
 """Subscriptions to sensors: best effort matches reliable and best-effort publishers alike."""
 
-SENSOR = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT
-)
+SENSOR = profile(1000, reliable=False)
 """Subscription of the adapter: as above, deep enough for one sample a message."""
 
-RESULT = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST, depth=10, reliability=ReliabilityPolicy.RELIABLE
-)
+RESULT = profile(10)
 """Diagnosis, spectra, diagnostics."""
 
-CHECKPOINT = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+CHECKPOINT = profile(1, latched=True)
 """Checkpoints: a recorder that starts late still gets the last one."""
 
 OVERRIDES = QoSOverridingOptions.with_default_policies()

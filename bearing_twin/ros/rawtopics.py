@@ -4,13 +4,15 @@
 
 from __future__ import annotations
 
+import copy
 import importlib
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.qos import qos_profile, qos_yaml, read_qos
 from bearing_twin.recording.schema import message_schema
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from bearing_twin.ros.qos import profile
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -95,26 +97,20 @@ def matches(subscribed: QoSProfile, offered: QoSProfile) -> bool:
     )
 
 
-def deepened(profile: QoSProfile) -> QoSProfile:
+def deepened(offered: QoSProfile) -> QoSProfile:
     """Return a profile with the depth that recordings need."""
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=SUBSCRIPTION_DEPTH,
-        reliability=profile.reliability,
-        durability=profile.durability,
-    )
+    deep = copy.copy(offered)
+    deep.depth = SUBSCRIPTION_DEPTH
+    return deep
 
 
 def subscription_qos(publishers: Sequence[TopicEndpointInfo]) -> QoSProfile:
     """Return the strongest profile that matches every publisher."""
     profiles = [info.qos_profile for info in publishers]
-    reliable = all(p.reliability == ReliabilityPolicy.RELIABLE for p in profiles)
-    latched = all(p.durability == DurabilityPolicy.TRANSIENT_LOCAL for p in profiles)
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=SUBSCRIPTION_DEPTH,
-        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    return profile(
+        SUBSCRIPTION_DEPTH,
+        reliable=all(p.reliability == ReliabilityPolicy.RELIABLE for p in profiles),
+        latched=all(p.durability == DurabilityPolicy.TRANSIENT_LOCAL for p in profiles),
     )
 
 
@@ -143,9 +139,5 @@ def replay_qos(text: str) -> QoSProfile:
     )
     depths = [p.get('depth') for p in profiles]
     depth = max((d for d in depths if isinstance(d, int)), default=0)
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=min(max(depth, 50), DEEPEST) if not latched else min(max(depth, 1), DEEPEST),
-        reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
-    )
+    kept = min(max(depth, 1 if latched else 50), DEEPEST)
+    return profile(kept, reliable=not best_effort, latched=latched)

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from collections import deque
 import math
+from statistics import median
 from typing import NamedTuple
 
 from bearing_twin.stamps import NANO
-import numpy as np
 
 __all__ = ['REFUSED', 'RateMeter', 'RateProblem']
 
@@ -55,6 +55,8 @@ class RateMeter:
     """
 
     def __init__(self) -> None:
+        self.rate = math.nan
+        """Measured rate, Hz; NaN while it is not known."""
         self._rates: deque[float] = deque(maxlen=SPANS)
         self._anchor: tuple[int, int] | None = None
 
@@ -72,16 +74,14 @@ class RateMeter:
         """
         if self._anchor is None or index < self._anchor[0] or stamp < self._anchor[1]:
             self._rates.clear()
+            self.rate = math.nan
             self._anchor = (index, stamp)
         elapsed = stamp - self._anchor[1]
         if elapsed >= SPAN:
             self._rates.append((index - self._anchor[0]) * NANO / elapsed)
             self._anchor = (index, stamp)
-
-    @property
-    def rate(self) -> float:
-        """Measured rate, Hz; NaN while it is not known."""
-        return float(np.median(self._rates)) if len(self._rates) >= FEWEST else math.nan
+            if len(self._rates) >= FEWEST:
+                self.rate = median(self._rates)
 
     def problem(self, declared: float) -> RateProblem | None:
         """

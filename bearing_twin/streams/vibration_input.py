@@ -9,6 +9,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.shaft import FASTEST_SHAFT
 import numpy as np
 
@@ -46,6 +47,10 @@ class VibrationBlock:
     unit: str
     simulated: bool
     """Whether the source says that it is a twin."""
+    stamp: int = 0
+    """Time of the first sample, ns."""
+    frame_id: str = ''
+    """Of the sensor."""
 
 
 def read_vibration(message: Any, axis: str) -> VibrationBlock:
@@ -91,6 +96,8 @@ def read_vibration(message: Any, axis: str) -> VibrationBlock:
         unit=str(message.unit)[:32],
         # Recordings of older versions lack the field.
         simulated=getattr(message, 'source', SOURCE_UNKNOWN) == SOURCE_SIMULATED,
+        stamp=stamp_ns(message.header.stamp),
+        frame_id=message.header.frame_id,
     )
 
 
