@@ -83,16 +83,14 @@ LANE_LEVELS = (
 """By the level of a DiagnosticStatus."""
 
 LINE: dict[str, Colour] = {
-    'vertical': (66, 165, 245),
-    'horizontal': (158, 157, 36),
-    'measured': (239, 83, 80),
-    'used': (255, 167, 38),
-    'first': (66, 165, 245),
-    'second': (102, 187, 106),
-    'third': (255, 167, 38),
-    'fourth': (171, 71, 188),
+    'blue': (66, 165, 245),
+    'green': (102, 187, 106),
+    'olive': (158, 157, 36),
+    'orange': (255, 167, 38),
+    'red': (239, 83, 80),
+    'violet': (171, 71, 188),
     'spectrum': (100, 181, 246),
     'threshold': (96, 100, 104),
     'ground': (128, 128, 128),
 }
-"""Colours of lines by what they show."""
+"""Colours of lines, by the names that titles give them or by what they show."""

@@ -8,10 +8,19 @@ from dataclasses import dataclass
 import math
 from typing import Any, NamedTuple
 
-from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
 from bearing_twin.view.style import Colour, FAMILIES, LINE
 
-__all__ = ['CALIBRATION', 'DIAGNOSIS', 'TWIN_STATE', 'Limit', 'Panel', 'Trend', 'recorded']
+__all__ = [
+    'CALIBRATION',
+    'DIAGNOSIS',
+    'OVER_LIMITS',
+    'TWIN_STATE',
+    'Limit',
+    'Panel',
+    'Trend',
+    'recorded',
+]
 
 
 def recorded(message: Any, field: str, index: int | None = None) -> float:
@@ -50,10 +59,14 @@ class Trend(NamedTuple):
     """Unit of the message in the unit of the label."""
     element: int | None = None
     """Element of a field that is a list."""
+    other: tuple[str, float] = ('', 1.0)
+    """Another field with its scale: the lower of the two is plotted."""
 
     def value(self, message: Any) -> float:
         """Return what is plotted of a message; NaN where the quantity does not exist."""
-        return self.scale * recorded(message, self.field, self.element)
+        value = self.scale * recorded(message, self.field, self.element)
+        field, scale = self.other
+        return min(value, scale * recorded(message, field, self.element)) if field else value
 
 
 class Limit(NamedTuple):
@@ -77,6 +90,18 @@ class Panel:
     band: tuple[str, ...] = ()
     """Keys of the two quantities between which a page is filled."""
 
+    @property
+    def named(self) -> str:
+        """Title with the colours of all quantities but the first: a legend covers lines."""
+        names = {colour: name for name, colour in LINE.items()}
+        others = () if self.band else self.trends[1:]
+        parts = [f'{t.label} {names[t.colour]}' for t in others if t.field not in PER_FAMILY]
+        return ', '.join([self.title, *parts])
+
+
+PER_FAMILY = ('score', 'modulation_index')
+"""Fields with one element a fault family, whose colours are the same everywhere."""
+
 
 def _per_family(field: str) -> tuple[Trend, ...]:
     """Return the elements of a field with one element a fault family."""
@@ -91,42 +116,62 @@ TWIN_STATE = (
         'temperature',
         'Temperature [°C]',
         (
-            Trend('used', 'used by the twin', LINE['used'], 'temperature_used'),
-            Trend('inner_ring', 'inner ring', LINE['fourth'], 'inner_ring_temperature'),
+            Trend('used', 'used by the twin', LINE['orange'], 'temperature_used'),
+            Trend('inner_ring', 'inner ring', LINE['violet'], 'inner_ring_temperature'),
         ),
     ),
     Panel(
         'beta0',
         'beta0, on stiffness and defect depth [1]',
-        (Trend('beta0', 'beta0', LINE['first'], 'beta0'),),
+        (Trend('beta0', 'beta0', LINE['blue'], 'beta0'),),
     ),
     Panel(
         'stiffness',
         'Contact stiffness K_b [1e9 N/m^1.5]',
-        (Trend('k_b', 'K_b', LINE['second'], 'k_b', 1e-9),),
+        (Trend('k_b', 'K_b', LINE['green'], 'k_b', 1e-9),),
     ),
     Panel(
         'depth',
         'Defect depth C_d [µm]',
-        (Trend('c_d', 'C_d', LINE['third'], 'c_d', 1e6),),
+        (Trend('c_d', 'C_d', LINE['orange'], 'c_d', 1e6),),
     ),
     Panel(
         'kappa',
         'Viscosity ratio kappa [1]',
-        (Trend('kappa', 'kappa', LINE['fourth'], 'kappa'),),
+        (Trend('kappa', 'kappa', LINE['violet'], 'kappa'),),
     ),
     Panel(
         'real_time',
-        'Real time [ms], blocks',
+        'Late [ms]',
         (
-            Trend('lateness', 'late [ms]', LINE['third'], 'lateness', 1e3),
-            Trend('execution', 'computing [ms]', LINE['first'], 'execution_time', 1e3),
-            Trend('late', 'late blocks', LINE['fourth'], 'blocks_late'),
-            Trend('dropped', 'dropped blocks', LINE['measured'], 'blocks_dropped'),
+            Trend('lateness', 'late', LINE['orange'], 'lateness', 1e3),
+            Trend('execution', 'computing', LINE['blue'], 'execution_time', 1e3),
+            Trend('late', 'late blocks', LINE['violet'], 'blocks_late'),
+            Trend('dropped', 'dropped blocks', LINE['red'], 'blocks_dropped'),
         ),
     ),
 )
 """Of a TwinState."""
+
+OVER_LIMITS = Panel(
+    'over_limits',
+    'Evidence over its limits [1]',
+    tuple(
+        Trend(
+            family.key,
+            family.label,
+            family.colour,
+            'score',
+            1.0 / (Z_CAGE if family.key == 'cage' else Z_FAULT),
+            element=k,
+            other=('modulation_index', 1.0 / INDEX_FAULT),
+        )
+        for k, family in enumerate(FAMILIES)
+    ),
+    Limit(f'fault above 1, suspect above {INDEX_SUSPECT / INDEX_FAULT:g}', 1.0),
+    from_zero=True,
+)
+"""Of a Diagnosis: a fault needs significance and modulation index, so the lower one decides."""
 
 DIAGNOSIS = (
     Panel(
@@ -145,29 +190,34 @@ DIAGNOSIS = (
     Panel(
         'level',
         'Vibration level [unit] rms',
-        (Trend('rms', 'level', LINE['first'], 'rms'),),
+        (Trend('rms', 'level', LINE['blue'], 'rms'),),
         from_zero=True,
     ),
     Panel(
         'velocity',
         'Velocity 10 to 1000 Hz [mm/s rms]',
-        (Trend('velocity_rms', 'velocity', LINE['second'], 'velocity_rms'),),
+        (Trend('velocity_rms', 'velocity', LINE['green'], 'velocity_rms'),),
         from_zero=True,
     ),
     Panel(
         'baseline',
-        'Level over its own baseline, and what was taken off for temperature and speed [dB]',
+        'Level over its own baseline [dB]',
         (
-            Trend('baseline', 'over baseline', LINE['third'], 'level_over_baseline'),
-            Trend('correction', 'taken off', LINE['measured'], 'level_correction'),
+            Trend('baseline', 'over baseline', LINE['orange'], 'level_over_baseline'),
+            Trend(
+                'correction',
+                'taken off for temperature and speed',
+                LINE['red'],
+                'level_correction',
+            ),
         ),
     ),
     Panel(
         'shape',
-        'Kurtosis, crest factor [1]',
+        'Kurtosis [1]',
         (
-            Trend('kurtosis', 'kurtosis', LINE['fourth'], 'kurtosis'),
-            Trend('crest_factor', 'crest factor', LINE['second'], 'crest_factor'),
+            Trend('kurtosis', 'kurtosis', LINE['violet'], 'kurtosis'),
+            Trend('crest_factor', 'crest factor', LINE['green'], 'crest_factor'),
         ),
     ),
 )
@@ -178,9 +228,9 @@ CALIBRATION = (
         'width',
         'Width of the defect [mm]: 5, 50 and 95 %',
         (
-            Trend('q95', '95 %', LINE['fourth'], 'width_q95'),
-            Trend('median', 'median', LINE['first'], 'width_median'),
-            Trend('q05', '5 %', LINE['second'], 'width_q05'),
+            Trend('q95', '95 %', LINE['violet'], 'width_q95'),
+            Trend('median', 'median', LINE['blue'], 'width_median'),
+            Trend('q05', '5 %', LINE['green'], 'width_q05'),
         ),
         from_zero=True,
         band=('q05', 'q95'),
@@ -188,7 +238,7 @@ CALIBRATION = (
     Panel(
         'residual',
         'What the twin does not explain [limits]',
-        (Trend('residual', 'residual', LINE['third'], 'residual'),),
+        (Trend('residual', 'residual', LINE['orange'], 'residual'),),
         Limit('alarm above 1', 1.0),
         from_zero=True,
     ),
@@ -196,8 +246,8 @@ CALIBRATION = (
         'distance',
         'Spectrum of twin from machine [dB]',
         (
-            Trend('before', 'not fitted', LINE['measured'], 'distance_before'),
-            Trend('fitted', 'fitted', LINE['first'], 'distance'),
+            Trend('fitted', 'fitted', LINE['blue'], 'distance'),
+            Trend('before', 'not fitted', LINE['red'], 'distance_before'),
         ),
         from_zero=True,
     ),

@@ -38,9 +38,20 @@ CLOSE = 0.02
 
 
 def title_of(diagnosis: Any) -> str:
-    """Return the heading of a verdict, the answer's own word."""
+    """Return the heading of a verdict: the answer's own word, and the places that it names."""
     result = str(diagnosis.result_name)
-    return TITLES.get(result, result)
+    title = TITLES.get(result, result)
+    places = [name_of(place) for place in getattr(diagnosis, 'faults', ()) if place in PLACES]
+    if result in PLACES and len(places) > 1:
+        return f'{" and ".join(places)} fault'.capitalize()
+    if result in ('suspect', 'ambiguous') and places:
+        return f'{title}: {" or ".join(places)}'
+    return title
+
+
+def name_of(place: str) -> str:
+    """Return the name of a place within a sentence."""
+    return TITLES[place].removesuffix(' fault').lower()
 
 
 def pretty(unit: str) -> str:
@@ -50,7 +61,9 @@ def pretty(unit: str) -> str:
 
 def number(value: float, unit: str = '', otherwise: str = 'not known') -> str:
     """Return a value with its unit; never 'nan'."""
-    return f'{value:.4g} {unit}'.strip() if math.isfinite(value) else otherwise
+    if not math.isfinite(value):
+        return otherwise
+    return f'{value:{".0f" if abs(value) >= 100.0 else ".3g"}} {unit}'.strip()
 
 
 def impacts(message: Any, place: str) -> float:
@@ -92,16 +105,18 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
         off = diagnosis.fault_hz / diagnosis.fault_hz_expected - 1.0
         rows.append(
             (
-                'Fault frequency',
-                f'{diagnosis.fault_hz:.2f} Hz found, {diagnosis.fault_hz_expected:.2f} Hz '
-                f'expected ({off:+.2%})',
+                'Found',
+                f'{diagnosis.fault_hz:.2f} Hz, expected {diagnosis.fault_hz_expected:.2f} Hz '
+                f'({off:+.2%})',
             )
         )
     rows.append(('Shaft', shaft_speed(diagnosis)))
-    stage, confidence = _stage(diagnosis), f'{diagnosis.confidence:.0%}'
+    stage, sure = _stage(diagnosis), float(diagnosis.confidence)
+    # Nothing is certain, and where there is no statement there is nothing to be sure of.
+    confidence = 'over 99 %' if sure > 0.99 else f'{100.0 * sure:.0f} %'
     if stage:
         rows.append(('Stage', f'{stage} of 4, {STAGES[stage]}; confidence {confidence}'))
-    else:
+    elif sure > 0.0:
         rows.append(('Confidence', confidence))
     if math.isfinite(diagnosis.rms):
         level = number(diagnosis.rms, f'{unit} rms')
@@ -139,7 +154,7 @@ def rival(diagnosis: Any) -> str:
     if not rivals:
         return ''
     other = max(rivals, key=lambda place: scores[place] / limits[place])
-    name = TITLES[other].lower().removesuffix(' fault')
+    name = name_of(other)
     if result == 'healthy' and index[other] < INDEX_FAULT:
         return (
             f'The {name} is significant ({scores[other]:.1f}), but its modulation index of '
@@ -155,8 +170,9 @@ def rival(diagnosis: Any) -> str:
     ]
     close = min(abs(line / fundamental - 1.0) for line in sidebands)
     if close < CLOSE:
-        own_name = TITLES[result].lower().removesuffix(' fault')
-        return f'{text}: its line is within {close:.1%} of a shaft sideband of the {own_name}.'
+        return (
+            f'{text}: its line is within {close:.1%} of a shaft sideband of the {name_of(result)}.'
+        )
     return f'{text}: modulation index {index[other]:.2f} against {index[result]:.2f}.'
 
 

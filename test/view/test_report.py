@@ -103,7 +103,7 @@ def test_the_page_names_the_verdict_and_shows_every_picture(recording, page):
     assert worst.result_name == 'inner'
     banner = re.search(r'<div class="verdict".*?</div>', page, re.DOTALL).group()
     assert 'Inner race fault' in banner
-    assert f'{worst.fault_hz:.2f} Hz found, {worst.fault_hz_expected:.2f} Hz expected' in banner
+    assert f'Found {worst.fault_hz:.2f} Hz, expected {worst.fault_hz_expected:.2f} Hz' in banner
     for reason in worst.reasons:
         assert html.escape(reason) in page
     # Headline, table and spectra come from one window.

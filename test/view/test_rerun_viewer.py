@@ -47,9 +47,9 @@ PAGES = {
         'Colours',
         'First harmonic from near',
         'Verdict over time',
-        'Significance [σ over noise]',
+        'Evidence over its limits [1]',
         'Vibration level [m/s²] rms',
-        'Temperature [°C]',
+        'Temperature [°C], twin orange',
     },
     'Vibration': {
         'Vibration, last 0.25 s',
@@ -62,20 +62,20 @@ PAGES = {
         'Modulation index [1]',
         'Vibration level [m/s²] rms',
         'Velocity 10 to 1000 Hz [mm/s rms]',
-        'Kurtosis, crest factor [1]',
+        'Kurtosis [1], crest factor green',
         'Colours',
     },
     'Temperature': {
         'Waveform over temperature',
         'Bearing, 40 x slower, shift x 100',
-        'Temperature [°C]',
+        'Temperature [°C], twin orange',
         'Amplitude, change [%] over °C',
         'Level, rms, change [%] over °C',
         'Frequency found, change [%] over °C',
         'Frequency, twin, change [%] over °C',
         'Cage slip, twin [%] over °C',
     },
-    'Twin': {panel.title for panel in TWIN_STATE} - {'Temperature [°C]'},
+    'Twin': {panel.named for panel in TWIN_STATE[1:]},
 }
 COLOURED, WRITTEN = 30, 300
 """Fewest coloured pixels of a picture that is not empty, and fewest bright ones of a text."""
@@ -147,10 +147,10 @@ MOST_OTHER = 0.01
 JOINTS = 'sensor_msgs/msg/JointState'
 READ = {
     'none': ('healthy', ('next step', 'no fault comb')),
-    'outer': ('outer race fault', ('hz found', 'next step', 'outer: comb at')),
+    'outer': ('outer race fault', ('found', 'hz, expected', 'next step', 'outer: comb at')),
     'stopped': (
         'inner race fault at the end: insufficient',
-        ('windows, from', 'shaft standing', 'hz found', 'next step', 'inner: comb at'),
+        ('windows, from', 'shaft standing', 'hz, expected', 'next step', 'inner: comb at'),
     ),
 }
 """What a laptop shows of each recording without scrolling: on the card, and among the reasons."""
@@ -251,7 +251,7 @@ def test_two_recordings_fill_every_view(recordings, tmp_path):
         names, found = seen(viewer)
         assert found == []
         assert {'Verdict: none', 'Verdict: outer'} <= set(names)
-        assert names.count('Squared envelope spectrum: modulation index over Hz') == 2
+        assert names.count('Envelope spectrum: index over Hz') == 2
 
 
 def test_a_late_viewer_of_a_running_server_sees_the_past(recordings):

@@ -118,9 +118,9 @@ def _no_verdict(machine: Machine) -> str:
 
 def _banner(machine: Machine, worst: Any) -> str:
     result = str(worst.result_name)
-    found = next((text for name, text in facts(worst) if name == 'Fault frequency'), '')
+    found = next((text for name, text in facts(worst) if name == 'Found'), '')
     lines = [
-        *([f'{escape(found)}.'] if found else []),
+        *([f'Found {escape(found)}.'] if found else []),
         f'In {escape(machine.headline.span)}.',
         f'Vibration {escape(machine.source.text or "not recorded")}.',
         f'Next step: {escape(next_step(worst))}',

@@ -279,12 +279,12 @@ class Bearing3D:
         canvas.once(f'{name}/balls', rr.Points3D.from_fields(radii=ball))
         hair = rr.Radius.ui_points(1.0)
         canvas.once(
-            f'{name}/load_zone', rr.LineStrips3D.from_fields(radii=hair, colors=LINE['used'])
+            f'{name}/load_zone', rr.LineStrips3D.from_fields(radii=hair, colors=LINE['orange'])
         )
         canvas.once(
             f'{name}/load_zone/greatest',
             rr.Points3D.from_fields(
-                radii=rr.Radius.ui_points(0.5), colors=LINE['used'], show_labels=True
+                radii=rr.Radius.ui_points(0.5), colors=LINE['orange'], show_labels=True
             ),
         )
         front, bore = 1.02 * shapes.face(bearing), shapes.inner_radius(bearing)
@@ -339,11 +339,10 @@ def _defects(text: str) -> tuple[Defect, ...]:
 
 
 def force_colours(parts: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Return steel, yellow or red, shape (..., 3), for forces as parts 0..1 of the greatest."""
-    stops = np.array([[96, 125, 139], [255, 193, 7], [229, 57, 53]], dtype=np.float64)
-    at = np.clip(parts, 0.0, 1.0)
-    channels = [np.interp(at, [0.0, 0.5, 1.0], stops[:, k]) for k in range(3)]
-    return np.stack(channels, axis=-1).astype(np.uint8)
+    """Return steel to orange, shape (..., 3), for forces as parts 0..1; red are defects only."""
+    grey, orange = np.array([[96, 125, 139], LINE['orange']], dtype=np.float64)
+    colours = grey + np.clip(parts, 0.0, 1.0)[..., None] * (orange - grey)
+    return np.asarray(colours, dtype=np.uint8)
 
 
 def _on_circle(

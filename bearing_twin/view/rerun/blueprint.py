@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.view.over_temperature import QUANTITIES
 from bearing_twin.view.rerun.bearing3d import MAGNIFIED, SLOWED
-from bearing_twin.view.trends import CALIBRATION, DIAGNOSIS, TWIN_STATE
+from bearing_twin.view.rerun.waveform import AXES
+from bearing_twin.view.trends import CALIBRATION, DIAGNOSIS, OVER_LIMITS, TWIN_STATE
 import rerun.blueprint as rrb
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ['PAGES', 'automatic', 'layout']
 
-PAGES = ('Verdict', 'Vibration', 'Evidence', 'Temperature', 'Twin', 'Nodes')
+PAGES = ('Verdict', 'Vibration', 'Evidence', 'Temperature', 'Twin', 'Calibration', 'Nodes')
 """Pages of a bearing, each of them for a laptop's screen."""
 CLOSE = 0.25
 """Length of the close look at the waveform, s."""
@@ -56,7 +57,8 @@ def layout(
     shown = bearings or others
     parts: list[View]
     if side_by_side:
-        pairs = rrb.Horizontal(*(_narrow(s, title, timeline) for title, s in shown.items()))
+        narrow = _narrow if len(shown) < 3 else _narrowest
+        pairs = rrb.Horizontal(*(narrow(s, title, timeline) for title, s in shown.items()))
         legend = next((view for s in shown.values() for view in _colours(s)), None)
         rows = [pairs, legend] if legend else [pairs]
         parts = [rrb.Vertical(*rows, row_shares=[1.0, 0.06][: len(rows)], name='Side by side')]
@@ -88,7 +90,7 @@ def automatic(
     ``lines`` are topics that Rerun itself draws as time series.
     """
     views = [view for scene in scenes for view in _numbers(scene)]
-    views += [_lines(topic, [f'{topic}/**']) for topic in lines]
+    views += [_lines(topic, [f'{topic}/**'], legend=True) for topic in lines]
     return rrb.Blueprint(
         rrb.Grid(*views),
         rrb.SelectionPanel(state='collapsed'),
@@ -124,7 +126,7 @@ def _lines(
     contents: Sequence[str],
     *,
     window: rrb.VisibleTimeRange | None = None,
-    legend: bool = True,
+    legend: bool = False,
     span: tuple[float, float] | None = None,
 ) -> rrb.TimeSeriesView:
     link = rrb.components.LinkAxis.Independent if window else rrb.components.LinkAxis.LinkToGlobal
@@ -143,15 +145,15 @@ def _lanes(name: str, contents: Sequence[str]) -> rrb.StateTimelineView:
     return rrb.StateTimelineView(origin='/', contents=list(contents), name=name)
 
 
-def _card(scene: Scene, title: str = '') -> list[View]:
-    """Return card and reasons; with a title in half the width, where a card is as flat."""
+def _card(scene: Scene, title: str = '', shares: tuple[float, float] = (3, 10)) -> list[View]:
+    """Return card and reasons, with their shares of the height."""
     return [
         rrb.Vertical(
             rrb.Spatial2DView(
                 origin=f'{path}/card', name=f'Verdict: {title}' if title else 'Verdict'
             ),
             rrb.TextDocumentView(origin=f'{path}/words', name='Reasons'),
-            row_shares=[1, 5] if title else [3, 10],
+            row_shares=shares,
         )
         for path in _of(scene, 'diagnosis')
     ]
@@ -169,7 +171,7 @@ def _solid(scene: Scene) -> list[View]:
             origin=f'{path}/bearing',
             name=f'Bearing, {SLOWED:g} x slower, shift x {MAGNIFIED:g}',
             eye_controls=rrb.EyeControls3D(
-                position=[14.0, -22.0, 105.0], look_target=[0.0, -6.0, 0.0], eye_up=[0.0, 1.0, 0.0]
+                position=[15.0, -24.0, 114.0], look_target=[0.0, -6.0, 0.0], eye_up=[0.0, 1.0, 0.0]
             ),
             line_grid=False,
         )
@@ -192,7 +194,6 @@ def _waveforms(scene: Scene, timeline: str) -> list[View]:
                 f'Vibration, extremes over {WIDE:g} s: {_axes(scene)}',
                 [f'{path}/envelope/**'],
                 window=_window(timeline, WIDE),
-                legend=False,
             ),
             rrb.Spatial2DView(origin=f'{path}/spectrogram', name='Spectrogram of the last minute'),
         ]
@@ -201,8 +202,7 @@ def _waveforms(scene: Scene, timeline: str) -> list[View]:
 
 def _axes(scene: Scene) -> str:
     """Name the axes that have samples by their colours; a legend would cover the lines."""
-    colours = {'vertical': 'blue', 'horizontal': 'olive'}
-    return ', '.join(f'{n} {c}' for n, c in colours.items() if n in scene.asset.panels)
+    return ', '.join(f'{n} {c}' for n, c in AXES.values() if n in scene.asset.panels)
 
 
 def _waterfalls(scene: Scene) -> list[View]:
@@ -230,14 +230,15 @@ def _spectra(scene: Scene) -> list[View]:
     return [_bars(f'Spectrum [{unit} over Hz]', path) for path in _of(scene, 'spectrum')]
 
 
-def _envelope_spectra(scene: Scene, *, legend: bool = True) -> list[View]:
+def _envelope_spectra(scene: Scene, *, legend: bool = True, near: bool = True) -> list[View]:
     views: list[View] = []
     colours = _colours(scene) if legend else []
     for path in _of(scene, 'envelope_spectrum'):
-        whole = _bars('Squared envelope spectrum: modulation index over Hz', f'{path}/whole')
-        near = _bars('First harmonic from near', f'{path}/near')
+        name = 'Squared envelope spectrum: modulation index over Hz'
+        whole = _bars(name if legend else 'Envelope spectrum: index over Hz', f'{path}/whole')
+        close = _bars('First harmonic from near', f'{path}/near')
         parts = [(6.0, whole), *((0.55, view) for view in colours)]
-        parts += [(4.0, near)] if 'near' in scene.asset.panels else []
+        parts += [(4.0, close)] if near and 'near' in scene.asset.panels else []
         shares, shown = zip(*parts, strict=True)
         views.append(rrb.Vertical(*shown, row_shares=shares))
     return views
@@ -251,8 +252,8 @@ def _colours(scene: Scene) -> list[View]:
 
 
 def _over_temperature(scene: Scene) -> list[View]:
-    """Return a view for each quantity over temperature and the temperature, in rows of three."""
-    views = [
+    """Return a view for each quantity over temperature."""
+    return [
         _bars(
             f'{name}{"" if key == "slip" else ", change"} [%] over °C',
             f'{path}/over_temperature/{key}',
@@ -261,30 +262,29 @@ def _over_temperature(scene: Scene) -> list[View]:
         for key, name in QUANTITIES.items()
         if key in scene.asset.panels
     ]
-    views += _temperatures(scene)
-    return [rrb.Grid(*views, grid_columns=3)] if views else []
 
 
-def _panels(scene: Scene, kind: str, panels: Sequence[Panel], *keys: str) -> list[View]:
-    """Return a view for each panel, or for those of the names ``keys``."""
-    # The colours of families stand beside the spectrum: a legend would cover lines.
+def _panels(scene: Scene, kind: str, panels: Sequence[Panel]) -> list[View]:
+    """Return a view for each panel that has values."""
     return [
         _lines(
-            panel.title.replace('[unit]', f'[{scene.asset.unit or "unit unknown"}]'),
+            panel.named.replace('[unit]', f'[{scene.asset.unit or "unit unknown"}]'),
             [f'{path}/{panel.key}/**'],
-            legend=1 < len(panel.trends) < 4,
         )
         for path in _of(scene, kind)
         for panel in panels
-        if panel.key in scene.asset.panels and (not keys or panel.key in keys)
+        if panel.key in scene.asset.panels
     ]
 
 
 def _temperatures(scene: Scene) -> list[View]:
     contents = [f'{path}/measured' for path in _of(scene, 'temperature')]
     contents += [f'{path}/temperature/**' for path in _of(scene, 'twin_state')]
+    name = 'Temperature [°C]'
+    if 'temperature' in scene.asset.panels:
+        name += ', twin orange'
     span = scene.asset.scales.temperature
-    return [_lines('Temperature [°C]', contents, span=span)] if contents else []
+    return [_lines(name, contents, span=span)] if contents else []
 
 
 def _over_each_other(scene: Scene) -> list[View]:
@@ -304,7 +304,7 @@ def _over_each_other(scene: Scene) -> list[View]:
 
 def _numbers(scene: Scene) -> list[View]:
     """Return views of topics that are not the bearing's."""
-    return [_lines(path, [f'{path}/fields/**']) for path in _of(scene, 'numbers')]
+    return [_lines(path, [f'{path}/fields/**'], legend=True) for path in _of(scene, 'numbers')]
 
 
 def _rows(*rows: tuple[float, Sequence[View]], name: str) -> View | None:
@@ -319,16 +319,24 @@ def _rows(*rows: tuple[float, Sequence[View]], name: str) -> View | None:
     )
 
 
+def _columns(left: Sequence[View], right: Sequence[View], *, name: str) -> View | None:
+    """Return views above each other, and beside them others in rows of two."""
+    if not right:
+        return None
+    beside = rrb.Grid(*right, grid_columns=2)
+    return rrb.Horizontal(*([rrb.Vertical(*left)] if left else []), beside, name=name)
+
+
 def _pages(scene: Scene, timeline: str) -> list[View]:
     """Return the pages of a bearing: what each answers fits a laptop's screen."""
     envelope, amplitude = _envelope_spectra(scene), _spectra(scene)
     waves = _waveforms(scene, timeline)
-    twin = [v for v in _panels(scene, 'twin_state', TWIN_STATE) if v.name != 'Temperature [°C]']
+    twin = _panels(scene, 'twin_state', TWIN_STATE[1:])
     evidence = _panels(scene, 'diagnosis', DIAGNOSIS)
     verdict = [*_card(scene), *_solid(scene), *envelope] or [*waves[:1], *amplitude]
     trends = [
         *_lane(scene),
-        *_panels(scene, 'diagnosis', DIAGNOSIS, 'significance', 'level'),
+        *_panels(scene, 'diagnosis', (OVER_LIMITS, *(p for p in DIAGNOSIS if p.key == 'level'))),
         *_temperatures(scene),
     ]
     fitted = [
@@ -339,9 +347,9 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
         _rows((5.6, verdict), (2.4, trends), name='Verdict'),
         _rows((4, waves[:2]), (4, [*waves[2:], *amplitude]), name='Vibration'),
         _rows((5, evidence[:3]), (0.5, _colours(scene)), (5, evidence[3:]), name='Evidence'),
-        _rows(
-            (5.4, [*_waterfalls(scene), *_solid(scene)]),
-            (4.6, _over_temperature(scene)),
+        _columns(
+            [*_waterfalls(scene), *_solid(scene)],
+            [*_over_temperature(scene), *_temperatures(scene)],
             name='Temperature',
         ),
         _rows((4, twin[:3]), (4, twin[3:]), name='Twin'),
@@ -367,8 +375,8 @@ def _narrow(scene: Scene, title: str, timeline: str) -> View:
     # Beside card and reasons, so that these have the height to be read.
     seen = [*_solid(scene), *_envelope_spectra(scene, legend=False)]
     page = _rows(
-        (5.3, [*_card(scene, title), *([rrb.Vertical(*seen)] if seen else [])]),
-        (1.1, _lane(scene)),
+        (5.3, [*_card(scene, title, (1, 5)), *([rrb.Vertical(*seen)] if seen else [])]),
+        (1.5, _lane(scene)),
         (
             2.2,
             [*_waveforms(scene, timeline)[:1], *_waterfalls(scene), *_temperatures(scene)],
@@ -377,6 +385,18 @@ def _narrow(scene: Scene, title: str, timeline: str) -> View:
     )
     assert page is not None
     return page
+
+
+def _narrowest(scene: Scene, title: str, timeline: str) -> View:
+    """Return one of three recordings or more: what tells them apart, one above the other."""
+    views = [
+        *_card(scene, title, (2, 5)),
+        *_envelope_spectra(scene, legend=False, near=False),
+        *_lane(scene),
+        *_waveforms(scene, timeline)[:1],
+    ]
+    shares = [5.2, 2.7, 1.7, 1.8] if len(views) == 4 else None
+    return rrb.Vertical(*(views or _numbers(scene)), row_shares=shares, name=title)
 
 
 def _nodes(scenes: Iterable[Scene]) -> list[View]:

@@ -81,7 +81,7 @@ class CalibrationPicture(Picture):
         share: float,
     ) -> None:
         width = share * float(places[1] - places[0]) if len(places) > 1 else share
-        colour = LINE['first' if name.endswith('twin') else 'ground']
+        colour = LINE['blue' if name.endswith('twin') else 'ground']
         widths = np.full(values.shape, np.float32(width))
         self.canvas.put(
             name, time, rr.BarChart(values, abscissa=places, widths=widths, color=colour)

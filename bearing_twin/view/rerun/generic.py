@@ -24,7 +24,7 @@ MOST = 24
 """Most lines of one topic."""
 SHORT = 12
 """Arrays up to this length are lines, longer ones bars."""
-COLOURS = [LINE[key] for key in ('first', 'second', 'third', 'fourth', 'measured', 'horizontal')]
+COLOURS = [LINE[key] for key in ('blue', 'green', 'orange', 'violet', 'red', 'olive')]
 SKIPPED = ('header', 'stamp', 'layout')
 
 
@@ -75,7 +75,7 @@ class AnyPicture(Picture):
                     series[f'fields/{path}/{k}'] = (float(element), label, colour)
             else:
                 arrays = True
-                bars = rr.BarChart(_thinned(value), color=LINE['first'])
+                bars = rr.BarChart(_thinned(value), color=LINE['blue'])
                 self.canvas.put(f'arrays/{path}', time, bars)
             if len(series) >= MOST:
                 break

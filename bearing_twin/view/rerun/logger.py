@@ -241,6 +241,7 @@ class RerunLogger:
         if scene is None:
             root = f'/{side}{namespace}' if side else namespace
             asset = Asset(bearing=self._bearing, full=self._full, scales=self._scales)
+            asset.narrow = len(self._timebases) > 1
             scene = Scene(self._emit, root, self._timebases[side], asset)
             self._scenes[side, namespace] = scene
         return scene

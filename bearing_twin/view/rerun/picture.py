@@ -32,6 +32,8 @@ class Asset:
 
     bearing: Bearing | None = None
     """Geometry, where the messages name none of the catalogue."""
+    narrow: bool = False
+    """Whether it stands beside another recording."""
     full: bool = False
     """Draw every sample of the vibration instead of a part of each second and its envelope."""
     temperature: float = math.nan

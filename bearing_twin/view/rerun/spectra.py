@@ -89,7 +89,7 @@ class SpectrumBars(Picture):
         width = 2.0 * MARK_WIDTH * whole.end
         if self._changed('whole/limit', time, np.array([whole.end]), top, width):
             end = np.array([whole.end + width])
-            self._bars('whole/limit', time, end, np.array([INDEX_FAULT]), width, LINE['measured'])
+            self._bars('whole/limit', time, end, np.array([INDEX_FAULT]), width, LINE['red'])
             if self.asset.scales.index:
                 # An axis takes no range: a thin bar beside the limit holds it.
                 self._bars('whole/scale', time, end + width, np.array([top]), 0.1 * width, DARK)
@@ -116,26 +116,34 @@ class SpectrumBars(Picture):
         self._bars(
             f'{name}/values', time, frequencies, picture.values[indices], width, LINE['spectrum']
         )
-        for comb in picture.combs:
-            key = f'{name}/{comb.family}_found' if comb.found else f'{name}/{comb.family}'
-            self._marks(key, time, comb, picture, MARK * (top or 1.0))
+        combs = {f'{name}/{c.family}{"_found" if c.found else ""}': c for c in picture.combs}
+        shown = {
+            key
+            for key, comb in combs.items()
+            if self._marks(key, time, comb, picture, MARK * (top or 1.0))
+        }
+        # Another fault may have been found in the window before.
+        for key in [k for k in self._marked if k.startswith(f'{name}/') and k not in shown]:
+            if not key.endswith('/limit'):
+                self.canvas.put(key, time, rr.Clear(recursive=False))
+                del self._marked[key], self._axes[key]
 
     def _marks(
         self, name: str, time: int, comb: Comb, picture: SpectrumPicture, length: float
-    ) -> None:
-        """Mark the lines of a comb: long the ones found, short the nominal, half the sidebands."""
+    ) -> bool:
+        """
+        Mark the lines of a comb; return whether there are any.
+
+        Long are the ones found, short the nominal, half as long the sidebands.
+        """
         lines, sides = comb.harmonics(picture.end), comb.sidebands(picture.end)
         lines, sides = lines[lines >= picture.start], sides[sides >= picture.start]
         length *= 2.0 if comb.found else 1.0
-        if not lines.size + sides.size:
-            if self._marked.pop(name, None) is not None:
-                self.canvas.put(name, time, rr.Clear(recursive=False))
-                self._axes.pop(name, None)
-            return
         places, width = np.concatenate([lines, sides]), MARK_WIDTH * (picture.end - picture.start)
-        if self._changed(name, time, places, length, width):
+        if places.size and self._changed(name, time, places, length, width):
             lengths = -np.repeat([length, 0.5 * length], [lines.size, sides.size])
             self._bars(name, time, places, lengths, width, COLOURS[comb.family])
+        return bool(places.size)
 
     def _changed(
         self, name: str, time: int, places: NDArray[np.float64], length: float, width: float
@@ -204,7 +212,7 @@ def _legend() -> bytes:
     """Return the names of the colours as PNG: a legend in the plot would cover lines."""
     names = {family.label: family.colour for family in FAMILIES}
     names |= {'shaft': LINE['ground'], 'noise threshold': LINE['threshold']}
-    names |= {'fault limit': LINE['measured']}
+    names |= {'fault limit': LINE['red']}
     font = ImageFont.load_default(26)
     image = Image.new('RGB', (1010, 44), (24, 24, 24))
     draw = ImageDraw.Draw(image)

@@ -40,7 +40,7 @@ class TemperaturePicture(Picture):
             self.canvas.once(
                 NAME,
                 rr.Measurements.from_fields(
-                    units=['°C'], names=['measured'], colors=[LINE['measured']], widths=[1.5]
+                    units=['°C'], names=['measured'], colors=[LINE['red']], widths=[1.5]
                 ),
             )
         self._held.append((time, value, variance if variance > 0.0 else 0.0))

@@ -6,13 +6,14 @@ from __future__ import annotations
 
 from functools import lru_cache
 import io
+from textwrap import fill
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.view.rerun.lanes import Lane
 from bearing_twin.view.rerun.picture import Asset, Picture, Trends
 from bearing_twin.view.style import VERDICTS
-from bearing_twin.view.trends import DIAGNOSIS
+from bearing_twin.view.trends import DIAGNOSIS, OVER_LIMITS
 from bearing_twin.view.verdict import facts, Headline, rival, title_of
 from PIL import Image, ImageDraw, ImageFont
 import rerun as rr
@@ -25,8 +26,8 @@ __all__ = ['VerdictPicture']
 CARD = (640, 150)
 """Width and height of the card, pixels."""
 MARGIN = 22
-SHORT = 52
-"""Longest text of a table cell that fits beside the bearing."""
+SHORT, NARROW = 52, 38
+"""Longest text of a table cell that fits beside the bearing, and beside another recording."""
 BELOW = 40
 """Height of a line below the verdict."""
 
@@ -39,7 +40,7 @@ class VerdictPicture(Picture):
     def __init__(self, canvas: Canvas, asset: Asset) -> None:
         super().__init__(canvas, asset)
         self._lane = Lane(canvas, 'verdict', VERDICTS)
-        self._trends = Trends(canvas, asset, DIAGNOSIS)
+        self._trends = Trends(canvas, asset, (OVER_LIMITS, *DIAGNOSIS))
         self._headline = asset.headline = Headline()
         self._begin: int | None = None
 
@@ -58,7 +59,9 @@ class VerdictPicture(Picture):
         self._lane.set(result, time)
         # Every time, not only when it changes: a server forgets the oldest first.
         self.canvas.put(
-            'card', time, rr.EncodedImage(contents=_card(result), media_type='image/png')
+            'card',
+            time,
+            rr.EncodedImage(contents=_card(result, title_of(message)), media_type='image/png'),
         )
         words = rr.TextDocument(self._words(message), media_type=rr.MediaType.MARKDOWN)
         self.canvas.put('words', time, words)
@@ -77,8 +80,8 @@ class VerdictPicture(Picture):
             return
         worst, time = self._headline.worst.best, self.asset.judged + 1
         end = f'at the end: {title_of(self._headline.last).lower()}'
-        card = rr.EncodedImage(contents=_card(int(worst.result), end), media_type='image/png')
-        self.canvas.put('card', time, card)
+        image = _card(int(worst.result), title_of(worst), end)
+        self.canvas.put('card', time, rr.EncodedImage(contents=image, media_type='image/png'))
         lines = [f'**{title_of(worst)}** in {self._headline.span}.', '', self._words(worst)]
         words = rr.TextDocument('\n'.join(lines), media_type=rr.MediaType.MARKDOWN)
         self.canvas.put('words', time, words)
@@ -88,34 +91,36 @@ class VerdictPicture(Picture):
         rows = facts(diagnosis)
         if self.asset.source.text:
             rows.insert(-1, ('Vibration', self.asset.source.text))
-        level, velocity = (
-            next((r for r in rows if r[0] == n), None) for n in ('Level', 'Velocity')
-        )
-        if level and velocity and len(both := f'{level[1]}, {velocity[1]}') <= SHORT:
-            # A line less leaves room for the sentence that says why another fault is not it.
-            rows[rows.index(level)] = 'Level', both
-            rows.remove(velocity)
+        longest = NARROW if self.asset.narrow else SHORT
+        for name, other in (('Level', 'Velocity'), ('Shaft', 'Temperature')):
+            one, two = (next((r for r in rows if r[0] == n), None) for n in (name, other))
+            if one and two and len(both := f'{one[1]}, {two[1]}') <= longest:
+                # A line less leaves room for the sentence that says why it is no other fault.
+                rows[rows.index(one)] = name, both
+                rows.remove(two)
         # The cells of a table do not wrap.
-        short = [row for row in rows if len(row[1]) <= SHORT]
+        short = [row for row in rows if len(row[1]) <= longest]
         lines = [f'| {name} | {text} |' for name, text in short]
         lines.insert(1, '|---|---|')
         for name, text in rows:
-            lines += ['', f'**{name}:** {text}'] if len(text) > SHORT else []
+            lines += ['', f'**{name}:** {text}'] if len(text) > longest else []
         lines += ['', *(f'- {reason}' for reason in diagnosis.reasons)]
         if why := rival(diagnosis):
             lines += ['', why]
         return '\n'.join(lines)
 
 
-@lru_cache(maxsize=len(VERDICTS) + 1)
-def _card(number: int, below: str = '') -> bytes:
+@lru_cache(maxsize=32)
+def _card(number: int, text: str, below: str = '') -> bytes:
     """
     Return a verdict as a coloured PNG with letters as large as fit: read from across a room.
 
     Parameters
     ----------
     number
-        Of the constants of Diagnosis.
+        Of the constants of Diagnosis; it decides the colour.
+    text
+        The verdict.
     below
         A line below it in smaller letters.
 
@@ -126,7 +131,8 @@ def _card(number: int, below: str = '') -> bytes:
     """
     known = 0 <= number < len(VERDICTS)
     state = VERDICTS[number] if known else VERDICTS[-1]
-    text = state.label if known else f'verdict {number}'
+    # Two lines of large letters rather than one of small.
+    text = fill(text or f'verdict {number}', 20)
     image = Image.new('RGB', CARD, state.colour)
     draw = ImageDraw.Draw(image)
     size = 110
@@ -142,7 +148,7 @@ def _card(number: int, below: str = '') -> bytes:
     place = ((CARD[0] - left - right) / 2, (height - top - bottom) / 2)
     luminance = sum(w * c for w, c in zip((0.2126, 0.7152, 0.0722), state.colour, strict=True))
     ink = 'black' if luminance > 140.0 else 'white'
-    draw.text(place, text, ink, font)
+    draw.text(place, text, ink, font, align='center')
     if below:
         font = ImageFont.load_default(BELOW - 8)
         width = draw.textlength(below, font)

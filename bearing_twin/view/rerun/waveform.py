@@ -23,13 +23,14 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
     from numpy.typing import NDArray
 
-__all__ = ['Waveform', 'extremes']
+__all__ = ['AXES', 'Waveform', 'extremes']
 
 FINE, COARSE = 16, 64
 """Samples behind one pair of the close look and of the envelope."""
 BURST = 0.25
 """Part of each second that is drawn sample by sample, unless everything is, s."""
-AXES = {'y': 'vertical', 'x': 'horizontal'}
+AXES = {'y': ('vertical', 'blue'), 'x': ('horizontal', 'olive')}
+"""Direction and colour by the field of the message."""
 
 
 @dataclass
@@ -89,7 +90,7 @@ class Waveform(Picture):
             self._pieces.append(_Piece(time, rate, unit))
         self._pieces[-1].add(axes)
         self.asset.unit = pretty(unit)
-        self.asset.panels.update(AXES[axis] for axis in axes)
+        self.asset.panels.update(AXES[axis][0] for axis in axes)
         self.asset.source.vibration(message)
         self.asset.over_temperature.vibration(
             next(iter(axes.values())), unit, self.asset.temperature
@@ -133,12 +134,13 @@ class Waveform(Picture):
                 values,
                 abscissa=curve.temperatures,
                 widths=np.full(values.size, 0.8 * STEP, dtype=np.float32),
-                color=LINE['first'],
+                color=LINE['blue'],
             )
             self.canvas.put(f'over_temperature/{curve.key}', time, bars)
             self.asset.panels.add(curve.key)
 
     def _close_look(self, axis: str, samples: NDArray[np.float64], piece: _Piece) -> None:
+        place, colour = AXES[axis]
         kept = np.arange(samples.size)
         times = _times(kept, piece)
         if not self.asset.full:
@@ -149,13 +151,13 @@ class Waveform(Picture):
             f'samples/{axis}',
             times[kept],
             samples[kept],
-            label=f'{AXES[axis]} [{pretty(piece.unit)}]',
-            colour=LINE[AXES[axis]],
+            label=f'{place} [{pretty(piece.unit)}]',
+            colour=LINE[colour],
             width=1.0,
         )
 
     def _envelope(self, axis: str, samples: NDArray[np.float64], piece: _Piece) -> None:
-        place, colour = AXES[axis], LINE[AXES[axis]]
+        place, colour = AXES[axis]
         edges = np.arange(0, samples.size, COARSE)
         pairs = np.stack(
             [np.minimum.reduceat(samples, edges), np.maximum.reduceat(samples, edges)], axis=1
@@ -165,7 +167,7 @@ class Waveform(Picture):
             _times(edges, piece),
             pairs,
             label=(f'{place} min', f'{place} max'),
-            colour=colour,
+            colour=LINE[colour],
             width=1.0,
             slow=True,
         )
