@@ -15,7 +15,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['QUANTITIES', 'STEP', 'Curve', 'OverTemperature']
+__all__ = ['QUANTITIES', 'STEP', 'STRIP_SECONDS', 'Curve', 'OverTemperature', 'Strip', 'Strips']
 
 QUANTITIES = {
     'amplitude': 'Amplitude',
@@ -28,6 +28,8 @@ QUANTITIES = {
 
 STEP = 5.0
 """Width of a class of temperature, K."""
+STRIP_SECONDS = 0.12
+"""Length of a strip of the waveform: three turns at 25 Hz, s."""
 REFERENCE = 20.0
 """Temperature that values are compared with, degC."""
 
@@ -54,6 +56,48 @@ class Curve(NamedTuple):
         return value if value and self.key != 'slip' else math.nan
 
 
+class Strip(NamedTuple):
+    """A short piece of the waveform at one temperature."""
+
+    temperature: float
+    """degC; NaN where it is not known."""
+    sample_rate: float
+    """Hz."""
+    samples: NDArray[np.floating]
+
+
+class Strips(dict[int, Strip]):
+    """Keep of each class of 5 K the newest piece of the waveform that is closest to it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._parts: list[NDArray[np.floating]] = []
+        self._begins: tuple[int, int] = 0, -1
+
+    def take(
+        self, samples: NDArray[np.floating], first: int, rate: float, temperature: float
+    ) -> bool:
+        """
+        Take a block whose first sample has the index ``first``; return whether a strip is new.
+
+        Blocks without a gap and at one temperature are joined.
+        """
+        step = round(temperature / STEP) if math.isfinite(temperature) else 0
+        if (step, first) != self._begins:
+            self._parts = []
+        self._begins = step, first + samples.size
+        self._parts.append(samples)
+        length = round(STRIP_SECONDS * rate)
+        if sum(part.size for part in self._parts) < length:
+            return False
+        joined, self._parts = np.concatenate(self._parts)[:length], []
+        known = self.get(step)
+        if known and abs(temperature - STEP * step) > abs(known.temperature - STEP * step):
+            return False
+        self[step] = Strip(temperature, rate, joined)
+        return True
+
+
 class OverTemperature:
     """Collect means in classes of 5 K."""
 
@@ -62,14 +106,23 @@ class OverTemperature:
         self._unit = ''
         self._found = ''
 
-    def vibration(self, samples: NDArray[np.floating], unit: str, temperature: float) -> None:
-        """Take samples at a temperature in degC: rms and largest magnitude about their mean."""
-        if not (math.isfinite(temperature) and samples.size):
-            return
+    def vibration(
+        self, samples: NDArray[np.floating], unit: str, temperature: float
+    ) -> tuple[float, float]:
+        """
+        Take samples at a temperature in degC; return their rms and largest magnitude.
+
+        Both are about the mean, as the diagnosis leaves a sensor's offset out too.
+        """
+        finite = samples[np.isfinite(samples)].astype(np.float64)
+        if not finite.size:
+            return math.nan, math.nan
         self._unit = unit
-        samples = samples - samples.mean()
-        self._add('amplitude', temperature, float(np.abs(samples).max()))
-        self._add('level', temperature, float(np.dot(samples, samples)) / samples.size)
+        finite -= finite.mean()
+        power, peak = float(np.dot(finite, finite)) / finite.size, float(np.abs(finite).max())
+        self._add('amplitude', temperature, peak)
+        self._add('level', temperature, power)
+        return math.sqrt(power), peak
 
     def state(self, message: Any) -> None:
         """Take a TwinState: the slip and the frequency at which its first defect strikes."""

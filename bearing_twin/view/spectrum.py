@@ -16,13 +16,13 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing.vocabulary import PLACES
 from bearing_twin.view.style import FAMILIES
-from bearing_twin.view.verdict import impacts, pretty
+from bearing_twin.view.verdict import impacts, pretty, same_window
 import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['ENVELOPE', 'HARMONICS', 'Comb', 'SpectrumPicture', 'combs', 'highest']
+__all__ = ['ENVELOPE', 'HARMONICS', 'Comb', 'SpectrumPicture', 'combs', 'highest', 'low_high']
 
 ENVELOPE = 'squared_envelope_spectrum'
 HARMONICS = 4
@@ -152,7 +152,7 @@ class SpectrumPicture:
         title, band = 'Squared envelope spectrum', (spectrum.band_low, spectrum.band_high)
         if band[1] > band[0]:
             title += f' of the band {band[0] / 1e3:.1f} to {band[1] / 1e3:.1f} kHz'
-        same = diagnosis is not None and diagnosis.first_sample == spectrum.first_sample
+        same = diagnosis is not None and same_window(spectrum, diagnosis)
         return cls(
             title=title,
             quantity='modulation index [1]',
@@ -204,6 +204,12 @@ class SpectrumPicture:
             return None
         at, reach = self.found.fundamental, ZOOM_BINS * self.spacing
         return self.cut(at - reach, at + reach)
+
+
+def low_high(values: NDArray[np.float64], edges: NDArray[np.integer]) -> NDArray[np.float64]:
+    """Return the lowest and highest value from each edge to the next, shape (n, 2)."""
+    pairs = [np.minimum.reduceat(values, edges), np.maximum.reduceat(values, edges)]
+    return np.stack(pairs, axis=1)
 
 
 def highest(values: NDArray[np.float64], most: int) -> tuple[NDArray[np.int64], int]:

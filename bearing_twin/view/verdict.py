@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import math
 from typing import Any
 
@@ -12,6 +12,7 @@ from bearing_twin.bearing.geometry import FaultFrequencies
 from bearing_twin.bearing.vocabulary import next_step as next_step_of
 from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
+from bearing_twin.stamps import stamp_ns
 from bearing_twin.view.trends import recorded
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     'number',
     'pretty',
     'rival',
+    'same_window',
     'shaft_speed',
     'title_of',
 ]
@@ -192,6 +194,8 @@ class Tally:
     """Diagnosis message of the window in which it is clearest."""
     at: float
     """When that was judged, s."""
+    spectra: dict[str, Any] = field(default_factory=dict)
+    """Spectrum message of that window by kind."""
 
 
 class Headline:
@@ -199,7 +203,8 @@ class Headline:
     Find the worst sustained verdict of a recording.
 
     A fault outranks suspect, suspect healthy, and healthy an insufficient window. A verdict counts
-    as sustained after three windows in a row; where none is, the most frequent one counts.
+    as sustained after three windows in a row; where none is, the most frequent one counts. Windows
+    that say nothing count only where no window says anything.
     """
 
     def __init__(self) -> None:
@@ -209,6 +214,7 @@ class Headline:
         self.last: Any = None
         """Latest Diagnosis message: how it stands at the end."""
         self._before = ''
+        self._recent: dict[str, Any] = {}
 
     def take(self, time: float, diagnosis: Any) -> None:
         """Take the verdict that was given at ``time`` in s."""
@@ -222,17 +228,31 @@ class Headline:
         tally.last = time
         if _clarity(diagnosis) >= _clarity(tally.best):
             tally.best, tally.at = diagnosis, time
+            tally.spectra = {k: m for k, m in self._recent.items() if same_window(m, diagnosis)}
         self.last, self._before = diagnosis, result
         self.count += 1
+
+    def spectrum(self, message: Any) -> None:
+        """Take a Spectrum message, which comes before or after the verdict on its window."""
+        kind = str(message.kind)
+        self._recent[kind] = message
+        for tally in self.tallies.values():
+            if same_window(message, tally.best):
+                tally.spectra[kind] = message
+
+    @property
+    def spectra(self) -> dict[str, Any]:
+        """Spectra by kind, of the window of the worst verdict; without a verdict the latest."""
+        return self.worst.spectra if self.count else self._recent
 
     @property
     def worst(self) -> Tally:
         """The worst sustained verdict; at least one has been taken."""
-        sustained = [t for t in self.tallies.values() if t.longest >= SUSTAINED]
-        return max(
-            sustained or self.tallies.values(),
-            key=lambda t: (URGENCY.get(int(t.best.level), 0) if sustained else 0, t.windows),
-        )
+        told = [t for t in self.tallies.values() if _urgency(t)] or [*self.tallies.values()]
+        sustained = [t for t in told if t.longest >= SUSTAINED]
+        if sustained:
+            return max(sustained, key=lambda t: (_urgency(t), t.windows))
+        return max(told, key=lambda t: (t.windows, _urgency(t)))
 
     @property
     def passed(self) -> bool:
@@ -252,6 +272,21 @@ class Headline:
         end = title_of(self.last).lower()
         shaft = ', shaft standing' if shaft_speed(self.last) == 'standing' else ''
         return f'{text}; at the end: {end}{shaft}'
+
+
+def _urgency(tally: Tally) -> int:
+    return URGENCY.get(int(tally.best.level), 0)
+
+
+def same_window(one: Any, other: Any) -> bool:
+    """
+    Whether two messages are about the same window.
+
+    The sample index alone does not tell: it begins again with each start of a sensor.
+    """
+    stamps = [getattr(getattr(m, 'header', None), 'stamp', None) for m in (one, other)]
+    begins = [None if stamp is None else stamp_ns(stamp) for stamp in stamps]
+    return one.first_sample == other.first_sample and begins[0] == begins[1]
 
 
 def _clarity(diagnosis: Any) -> tuple[float, float]:

@@ -11,7 +11,8 @@ from bearing_twin import cli
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.writer import RecordingWriter
-from bearing_twin.view.report.data import collect, STRIP_SECONDS
+from bearing_twin.view.over_temperature import STRIP_SECONDS
+from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.page import report_page
 import numpy as np
 import pytest
@@ -107,7 +108,7 @@ def test_the_page_names_the_verdict_and_shows_every_picture(recording, page):
     for reason in worst.reasons:
         assert html.escape(reason) in page
     # Headline, table and spectra come from one window.
-    assert {s.first_sample for s in machine.spectra.values()} == {worst.first_sample}
+    assert {s.first_sample for s in machine.headline.spectra.values()} == {worst.first_sample}
     assert page.count('<figure>') == 8
     assert 'Vibration simulated by /twin, preset incipient, inner race' in banner
     assert 'nan' not in re.sub(r'<svg.*?</svg>|<style>.*?</style>', '', page, flags=re.DOTALL)
@@ -189,6 +190,24 @@ def test_a_torn_recording_is_shown_up_to_where_it_breaks_off(recording, tmp_path
     text = report_page(torn)
     assert 'class="bad"' in text
     assert 'Sound: nothing missing' not in text
+
+
+def test_verdicts_that_cannot_be_read_are_not_passed_over(recording, tmp_path):
+    target = tmp_path / 'other'
+    with RecordingWriter(target) as writer:
+        for message in read_messages(recording, topics=['/vibration', '/diagnosis']):
+            cdr = message.cdr[:40] if message.topic == '/diagnosis' else message.cdr
+            writer.write(
+                message.topic, message.type_name, cdr,
+                log_time=message.log_time, publish_time=message.publish_time,
+            )  # fmt: skip
+    (machine,) = collect(target).values()
+    assert machine.unread['/diagnosis'][0] == 40
+    text = report_page(target)
+    assert '/diagnosis: 40 messages cannot be read' in text
+    assert 'Sound: nothing missing' not in text
+    # To play it to the diagnosis node is no remedy for what is there already.
+    assert 'play it' not in text
 
 
 def test_vibration_without_a_verdict_makes_no_statement(recording, tmp_path):

@@ -5,7 +5,7 @@
 import math
 from types import SimpleNamespace
 
-from bearing_twin.view.verdict import facts, Headline, number, rival, shaft_speed
+from bearing_twin.view.verdict import facts, Headline, number, rival, shaft_speed, title_of
 import pytest
 
 LEVEL = {'healthy': 1, 'suspect': 2, 'insufficient': 0, 'ambiguous': 3}
@@ -52,6 +52,48 @@ def test_a_passing_verdict_is_no_headline():
     assert headline('healthy', 'outer').worst.best.result_name in ('healthy', 'outer')
 
 
+def test_a_window_that_says_nothing_is_no_headline_beside_one_that_does():
+    for windows in (['outer'] * 2, ['inner', 'suspect'] * 20, ['healthy']):
+        named = headline(*['insufficient'] * 3, *windows).worst.best.result_name
+        assert named == windows[0]
+
+
+def test_spectra_are_of_the_window_of_the_headline_and_of_its_run():
+    # The sample index begins again with each start of the sensor.
+    windows = []
+    for second, result in ((10, 'inner'), (50, 'insufficient')):
+        diagnosis = verdict(result, confidence=0.9 if result == 'inner' else 0.0)
+        diagnosis.first_sample = 0
+        diagnosis.header = SimpleNamespace(stamp=SimpleNamespace(sec=second, nanosec=0))
+        spectrum = SimpleNamespace(kind='spectrum', first_sample=0, header=diagnosis.header)
+        windows.append((diagnosis, spectrum))
+    for early in (False, True):
+        found = Headline()
+        for diagnosis, spectrum in windows:
+            if early:
+                found.spectrum(spectrum)
+            found.take(1.0, diagnosis)
+            if not early:
+                found.spectrum(spectrum)
+        assert found.spectra == {'spectrum': windows[0][1]}
+
+
+def test_every_place_is_in_the_title():
+    several = verdict('outer')
+    several.faults = ['outer', 'inner']
+    assert title_of(several) == 'Outer race and inner race fault'
+    unsure = verdict('ambiguous')
+    unsure.faults = ['ball', 'cage']
+    assert title_of(unsure) == 'Ambiguous: ball or cage'
+    assert title_of(verdict('healthy')) == 'Healthy'
+
+
+def test_nothing_is_certain():
+    inner, silent = verdict('inner', confidence=0.9999), verdict('insufficient', confidence=0.0)
+    assert dict(facts(inner))['Confidence'] == 'over 99 %'
+    assert 'Confidence' not in dict(facts(silent))
+
+
 @pytest.mark.parametrize(
     ('windows', 'worst'),
     [
@@ -76,6 +118,8 @@ def test_nothing_says_nan():
         assert 'nan' not in ' '.join(' '.join(row) for row in facts(verdict(result)))
     assert number(math.nan, 'Hz') == 'not known'
     assert number(2.5, 'Hz') == '2.5 Hz'
+    assert number(0.0123456, 'g') == '0.0123 g'
+    assert number(1234.4, 'N') == '1234 N'
 
 
 def test_a_shaft_at_rest_is_standing():

@@ -104,7 +104,13 @@ def _parameters(info: RecordingInfo, machines: list[Machine]) -> list[str]:
 def _health(
     info: RecordingInfo, health: RecordingHealth, machines: Iterable[Machine]
 ) -> list[str]:
-    problems = list(dict.fromkeys([*info.problems, *health.problems]))
+    machines = list(machines)
+    unread = [
+        f'{topic}: {count} messages cannot be read ({reason})'
+        for machine in machines
+        for topic, (count, reason) in machine.unread.items()
+    ]
+    problems = list(dict.fromkeys([*info.problems, *health.problems, *unread]))
     parts = ['<h2>Health of the recording</h2>']
     if problems:
         texts = ''.join(f'<li>{escape(text)}</li>' for text in problems)

@@ -14,7 +14,7 @@ from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.vibration_input import HIGHEST_RATE
-from bearing_twin.view.over_temperature import OverTemperature
+from bearing_twin.view.over_temperature import OverTemperature, Strips
 from bearing_twin.view.source import Source
 from bearing_twin.view.trends import recorded
 from bearing_twin.view.verdict import Headline
@@ -25,26 +25,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.recording.catalogue import RecordedMessage
-    from numpy.typing import NDArray
 
-__all__ = ['Machine', 'Strip', 'collect']
-
-SPECTRUM = 'bearing_twin_msgs/msg/Spectrum'
-STRIP_STEP = 5.0
-"""Distance between two strips of the waterfall, K."""
-STRIP_SECONDS = 0.16
-"""Length of a strip: four turns at 25 Hz, s."""
-
-
-@dataclass(frozen=True)
-class Strip:
-    """A short piece of the waveform at one temperature."""
-
-    temperature: float
-    """degC; NaN where the recording knows none."""
-    sample_rate: float
-    """Hz."""
-    samples: NDArray[np.float32]
+__all__ = ['Machine', 'collect']
 
 
 @dataclass
@@ -61,8 +43,6 @@ class Machine:
     diagnoses: list[tuple[float, Any]] = field(default_factory=list)
     """Diagnosis messages."""
     headline: Headline = field(default_factory=Headline)
-    spectra: dict[str, Any] = field(default_factory=dict)
-    """Spectrum message by kind, of the window of the headline; without a verdict the latest."""
     measured: list[tuple[float, float]] = field(default_factory=list)
     """Temperature in degC."""
     states: list[tuple[float, Any]] = field(default_factory=list)
@@ -76,15 +56,15 @@ class Machine:
     vibration: list[tuple[float, float, float]] = field(default_factory=list)
     """rms and largest magnitude of each block."""
     unit: str = ''
-    sample_rate: float = math.nan
-    """Hz."""
-    strips: dict[int, Strip] = field(default_factory=dict)
-    """By number of the step of temperature; of each the newest that is closest to it."""
+    strips: Strips = field(default_factory=Strips)
     source: Source = field(default_factory=Source)
     over_temperature: OverTemperature = field(default_factory=OverTemperature)
     parameters: dict[str, tuple[str, Any]] = field(default_factory=dict)
     """Kind and parameters of each node."""
-    undecodable: int = 0
+    unread: dict[str, tuple[int, str]] = field(default_factory=dict)
+    """By topic: how many messages cannot be read, and the first reason."""
+    beside: list[str] = field(default_factory=list)
+    """Topics of vibration that the verdict is not about."""
 
     @property
     def name(self) -> str:
@@ -100,7 +80,7 @@ class Machine:
     @property
     def empty(self) -> bool:
         """Whether there is nothing of a bearing in it."""
-        return not (self.diagnoses or self.spectra or self.states or self.vibration)
+        return not (self.diagnoses or self.headline.spectra or self.states or self.vibration)
 
 
 def collect(path: Path) -> dict[str, Machine]:
@@ -115,16 +95,11 @@ def collect(path: Path) -> dict[str, Machine]:
     """
     start = recording_info(path).start
     machines: dict[str, _Collector] = {}
-    spectra: set[str] = set()
     for message in read_messages(path, recover=True, problems=[]):
-        if message.type_name == SPECTRUM:
-            spectra.add(message.topic)
         namespace, _, _ = message.topic.rpartition('/')
         collector = machines.setdefault(namespace, _Collector(Machine(namespace)))
         collector.take(message, (message.log_time - start) / NANO)
     found = {name: c.machine for name, c in sorted(machines.items()) if not c.machine.empty}
-    if spectra:
-        _take_spectra_of_headlines(path, found, spectra)
     if not found:
         msg = (
             f'{path} holds neither vibration nor diagnosis of type bearing_twin_msgs, so that '
@@ -132,20 +107,6 @@ def collect(path: Path) -> dict[str, Machine]:
         )
         raise BearingTwinError(msg)
     return found
-
-
-def _take_spectra_of_headlines(path: Path, machines: dict[str, Machine], topics: set[str]) -> None:
-    """Keep the spectra of the window that the headline and its table come from."""
-    for message in read_messages(path, topics=topics, recover=True, problems=[]):
-        machine = machines.get(message.topic.rpartition('/')[0])
-        if message.type_name != SPECTRUM or machine is None or not machine.diagnoses:
-            continue
-        try:
-            content = message.decode()
-        except BearingTwinError:
-            continue
-        if content.first_sample == machine.headline.worst.best.first_sample:
-            machine.spectra[str(content.kind)] = content
 
 
 class _Collector:
@@ -158,14 +119,11 @@ class _Collector:
         self.machine = machine
         self._temperature = math.nan
         self._next_state = -math.inf
-        self._piece: list[NDArray[np.float32]] = []
-        self._piece_step: int | None = None
-        self._next_sample = -1
         self._takers: dict[str, Callable[[float, Any], None]] = {
             'bearing_twin_msgs/msg/Diagnosis': self._diagnosis,
             'bearing_twin_msgs/msg/Checkpoint': self._checkpoint,
             'bearing_twin_msgs/msg/Calibration': self._calibration,
-            SPECTRUM: self._spectrum,
+            'bearing_twin_msgs/msg/Spectrum': self._spectrum,
             'bearing_twin_msgs/msg/TwinState': self._state,
             'bearing_twin_msgs/msg/Vibration': self._vibration,
             'sensor_msgs/msg/Temperature': self._measured,
@@ -178,8 +136,9 @@ class _Collector:
         try:
             with known_fields(message.topic, message.type_name):
                 taker(time, message.decode())
-        except BearingTwinError:
-            self.machine.undecodable += 1
+        except BearingTwinError as error:
+            count, reason = self.machine.unread.get(message.topic, (0, str(error)))
+            self.machine.unread[message.topic] = count + 1, reason
 
     def _diagnosis(self, time: float, message: Any) -> None:
         self.machine.diagnoses.append((time, message))
@@ -198,7 +157,7 @@ class _Collector:
 
     def _spectrum(self, _: float, message: Any) -> None:
         if np.asarray(message.values).size and message.bin_hz > 0.0:
-            self.machine.spectra[str(message.kind)] = message
+            self.machine.headline.spectrum(message)
 
     def _measured(self, time: float, message: Any) -> None:
         self.machine.measured.append((time, float(message.temperature)))
@@ -223,33 +182,9 @@ class _Collector:
             return
         machine.unit = str(message.unit)
         machine.source.vibration(message)
-        machine.sample_rate = float(message.sample_rate)
-        finite = samples[np.isfinite(samples)].astype(np.float64)
-        if finite.size:
-            # The diagnosis leaves a sensor's offset out too.
-            finite -= finite.mean()
-            rms = float(np.sqrt(np.mean(finite**2)))
-            machine.vibration.append((time, rms, float(np.abs(finite).max())))
-            machine.over_temperature.vibration(finite, machine.unit, self._temperature)
-        self._strip(samples, int(message.first_sample))
-
-    def _strip(self, samples: NDArray[np.float32], first_sample: int) -> None:
-        """Join blocks without a gap and at one temperature into a strip."""
-        known = math.isfinite(self._temperature)
-        step = round(self._temperature / STRIP_STEP) if known else 0
-        if step != self._piece_step or first_sample != self._next_sample:
-            self._piece = []
-        self._piece_step = step
-        self._next_sample = first_sample + samples.size
-        self._piece.append(samples)
-        rate = self.machine.sample_rate
-        length = round(STRIP_SECONDS * rate)
-        if sum(piece.size for piece in self._piece) >= length:
-            joined = np.concatenate(self._piece)[:length]
-            self._piece = []
-            known_strip = self.machine.strips.get(step)
-            distance = abs(self._temperature - step * STRIP_STEP)
-            if known_strip is None or not distance > abs(
-                known_strip.temperature - step * STRIP_STEP
-            ):
-                self.machine.strips[step] = Strip(self._temperature, rate, joined)
+        rms, peak = machine.over_temperature.vibration(samples, machine.unit, self._temperature)
+        if math.isfinite(rms):
+            machine.vibration.append((time, rms, peak))
+        machine.strips.take(
+            samples, int(message.first_sample), float(message.sample_rate), self._temperature
+        )

@@ -109,10 +109,13 @@ def _pictures(figures: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def _no_verdict(machine: Machine) -> str:
+    remedy = "play it to the diagnosis node with 'bearing-twin replay'"
+    if machine.unread:
+        remedy = f'messages of {", ".join(machine.unread)} cannot be read: see the appendix'
     return (
         f'<div class="verdict" style="background:{VERDICT_COLOURS["insufficient"]}">'
         f'<b>No diagnosis recorded</b>Vibration {escape(machine.source.text)}. There is no '
-        "verdict; play it to the diagnosis node with 'bearing-twin replay'.</div>"
+        f'verdict; {escape(remedy)}.</div>'
     )
 
 

@@ -17,7 +17,7 @@ from bearing_twin.view.report.svg import (
     VERDICT_COLOURS,
     WIDTH,
 )
-from bearing_twin.view.spectrum import ENVELOPE, SpectrumPicture
+from bearing_twin.view.spectrum import ENVELOPE, low_high, SpectrumPicture
 from bearing_twin.view.trends import CALIBRATION, DIAGNOSIS, recorded, TWIN_STATE
 from bearing_twin.view.verdict import pretty
 import matplotlib as mpl
@@ -194,7 +194,8 @@ def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
     strips = [strip for _, strip in sorted(machine.strips.items())]
     if not strips:
         return None
-    peak = max(float(np.nanmax(np.abs(strip.samples))) for strip in strips) or 1.0
+    swings = [strip.samples - np.nanmean(strip.samples) for strip in strips]
+    peak = max(float(np.nanmax(np.abs(swing))) for swing in swings) or 1.0
     figure = Figure(figsize=(WIDTH, 0.7 + 0.11 * len(strips)), layout='constrained')
     axes = figure.subplots()
     # The largest swing reaches over one and a half of its neighbours.
@@ -203,7 +204,7 @@ def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
     lines, colours = [], []
     for row, strip in reversed(list(enumerate(strips))):
         time = np.arange(strip.samples.size) / strip.sample_rate * 1e3
-        low_high = _extremes(time, strip.samples.astype(np.float64))
+        low_high = _extremes(time, swings[row].astype(np.float64))
         lines.append(np.stack([low_high[0], row + scale * low_high[1]], axis=1))
         span = max(strips[-1].temperature - coldest, 1e-9)
         part = (strip.temperature - coldest) / span if np.isfinite(coldest) else 0.0
@@ -233,8 +234,7 @@ def _extremes(
     if group < 2:
         return time, samples
     edges = np.arange(0, samples.size, group)
-    low, high = np.minimum.reduceat(samples, edges), np.maximum.reduceat(samples, edges)
-    return np.repeat(time[edges], 2), np.stack([low, high], axis=1).ravel()
+    return np.repeat(time[edges], 2), low_high(samples, edges).ravel()
 
 
 def _envelope_spectrum(machine: Machine) -> tuple[str, Figure] | None:
@@ -256,7 +256,7 @@ def _spectrum(machine: Machine) -> tuple[str, Figure] | None:
 
 
 def _picture(machine: Machine, kind: str) -> SpectrumPicture | None:
-    message = machine.spectra.get(kind)
+    message = machine.headline.spectra.get(kind)
     diagnosis = machine.headline.worst.best if machine.diagnoses else None
     return SpectrumPicture.of(message, diagnosis) if message is not None else None
 

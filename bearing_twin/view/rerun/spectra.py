@@ -51,7 +51,7 @@ class SpectrumBars(Picture):
         self._marked: dict[str, tuple[NDArray[np.float64], float, int]] = {}
         self._axes: dict[str, tuple[tuple[bytes, float], int]] = {}
         self._near = False
-        self._clearest: dict[str, tuple[Any, Any]] = {}
+        self._kind = ''
 
     def draw(self, message: Any, time: int) -> bool:
         """Draw a spectrum whose window begins at ``time`` in ns."""
@@ -59,9 +59,8 @@ class SpectrumBars(Picture):
         picture = SpectrumPicture.of(message, diagnosis)
         if picture is None:
             return False
-        tally = self.asset.headline.tallies.get(str(getattr(diagnosis, 'result_name', '')))
-        if tally is not None and tally.best.first_sample == message.first_sample:
-            self._clearest[str(diagnosis.result_name)] = message, diagnosis
+        self._kind = str(message.kind)
+        self.asset.headline.spectrum(message)
         self._draw(message, picture, time + round(NANO / picture.spacing))
         return True
 
@@ -70,9 +69,8 @@ class SpectrumBars(Picture):
         headline = self.asset.headline
         if not headline.passed:
             return
-        name = str(headline.worst.best.result_name)
-        message, diagnosis = self._clearest.get(name, (None, None))
-        if message is not None and (picture := SpectrumPicture.of(message, diagnosis)) is not None:
+        message = headline.spectra.get(self._kind)
+        if message is not None and (picture := SpectrumPicture.of(message, headline.worst.best)):
             self._draw(message, picture, self.asset.judged + 1)
 
     def _draw(self, message: Any, picture: SpectrumPicture, time: int) -> None:

@@ -6,21 +6,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from bearing_twin.view.over_temperature import STEP, STRIP_SECONDS
+from bearing_twin.view.spectrum import low_high
 from bearing_twin.view.style import LINE
 from bearing_twin.view.verdict import pretty
 import numpy as np
 import rerun as rr
 
 if TYPE_CHECKING:
+    from bearing_twin.view.over_temperature import Strips
     from bearing_twin.view.rerun.canvas import Canvas
-    from numpy.typing import NDArray
 
 __all__ = ['Waterfall']
 
-STEP = 5.0
-"""Distance between two strips, K."""
-SECONDS = 0.12
-"""Length of a strip: three turns at 25 Hz, s."""
 POINTS = 600
 COLD, HOT = 20.0, 110.0
 WIDTH, DEPTH, HEIGHT = 10.0, 9.0, 1.6
@@ -28,7 +26,7 @@ WIDTH, DEPTH, HEIGHT = 10.0, 9.0, 1.6
 
 class Waterfall:
     """
-    Keep one short piece of the waveform for every 5 K and draw them one behind the other.
+    Draw the strips of the waveform over temperature one behind the other.
 
     The scale holds their peak, at least ``peak``.
     """
@@ -36,48 +34,20 @@ class Waterfall:
     def __init__(self, canvas: Canvas, name: str, peak: float) -> None:
         self._canvas = canvas
         self._name = name
-        self._parts: list[NDArray[np.float64]] = []
         self._peak, self._scale = peak, 0.0
-        self._strips: dict[int, NDArray[np.float64]] = {}
-        self._wanted: int | None = None
 
-    def add(
-        self,
-        samples: NDArray[np.float64],
-        time: int,
-        rate: float,
-        temperature: float,
-        unit: str,
-    ) -> None:
-        """Take samples of the temperature in degC; nothing is drawn where that is unknown."""
-        if not np.isfinite(temperature):
-            return
-        step = round(temperature / STEP)
-        if step != self._wanted:
-            self._wanted, self._parts = step, []
-        elif not self._parts:
-            return
-        self._parts.append(samples)
-        length = round(SECONDS * rate)
-        if sum(part.size for part in self._parts) < length:
-            return
-        strip = np.concatenate(self._parts)[:length]
-        self._parts = []
-        group = max(1, length // (POINTS // 2))
-        edges = np.arange(0, length, group)
-        pairs = np.stack([np.minimum.reduceat(strip, edges), np.maximum.reduceat(strip, edges)])
-        self._strips[step] = pairs.T.ravel()
-        self._draw(time, unit)
-
-    def _draw(self, time: int, unit: str) -> None:
-        peak = max(self._peak, *(float(np.abs(s).max()) for s in self._strips.values()))
+    def draw(self, strips: Strips, time: int, unit: str) -> None:
+        """Draw the strips at ``time`` in ns."""
+        swings = {step: s.samples - np.nanmean(s.samples) for step, s in sorted(strips.items())}
+        peak = max(self._peak, *(float(np.nanmax(np.abs(s))) for s in swings.values()))
         scale = 10.0 ** np.ceil(np.log10(max(peak, 1e-12)))
         scale = next(s for s in (scale / 5.0, scale / 2.0, scale) if s >= peak)
         lines, colours = [], []
-        for step, strip in sorted(self._strips.items()):
-            x = np.linspace(0.0, WIDTH, strip.size)
-            y = np.full(strip.size, _depth(step * STEP))
-            lines.append(np.stack([x, y, strip / scale * HEIGHT], axis=1))
+        for step, swing in swings.items():
+            edges = np.arange(0, swing.size, max(1, swing.size // (POINTS // 2)))
+            z = low_high(swing, edges).ravel() / scale * HEIGHT
+            y = np.full(z.size, _depth(step * STEP))
+            lines.append(np.stack([np.linspace(0.0, WIDTH, z.size), y, z], axis=1))
             colours.append(_colour(step * STEP))
         self._canvas.put(
             self._name,
@@ -94,7 +64,7 @@ class Waterfall:
         labels = [f'{t:g} °C' for t in ticks]
         for part in (0.0, 0.5, 1.0):
             places.append([WIDTH * part, -0.9, 0.0])
-            labels.append(f'{part * SECONDS * 1e3:g} ms')
+            labels.append(f'{part * STRIP_SECONDS * 1e3:g} ms')
         places += [[-0.3, 0.0, HEIGHT], [-0.3, 0.0, -HEIGHT]]
         labels += [f'{scale:g} {pretty(unit)}', f'-{scale:g} {pretty(unit)}']
         self._canvas.put(

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import NANO
-from bearing_twin.view.over_temperature import STEP
+from bearing_twin.view.over_temperature import STEP, Strips
 from bearing_twin.view.rerun.picture import Asset, Picture
 from bearing_twin.view.rerun.spectrogram import Spectrogram
 from bearing_twin.view.rerun.waterfall import Waterfall
+from bearing_twin.view.spectrum import low_high
 from bearing_twin.view.style import LINE
 from bearing_twin.view.verdict import pretty
 import numpy as np
@@ -72,6 +73,7 @@ class Waveform(Picture):
         super().__init__(canvas, asset)
         self._spectrogram = Spectrogram(canvas, 'spectrogram')
         self._waterfall = Waterfall(canvas, 'waterfall', asset.scales.vibration)
+        self._strips, self._new_strip = Strips(), False
         self._pieces: list[_Piece] = []
         self._time = 0
         self._step: int | None = None
@@ -92,9 +94,11 @@ class Waveform(Picture):
         self.asset.unit = pretty(unit)
         self.asset.panels.update(AXES[axis][0] for axis in axes)
         self.asset.source.vibration(message)
-        self.asset.over_temperature.vibration(
-            next(iter(axes.values())), unit, self.asset.temperature
-        )
+        samples, temperature = next(iter(axes.values())), self.asset.temperature
+        self.asset.over_temperature.vibration(samples, unit, temperature)
+        if np.isfinite(temperature):
+            first = int(getattr(message, 'first_sample', 0))
+            self._new_strip |= self._strips.take(samples, first, rate, temperature)
         return True
 
     def flush(self, *, slow: bool) -> None:
@@ -107,9 +111,9 @@ class Waveform(Picture):
             axis, samples = next(iter(axes.items()))
             self._close_look(axis, samples, piece)
             self._spectrogram.add(samples, piece.time, piece.rate, piece.unit)
-            self._waterfall.add(
-                samples, piece.time, piece.rate, self.asset.temperature, piece.unit
-            )
+        if self._new_strip and pieces:
+            self._new_strip = False
+            self._waterfall.draw(self._strips, pieces[-1].time, pieces[-1].unit)
         temperature = self.asset.temperature
         if pieces and slow and np.isfinite(temperature):
             step = round(temperature / STEP)
@@ -159,13 +163,10 @@ class Waveform(Picture):
     def _envelope(self, axis: str, samples: NDArray[np.float64], piece: _Piece) -> None:
         place, colour = AXES[axis]
         edges = np.arange(0, samples.size, COARSE)
-        pairs = np.stack(
-            [np.minimum.reduceat(samples, edges), np.maximum.reduceat(samples, edges)], axis=1
-        )
         self.canvas.line(
             f'envelope/{axis}',
             _times(edges, piece),
-            pairs,
+            low_high(samples, edges),
             label=(f'{place} min', f'{place} max'),
             colour=LINE[colour],
             width=1.0,
