@@ -4,15 +4,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from bearing_twin.bearing import FaultFrequencies, PLACES, TITLES
 from bearing_twin.cli.terminal import by_level
 from bearing_twin.diagnosis.severity import SLOW_HZ
+from bearing_twin.view.style import FAMILIES
 
 __all__ = ['line', 'page']
 
-_ORDERS = {'inner': 'BPFI', 'outer': 'BPFO', 'ball': '2 x BSF', 'cage': 'FTF'}
+_ORDERS = {family.key: family.label for family in FAMILIES}
 
 
 def line(answer: dict[str, Any]) -> str:
@@ -25,14 +27,14 @@ def line(answer: dict[str, Any]) -> str:
 
 def page(answer: dict[str, Any]) -> str:
     """Return everything that a person asks of one file."""
-    evidence, severity = answer['evidence'], answer['evidence']['severity']
+    evidence = answer['evidence']
     rows = [
         ('', by_level(answer['source'], 'bold')),
         ('verdict', _verdict(answer)),
         ('bearing', answer['bearing']),
         ('shaft', _shaft(answer)),
-        ('level', _level(severity, answer['shaft_hz'])),
     ]
+    rows += [('' if k else 'level', text) for k, text in enumerate(_level(answer).split('; '))]
     rows += [('found' if not index else '', text) for index, text in enumerate(_table(answer))]
     lines = [
         f'{hertz:.2f} Hz ({height:.3g} x floor)'
@@ -57,7 +59,7 @@ def _verdict(answer: dict[str, Any]) -> str:
     text = f'{answer["result"]} [{answer["level"]}]{named}'
     title = TITLES[answer['result']] if answer['result'] in PLACES else ''
     title = f' ({title.lower()})' if title else ''
-    return f'{by_level(text, answer["level"])}{title}, confidence {answer["confidence"]:.3f}'
+    return f'{by_level(text, answer["level"])}{title}, confidence {answer["confidence"]:.2f}'
 
 
 def _shaft(answer: dict[str, Any]) -> str:
@@ -70,7 +72,8 @@ def _shaft(answer: dict[str, Any]) -> str:
     return text
 
 
-def _level(severity: dict[str, Any], shaft_hz: float | None) -> str:
+def _level(answer: dict[str, Any]) -> str:
+    severity = answer['evidence']['severity']
     unit = severity['unit'] or '(unit unknown)'
     if severity['rms'] is None:
         return 'not measured'
@@ -78,12 +81,11 @@ def _level(severity: dict[str, Any], shaft_hz: float | None) -> str:
     if severity['velocity_rms'] is None:
         text += '; no ISO 20816-3 zone: give --unit'
     else:
-        known = 'zone needs --power-group and --mounting'
-        if severity['iso_zone']:
-            known = f'zone {severity["iso_zone"]}'
-        elif shaft_hz is not None and shaft_hz < SLOW_HZ:
-            known = f'no zone below {60.0 * SLOW_HZ:.0f} 1/min'
-        text += f'; velocity {severity["velocity_rms"]:.3g} mm/s, {known} (ISO 20816-3)'
+        zone = f'zone {severity["iso_zone"]}'
+        if not severity['iso_zone']:
+            slow = (answer['shaft_hz'] or math.inf) < SLOW_HZ
+            zone = 'no zone below 600 1/min' if slow else 'zone needs --power-group, --mounting'
+        text += f'; velocity {severity["velocity_rms"]:.3g} mm/s, ISO 20816-3: {zone}'
     return text
 
 
@@ -92,17 +94,20 @@ def _table(answer: dict[str, Any]) -> list[str]:
     if shaft_hz is None or any(value is None for value in evidence['expected_hz'].values()):
         return []
     frequencies = FaultFrequencies(**evidence['expected_hz'])
-    rows = ['             expected          clearest comb     slip   significance  index']
+    # In a row of 80 columns.
+    rows = [
+        '              expected       clearest comb        slip  signifi- index',
+        '              Hz     order      Hz     order           cance',
+    ]
     for place in PLACES:
         found, expected = evidence['found_hz'].get(place), frequencies.impacts(place)
-        text = f'{place:<6}{_ORDERS[place]:<8}'
-        text += f'{expected:8.2f} Hz{expected / shaft_hz:7.3f}'
+        text = f'{place:<6}{_ORDERS[place]:<7}{expected:7.2f}{expected / shaft_hz:7.3f}'
         if found is None:
             rows.append(f'{text}   none looked for')
             continue
         slip = found / expected - 1.0
-        text += f'{found:9.2f} Hz{found / shaft_hz:7.3f} {slip:+7.2%}'
-        text += f'{evidence["score"][place]:12.1f}{evidence["modulation_index"][place]:9.2f}'
+        text += f'{found:9.2f}{found / shaft_hz:7.3f} {slip:+7.2%}'
+        text += f'{evidence["score"][place]:7.1f}{evidence["modulation_index"][place]:8.2f}'
         named = place in answer['faults']
         rows.append(by_level(f'{text}  <-', answer['level']) if named else text)
     return rows

@@ -37,8 +37,14 @@ class Source:
     def checkpoint(self, message: Any) -> None:
         """Take a Checkpoint message."""
         if str(message.kind) == 'twin':
-            values = load_plain(str(message.configuration), 'the configuration of a twin')
-            self._twin = f'{message.node}, {twin_in_words(values)}'
+            self.twin(
+                str(message.node),
+                load_plain(str(message.configuration), 'the configuration of a twin'),
+            )
+
+    def twin(self, node: str, values: Any) -> None:
+        """Take the parameters of the twin, which a node computes."""
+        self._twin = f'{node}, {twin_in_words(values)}'
 
     @property
     def text(self) -> str:

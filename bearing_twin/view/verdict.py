@@ -27,6 +27,7 @@ __all__ = [
     'same_window',
     'shaft_speed',
     'title_of',
+    'urgency',
 ]
 
 SUSTAINED = 3
@@ -151,6 +152,9 @@ def rival(diagnosis: Any) -> str:
     ]
     scores, index = measured
     own = scores.pop(result, 0.0)
+    for place in getattr(diagnosis, 'faults', ()):
+        # Found as well: the title names it.
+        scores.pop(str(place), None)
     limits = {place: Z_CAGE if place == 'cage' else Z_FAULT for place in scores}
     rivals = [place for place in scores if scores[place] >= max(limits[place], RIVAL * own)]
     if not rivals:
@@ -248,11 +252,11 @@ class Headline:
     @property
     def worst(self) -> Tally:
         """The worst sustained verdict; at least one has been taken."""
-        told = [t for t in self.tallies.values() if _urgency(t)] or [*self.tallies.values()]
+        told = [t for t in self.tallies.values() if urgency(t)] or [*self.tallies.values()]
         sustained = [t for t in told if t.longest >= SUSTAINED]
         if sustained:
-            return max(sustained, key=lambda t: (_urgency(t), t.windows))
-        return max(told, key=lambda t: (t.windows, _urgency(t)))
+            return max(sustained, key=lambda t: (urgency(t), t.windows))
+        return max(told, key=lambda t: (t.windows, urgency(t)))
 
     @property
     def passed(self) -> bool:
@@ -274,7 +278,8 @@ class Headline:
         return f'{text}; at the end: {end}{shaft}'
 
 
-def _urgency(tally: Tally) -> int:
+def urgency(tally: Tally) -> int:
+    """Return how urgent a verdict is: 0 where it says nothing, 3 a fault."""
     return URGENCY.get(int(tally.best.level), 0)
 
 

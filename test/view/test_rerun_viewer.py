@@ -52,8 +52,8 @@ PAGES = {
         'Temperature [°C], twin orange',
     },
     'Vibration': {
-        'Vibration, last 0.25 s',
-        'Vibration, extremes over 10 s: vertical blue, horizontal olive',
+        'Vibration [m/s²], last 0.25 s',
+        'Extremes over 10 s [m/s²]: vertical blue, horizontal olive',
         'Spectrogram of the last minute',
         'Spectrum [m/s² over Hz]',
     },

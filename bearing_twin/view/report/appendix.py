@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ['appendix', 'off_default']
 
 SPECS = {'twin': twin_parameters.SPECS, 'diagnosis': diagnosis_parameters.SPECS}
-PATHS = ('output', 'rerun_file', 'state_directory', 'recording', 'assets_file')
+PATHS = ('output', 'rerun_file', 'state_directory', 'recording', 'assets_file', 'source')
 """Parameters that are paths."""
 TERMS = (
     (

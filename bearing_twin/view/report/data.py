@@ -100,6 +100,8 @@ def collect(path: Path) -> dict[str, Machine]:
         collector = machines.setdefault(namespace, _Collector(Machine(namespace)))
         collector.take(message, (message.log_time - start) / NANO)
     found = {name: c.machine for name, c in sorted(machines.items()) if not c.machine.empty}
+    for c in machines.values():
+        _take_fleet(c.machine, found)
     if not found:
         msg = (
             f'{path} holds neither vibration nor diagnosis of type bearing_twin_msgs, so that '
@@ -107,6 +109,16 @@ def collect(path: Path) -> dict[str, Machine]:
         )
         raise BearingTwinError(msg)
     return found
+
+
+def _take_fleet(fleet: Machine, machines: dict[str, Machine]) -> None:
+    """Give each bearing of a fleet its part of the parameters of the node."""
+    for node, (kind, values) in fleet.parameters.items():
+        for name, table in values.items() if kind == 'fleet' and isinstance(values, dict) else ():
+            machine = machines.get(f'{fleet.namespace}/{name}')
+            if machine is not None:
+                machine.parameters[f'{node} {name}'] = 'twin', table
+                machine.source.twin(node, table)
 
 
 class _Collector:
@@ -118,6 +130,7 @@ class _Collector:
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
         self._temperature = math.nan
+        self._topic = self._thermometer = ''
         self._next_state = -math.inf
         self._takers: dict[str, Callable[[float, Any], None]] = {
             'bearing_twin_msgs/msg/Diagnosis': self._diagnosis,
@@ -130,7 +143,7 @@ class _Collector:
         }
 
     def take(self, message: RecordedMessage, time: float) -> None:
-        taker = self._takers.get(message.type_name)
+        taker, self._topic = self._takers.get(message.type_name), message.topic
         if taker is None:
             return
         try:
@@ -160,6 +173,12 @@ class _Collector:
             self.machine.headline.spectrum(message)
 
     def _measured(self, time: float, message: Any) -> None:
+        if self._topic != self._thermometer:
+            # Beside that of the bearing there may be one of the room.
+            if self._thermometer and not self._topic.endswith('/temperature'):
+                return
+            self._thermometer = self._topic
+            self.machine.measured.clear()
         self.machine.measured.append((time, float(message.temperature)))
         if not self.machine.states:
             self._temperature = float(message.temperature)

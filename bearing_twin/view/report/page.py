@@ -12,6 +12,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin import __version__
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.bearing.vocabulary import PLACES, TITLES
+from bearing_twin.diagnosis.severity import SLOW_HZ
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.health import recording_health
@@ -25,7 +26,16 @@ from bearing_twin.view.report.plots import appended_figures, figures
 from bearing_twin.view.report.svg import VERDICT_COLOURS
 from bearing_twin.view.style import FAMILIES
 from bearing_twin.view.trends import recorded
-from bearing_twin.view.verdict import facts, impacts, next_step, number, pretty, rival, title_of
+from bearing_twin.view.verdict import (
+    facts,
+    impacts,
+    next_step,
+    number,
+    pretty,
+    rival,
+    title_of,
+    urgency,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -66,6 +76,8 @@ def report_page(path: Path, source: Path | None = None) -> str:
         f'Made by bearing_twin {escape(__version__)}.</p>',
     ]
     named = len(machines) > 1 or any(machines)
+    if len(machines) > 1:
+        body.append(_overview(machines.values()))
     for count, machine in enumerate(machines.values()):
         body += [f'<h2>Machine {escape(machine.name)}</h2>'] if named else []
         body += _machine(machine, f'm{count}-')
@@ -99,6 +111,21 @@ def _machine(machine: Machine, prefix: str) -> list[str]:
         _reasons(worst),
         *pictures,
     ]
+
+
+def _overview(machines: Iterable[Machine]) -> str:
+    """Return the verdicts of several machines, the most urgent first."""
+    rows = sorted(
+        (
+            -urgency(m.headline.worst),
+            m.name,
+            f'{title_of(m.headline.worst.best)}, {m.headline.span}',
+        )
+        if m.diagnoses
+        else (0, m.name, 'no diagnosis recorded')
+        for m in machines
+    )
+    return table((name, text) for _, name, text in rows)
 
 
 def _pictures(figures: Iterable[tuple[str, str]]) -> list[str]:
@@ -153,7 +180,9 @@ def _measurement(machine: Machine, worst: Any) -> list[tuple[str, str]]:
         ('Crest factor, kurtosis', f'{number(worst.crest_factor)}, {number(worst.kurtosis)}'),
     ]
     if not worst.iso_zone:
-        rows.append(('ISO 20816-3 zone', 'not given: needs machine group and mounting'))
+        slow = worst.shaft_hz < SLOW_HZ
+        why = 'none below 600 1/min' if slow else 'not given: needs machine group and mounting'
+        rows.append(('ISO 20816-3 zone', why))
     if not math.isfinite(worst.level_over_baseline):
         rows.append(
             ('Level over its own baseline', 'not known: no baseline yet, or one of another speed')

@@ -65,14 +65,16 @@ def layout(
     elif len(shown) == 1 and bearings:
         parts = [page for scene in shown.values() for page in _pages(scene, timeline)]
     else:
-        parts = [_wide(scene, timeline, name=title) for title, scene in shown.items()]
+        lanes = [v for scene in shown.values() for v in _lane_contents(scene)]
+        parts = [_lanes('All bearings', lanes)] if lanes else []
+        parts += [_wide(s, timeline, name=title, page=page) for title, s in shown.items()]
     nodes = _nodes(scenes.values())
     if nodes:
         parts.append(rrb.Vertical(*nodes, name='Nodes'))
-    names = [part.name for part in parts]
-    front = names.index(page) if page in names else 0
     return rrb.Blueprint(
-        rrb.Tabs(*parts, active_tab=front) if len(parts) > 1 else rrb.Vertical(*parts),
+        rrb.Tabs(*parts, active_tab=_front(parts, page))
+        if len(parts) > 1
+        else rrb.Vertical(*parts),
         rrb.BlueprintPanel(state='collapsed'),
         rrb.SelectionPanel(state='collapsed'),
         rrb.TimePanel(state='collapsed', timeline=timeline, play_state='following'),
@@ -159,8 +161,12 @@ def _card(scene: Scene, title: str = '', shares: tuple[float, float] = (3, 10)) 
     ]
 
 
+def _lane_contents(scene: Scene) -> list[str]:
+    return [f'{path}/verdict' for path in _of(scene, 'diagnosis')]
+
+
 def _lane(scene: Scene) -> list[View]:
-    lanes = [f'{path}/verdict' for path in _of(scene, 'diagnosis')]
+    lanes = _lane_contents(scene)
     lanes += [f'{path}/temperature_status' for path in _of(scene, 'twin_state')]
     return [_lanes('Verdict over time', lanes)] if _of(scene, 'diagnosis') else []
 
@@ -185,19 +191,23 @@ def _waveforms(scene: Scene, timeline: str) -> list[View]:
     for path in _of(scene, 'vibration'):
         views += [
             _lines(
-                f'Vibration, last {CLOSE:g} s',
+                f'Vibration [{_unit(scene)}], last {CLOSE:g} s',
                 [f'{path}/samples/**'],
                 window=_window(timeline, CLOSE),
                 span=(-peak, peak) if peak else None,
             ),
             _lines(
-                f'Vibration, extremes over {WIDE:g} s: {_axes(scene)}',
+                f'Extremes over {WIDE:g} s [{_unit(scene)}]: {_axes(scene)}',
                 [f'{path}/envelope/**'],
                 window=_window(timeline, WIDE),
             ),
             rrb.Spatial2DView(origin=f'{path}/spectrogram', name='Spectrogram of the last minute'),
         ]
     return views
+
+
+def _unit(scene: Scene) -> str:
+    return scene.asset.unit or 'unit unknown'
 
 
 def _axes(scene: Scene) -> str:
@@ -226,8 +236,7 @@ def _bars(name: str, origin: str) -> View:
 
 
 def _spectra(scene: Scene) -> list[View]:
-    unit = scene.asset.unit or 'unit unknown'
-    return [_bars(f'Spectrum [{unit} over Hz]', path) for path in _of(scene, 'spectrum')]
+    return [_bars(f'Spectrum [{_unit(scene)} over Hz]', path) for path in _of(scene, 'spectrum')]
 
 
 def _envelope_spectra(scene: Scene, *, legend: bool = True, near: bool = True) -> list[View]:
@@ -268,7 +277,7 @@ def _panels(scene: Scene, kind: str, panels: Sequence[Panel]) -> list[View]:
     """Return a view for each panel that has values."""
     return [
         _lines(
-            panel.named.replace('[unit]', f'[{scene.asset.unit or "unit unknown"}]'),
+            panel.named.replace('[unit]', f'[{_unit(scene)}]'),
             [f'{path}/{panel.key}/**'],
         )
         for path in _of(scene, kind)
@@ -363,17 +372,23 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
     return [page for page in pages if page is not None]
 
 
-def _wide(scene: Scene, timeline: str, *, name: str | None = None) -> View:
+def _wide(scene: Scene, timeline: str, *, name: str, page: str) -> View:
     if not _is_bearing(scene):
         return rrb.Grid(*_numbers(scene), name=name)
-    return rrb.Tabs(*_pages(scene, timeline), name=name)
+    pages = _pages(scene, timeline)
+    return rrb.Tabs(*pages, active_tab=_front(pages, page), name=name)
+
+
+def _front(parts: Sequence[View], page: str) -> int:
+    names = [part.name for part in parts]
+    return names.index(page) if page in names else 0
 
 
 def _narrow(scene: Scene, title: str, timeline: str) -> View:
     if not _is_bearing(scene):
         return rrb.Vertical(*_numbers(scene), name=title)
     # Beside card and reasons, so that these have the height to be read.
-    seen = [*_solid(scene), *_envelope_spectra(scene, legend=False)]
+    seen = [*_solid(scene), *_envelope_spectra(scene, legend=False)] or _spectra(scene)
     page = _rows(
         (5.3, [*_card(scene, title, (1, 5)), *([rrb.Vertical(*seen)] if seen else [])]),
         (1.5, _lane(scene)),

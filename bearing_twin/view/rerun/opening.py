@@ -118,8 +118,8 @@ def _draw_foreign(
     natively = {
         name
         for name, topic in readable.items()
-        if topic.type_name.split('/')[-1] in NATIVE
-        and all(encoding == 'ros2msg' for _, encoding, _ in topic.schemas)
+        if {encoding for _, encoding, _ in topic.schemas}
+        <= ({'ros2msg'} if topic.type_name.split('/')[-1] in NATIVE else {'protobuf'})
     }
     lines = [name for name in natively if info.topics[name].type_name.split('/')[-1] in SERIES]
     problems: dict[str, str] = {}

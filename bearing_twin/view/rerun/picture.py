@@ -38,6 +38,8 @@ class Asset:
     """Draw every sample of the vibration instead of a part of each second and its envelope."""
     temperature: float = math.nan
     """Latest, degC: of the twin where there is one, else measured."""
+    thermometer: str = ''
+    """Topic of the temperature that counts while there is no twin."""
     twin: bool = False
     """Whether a twin has spoken."""
     diagnosis: Any = None

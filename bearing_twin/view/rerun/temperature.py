@@ -34,13 +34,20 @@ class TemperaturePicture(Picture):
         value, variance = float(message.temperature), float(message.variance)
         if not math.isfinite(value):
             return False
-        if not self.asset.twin:
+        own = self.canvas.root
+        if own.endswith('/temperature') or not self.asset.thermometer:
+            # Beside that of the bearing there may be one of the room.
+            self.asset.thermometer = own
+        if not self.asset.twin and self.asset.thermometer == own:
             self.asset.temperature = value
         if self.canvas.is_new(NAME):
             self.canvas.once(
                 NAME,
                 rr.Measurements.from_fields(
-                    units=['°C'], names=['measured'], colors=[LINE['red']], widths=[1.5]
+                    units=['°C'],
+                    names=[self.canvas.root.rpartition('/')[2]],
+                    colors=[LINE['red']],
+                    widths=[1.5],
                 ),
             )
         self._held.append((time, value, variance if variance > 0.0 else 0.0))
