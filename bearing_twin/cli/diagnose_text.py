@@ -34,7 +34,7 @@ def page(answer: dict[str, Any]) -> str:
         ('bearing', answer['bearing']),
         ('shaft', _shaft(answer)),
     ]
-    rows += [('' if k else 'level', text) for k, text in enumerate(_level(answer).split('; '))]
+    rows += zip(('level', 'velocity'), _level(answer).split('; velocity '), strict=False)
     rows += [('found' if not index else '', text) for index, text in enumerate(_table(answer))]
     lines = [
         f'{hertz:.2f} Hz ({height:.3g} x floor)'

@@ -124,6 +124,11 @@ class OverTemperature:
         self._add('level', temperature, power)
         return math.sqrt(power), peak
 
+    def forget_vibration(self) -> None:
+        """Begin anew with the vibration."""
+        for key in ('amplitude', 'level'):
+            self._sums.pop(key, None)
+
     def state(self, message: Any) -> None:
         """Take a TwinState: the slip and the frequency at which its first defect strikes."""
         temperature = recorded(message, 'temperature_used')

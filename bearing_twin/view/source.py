@@ -4,9 +4,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from bearing_twin.assets.twin_parameters import build_parameters
+from bearing_twin.bearing.catalogue import find_bearing
+from bearing_twin.bearing.geometry import fault_orders
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.streams.vibration_input import (
@@ -15,7 +18,7 @@ from bearing_twin.streams.vibration_input import (
     SOURCE_UNKNOWN,
 )
 
-__all__ = ['Source', 'twin_in_words']
+__all__ = ['Source', 'bearing_in_words', 'twin_in_words']
 
 PLACE = {'inner': 'inner race', 'outer': 'outer race', 'ball': 'ball', 'cage': 'cage'}
 
@@ -33,6 +36,10 @@ class Source:
         """Take a Vibration message; one of another version may lack the field."""
         self.frame = str(message.header.frame_id)
         self._sources.add(int(getattr(message, 'source', SOURCE_UNKNOWN)))
+
+    def forget_vibration(self) -> None:
+        """Begin anew with the vibration."""
+        self._sources.clear()
 
     def checkpoint(self, message: Any) -> None:
         """Take a Checkpoint message."""
@@ -55,6 +62,23 @@ class Source:
             return f'simulated by {self._twin or "a twin"}'
         text = 'measured' if SOURCE_MEASURED in self._sources else 'source not stated'
         return f'{text}, {self.frame}' if self.frame else text
+
+
+def bearing_in_words(name: str, *, orders: bool = False) -> str:
+    """Return geometry, and fault orders, of a bearing of the catalogue; of another its name."""
+    try:
+        b = find_bearing(name)
+    except BearingTwinError:
+        return name
+    o = fault_orders(b)
+    kinematics = (
+        f'. Orders without slip: BPFO {o.bpfo:.3f}, BPFI {o.bpfi:.3f}, BSF {o.bsf:.3f}, '
+        f'FTF {o.ftf:.4f}'
+    )
+    return (
+        f'{b.name}: {b.n_balls} balls of {1e3 * b.d_ball:.2f} mm on {1e3 * b.d_pitch:.1f} mm, '
+        f'contact angle {math.degrees(b.contact_angle):g}°{kinematics if orders else ""}'
+    )
 
 
 def twin_in_words(values: Any) -> str:

@@ -111,6 +111,14 @@ def _per_family(field: str) -> tuple[Trend, ...]:
     )
 
 
+def _one(
+    key: str, title: str, colour: str, field: str, scale: float = 1.0, *, from_zero: bool = False
+) -> Panel:
+    """Return a panel of one quantity."""
+    trend = Trend(field, title.partition(' [')[0], LINE[colour], field, scale)
+    return Panel(key, title, (trend,), from_zero=from_zero)
+
+
 TWIN_STATE = (
     Panel(
         'temperature',
@@ -120,26 +128,10 @@ TWIN_STATE = (
             Trend('inner_ring', 'inner ring', LINE['violet'], 'inner_ring_temperature'),
         ),
     ),
-    Panel(
-        'beta0',
-        'beta0, on stiffness and defect depth [1]',
-        (Trend('beta0', 'beta0', LINE['blue'], 'beta0'),),
-    ),
-    Panel(
-        'stiffness',
-        'Contact stiffness K_b [1e9 N/m^1.5]',
-        (Trend('k_b', 'K_b', LINE['green'], 'k_b', 1e-9),),
-    ),
-    Panel(
-        'depth',
-        'Defect depth C_d [µm]',
-        (Trend('c_d', 'C_d', LINE['orange'], 'c_d', 1e6),),
-    ),
-    Panel(
-        'kappa',
-        'Viscosity ratio kappa [1]',
-        (Trend('kappa', 'kappa', LINE['violet'], 'kappa'),),
-    ),
+    _one('beta0', 'beta0, on stiffness and defect depth [1]', 'blue', 'beta0'),
+    _one('stiffness', 'Contact stiffness K_b [1e9 N/m^1.5]', 'green', 'k_b', 1e-9),
+    _one('depth', 'Defect depth C_d [µm]', 'orange', 'c_d', 1e6),
+    _one('kappa', 'Viscosity ratio kappa [1]', 'violet', 'kappa'),
     Panel(
         'real_time',
         'Late [ms]',
@@ -187,18 +179,8 @@ DIAGNOSIS = (
         Limit(f'fault above {INDEX_FAULT:g}', INDEX_FAULT),
         from_zero=True,
     ),
-    Panel(
-        'level',
-        'Vibration level [unit] rms',
-        (Trend('rms', 'level', LINE['blue'], 'rms'),),
-        from_zero=True,
-    ),
-    Panel(
-        'velocity',
-        'Velocity 10 to 1000 Hz [mm/s rms]',
-        (Trend('velocity_rms', 'velocity', LINE['green'], 'velocity_rms'),),
-        from_zero=True,
-    ),
+    _one('level', 'Vibration level [unit] rms', 'blue', 'rms', from_zero=True),
+    _one('velocity', 'Velocity 10 to 1000 Hz [mm/s rms]', 'green', 'velocity_rms', from_zero=True),
     Panel(
         'baseline',
         'Level over its own baseline [dB]',

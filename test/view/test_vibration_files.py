@@ -47,7 +47,7 @@ def test_the_page_of_a_file_has_its_verdict_and_no_invented_date(folder, tmp_pat
     assert f'{folder.name}/{name}' in text
     assert 'Inner race fault' in text
     assert 'Vibration measured' in text
-    found = re.search(r'([\d.]+) Hz found', text)[1]
+    found = re.search(r'Found ([\d.]+) Hz', text)[1]
     assert float(found) == pytest.approx(161.7, abs=0.3)
     assert '2020-01-01' not in text
 

@@ -63,8 +63,8 @@ class Machine:
     """Kind and parameters of each node."""
     unread: dict[str, tuple[int, str]] = field(default_factory=dict)
     """By topic: how many messages cannot be read, and the first reason."""
-    beside: list[str] = field(default_factory=list)
-    """Topics of vibration that the verdict is not about."""
+    sensors: set[str] = field(default_factory=set)
+    """Topics of vibration; ``vibration``, else the first, is shown."""
 
     @property
     def name(self) -> str:
@@ -130,7 +130,8 @@ class _Collector:
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
         self._temperature = math.nan
-        self._topic = self._thermometer = ''
+        self._topic = ''
+        self._chosen: dict[str, str] = {}
         self._next_state = -math.inf
         self._takers: dict[str, Callable[[float, Any], None]] = {
             'bearing_twin_msgs/msg/Diagnosis': self._diagnosis,
@@ -153,6 +154,25 @@ class _Collector:
             count, reason = self.machine.unread.get(message.topic, (0, str(error)))
             self.machine.unread[message.topic] = count + 1, reason
 
+    def _counts(self, name: str, forget: Callable[[], None]) -> bool:
+        """
+        Whether the topic is the one that counts of its kind: that of this name, else the first.
+
+        Where it comes after another, what that has left is forgotten.
+        """
+        before = self._chosen.setdefault(name, self._topic)
+        if before != self._topic and self._topic.endswith(f'/{name}'):
+            self._chosen[name] = self._topic
+            forget()
+        return self._chosen[name] == self._topic
+
+    def _forget_vibration(self) -> None:
+        machine = self.machine
+        machine.vibration.clear()
+        machine.strips.clear()
+        machine.over_temperature.forget_vibration()
+        machine.source.forget_vibration()
+
     def _diagnosis(self, time: float, message: Any) -> None:
         self.machine.diagnoses.append((time, message))
         self.machine.headline.take(time, message)
@@ -173,12 +193,9 @@ class _Collector:
             self.machine.headline.spectrum(message)
 
     def _measured(self, time: float, message: Any) -> None:
-        if self._topic != self._thermometer:
-            # Beside that of the bearing there may be one of the room.
-            if self._thermometer and not self._topic.endswith('/temperature'):
-                return
-            self._thermometer = self._topic
-            self.machine.measured.clear()
+        if not self._counts('temperature', self.machine.measured.clear):
+            # Of the room, say.
+            return
         self.machine.measured.append((time, float(message.temperature)))
         if not self.machine.states:
             self._temperature = float(message.temperature)
@@ -197,6 +214,9 @@ class _Collector:
     def _vibration(self, time: float, message: Any) -> None:
         samples = np.asarray(message.y if len(message.y) else message.x, dtype=np.float32)
         machine = self.machine
+        machine.sensors.add(self._topic)
+        if not self._counts('vibration', self._forget_vibration):
+            return
         if not samples.size or not 0.0 < message.sample_rate <= HIGHEST_RATE:
             return
         machine.unit = str(message.unit)

@@ -10,11 +10,9 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin import __version__
-from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.bearing.vocabulary import PLACES, TITLES
 from bearing_twin.diagnosis.severity import SLOW_HZ
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
-from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.recording.schedule import undated
@@ -24,6 +22,7 @@ from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.html import CSS, table
 from bearing_twin.view.report.plots import appended_figures, figures
 from bearing_twin.view.report.svg import VERDICT_COLOURS
+from bearing_twin.view.source import bearing_in_words
 from bearing_twin.view.style import FAMILIES
 from bearing_twin.view.trends import recorded
 from bearing_twin.view.verdict import (
@@ -170,7 +169,12 @@ def _measurement(machine: Machine, worst: Any) -> list[tuple[str, str]]:
     rows = [
         ('Asset', machine.hardware or machine.namespace or 'not named'),
         ('Sensor', machine.source.frame or 'not named'),
-        ('Bearing', _geometry(str(worst.bearing))),
+        *(
+            [('Vibration topics', ', '.join(sorted(machine.sensors)))]
+            if len(machine.sensors) > 1
+            else []
+        ),
+        ('Bearing', bearing_in_words(str(worst.bearing))),
         (
             'Window',
             f'{worst.sample_count / (worst.sample_rate or math.nan):.1f} s '
@@ -190,17 +194,6 @@ def _measurement(machine: Machine, worst: Any) -> list[tuple[str, str]]:
     if math.isfinite(worst.smallest_detectable):
         rows.append(('Smallest fault that would show', f'{worst.smallest_detectable:.2f} mm'))
     return rows
-
-
-def _geometry(name: str) -> str:
-    try:
-        b = find_bearing(name)
-    except BearingTwinError:
-        return name
-    return (
-        f'{b.name}: {b.n_balls} balls of {1e3 * b.d_ball:.2f} mm on {1e3 * b.d_pitch:.1f} mm, '
-        f'contact angle {math.degrees(b.contact_angle):g}°'
-    )
 
 
 def _families(worst: Any) -> str:

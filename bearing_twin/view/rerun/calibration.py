@@ -7,14 +7,13 @@ from __future__ import annotations
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import samples_ns
-from bearing_twin.view.rerun.picture import Asset, Picture, Trends
+from bearing_twin.view.rerun.picture import Picture
 from bearing_twin.view.style import LINE
 from bearing_twin.view.trends import CALIBRATION
 import numpy as np
 import rerun as rr
 
 if TYPE_CHECKING:
-    from bearing_twin.view.rerun.canvas import Canvas
     from numpy.typing import NDArray
 
 __all__ = ['CalibrationPicture']
@@ -28,16 +27,13 @@ class CalibrationPicture(Picture):
     """Draw the messages of one calibration topic."""
 
     kind = 'calibration'
-
-    def __init__(self, canvas: Canvas, asset: Asset) -> None:
-        super().__init__(canvas, asset)
-        self._trends = Trends(canvas, asset, CALIBRATION)
+    panels = CALIBRATION
 
     def draw(self, message: Any, time: int) -> bool:
         """Draw a calibration whose record begins at ``time`` in ns."""
         if message.sample_rate > 0.0:
             time += samples_ns(message.sample_count, message.sample_rate)
-        self._trends.hold(message, time)
+        self.trends.hold(message, time)
         words = rr.TextDocument(_words(message), media_type=rr.MediaType.MARKDOWN)
         self.canvas.put('words', time, words)
         self._draw_spectra(message, time)
@@ -86,12 +82,6 @@ class CalibrationPicture(Picture):
         self.canvas.put(
             name, time, rr.BarChart(values, abscissa=places, widths=widths, color=colour)
         )
-
-    def flush(self, *, slow: bool) -> None:
-        """Send the trends."""
-        if slow:
-            self._trends.flush()
-        super().flush(slow=slow)
 
 
 def _words(message: Any) -> str:

@@ -72,10 +72,13 @@ class Picture:
 
     kind = ''
     """What the layout takes it for; '' for something that has no view."""
+    panels: Sequence[Panel] = ()
+    """Quantities that are drawn over time."""
 
     def __init__(self, canvas: Canvas, asset: Asset) -> None:
         self.canvas = canvas
         self.asset = asset
+        self.trends = Trends(canvas, asset, self.panels)
 
     def draw(self, message: Any, time: int) -> bool:
         """Draw a message at ``time`` in ns; return whether there is something to be seen."""
@@ -83,6 +86,8 @@ class Picture:
 
     def flush(self, *, slow: bool) -> None:
         """Send what is held; ``slow``: the lines that can wait too."""
+        if slow:
+            self.trends.flush()
         self.canvas.flush(slow=slow)
 
     def finish(self) -> None:

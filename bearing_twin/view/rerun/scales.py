@@ -26,7 +26,7 @@ class Scales:
         """Greatest contact force, N."""
         self._peak = 0.0
         self._units: set[str] = set()
-        self._coldest, self._hottest = math.inf, -math.inf
+        self._coldest = self._hottest = math.nan
 
     @property
     def vibration(self) -> float:
@@ -36,9 +36,7 @@ class Scales:
     @property
     def temperature(self) -> tuple[float, float] | None:
         """Lowest and highest temperature, degC."""
-        if self._hottest <= self._coldest:
-            return None
-        return self._coldest, self._hottest
+        return (self._coldest, self._hottest) if self._hottest > self._coldest else None
 
     def take(self, type_name: str, message: Any) -> None:
         """Take a message; one of another version may lack fields."""
@@ -64,4 +62,5 @@ class Scales:
 
     def _degrees(self, value: float) -> None:
         if math.isfinite(value):
-            self._coldest, self._hottest = min(self._coldest, value), max(self._hottest, value)
+            self._coldest = float(np.fmin(self._coldest, value))
+            self._hottest = float(np.fmax(self._hottest, value))

@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.view.over_temperature import OverTemperature
 from bearing_twin.view.rerun.calibration import CalibrationPicture
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.generic import AnyPicture
@@ -16,6 +18,7 @@ from bearing_twin.view.rerun.texts import CheckpointPicture, LogPicture, TextPic
 from bearing_twin.view.rerun.twinstate import TwinPicture
 from bearing_twin.view.rerun.verdict import VerdictPicture
 from bearing_twin.view.rerun.waveform import Waveform
+from bearing_twin.view.source import Source
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -90,10 +93,28 @@ class Scene:
         picture = self._pictures.get((name, type_name))
         if picture is None:
             canvas = Canvas(self._emit, f'{self.root}/{name}', self._timebase)
-            picture = PICTURES.get(type_name, AnyPicture)(canvas, self.asset)
+            picture = PICTURES.get(type_name, AnyPicture)(canvas, self._asset_of(name, type_name))
             self._pictures[name, type_name] = picture
         if picture.draw(message, self._timebase.of(message, received)):
             self.contents.setdefault(name, picture.kind)
+
+    def _asset_of(self, name: str, type_name: str) -> Asset:
+        """
+        Return what a new picture shares: the asset, but for a second sensor of vibration.
+
+        A twin beside a sensor is not what the verdict is about: ``vibration`` is, else the first.
+        """
+        sensors = [p for p in self._pictures.values() if isinstance(p, Waveform)]
+        if PICTURES.get(type_name) is not Waveform or not sensors:
+            return self.asset
+        apart = replace(self.asset, source=Source(), over_temperature=OverTemperature())
+        if name != 'vibration':
+            return apart
+        for sensor in sensors:
+            sensor.asset = apart
+        self.asset.source.forget_vibration()
+        self.asset.over_temperature.forget_vibration()
+        return self.asset
 
     def flush(
         self, complain: Callable[[str, Exception], None], *, slow: bool, last: bool = False

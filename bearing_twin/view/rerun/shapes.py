@@ -72,23 +72,9 @@ def inner_ring(bearing: Bearing, colour: Colour) -> rr.Mesh3D:
 def cage(bearing: Bearing, colour: Colour) -> list[rr.Mesh3D]:
     """Return the two rims of the cage, one on each side of the balls."""
     pitch, ball = 0.5 * MILLI * bearing.d_pitch, MILLI * bearing.d_ball
-    rims = []
-    for side in (-1.0, 1.0):
-        low, high = sorted((side * 0.50 * ball, side * 0.56 * ball))
-        rims.append(
-            lathe(
-                np.array(
-                    [
-                        [pitch - 0.06 * ball, low],
-                        [pitch + 0.06 * ball, low],
-                        [pitch + 0.06 * ball, high],
-                        [pitch - 0.06 * ball, high],
-                    ]
-                ),
-                colour,
-            )
-        )
-    return rims
+    rim = np.array([[-0.06, 0.50], [0.06, 0.50], [0.06, 0.56], [-0.06, 0.56]])
+    rims = [rim, np.flipud(rim * [1.0, -1.0])]
+    return [lathe([pitch, 0.0] + ball * profile, colour) for profile in rims]
 
 
 def lathe(profile: NDArray[np.float64], colour: Colour) -> rr.Mesh3D:
@@ -104,20 +90,17 @@ def lathe(profile: NDArray[np.float64], colour: Colour) -> rr.Mesh3D:
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     angles = np.linspace(0.0, 2.0 * np.pi, TURN + 1)
     turn = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    points, normals, triangles = [], [], []
-    first = 0
-    for begin, end, out in zip(profile, ends, normal, strict=True):
-        for corner in (begin, end):
-            points.append(np.column_stack([corner[0] * turn, np.full(TURN + 1, corner[1])]))
-            normals.append(np.column_stack([out[0] * turn, np.full(TURN + 1, out[1])]))
-        a = first + np.arange(TURN)
-        b = a + TURN + 1
-        triangles += [np.column_stack([a, a + 1, b]), np.column_stack([a + 1, b + 1, b])]
-        first += 2 * (TURN + 1)
+    corners, out = np.stack([profile, ends], axis=1).reshape(-1, 2), np.repeat(normal, 2, axis=0)
+    points = np.dstack([corners[:, :1, None] * turn, np.tile(corners[:, 1:, None], (TURN + 1, 1))])
+    normals = np.dstack([out[:, :1, None] * turn, np.tile(out[:, 1:, None], (TURN + 1, 1))])
+    first = 2 * (TURN + 1) * np.arange(len(profile))
+    a = (first[:, None] + np.arange(TURN)).ravel()
+    b = a + TURN + 1
+    triangles = np.concatenate([np.stack([a, a + 1, b], 1), np.stack([a + 1, b + 1, b], 1)])
     return rr.Mesh3D(
-        vertex_positions=np.concatenate(points),
-        vertex_normals=np.concatenate(normals),
-        triangle_indices=np.concatenate(triangles),
+        vertex_positions=points.reshape(-1, 3),
+        vertex_normals=normals.reshape(-1, 3),
+        triangle_indices=triangles,
         albedo_factor=colour,
     )
 

@@ -10,6 +10,7 @@ from bearing_twin.view.style import LINE
 from bearing_twin.view.verdict import pretty
 import numpy as np
 import rerun as rr
+from scipy.signal import welch
 
 if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
@@ -105,11 +106,7 @@ def _column(samples: NDArray[np.float64]) -> NDArray[np.float64]:
     """
     Return the level in dB over ROWS equal bands up to half the sample rate.
 
-    Averaged periodograms with a Hann window of 2 * ROWS samples.
+    By Welch's method with a Hann window of 2 * ROWS samples.
     """
-    length = 2 * ROWS
-    frames = np.lib.stride_tricks.sliding_window_view(samples, length)[:: length // 2]
-    window = np.hanning(length)
-    power = np.abs(np.fft.rfft((frames - samples.mean()) * window, axis=1)) ** 2
-    mean = power.mean(axis=0)[1:] * 2.0 / window.sum() ** 2
-    return np.asarray(10.0 * np.log10(np.maximum(mean, 1e-30)))
+    _, mean = welch(samples - samples.mean(), nperseg=2 * ROWS, detrend=False, scaling='spectrum')
+    return np.asarray(10.0 * np.log10(np.maximum(mean[1:], 1e-30)))

@@ -4,14 +4,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
-from bearing_twin.bearing.catalogue import find_bearing
-from bearing_twin.bearing.geometry import fault_orders
-from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.view.rerun.picture import Picture
+from bearing_twin.view.source import bearing_in_words
 import rerun as rr
 
 __all__ = ['CheckpointPicture', 'LogPicture', 'TextPicture', 'entity', 'parameter_tables']
@@ -31,7 +28,8 @@ class CheckpointPicture(Picture):
         lines = [f'### {message.node}: {message.kind}, bearing_twin {message.version}', '']
         for name, table in parameter_tables(values).items():
             lines += [f'#### {name}', ''] if name else []
-            lines += _bearing_lines(str(table.get('bearing', '')))
+            if bearing := str(table.get('bearing') or ''):
+                lines.append(f'Bearing {bearing_in_words(bearing, orders=True)}.')
             cells = [f'| {k} | {v} ' for k, v in table.items() if v not in ('', None)] + ['| | ']
             lines += ['', '| parameter | value | parameter | value |', '|---|---|---|---|']
             lines += [f'{a}{b}|' for a, b in zip(cells[::2], cells[1::2], strict=False)] + ['']
@@ -86,18 +84,3 @@ def entity(text: str) -> str:
     """Return a part of an entity path that stands for any text."""
     kept = ''.join(c if c.isalnum() or c in '-_.' else '_' for c in text.strip())
     return '_'.join(filter(None, kept.split('_'))) or 'unnamed'
-
-
-def _bearing_lines(name: str) -> list[str]:
-    """Return what is known about a bearing of the catalogue, Markdown."""
-    try:
-        bearing = find_bearing(name)
-    except BearingTwinError:
-        return []
-    orders = fault_orders(bearing)
-    return [
-        f'Bearing **{bearing.name}**: {bearing.n_balls} balls of {1e3 * bearing.d_ball:g} mm on '
-        f'{1e3 * bearing.d_pitch:g} mm, contact angle {math.degrees(bearing.contact_angle):g}°. '
-        f'Orders without slip: BPFO {orders.bpfo:.3f}, BPFI {orders.bpfi:.3f}, '
-        f'BSF {orders.bsf:.3f}, FTF {orders.ftf:.4f}.'
-    ]

@@ -10,7 +10,7 @@ from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.rerun.bearing3d import Bearing3D, check_pose
 from bearing_twin.view.rerun.lanes import Lane
-from bearing_twin.view.rerun.picture import Asset, Picture, Trends
+from bearing_twin.view.rerun.picture import Asset, Picture
 from bearing_twin.view.style import TEMPERATURE_STATES
 from bearing_twin.view.trends import recorded, TWIN_STATE
 import rerun as rr
@@ -25,20 +25,20 @@ class TwinPicture(Picture):
     """Draw the messages of one twin_state topic."""
 
     kind = 'twin_state'
+    panels = TWIN_STATE
 
     def __init__(self, canvas: Canvas, asset: Asset) -> None:
         super().__init__(canvas, asset)
         self._solid: Bearing3D | None = None
         self._unknown: str | None = None
         self._lane = Lane(canvas, 'temperature_status', TEMPERATURE_STATES)
-        self._trends = Trends(canvas, asset, TWIN_STATE)
 
     def draw(self, message: Any, time: int) -> bool:
         """Draw a state at ``time`` in ns."""
         self.asset.twin = True
         self.asset.temperature = recorded(message, 'temperature_used')
         self.asset.over_temperature.state(message)
-        self._trends.hold(message, time)
+        self.trends.hold(message, time)
         self._lane.set(int(getattr(message, 'temperature_status', -1)), time)
         solid = self._solid_of(message)
         if solid is not None:
@@ -46,11 +46,9 @@ class TwinPicture(Picture):
         return True
 
     def flush(self, *, slow: bool) -> None:
-        """Send the poses that are held, and if ``slow`` the quantities over time."""
+        """Send the poses that are held too."""
         if self._solid is not None:
             self._solid.flush()
-        if slow:
-            self._trends.flush()
         super().flush(slow=slow)
 
     def _solid_of(self, message: Any) -> Bearing3D | None:

@@ -11,7 +11,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.view.rerun.lanes import Lane
-from bearing_twin.view.rerun.picture import Asset, Picture, Trends
+from bearing_twin.view.rerun.picture import Asset, Picture
 from bearing_twin.view.style import VERDICTS
 from bearing_twin.view.trends import DIAGNOSIS, OVER_LIMITS
 from bearing_twin.view.verdict import facts, Headline, rival, title_of
@@ -36,11 +36,11 @@ class VerdictPicture(Picture):
     """Draw the messages of one diagnosis topic."""
 
     kind = 'diagnosis'
+    panels = (OVER_LIMITS, *DIAGNOSIS)
 
     def __init__(self, canvas: Canvas, asset: Asset) -> None:
         super().__init__(canvas, asset)
         self._lane = Lane(canvas, 'verdict', VERDICTS)
-        self._trends = Trends(canvas, asset, (OVER_LIMITS, *DIAGNOSIS))
         self._headline = asset.headline = Headline()
         self._begin: int | None = None
 
@@ -65,14 +65,8 @@ class VerdictPicture(Picture):
         )
         words = rr.TextDocument(self._words(message), media_type=rr.MediaType.MARKDOWN)
         self.canvas.put('words', time, words)
-        self._trends.hold(message, time)
+        self.trends.hold(message, time)
         return True
-
-    def flush(self, *, slow: bool) -> None:
-        """Send the trends."""
-        if slow:
-            self._trends.flush()
-        super().flush(slow=slow)
 
     def finish(self) -> None:
         """Show the worst sustained verdict, where the recording ends with another one."""

@@ -66,9 +66,7 @@ def show(sources: Sequence[str]) -> int:
     if sys.platform == 'linux' and not {'DISPLAY', 'WAYLAND_DISPLAY'} & set(os.environ):
         msg = 'there is no display; use --web for the browser or --screenshot for a picture'
         raise BearingTwinError(msg)
-    return subprocess.call(
-        [_binary(), '--bind', LOOPBACK, '--port', str(free_port()), *sources], env=_environment()
-    )
+    return subprocess.call([_binary(), '--bind', LOOPBACK, '--port', str(free_port()), *sources])
 
 
 def show_in_browser(
@@ -105,9 +103,7 @@ def show_in_browser(
     data = servers[0] if servers else f'rerun+http://{shown}:{data_port}/proxy'
     command = [_binary(), '--serve-web', '--bind', address, '--port', str(data_port)]
     command += ['--web-viewer-port', str(port), '--server-memory-limit', '75%', *sources]
-    with subprocess.Popen(
-        command, env=_environment(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    ) as server:
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as server:
         # The server is a process of its own and would outlive a termination of this one.
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
@@ -143,7 +139,7 @@ class HeadlessViewer:
         self._live = any('://' in source for source in sources)
         self._folder = tempfile.TemporaryDirectory(prefix='bearing_twin_view_')
         port = free_port()
-        environment = _environment() | {'XDG_RUNTIME_DIR': self._folder.name}
+        environment = os.environ | {'XDG_RUNTIME_DIR': self._folder.name}
         command = [_binary(), '--headless', '--bind', LOOPBACK, '--port', str(port)]
         command += ['--window-size', f'{size[0]}x{size[1]}', '--hide-welcome-screen', *sources]
         self._errors = Path(self._folder.name) / 'stderr'
@@ -152,7 +148,7 @@ class HeadlessViewer:
                 command, env=environment, stdout=subprocess.DEVNULL, stderr=errors
             )
         try:
-            self._client = self._connect(ViewerClient, f'rerun+http://{LOOPBACK}:{port}/proxy')
+            self.client: Any = self._connect(ViewerClient, f'rerun+http://{LOOPBACK}:{port}/proxy')
         except BaseException:
             self.close()
             raise
@@ -183,7 +179,7 @@ class HeadlessViewer:
         while True:
             time.sleep(POLL)
             self._check()
-            state = self._client.get_state()
+            state = self.client.get_state()
             ends = [t.end for r in state.recordings for t in r.timelines if t.end is not None]
             now, end = time.monotonic(), max(ends, default=-math.inf)
             # A server goes on: it is caught up with when time passes as fast there as here.
@@ -196,7 +192,7 @@ class HeadlessViewer:
                 msg = f'the viewer has loaded nothing within {LOAD_TIMEOUT:g} s'
                 raise BearingTwinError(msg)
         if seconds is None:
-            self._client.set_time(play_state='following')
+            self.client.set_time(play_state='following')
         else:
             self._pause(state, seconds)
         time.sleep(SETTLE)
@@ -213,21 +209,16 @@ class HeadlessViewer:
                     raise BearingTwinError(msg)
                 at = found.start + round(NANO * seconds)
                 if found.time_type.lower().startswith('duration'):
-                    self._client.set_time(duration=np.timedelta64(at, 'ns'), play_state='paused')
+                    self.client.set_time(duration=np.timedelta64(at, 'ns'), play_state='paused')
                 else:
-                    self._client.set_time(timestamp=np.datetime64(at, 'ns'), play_state='paused')
+                    self.client.set_time(timestamp=np.datetime64(at, 'ns'), play_state='paused')
                 return
         msg = 'what is shown has no time'
         raise BearingTwinError(msg)
 
     def screenshot(self, path: Path) -> None:
         """Write what the window shows as PNG."""
-        self._client.save_screenshot(str(path))
-
-    @property
-    def client(self) -> Any:
-        """Return the `ViewerClient` of Rerun."""
-        return self._client
+        self.client.save_screenshot(str(path))
 
     def close(self) -> None:
         """End the viewer."""
@@ -288,7 +279,3 @@ def _binary() -> str:
             return str(folder / name)
     msg = f'the Rerun viewer is not in {folder}; reinstall rerun-sdk'
     raise BearingTwinError(msg)
-
-
-def _environment() -> dict[str, str]:
-    return dict(os.environ)
