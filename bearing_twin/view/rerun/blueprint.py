@@ -84,15 +84,22 @@ def layout(
 
 
 def automatic(
-    scenes: Iterable[Scene], *, timeline: str, lines: Iterable[str] = ()
+    scenes: Iterable[Scene],
+    *,
+    timeline: str,
+    lines: Iterable[str] = (),
+    tables: Iterable[str] = (),
 ) -> rrb.Blueprint:
     """
     Return a blueprint with one view for the numbers of a topic; the viewer adds the rest.
 
-    ``lines`` are topics that Rerun itself draws as time series.
+    ``lines`` are topics that Rerun itself draws as time series, ``tables`` those that it reads but
+    does not know how to draw.
     """
     views = [view for scene in scenes for view in _numbers(scene)]
     views += [_lines(topic, [f'{topic}/**'], legend=True) for topic in lines]
+    query = rrb.archetypes.DataframeQuery(timeline=timeline)
+    views += [rrb.DataframeView(origin=topic, name=topic, query=query) for topic in tables]
     return rrb.Blueprint(
         rrb.Grid(*views),
         rrb.SelectionPanel(state='collapsed'),

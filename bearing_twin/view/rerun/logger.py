@@ -134,6 +134,7 @@ class RerunLogger:
             }
         self._scenes: dict[tuple[str, str], Scene] = {}
         self._native_lines: set[str] = set()
+        self._native_tables: set[str] = set()
         self._views = self._laid_out = 0
         self._appeared = self._flushed = self._ticks = 0
 
@@ -184,17 +185,26 @@ class RerunLogger:
         """
         return self._served is None or self._served.drain(timeout)
 
-    def import_mcap(self, path: Path, topics: Iterable[str], *, lines: Iterable[str] = ()) -> str:
+    def import_mcap(
+        self,
+        path: Path,
+        topics: Iterable[str],
+        *,
+        lines: Iterable[str] = (),
+        tables: Iterable[str] = (),
+    ) -> str:
         """
         Draw what Rerun itself can draw of an MCAP file to the file; return why not, or ''.
 
-        Others than ``topics`` are left out. ``lines`` are those that come out as time series.
+        Others than ``topics`` are left out. ``lines`` are those that come out as time series,
+        ``tables`` those that are read but not drawn.
         """
         # Without any pattern Rerun would take all topics.
         chosen = [f'^{re.escape(topic)}$' for topic in topics]
         if self._file is None or not chosen:
             return ''
         self._native_lines.update(lines)
+        self._native_tables.update(tables)
         try:
             reader = McapReader(path, include_topic_regex=chosen, recover=True)
             self._file.recording.send_chunks(reader.stream())
@@ -251,7 +261,8 @@ class RerunLogger:
             scene.flush(self._complain, slow=slow, last=last)
 
     def _count_views(self) -> int:
-        return sum(len(s.contents) + len(s.asset.panels) for s in self._scenes.values())
+        drawn = sum(len(s.contents) + len(s.asset.panels) for s in self._scenes.values())
+        return drawn + len(self._native_tables)
 
     def _settle(self, time_ns: int) -> None:
         """Lay out new topics when no other has followed for a while."""
@@ -272,7 +283,10 @@ class RerunLogger:
             layout(titles, timeline=base.timeline, side_by_side=beside, page=self._page)
             if base.stamped
             else automatic(
-                self._scenes.values(), timeline=base.timeline, lines=sorted(self._native_lines)
+                self._scenes.values(),
+                timeline=base.timeline,
+                lines=sorted(self._native_lines),
+                tables=sorted(self._native_tables),
             )
         )
         self._emit(lambda recording: recording.send_blueprint(blueprint), lasting=True)

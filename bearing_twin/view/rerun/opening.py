@@ -115,19 +115,21 @@ def _draw_foreign(
 ) -> dict[str, str]:
     """Draw what others recorded: Rerun what it knows, we the numbers of all other types."""
     readable = {name: topic for name, topic in info.topics.items() if _is_readable(topic)}
-    natively = {
-        name
+    # Rerun reads every protobuf message, and knows how to draw few.
+    tables = {n for n, t in readable.items() if {e for _, e, _ in t.schemas} == {'protobuf'}}
+    known = {
+        name: topic.type_name.split('/')[-1]
         for name, topic in readable.items()
-        if {encoding for _, encoding, _ in topic.schemas}
-        <= ({'ros2msg'} if topic.type_name.split('/')[-1] in NATIVE else {'protobuf'})
+        if all(encoding == 'ros2msg' for _, encoding, _ in topic.schemas)
     }
-    lines = [name for name in natively if info.topics[name].type_name.split('/')[-1] in SERIES]
+    natively = tables | {name for name, kind in known.items() if kind in NATIVE}
+    lines = [name for name, kind in known.items() if kind in SERIES]
     problems: dict[str, str] = {}
     with RerunLogger(
         recording_id=info.path.resolve().stem, rrd=rrd, timeline=ARRIVAL, full_samples=True
     ) as logger:
         for path in info.files:
-            reason = logger.import_mcap(path, readable, lines=lines)
+            reason = logger.import_mcap(path, readable, lines=lines, tables=tables)
             if reason:
                 problems[str(path)] = reason
         problems |= _draw(logger, '', info, _part(progress, 0, 1), leave_out=natively)
