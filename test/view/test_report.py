@@ -162,6 +162,19 @@ def test_each_namespace_is_a_machine_of_its_own(recording, tmp_path):
     assert len(elements.ids) == len(set(elements.ids))
     assert 'Machine /line3/bearing_7' in text
     assert 'Machine /line3/bearing_8' in text
+    # All verdicts before the first machine.
+    assert text.index('<th>/line3/bearing_8</th>') < text.index('Machine /line3/bearing_7')
+
+
+def test_a_twin_beside_the_sensor_is_not_what_the_page_is_about(recording, tmp_path):
+    end = next(read_messages(recording)).log_time + 8_000_000_000
+    topics = {'/vibration': ['/vibration_twin', '/vibration']}
+    both = rewritten(recording, tmp_path / 'both', rename=lambda t: topics.get(t, [t]), until=end)
+    alone = rewritten(recording, tmp_path / 'alone', until=end)
+    (machine,), (single,) = collect(both).values(), collect(alone).values()
+    assert machine.vibration == single.vibration
+    assert machine.sensors == {'/vibration', '/vibration_twin'}
+    assert '/vibration, /vibration_twin' in report_page(both)
 
 
 def test_what_a_recording_says_is_never_markup(recording, tmp_path):

@@ -5,9 +5,11 @@
 import math
 from pathlib import Path
 import socket
+import struct
 from types import SimpleNamespace
 
 from bearing_twin import cli
+from bearing_twin.bearing import fault_frequencies
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.finding import find_recording
@@ -19,12 +21,14 @@ from bearing_twin.view.rerun.bearing3d import contact_forces, SLOWED
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings
-from bearing_twin.view.rerun.spectra import vector
+from bearing_twin.view.rerun.picture import Asset
+from bearing_twin.view.rerun.spectra import SpectrumBars, vector
 from bearing_twin.view.rerun.spectrogram import COLUMNS, Spectrogram
 from bearing_twin.view.rerun.texts import parameter_tables
 from bearing_twin.view.rerun.timebase import Timebase
 from bearing_twin.view.rerun.viewer import live_url, LOOPBACK
 from bearing_twin.view.rerun.waveform import extremes
+from bearing_twin.view.spectrum import ENVELOPE
 from mcap.writer import Writer
 import numpy as np
 import pytest
@@ -250,6 +254,52 @@ def test_topics_in_other_encodings_are_left_to_rerun(tmp_path):
     assert draw_recordings([path], rrd).keys() == {'/levels'}
     drawn = [c for c in RrdReader(rrd).stream() if c.entity_path == '/levels']
     assert 5 in [chunk.num_rows for chunk in drawn]
+
+
+def test_protobuf_of_others_is_a_table_and_no_complaint(tmp_path):
+    path, rrd = tmp_path / 'a.mcap', tmp_path / 'a.rrd'
+    # A FileDescriptorSet: file m.proto, message Motor with the field 'rpm' of type double.
+    field = b'\x0a\x03rpm\x18\x01\x20\x01\x28\x01'
+    motor = b'\x0a\x05Motor\x12' + bytes([len(field)]) + field
+    file_descriptor = b'\x0a\x07m.proto\x22' + bytes([len(motor)]) + motor + b'\x62\x06proto3'
+    schema_text = b'\x0a' + bytes([len(file_descriptor)]) + file_descriptor
+    with path.open('wb') as file:
+        writer = Writer(file)
+        writer.start(profile='')
+        schema = writer.register_schema('Motor', 'protobuf', schema_text)
+        channel = writer.register_channel('/motor', 'protobuf', schema)
+        for k in range(5):
+            message = b'\x09' + struct.pack('<d', 1500.0 + k)
+            writer.add_message(channel, SECOND + k, message, SECOND + k)
+        writer.finish()
+    assert draw_recordings([path], rrd) == {}
+    chunks = [c for c in RrdReader(rrd).stream() if c.entity_path == '/motor']
+    rows = [row for c in chunks if c.num_rows == 5 for row in c.to_record_batch().to_pylist()]
+    assert [row['Motor:message'][0]['rpm'] for row in rows] == [1500.0 + k for k in range(5)]
+
+
+def test_marks_of_a_fault_go_with_it():
+    expected = fault_frequencies(find_bearing('6307'), 25.4)
+    asset, paths = Asset(), []
+    bars = SpectrumBars(Canvas(lambda mark, **_: paths.append(mark), '/e', Timebase()), asset)
+
+    def draw(window, place, hertz):
+        asset.diagnosis = SimpleNamespace(
+            first_sample=window, result_name=place, faults=[place], fault_hz=hertz
+        )
+        bars.draw(
+            SimpleNamespace(
+                kind=ENVELOPE, unit='1', first_sample=window, start_hz=0.125, bin_hz=0.125,
+                band_low=0.0, band_high=0.0, shaft_hz=25.4, values=np.full(6400, 1e-4),
+                floor=np.full(6400, 1e-4), **expected._asdict(),
+            ),
+            window * SECOND,
+        )  # fmt: skip
+        return {key for key in bars._marked if key.endswith('_found')}
+
+    assert draw(1, 'ball', 2.0 * expected.bsf) == {'whole/ball_found', 'near/ball_found'}
+    # Else the long marks of the ball would stand below the verdict on the cage.
+    assert draw(2, 'cage', expected.ftf) == {'whole/cage_found', 'near/cage_found'}
 
 
 @pytest.mark.parametrize('size', [1, 15, 16, 17, 1024, 1030])
