@@ -310,11 +310,7 @@ def _over_each_other(scene: Scene) -> list[View]:
         if 'fitted_spectrum' in scene.asset.panels:
             views.append(_bars('Machine grey, twin blue [dB over Hz]', f'{path}/spectrum'))
         if 'fitted_turn' in scene.asset.panels:
-            turns = (
-                _bars(f'One revolution, {name} [over ms]', f'{path}/turn_{name}')
-                for name in ('machine', 'twin')
-            )
-            views.append(rrb.Vertical(*turns))
+            views.append(_bars(f'One revolution [{_unit(scene)} over ms]', f'{path}/turn'))
     return views
 
 
@@ -433,7 +429,9 @@ def _nodes(scenes: Iterable[Scene]) -> list[View]:
         ]
     views: list[View] = []
     if logs:
-        views.append(rrb.TextLogView(origin='/', contents=logs, name='Log'))
+        # The text names its node: a column of entities would cut it.
+        columns = rrb.archetypes.TextLogColumns(text_log_columns=['LogLevel', 'Body'])
+        views.append(rrb.TextLogView(origin='/', contents=logs, name='Log', columns=columns))
     if lanes:
         views.append(_lanes('Health of the nodes', lanes))
     if panels:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ['CalibrationPicture']
 
 NAMES = 'machine', 'twin'
+FIELDS = 'measured_turn', 'twin_turn'
 BARS = 400
 """Most bars of one revolution."""
 
@@ -55,8 +56,8 @@ class CalibrationPicture(Picture):
         self.asset.panels.add('fitted_spectrum')
 
     def _draw_turns(self, message: Any, time: int) -> None:
-        """Draw one revolution of each over ms: of neighbouring samples the largest."""
-        for name, field in zip(NAMES, ('measured_turn', 'twin_turn'), strict=True):
+        """Draw a revolution of each over the other: of neighbouring samples the largest."""
+        for name, field, share in zip(NAMES, FIELDS, (1.0, 0.4), strict=True):
             turn = np.array(getattr(message, field, ()), dtype=np.float32)
             if not len(turn):
                 return
@@ -65,7 +66,7 @@ class CalibrationPicture(Picture):
             largest = rows[np.arange(len(rows)), np.abs(rows).argmax(axis=1)]
             step = 1e3 * group / message.turn_rate
             place = step * np.arange(len(rows), dtype=np.float32)
-            self._bars(f'turn_{name}', time, place, largest, 1.0)
+            self._bars(f'turn/{name}', time, place, largest, share)
         self.asset.panels.add('fitted_turn')
 
     def _bars(

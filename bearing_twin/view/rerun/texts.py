@@ -65,7 +65,8 @@ class LogPicture(Picture):
     def draw(self, message: Any, time: int) -> bool:
         """Draw a log message at ``time`` in ns."""
         level = LOG_LEVELS.get(int(message.level), 'INFO')
-        self.canvas.put(entity(message.name), time, rr.TextLog(str(message.msg), level=level))
+        text = f'{message.name}: {message.msg}'
+        self.canvas.put(entity(message.name), time, rr.TextLog(text, level=level))
         return True
 
 
