@@ -16,7 +16,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.diagnosis.comb import HARMONICS
-from bearing_twin.diagnosis.gate import SHAFT_TURNS
+from bearing_twin.diagnosis.gate import DAMPING, SHAFT_TURNS
 from bearing_twin.diagnosis.impulsive_outliers import limit_impulsive_outliers
 from bearing_twin.diagnosis.severity import Levels
 from bearing_twin.diagnosis.spectra import (
@@ -46,7 +46,11 @@ __all__ = [
 SECONDS = 1.0
 """Least length of a segment, where the window has it."""
 
-_TREE_DEPTH = 3
+_TREE_DEPTH, _NARROW_HZ = 3, 1600.0
+"""Halvings of the range down to the narrowest bands, and their width above 25.6 kHz: as many
+halvings more as keep it, since faster sampling adds noise to a wider band and no ringing."""
+_REACH = 0.5 / DAMPING
+"""Bands reach up to so many times their width: what rings there is as wide, to half its power."""
 _LAP, _LONGEST_LAP = 0.05, 0.25
 """Part of a segment by which it laps over the one before."""
 _CLASSES = 4
@@ -170,7 +174,8 @@ def _layout(
     hop = stretch * next((k for k in parts if k * stretch >= 0.98 * least), count)
     most = max(int(sample_rate / (2.0 * _OVERSAMPLED * highest_hz)), 1)
     step = next(s for s in range(most, 0, -1) if stretch % s == 0)
-    lap = _lap(hop, step)
+    depth = max(_TREE_DEPTH, round(math.log2(0.5 * sample_rate / _NARROW_HZ)))
+    lap = _lap(hop, step, 4 << depth)
     length = hop + lap
     bin_hz = sample_rate / length
     return Layout(
@@ -181,13 +186,13 @@ def _layout(
         max(int(8.0 * shaft_hz / bin_hz), 64),
         line_cap(hop / sample_rate * shaft_hz),
         fault_orders(bearing).ftf * shaft_hz,
-        band_tree(length // 2, bin_hz, depth=_TREE_DEPTH, narrowest_hz=narrowest_hz),
+        band_tree(length // 2, bin_hz, depth=depth, narrowest_hz=narrowest_hz, reach=_REACH),
     )
 
 
-def _lap(hop: int, step: int) -> int:
+def _lap(hop: int, step: int, tiles: int) -> int:
     """Lap with which a segment is transformed quickly, and is cut into tiles of bands."""
-    points, tiles = hop // step, 4 << _TREE_DEPTH
+    points = hop // step
     lengths = range(math.ceil((1.0 + _LAP) * points), int((1.0 + _LONGEST_LAP) * points) + 1)
     quick = [n for n in lengths if fft.next_fast_len(n) == n]
     tiled = (n for n in quick if n * step % tiles == 0)

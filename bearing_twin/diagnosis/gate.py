@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     'CAGE_TURNS',
+    'DAMPING',
     'HEALTHY_TURNS',
     'SHAFT_TURNS',
     'Extent',
@@ -34,6 +35,10 @@ faults (measured: docs/diagnosis.md, detection power)."""
 
 CAGE_TURNS = 40.0
 """Least cage turns in a window for a cage statement."""
+
+DAMPING = 0.04
+"""Part of the critical damping that what rings after an impact is taken to have; housings and
+races in them have 2 to 5 %."""
 
 _CLIPPED_SHARE = 0.005
 _RUN = 3

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import functools
+import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.kernels import line_power, over_floor
@@ -192,14 +193,22 @@ class BandTree:
         ]
 
 
-def band_tree(bins: int, bin_hz: float, *, depth: int, narrowest_hz: float) -> BandTree:
+def band_tree(
+    bins: int, bin_hz: float, *, depth: int, narrowest_hz: float, reach: float = math.inf
+) -> BandTree:
     """
     Tree over ``bins`` bins: the whole range, then 3, 7, 15, ... half-overlapping bands.
 
-    It ends at ``depth`` halvings or where a band would be narrower than ``narrowest_hz``.
+    It ends at ``depth`` halvings or where a band would be narrower than ``narrowest_hz``. No
+    band ends beyond ``reach`` times its width: what rings there fills wider ones.
 
     >>> band_tree(12800, 1.0, depth=3, narrowest_hz=500.0).bands[:2]
     [(0.0, 12800.0), (0.0, 6400.0)]
+    >>> [len(firsts) for _, firsts in band_tree(102400, 1.0, depth=6, narrowest_hz=500.0).levels]
+    [1, 3, 7, 15, 31, 63, 127]
+    >>> tree = band_tree(102400, 1.0, depth=6, narrowest_hz=500.0, reach=12.5)
+    >>> [len(firsts) for _, firsts in tree.levels]
+    [1, 3, 7, 15, 24, 24, 24]
 
     """
     levels: list[tuple[int, tuple[int, ...]]] = [(bins, (0,))]
@@ -207,8 +216,8 @@ def band_tree(bins: int, bin_hz: float, *, depth: int, narrowest_hz: float) -> B
         width = bins >> level
         if width * bin_hz < narrowest_hz:
             break
-        firsts = (i * (width // 2) for i in range(2 ** (level + 1) - 1))
-        levels.append((width, tuple(firsts)))
+        most = min(2 ** (level + 1), int(2.0 * min(reach, 2.0**level)))
+        levels.append((width, tuple(i * (width // 2) for i in range(most - 1))))
     return BandTree(bin_hz, tuple(levels))
 
 
@@ -395,7 +404,7 @@ def _lags_by_tile(
         for apart, lag, total in sums:
             if apart < wide:
                 part = level[..., lag : lag + total.shape[-1]]
-                part += total[:, wide - apart :: wide // 2]
+                part += total[:, wide - apart :: wide // 2][:, :count]
                 part -= total[:, :: wide // 2][:, :count]
         levels.append(level)
     return levels

@@ -6,6 +6,7 @@ import math
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.comb import accumulate, comb_scores, NEUTRAL, order_spectra
+from bearing_twin.diagnosis.demodulation import choose_layout
 from bearing_twin.diagnosis.gate import check_record
 from bearing_twin.diagnosis.report import coarse_spectrum
 from bearing_twin.diagnosis.severity import iso_zone, Levels, measure_severity
@@ -69,6 +70,23 @@ def test_band_tree_covers_the_range_with_half_overlap():
     assert len(band_tree(6400, 1.0, depth=3, narrowest_hz=2000.0).levels) == 2
 
 
+def test_bands_of_a_faster_sampled_machine_are_those_of_the_slower_one_and_wider_ones_above():
+    """Faster sampling adds noise to a wider band, and no ringing."""
+    bearing = find_bearing('6205')
+    slow, *faster = (
+        {tuple(np.round(b)) for b in choose_layout(rate, rate, 8, bearing, 25.0).tree.bands}
+        for rate in (25_600, 51_200, 102_400, 204_800)
+    )
+    assert len(slow) == 26
+    for number, bands in enumerate(faster, start=1):
+        assert slow < bands
+        assert len(bands) <= 26 + 25 * number
+        # Half-overlapping bands as wide as a ringing of 4 % damping, or one halving wider.
+        for ringing in np.arange(1600.0, 0.5 * 25_600 * 2.0**number, 700.0):
+            inside = [b for b in bands if b[0] <= ringing <= b[1]]
+            assert min(b[1] - b[0] for b in inside) <= max(1600.0, 0.16 * ringing)
+
+
 @pytest.mark.parametrize('depth', [0.1, 0.5])
 def test_modulation_index_of_a_modulated_carrier(depth):
     """(1 + a cos)^2 has the relative lines 2a / (1 + a^2/2) and (a^2/2) / (1 + a^2/2)."""
@@ -100,13 +118,21 @@ def test_envelope_spectrum_agrees_with_hilbert(rng):
 
 
 @pytest.mark.parametrize('carrier', [0.0, 30.0])
-@pytest.mark.parametrize('samples', [1 << 15, 32_760, 3 * 5**4 * 32, 20_000])
-def test_band_of_a_tree_is_the_band_alone_and_the_autocorrelation(rng, samples, carrier):
+@pytest.mark.parametrize(
+    ('samples', 'depth', 'reach'),
+    [
+        *((samples, 3, 9.0) for samples in (1 << 15, 32_760, 3 * 5**4 * 32, 20_000)),
+        *((samples, 4, 4.5) for samples in (1 << 15, 32_760)),
+    ],
+)
+def test_band_of_a_tree_is_the_band_alone_and_the_autocorrelation(
+    rng, samples, depth, reach, carrier
+):
     """Bands of a tree share transforms where they can; ends, lags and levels must not mix."""
     n = np.arange(samples)
     x = rng.standard_normal(samples) * (1.0 + 0.5 * np.sin(0.01 * n)) + carrier * np.cos(0.7 * n)
     spectra = whiten((np.fft.rfft(x) / samples).astype(np.complex64), 128, cap=30.0)
-    tree = band_tree(samples // 2, 1.0, depth=3, narrowest_hz=700.0)
+    tree = band_tree(samples // 2, 1.0, depth=depth, narrowest_hz=700.0, reach=reach)
     # Points for 700 lags and no more, as the window has them.
     found = np.fft.rfft(squared_envelopes(spectra, tree, 1400), axis=-1)
     bands = [(width, first) for width, firsts in tree.levels for first in firsts]

@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What can show in the samples, and what is said where it cannot."""
+
+from bearing_twin.bearing import fault_orders, find_bearing
+from bearing_twin.diagnosis import diagnose_record, StreamingDiagnoser
+import numpy as np
+import pytest
+from scipy import signal
+
+BEARING = find_bearing('6205')
+SHAFT_HZ = 25.0
+
+
+def _ringing(rng, order, *, seconds, rate, resonance_hz, shaft_hz=SHAFT_HZ):
+    """Impacts through one resonance with 4 % damping, RMS 1; they scatter by 1 % of their gap."""
+    count, fault_hz = round(seconds * rate), order * shaft_hz
+    numbers = np.arange(1, int(seconds * fault_hz))
+    times = (numbers + 0.01 * rng.standard_normal(len(numbers))) / fault_hz
+    impacts = np.zeros(count)
+    impacts[(times * rate).astype(int)] = 1.0 + 0.1 * rng.standard_normal(len(times))
+    turning = 2.0 * np.pi * resonance_hz
+    t = np.arange(round(8.0 / (0.04 * turning) * rate)) / rate
+    x = signal.fftconvolve(impacts, np.exp(-0.04 * turning * t) * np.sin(turning * t))[:count]
+    return x / x.std()
+
+
+def _outer_at_102400_hz(seconds):
+    """Outer race that rings at 3 kHz, in white noise that is 1 within 12.8 kHz."""
+    rng, rate = np.random.default_rng(4), 102_400
+    order = fault_orders(BEARING, 0.005).bpfo
+    x = 0.35 * _ringing(rng, order, seconds=seconds, rate=rate, resonance_hz=3000.0)
+    return x + 2.0 * rng.standard_normal(len(x))
+
+
+def test_faster_sampling_of_the_same_machine_says_the_same():
+    x = _outer_at_102400_hz(6.0)
+    slow = diagnose_record(signal.resample_poly(x, 1, 4), 25_600, BEARING, SHAFT_HZ)
+    fast = diagnose_record(x, 102_400, BEARING, SHAFT_HZ)
+    assert slow.faults == fast.faults == ('outer',)
+    assert fast.level == 'fault'
+    assert fast.modulation_index['outer'] == pytest.approx(slow.modulation_index['outer'], rel=0.1)
+
+
+def test_a_fast_stream_names_what_the_record_does():
+    x = _outer_at_102400_hz(4.0)
+    diagnoser = StreamingDiagnoser(BEARING)
+    said = [
+        verdict
+        for first in range(0, len(x), 10_000)
+        for verdict in diagnoser.push(first, x[first : first + 10_000], 102_400.0, SHAFT_HZ)
+    ]
+    assert said[-1].faults == ('outer',), said[-1].reasons
+    assert said[-1].score == diagnose_record(x, 102_400, BEARING, SHAFT_HZ).score
