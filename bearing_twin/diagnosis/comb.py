@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.kernels import best_bands, comb_sums, NEUTRAL, three_bins
@@ -54,6 +55,8 @@ class OrderSpectra:
     """Number of independent windows in the mean."""
     hidden: NDArray[np.bool_] | None = None
     """(K,) mask of bins that say nothing; None: each says what it holds."""
+    highest: float = math.inf
+    """Half of the sample rate, orders."""
 
     def rows(self, orders: NDArray[np.floating] | Sequence[float]) -> NDArray[np.intp]:
         """Nearest row of each order; rows beyond the end are the last one."""
@@ -100,13 +103,14 @@ class OrderSpectra:
             self,
             step=self.step / self.given,
             carrier=self.carrier / self.given,
+            highest=self.highest / self.given,
             given=1.0,
         )
 
 
 def order_spectra(
     spectra: EnvelopeSpectra,
-    edges: Sequence[float],
+    bands: Sequence[tuple[float, float]],
     shaft_hz: float,
     given_hz: float,
 ) -> OrderSpectra:
@@ -117,25 +121,26 @@ def order_spectra(
     ----------
     spectra
         Squared envelope spectra.
-    edges
-        Lower edge of each band, Hz.
+    bands
+        Lower and upper edge of each band, Hz; the first is the whole range.
     shaft_hz, given_hz
         Shaft speed refined and handed in, Hz.
 
     >>> from bearing_twin.diagnosis.spectra import EnvelopeSpectra
     >>> ones = np.ones((400, 3), np.float32)
     >>> spectra = EnvelopeSpectra(0.25, ones, ones[:, :1], ones[:, :1].T, ones.T, 0.0, 1)
-    >>> found = order_spectra(spectra, [0.0], 25.0, 25.0)
-    >>> found.step, found.logs.shape
-    (0.01, (400, 3))
+    >>> found = order_spectra(spectra, [(0.0, 12800.0)], 25.0, 25.0)
+    >>> found.step, found.logs.shape, found.highest
+    (0.01, (400, 3), 512.0)
 
     """
     return OrderSpectra(
         spectra.bin_hz / shaft_hz,
         spectra.logs,
         spectra.excess,
-        np.asarray(edges, dtype=np.float32) / np.float32(shaft_hz),
+        np.asarray([band[0] for band in bands], dtype=np.float32) / np.float32(shaft_hz),
         given_hz / shaft_hz,
+        highest=bands[0][1] / shaft_hz,
     )
 
 

@@ -16,7 +16,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.diagnosis.comb import HARMONICS
-from bearing_twin.diagnosis.gate import DAMPING, SHAFT_TURNS
+from bearing_twin.diagnosis.gate import DAMPING, HIGHEST_RINGING_HZ, SHAFT_TURNS
 from bearing_twin.diagnosis.impulsive_outliers import limit_impulsive_outliers
 from bearing_twin.diagnosis.severity import Levels
 from bearing_twin.diagnosis.spectra import (
@@ -46,11 +46,11 @@ __all__ = [
 SECONDS = 1.0
 """Least length of a segment, where the window has it."""
 
-_TREE_DEPTH, _NARROW_HZ = 3, 1600.0
-"""Halvings of the range down to the narrowest bands, and their width above 25.6 kHz: as many
-halvings more as keep it, since faster sampling adds noise to a wider band and no ringing."""
 _REACH = 0.5 / DAMPING
 """Bands reach up to so many times their width: what rings there is as wide, to half its power."""
+_TREE_DEPTH, _NARROW_HZ = 3, HIGHEST_RINGING_HZ / _REACH
+"""Halvings of the range down to the narrowest bands, and their width above 25.6 kHz: as many
+halvings more as keep it, since faster sampling adds noise to a wider band and no ringing."""
 _LAP, _LONGEST_LAP = 0.05, 0.25
 """Part of a segment by which it laps over the one before."""
 _CLASSES = 4

@@ -132,6 +132,11 @@ class Evidence:
         """Shaft speed, Hz."""
         return self._combs.shaft_hz
 
+    @_measured(undisturbed=math.inf)
+    def sample_rate(self) -> float:
+        """Hz."""
+        return self._combs.sample_rate
+
     @cached_property
     def bearing(self) -> Bearing:
         """Geometry."""

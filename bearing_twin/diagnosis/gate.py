@@ -18,12 +18,14 @@ if TYPE_CHECKING:
 __all__ = [
     'CAGE_TURNS',
     'DAMPING',
+    'HIGHEST_RINGING_HZ',
     'HEALTHY_TURNS',
     'SHAFT_TURNS',
     'Extent',
     'check_extents',
     'check_record',
     'check_speeds',
+    'fastest_impacts_hz',
 ]
 
 SHAFT_TURNS = 20.0
@@ -39,6 +41,15 @@ CAGE_TURNS = 40.0
 DAMPING = 0.04
 """Part of the critical damping that what rings after an impact is taken to have; housings and
 races in them have 2 to 5 %."""
+
+HIGHEST_RINGING_HZ = 20_000.0
+"""Highest frequency at which impacts are looked for: few sensors and mountings pass more."""
+
+_PASSED = 1.0 / 2.56
+"""Part of the sample rate up to which the filters of a measuring chain pass."""
+_RUN_TOGETHER = 1.8
+"""Rate of impacts over the corner of their ringing at which they still have the index of a
+fault."""
 
 _CLIPPED_SHARE = 0.005
 _RUN = 3
@@ -168,6 +179,29 @@ def check_speeds(shaft_hz: NDArray[np.float64]) -> list[str]:
     if not np.isfinite(shaft_hz).all() or shaft_hz.min() <= 0.0:
         return ['the shaft stood still or turned backwards within the window']
     return []
+
+
+def fastest_impacts_hz(sample_rate: float) -> float:
+    """
+    Highest rate of impacts, Hz, at which a fault would show in the envelope.
+
+    The squared envelope of a ringing at f0 decays as exp(-t 2 pi c), c = 2 zeta f0, so that the
+    k-th harmonic of impacts at f is lowered by H_k = 1 / sqrt(1 + (k f / c)^2). Impacts as loud as
+    the noise in their band then have the modulation index sqrt(sum H_k^2) over four harmonics,
+    which falls to 0.6, that of a fault, at f = 1.8 c. The highest f0 is what the samples pass, at
+    most 20 kHz, with a damping zeta of 4 %.
+
+    Parameters
+    ----------
+    sample_rate
+        Hz.
+
+    >>> round(fastest_impacts_hz(25600.0)), round(fastest_impacts_hz(204800.0))
+    (1440, 2880)
+
+    """
+    ringing_hz = min(_PASSED * sample_rate, HIGHEST_RINGING_HZ)
+    return _RUN_TOGETHER * 2.0 * DAMPING * ringing_hz
 
 
 def _in_runs(at_end: NDArray[np.bool_]) -> int:

@@ -21,8 +21,9 @@ from dataclasses import replace
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.diagnosis.confidence import confidence, LEAST_CONFIDENCE, Trust
+from bearing_twin.diagnosis.demodulation import highest_fault_order
 from bearing_twin.diagnosis.fits import fitting_bearings, fitting_speeds
-from bearing_twin.diagnosis.gate import CAGE_TURNS, HEALTHY_TURNS
+from bearing_twin.diagnosis.gate import CAGE_TURNS, fastest_impacts_hz, HEALTHY_TURNS
 from bearing_twin.diagnosis.thresholds import (
     IMPACTS,
     INDEX_FAULT,
@@ -219,6 +220,21 @@ def _few_shaft_turns(e: Evidence) -> Verdict | None:
     text = (
         f'{e.turns:.0f} shaft turns show strong faults only, and none is there: '
         f'{HEALTHY_TURNS:g} are needed to call it healthy, {HEALTHY_TURNS / e.shaft_hz:.1f} s'
+    )
+    return Verdict(result='insufficient', level='none', reasons=(text,), candidates=e.candidates)
+
+
+@_rule('insufficient', 'Impacts hardly show that come faster than their ringing dies away.')
+def _run_together(e: Evidence) -> Verdict | None:
+    highest_hz = highest_fault_order(e.bearing) * e.shaft_hz
+    shown_hz = fastest_impacts_hz(e.sample_rate)
+    if e.remaining or highest_hz <= shown_hz:
+        return None
+    text = (
+        f'a fault would strike up to {highest_hz:.0f} times a second, and at this sample rate '
+        f'only what strikes up to {shown_hz:.0f} times is sure to show, before ringing runs '
+        'together: call it healthy from a record with faster sampling or a slower shaft, and look '
+        'for lines at multiples of the fault frequencies in the spectrum'
     )
     return Verdict(result='insufficient', level='none', reasons=(text,), candidates=e.candidates)
 

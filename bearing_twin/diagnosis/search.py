@@ -121,6 +121,7 @@ class CombSearch:
         measured = speed.tolerance <= STEADY
         self._precision = 0.0 if measured else min(speed.uncertainty, found)
         self.shaft_hz = speed.shaft_hz
+        self.sample_rate = 2.0 * spectra.highest * speed.shaft_hz
         self.top = len(spectra.logs) * spectra.step
         shaft = np.arange(1.0, self.top + 1.0)
         self._silent = spectra.near(shaft, 1.25 * spectra.step)

@@ -113,7 +113,7 @@ def analyse_window(
     bands = layout.tree.bands
     lines = sum(segment.lines for segment in segments) / len(segments)
     return Window(
-        order_spectra(spectra, [band[0] for band in bands], speed.shaft_hz, shaft_hz),
+        order_spectra(spectra, bands, speed.shaft_hz, shaft_hz),
         speed,
         bands,
         spectra,

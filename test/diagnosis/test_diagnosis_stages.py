@@ -189,8 +189,7 @@ def _orders(x, shaft_hz, top=25.0):
         whiten(spectrum, 256), tree, max_hz=top * shaft_hz, floor_width=200
     )
     power = np.abs(spectrum).astype(np.float32) ** 2
-    edges = [low for low, _ in tree.bands]
-    return order_spectra(envelopes, edges, shaft_hz, shaft_hz), envelopes, power, bin_hz
+    return order_spectra(envelopes, tree.bands, shaft_hz, shaft_hz), envelopes, power, bin_hz
 
 
 def _train(rng, order, shaft_hz, seconds, noise=1.0):

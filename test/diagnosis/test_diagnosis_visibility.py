@@ -4,6 +4,8 @@
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis import diagnose_record, StreamingDiagnoser
+from bearing_twin.diagnosis.gate import fastest_impacts_hz
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT
 import numpy as np
 import pytest
 from scipy import signal
@@ -23,6 +25,28 @@ def _ringing(rng, order, *, seconds, rate, resonance_hz, shaft_hz=SHAFT_HZ):
     t = np.arange(round(8.0 / (0.04 * turning) * rate)) / rate
     x = signal.fftconvolve(impacts, np.exp(-0.04 * turning * t) * np.sin(turning * t))[:count]
     return x / x.std()
+
+
+@pytest.mark.parametrize(('rate', 'result'), [(12_800, 'insufficient'), (25_600, 'healthy')])
+def test_healthy_is_said_where_a_fault_would_show(rate, result):
+    # The inner race would strike 840 times a second. At 12.8 kHz the highest resonance is one of
+    # 5 kHz, which rings for 0.8 ms.
+    rng, shaft_hz = np.random.default_rng(5), 840.0 / fault_orders(BEARING).bpfi
+    noise = rng.standard_normal(rate)
+    assert diagnose_record(noise, rate, BEARING, shaft_hz).result == result
+
+
+@pytest.mark.parametrize('off', [0.98, 1.02])
+def test_the_fastest_impacts_have_the_index_of_a_fault(off):
+    """Half of the power in impacts whose squared ringing decays, the other half in noise."""
+    rate, fault_hz = 25_600.0, off * fastest_impacts_hz(25_600.0)
+    t = np.arange(0.0, 0.01, 1e-7)
+    squared = np.exp(-2.0 * 0.04 * 2.0 * np.pi * rate / 2.56 * t)
+    lines = [
+        abs((squared * np.exp(-2j * np.pi * k * fault_hz * t)).sum()) / squared.sum()
+        for k in range(1, 5)
+    ]
+    assert (np.hypot.reduce(lines) > INDEX_FAULT) == (off < 1.0)
 
 
 def _outer_at_102400_hz(seconds):

@@ -84,6 +84,8 @@ CASES = {
         (),
     ),
     'few_shaft_turns': (Evidence.of(turns=49.0), 'insufficient', 'none', ()),
+    # The inner race of a 6205 strikes 5.4 times a turn of 1/25 s.
+    'run_together': (Evidence.of(sample_rate=2400.0), 'insufficient', 'none', ()),
     'no_comb': (Evidence.of(turns=50.0), 'healthy', 'ok', ()),
     'same_lines': (
         Evidence.of(INNER, OUTER, explained={('inner', 'outer'), ('outer', 'inner')}),
