@@ -319,9 +319,17 @@ class Evidence:
 
     @_measured(undisturbed=())
     def masked_candidates(self) -> tuple[Candidate, ...]:
-        """Combs of races and balls that show, but coincide with harmonics of the shaft."""
-        found = map(self._combs.masked_candidate, PLACES[:3])
-        return tuple(c for c in found if c is not None)
+        """
+        Combs of races and balls that show, but coincide with harmonics of the shaft.
+
+        The highest comes first. Multiples of the shaft have multiples in common: combs that are
+        clearly lower share its lines.
+        """
+        found = filter(None, map(self._combs.masked_candidate, PLACES[:3]))
+        highest, *others = sorted(found, key=lambda c: -c.z) or (None,)
+        if highest is None:
+            return ()
+        return (highest, *(c for c in others if c.z * RIVAL > highest.z))
 
     @cached_property
     def leading(self) -> Candidate:

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 __all__ = [
     'CAGE_TURNS',
     'DAMPING',
-    'HIGHEST_RINGING_HZ',
     'HEALTHY_TURNS',
+    'HIGHEST_RINGING_HZ',
     'SHAFT_TURNS',
     'Extent',
     'check_extents',

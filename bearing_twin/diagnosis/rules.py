@@ -161,7 +161,8 @@ def _masked_candidate(e: Evidence) -> Verdict | None:
         level='suspect',
         faults=tuple(c.place for c in e.masked_candidates),
         reasons=(str(first), text),
-        candidates=e.candidates,
+        candidates=e.candidates | {c.place: c for c in e.masked_candidates},
+        at_most=0.5,
     )
 
 

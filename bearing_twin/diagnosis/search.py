@@ -272,12 +272,16 @@ class CombSearch:
         return self._uncertainty <= STEADY
 
     def masked_candidate(self, place: str) -> Candidate | None:
-        """Comb of a place that shows, but coincides with harmonics of the shaft."""
-        order = self.orders.impacts(place)
-        slack = self._uncertainty * order + 1.25 * self._all.step
-        if abs(order - round(order)) > slack:
+        """
+        Comb of a place that shows, but coincides with harmonics of the shaft.
+
+        It does at any slip that the place may have: an order that is not a whole number slips on
+        to one.
+        """
+        found = self.best(place, self._all)
+        slack = self._uncertainty * found.order + 1.25 * self._all.step
+        if abs(found.order - round(found.order)) > slack:
             return None
-        found = self.best(place, self._all, (0.0, 0.0))
         return found if found.z >= Z_FAULT and found.index >= INDEX_FAULT else None
 
     def without(self, candidate: Candidate) -> OrderSpectra:

@@ -49,6 +49,28 @@ def test_the_fastest_impacts_have_the_index_of_a_fault(off):
     assert (np.hypot.reduce(lines) > INDEX_FAULT) == (off < 1.0)
 
 
+@pytest.mark.parametrize('name', ['6307', '6203'])
+def test_an_outer_race_that_slips_on_to_a_multiple_of_the_shaft_is_not_healthy(name):
+    rng, bearing = np.random.default_rng(3), find_bearing(name)
+    assert 3.02 < fault_orders(bearing).bpfo < 3.06
+    x = _ringing(rng, 3.0, seconds=8.0, rate=25_600, resonance_hz=4000.0)
+    x += rng.standard_normal(len(x))
+    said = diagnose_record(x, 25_600, bearing, SHAFT_HZ, speed_tolerance=0.002)
+    assert said.level == 'suspect', said.reasons
+    assert said.faults == ('outer',)
+    assert 0.4 < said.confidence <= 0.5
+    assert said.score['outer'] > 20.0
+
+
+def test_a_sound_machine_that_shakes_once_a_turn_stays_healthy():
+    rng, bearing = np.random.default_rng(3), find_bearing('6307')
+    turns = np.arange(8 * 25_600) / 25_600 * SHAFT_HZ
+    x = rng.standard_normal(len(turns)) * (1.0 + 0.4 * np.cos(2.0 * np.pi * turns))
+    x += sum(np.cos(2.0 * np.pi * k * turns) / k for k in range(1, 6))
+    said = diagnose_record(x, 25_600, bearing, SHAFT_HZ, speed_tolerance=0.002)
+    assert said.result == 'healthy', said.reasons
+
+
 def _outer_at_102400_hz(seconds):
     """Outer race that rings at 3 kHz, in white noise that is 1 within 12.8 kHz."""
     rng, rate = np.random.default_rng(4), 102_400
