@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
 __all__ = ['Selection', 'in_file_order', 'in_time_order']
 
+EXTRAS = (Opcode.ATTACHMENT, Opcode.METADATA)
 MOST_MERGED = 256 * 1024 * 1024
 """Most bytes of overlapping chunks that are held to put messages in order."""
 
@@ -153,6 +154,7 @@ def in_file_order(
     keep: Selection,
     damaged: Callable[[BrokenRecording], None] | None = None,
     candidates: Callable[[], Iterable[RecordedChannel]] = tuple,
+    extra: Callable[[RawRecord, bytes], None] | None = None,
 ) -> Iterator[RecordedMessage]:
     """
     Read from front to back.
@@ -167,6 +169,8 @@ def in_file_order(
         Told of what is broken, which is stepped over; None: raise instead.
     candidates
         Channels to try for a message whose channel description is lost.
+    extra
+        Takes the attachments and metadata on the way.
 
     Raises
     ------
@@ -200,9 +204,12 @@ def in_file_order(
             return None
         return _message(catalogue, data, at, length, offset)
 
-    wanted = (*DEFINITIONS, Opcode.MESSAGE, Opcode.CHUNK)
+    wanted = (*DEFINITIONS, Opcode.MESSAGE, Opcode.CHUNK, *(EXTRAS if extra else ()))
     for raw, data in sound_records(chunks, wanted, damaged):
         try:
+            if extra and raw.opcode in EXTRAS:
+                extra(raw, data)
+                continue
             if raw.opcode != Opcode.CHUNK:
                 message = of(raw.opcode, data, 0, len(data), raw.offset)
                 if message is not None:

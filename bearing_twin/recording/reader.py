@@ -31,7 +31,6 @@ from bearing_twin.recording.mcapfile import (
     UnfinishedRecording,
 )
 from bearing_twin.recording.messages import in_file_order, in_time_order, Selection
-from bearing_twin.recording.salvage import sound_records
 from bearing_twin.recording.summary import summary_records
 from bearing_twin.stamps import NANO
 from mcap.opcode import Opcode
@@ -291,17 +290,18 @@ def _from_messages(file: BinaryIO, size: int, info: RecordingInfo) -> None:
     with contextlib.suppress(BrokenRecording):
         # Already in the list of problems.
         _read_header(file, size, info)
-    for message in in_file_order(file, size, Selection(), lambda _: None):
-        _count(info, message.channel, 1)
-        _span(info, message.log_time, message.log_time)
-    wanted = (Opcode.METADATA, Opcode.ATTACHMENT)
-    for raw, data in sound_records(Chunks(file, size), wanted, lambda _: None):
+
+    def extra(raw: RawRecord, data: bytes) -> None:
         if raw.opcode == Opcode.METADATA:
             _add_metadata(file, raw, info)
         else:
             record = parse(raw.opcode, data, raw.offset)
             if isinstance(record, Attachment):
                 info.attachments[record.name] = len(record.data)
+
+    for message in in_file_order(file, size, Selection(), lambda _: None, extra=extra):
+        _count(info, message.channel, 1)
+        _span(info, message.log_time, message.log_time)
 
 
 def _read_header(file: BinaryIO, size: int, info: RecordingInfo) -> None:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.catalogue import own_definitions, RecordedChannel
-from bearing_twin.recording.chunks import Chunks
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
     MAGIC,
@@ -24,7 +23,6 @@ from bearing_twin.recording.mcapfile import (
 )
 from bearing_twin.recording.messages import in_file_order, Selection
 from bearing_twin.recording.reader import recording_files
-from bearing_twin.recording.salvage import sound_records
 from bearing_twin.recording.schema import message_schema
 from bearing_twin.recording.summary import summary_records
 from bearing_twin.recording.topics import OWN_TOPICS
@@ -36,6 +34,7 @@ from mcap.records import Attachment, Header, Metadata, Statistics
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from bearing_twin.recording.mcapfile import RawRecord
     from bearing_twin.recording.writer import RecordingWriter
 
 __all__ = ['RecoveryReport', 'find_unfinished', 'recover']
@@ -196,12 +195,18 @@ def _copy(path: Path, writer: RecordingWriter, report: RecoveryReport, others: l
         }
         return tuple(found.values()) or _own_channels()
 
+    def copy_extra(raw: RawRecord, data: bytes) -> None:
+        record = parse(raw.opcode, data, raw.offset)
+        if isinstance(record, Attachment):
+            writer.attach(record.name, record.data, record.media_type)
+        elif isinstance(record, Metadata) and record.name != 'rosbag2':
+            writer.metadata(record.name, record.metadata)
+
     foreign: dict[RecordedChannel, tuple[int, int]] = {}
     with open_mcap(path) as file:
-        if not writer.written:
-            # Of a split recording, those of the first file are enough.
-            _copy_extras(path, size, writer)
-        for message in in_file_order(file, size, Selection(), damaged, candidates):
+        # Of a split recording, those of the first file are enough.
+        extra = None if writer.written else copy_extra
+        for message in in_file_order(file, size, Selection(), damaged, candidates, extra):
             channel = message.channel
             if channel.encoding != 'cdr':
                 messages, octets = foreign.get(channel, (0, 0))
@@ -251,16 +256,3 @@ def _own_channels() -> tuple[RecordedChannel, ...]:
         RecordedChannel(topic, s.type_name, 'cdr', s.encoding, s.text, '', s.type_hash)
         for topic, s in schemas
     )
-
-
-def _copy_extras(path: Path, size: int, writer: RecordingWriter) -> None:
-    """Copy attachments and metadata; what is damaged is reported when the messages are copied."""
-    wanted = (Opcode.ATTACHMENT, Opcode.METADATA)
-    with open_mcap(path) as file:
-        for raw, data in sound_records(Chunks(file, size), wanted, lambda _: None):
-            with contextlib.suppress(BrokenRecording):
-                record = parse(raw.opcode, data, raw.offset)
-                if isinstance(record, Attachment):
-                    writer.attach(record.name, record.data, record.media_type)
-                elif isinstance(record, Metadata) and record.name != 'rosbag2':
-                    writer.metadata(record.name, record.metadata)
