@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import islice
 import math
 from pathlib import Path
 import sys
@@ -36,6 +37,8 @@ __all__ = ['SPECS', 'ReplayNode', 'main']
 
 PROGRESS_PERIOD = 5.0
 LONGEST_WAIT = 0.5
+MOST_AT_ONCE = 100
+"""Messages after which services and parameters are looked at."""
 
 SPECS = (
     fixed('recording', '', 'MCAP file or bag folder to replay.'),
@@ -193,7 +196,7 @@ class ReplayNode(ManagedNode):
             self._running = True
             while self._playing:
                 now = time.monotonic()
-                for message in player.due(now):
+                for message in islice(player.due(now), MOST_AT_ONCE):
                     self._publish(message)
                     if not self._playing:
                         break
@@ -258,6 +261,7 @@ class ReplayNode(ManagedNode):
             # Best-effort publishers have nothing to wait for and answer at once.
             publisher.wait_for_all_acked(Duration(seconds=1))
         self.get_logger().info('the recording has ended')
+        self.failed = bool(self._left_out or self._player.info.problems)
         if self.parameters['exit_at_end']:
             self.context.try_shutdown()
 

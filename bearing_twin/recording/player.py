@@ -158,9 +158,11 @@ class Player:
                 return
             self._fetch()
             self.played += 1
-            yield message
-            if self._next is None and self.loop:
+            ended = self._next is None and self.loop
+            if ended:
                 self._rewind()
+            yield message
+            if ended:
                 # One round a call at most: a recording of one instant must not hold the caller.
                 return
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 import math
 from typing import TYPE_CHECKING
 
@@ -115,3 +116,11 @@ def test_a_recording_of_one_instant_loops_without_holding_the_caller(tmp_path: P
     player = Player(tmp_path / 'run.mcap', loop=True)
     assert len(list(player.due(0.0))) == 1
     assert len(list(player.due(1.0))) == 1
+
+
+def test_a_caller_may_stop_at_the_last_message_of_a_round(recording: Path) -> None:
+    player = Player(recording, loop=True)
+    player.resync(0.0)
+    count = player.info.count
+    assert len(list(islice(player.due(1e6), count))) == count
+    assert not player.finished

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import os
 import subprocess
 import sys
@@ -12,11 +13,12 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.nodes.replay import ReplayNode
 from bearing_twin.recording.reader import read_messages
+from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.ros.launching import NodeProcesses
 import pytest
 import rclpy
 from recorder_process import Source, TIMEOUT
-from recording_samples import PERIOD, write_blocks
+from recording_samples import PERIOD, TEMPERATURE, temperature_cdr, write_blocks
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -135,3 +137,20 @@ def test_recorded_time_stands_while_nothing_plays_and_a_pause_costs_nothing(
         assert len(looked) < 20
     finally:
         rclpy.shutdown()
+
+
+def test_what_subscribers_would_misread_is_left_out(ros_domain: int, tmp_path: Path) -> None:
+    write_blocks(tmp_path / 'run.mcap', 3)
+    with RecordingWriter(tmp_path / 'other.mcap') as writer:
+        for message in read_messages(tmp_path / 'run.mcap'):
+            channel = replace(message.channel, type_hash='RIHS01_' + '0' * 64)
+            writer.copy(replace(message, channel=channel))
+        at = message.log_time
+        writer.write('/t', TEMPERATURE, temperature_cdr(5, 20.0), log_time=at, publish_time=at)
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes:
+        recording = str(tmp_path / 'other.mcap')
+        nodes.start('replay', {'recording': recording, 'wait_for_subscribers': 0.0, 'rate': 1e6})
+        assert nodes.wait('replay', TIMEOUT) == 1
+    said = ''.join(path.read_text() for path in (tmp_path / 'logs').iterdir())
+    assert '/vibration is left out: bearing_twin_msgs/msg/Vibration was recorded with another' in said
+    assert 'the recording has ended' in said
