@@ -11,22 +11,14 @@ import yaml
 
 __all__ = ['LONGEST', 'load_plain']
 
-LONGEST = 100_000
+LONGEST = 1_000_000
 """Longest text that is parsed, characters."""
 
 
-class _PlainLoader(yaml.SafeLoader):
-    """
-    Refuse references to other parts of the text.
-
-    With them some hundred characters describe a structure of billions of elements, which takes all
-    memory when it is merged, copied or printed.
-    """
-
-    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
-        if self.check_event(yaml.AliasEvent):
-            raise yaml.YAMLError('it refers to another part of itself')
-        return super().compose_node(parent, index)
+LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
+"""The one in C, where PyYAML has it: five times as fast."""
+DEEPEST = 100
+"""Levels of lists and tables."""
 
 
 def load_plain(text: str, what: str) -> Any:
@@ -50,8 +42,26 @@ def load_plain(text: str, what: str) -> Any:
         msg = f'{what} has {len(text)} characters; at most {LONGEST} are read'
         raise BearingTwinError(msg)
     try:
-        return yaml.load(text, _PlainLoader)
+        _refuse_structure(text)
+        return yaml.load(text, LOADER)
     except (yaml.YAMLError, ValueError, TypeError, RecursionError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         msg = f'{what} cannot be read as YAML: {reason}'
         raise BearingTwinError(msg) from None
+
+
+def _refuse_structure(text: str) -> None:
+    """
+    Refuse deep nesting, and references to other parts of the text.
+
+    With references some hundred characters describe a structure of billions of elements, which
+    takes all memory when it is merged, copied or printed.
+    """
+    depth = 0
+    for event in yaml.parse(text, Loader=LOADER):
+        if isinstance(event, yaml.AliasEvent):
+            raise yaml.YAMLError('it refers to another part of itself')
+        depth += isinstance(event, yaml.CollectionStartEvent)
+        depth -= isinstance(event, yaml.CollectionEndEvent)
+        if depth > DEEPEST:
+            raise yaml.YAMLError(f'it is nested deeper than {DEEPEST} levels')

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from typing import TYPE_CHECKING
 
@@ -33,7 +34,7 @@ LISTS = 'a0: &a0 [x]\n' + ''.join(
     [
         (MERGES, 'refers to another part'),
         (LISTS, 'refers to another part'),
-        ('[' * 50_000, 'recursion'),
+        ('[' * 50_000, 'nested deeper'),
         ('x: ' + '1' * 50_000, '4300 digits'),
         ('x: 2001-99-99', 'month'),
         ('{[a]: b}', 'constructing'),
@@ -47,6 +48,12 @@ def test_refused_at_once(text: str, reason: str) -> None:
         load_plain(text, 'it')
     assert time.process_time() - began < 5.0
     assert read_qos(text) == []
+
+
+def test_the_configuration_of_hundreds_of_bearings_is_read() -> None:
+    assets = {f'line{k}/pump': {'bearing': '6307', 'load': 500.0, 'why': 'x' * 800}
+              for k in range(359)}  # fmt: skip
+    assert load_plain(json.dumps(assets), 'it') == assets
 
 
 def test_a_recording_with_hostile_qos_is_read_and_recovered(tmp_path: Path) -> None:
