@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -11,7 +12,13 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ['find_recording']
+__all__ = ['find_recording', 'natural']
+
+
+def natural(path: Path) -> list[tuple[int, str]]:
+    """Return the key of an order of names in which 2 comes before 10."""
+    words = re.split(r'(\d+)', path.name)
+    return [(int(word), '') if word.isdecimal() else (-1, word) for word in words]
 
 
 def find_recording(path: Path) -> Path:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import contextlib
 from dataclasses import dataclass, field
-import re
 from typing import BinaryIO, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -18,6 +17,7 @@ from bearing_twin.recording.catalogue import (
     RecordedMessage,
 )
 from bearing_twin.recording.chunks import Chunks
+from bearing_twin.recording.finding import natural
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
     content,
@@ -91,7 +91,7 @@ class RecordingInfo:
     topics: dict[str, TopicInfo] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     metadata_size: int = 0
-    """Bytes of the metadata."""
+    """Bytes of the metadata, without repetition; of the last file."""
     attachments: dict[str, int] = field(default_factory=dict)
     """Name and size in bytes."""
 
@@ -112,7 +112,7 @@ def recording_files(path: Path) -> list[Path]:
 
     """
     if path.is_dir():
-        files = sorted(path.glob('*.mcap'), key=_natural)
+        files = sorted(path.glob('*.mcap'), key=natural)
         if files:
             for file in files:
                 refuse_special(file)
@@ -199,12 +199,6 @@ def _advised(path: Path, error: BrokenRecording) -> BrokenRecording:
     return type(error)(f'{path}: {error}; {advice}', error.offset, error.length)
 
 
-def _natural(path: Path) -> list[tuple[int, str]]:
-    """Sort key that puts bag_10 after bag_9."""
-    words = re.split(r'(\d+)', path.name)
-    return [(int(word), '') if word.isdigit() else (-1, word) for word in words]
-
-
 def recording_info(path: Path) -> RecordingInfo:
     """
     Say what is inside a recording, from its summary where it has one.
@@ -231,6 +225,7 @@ def recording_info(path: Path) -> RecordingInfo:
             info.problems.append(str(error))
             continue
         with file:
+            info.metadata_size = 0
             _look_into(file, file_path, info)
     return info
 
@@ -275,14 +270,15 @@ def _from_summary(file: BinaryIO, size: int, info: RecordingInfo) -> None:
 
 
 def _add_metadata(file: BinaryIO, raw: RawRecord, info: RecordingInfo) -> None:
-    info.metadata_size += raw.length
     if info.metadata_size > MOST_METADATA:
         text = f'more than {MOST_METADATA} bytes of metadata: the rest is not shown'
         if text not in info.problems:
             info.problems.append(text)
         return
     found = read_record(file, raw)
-    if isinstance(found, Metadata):
+    if isinstance(found, Metadata) and info.metadata.get(found.name) != found.metadata:
+        # Each file of a bag repeats them.
+        info.metadata_size += raw.length
         info.metadata[found.name] = found.metadata
 
 

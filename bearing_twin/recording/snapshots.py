@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 import math
-import re
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.finding import natural
 from bearing_twin.recording.foreign import read_signal, Signal
 from bearing_twin.recording.npz import read_npz
 import numpy as np
@@ -60,19 +60,13 @@ def series_files(paths: Sequence[Path]) -> list[Path]:
     for path in paths:
         if path.is_dir():
             inside = (item for item in path.iterdir() if item.suffix.lower() in ENDINGS)
-            files += sorted(inside, key=_natural)
+            files += sorted(inside, key=natural)
         else:
             files.append(path)
     if not files:
         msg = f'{", ".join(map(str, paths))}: no file ends in {", ".join(ENDINGS)}'
         raise BearingTwinError(msg)
     return files
-
-
-def _natural(path: Path) -> list[tuple[int, str]]:
-    """Order of names in which 2 comes before 10."""
-    return [(int(part or 0), '') if part.isdecimal() else (0, part)
-            for part in re.split(r'(\d+)', path.name)]  # fmt: skip
 
 
 def read_snapshots(

@@ -313,7 +313,9 @@ class RecordingWriter(MessageSink):
         o, file = self.options, self._file
         if not file.count or self.problem:
             return False
-        too_large = 0 < o.split_size <= file.size
+        sizes = [o.split_size, o.storage_limit // 2 if o.delete_oldest else 0]
+        # So that at the limit there is an older file to delete.
+        too_large = any(0 < size <= file.size for size in sizes)
         too_long = 0 < o.split_duration * NANO <= log_time - file.start
         return too_large or too_long
 
@@ -378,9 +380,10 @@ def whole_recording(path: Path, options: WriterOptions | None = None) -> Iterato
         if writer.lost:
             msg = f'{writer.lost} messages found no room in memory while the disk was full'
             raise BearingTwinError(msg)
-    except BearingTwinError as error:
+    except BaseException as error:
+        # Ctrl-C too: what is left of it would look whole.
         writer.discard()
-        if writer.problem or writer.lost:
+        if isinstance(error, BearingTwinError) and (writer.problem or writer.lost):
             reason = writer.problem or error
             msg = f'{path} was not written: {reason}; make room, or choose another disk'
             raise BearingTwinError(msg) from None

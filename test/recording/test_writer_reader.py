@@ -9,9 +9,10 @@ import struct
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording import reader
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import read_messages, recording_info
-from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from bearing_twin.recording.writer import RecordingWriter, whole_recording, WriterOptions
 from mcap.reader import make_reader
 from mcap.writer import Writer
 from mcap_ros2.reader import read_ros2_messages
@@ -192,6 +193,43 @@ def test_storage_limit_stops(tmp_path: Path) -> None:
         assert writer.written > 10
     assert sum(f.stat().st_size for f in (tmp_path / 'run').iterdir()) < limit + 40_000
     assert recording_info(tmp_path / 'run').count == writer.written
+
+
+def test_storage_limit_holds_where_a_file_may_be_larger(tmp_path: Path) -> None:
+    options = WriterOptions(
+        storage_limit=200_000, split_duration=1e6, delete_oldest=True, compression='none'
+    )
+    with RecordingWriter(tmp_path / 'run', options) as writer:
+        for index in range(200):
+            writer.write('/v', VIBRATION, vibration_cdr(index), log_time=index, publish_time=index)
+            writer.flush()
+        assert writer.size < 210_000
+    assert recording_info(tmp_path / 'run').count > 10
+
+
+def test_what_files_of_a_bag_repeat_is_no_problem(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(reader, 'MOST_METADATA', 10_000)
+    with RecordingWriter(tmp_path / 'run') as writer:
+        writer.metadata('told', {'text': 'x' * 8000})
+        for index in range(5):
+            writer.write('/v', VIBRATION, vibration_cdr(index), log_time=index, publish_time=index)
+            writer.split()
+    info = recording_info(tmp_path / 'run')
+    assert not info.problems
+    assert info.metadata['told'] == {'text': 'x' * 8000}
+
+
+def test_an_interrupted_result_is_not_left(tmp_path: Path) -> None:
+    def interrupted() -> None:
+        with whole_recording(tmp_path / 'run') as writer:
+            writer.write('/v', VIBRATION, vibration_cdr(0), log_time=0, publish_time=0)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert not (tmp_path / 'run').exists()
 
 
 def test_storage_limit_deletes_its_own_oldest_files_only(tmp_path: Path) -> None:
