@@ -94,7 +94,7 @@ class StampTracker:
         """Sample rate, Hz; 0 while it is not known."""
         self._first: list[int] = []
         self._expected: float | None = None
-        self._jitter = 0.25  # until the stamps have shown theirs
+        self._jitter = 0.12  # until the stamps have shown theirs; a single loss is seen then too
         self._last: int | None = None
         self._steps: deque[int] = deque(maxlen=USUAL)
 

@@ -142,3 +142,10 @@ def test_undated_samples_and_restarts_have_no_measured_rate():
     meter = metered(12000.0, 5)
     meter.take(0, 2 * 10**18)
     assert meter.problem(25600.0) is None
+
+
+def test_a_single_loss_among_the_first_samples_is_counted():
+    times = np.delete(stamps(1000.0, 300, 0.05), [3, 200])
+    tracker = StampTracker(1000.0)
+    gaps = {index: gap for index, stamp in enumerate(times) if (gap := tracker.missing(stamp))}
+    assert gaps == {3: 1, 199: 1}
