@@ -122,6 +122,8 @@ class BlockCycle:
 
     def status(self) -> Status:
         """Status of the deadlines for /diagnostics."""
+        asleep = time.monotonic() - self._woken
+        simulated = self._node.get_parameter('use_sim_time').value
         return realtime.status(
             self._pacer.report(),
             self._statistics,
@@ -129,7 +131,7 @@ class BlockCycle:
             period=self.period,
             scheduling=self._scheduling,
             active=self._node.active,
-            still=time.monotonic() - self._woken > STILL_AFTER + self.period,
+            still=simulated and asleep > STILL_AFTER + self.period,
         )
 
     def _now(self) -> int:
