@@ -15,11 +15,14 @@ from launch.substitutions import LaunchConfiguration
 
 def generate_launch_description() -> LaunchDescription:
     """Return the description."""
+    measured = {name: LaunchConfiguration(name) for name in ('temperature', 'joint_states')}
     return launch_description(
         [
             Argument('namespace', "namespace of the machine, e.g. 'line3/fan_7'", 'machine'),
             Argument('params_file', 'parameter file', shared('config', 'machine.yaml')),
             Argument('samples', 'topic of the accelerometer', 'samples'),
+            Argument('temperature', 'topic of the temperature at the outer ring', 'temperature'),
+            Argument('joint_states', 'topic of the shaft speed', 'joint_states'),
             Argument('twin', 'run the twin beside the machine', 'true', bool),
             Argument('calibrate', 'fit the twin to the machine', 'false', bool),
             Argument('record', 'record to MCAP', 'true', bool),
@@ -41,7 +44,9 @@ def generate_launch_description() -> LaunchDescription:
                 'samples': LaunchConfiguration('samples'),
                 'imu': LaunchConfiguration('samples'),
             },
-            'twin': {'vibration': 'twin/vibration'},
+            'twin': {'vibration': 'twin/vibration', **measured},
+            'diagnosis': measured,
+            'calibration': measured,
         },
         respawned=('adapter', 'diagnosis', 'twin', 'calibration', 'recorder'),
     )

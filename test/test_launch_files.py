@@ -6,6 +6,7 @@ import importlib.util
 import inspect
 import os
 from pathlib import Path
+import re
 import shutil
 import signal
 import subprocess
@@ -23,7 +24,10 @@ pytest.importorskip('launch_ros', reason='launch_ros is part of an installed ROS
 
 FOLDER = Path(__file__).resolve().parents[1] / 'launch'
 PARAMETERS = {spec.name for specs in (FLEET, RECORDER, REPLAY, TWIN) for spec in specs}
-NOT_PARAMETERS = {'namespace', 'params_file', 'record', 'samples', 'twin', 'use_sim_time'}
+NOT_PARAMETERS = {
+    *('calibrate', 'joint_states', 'namespace', 'params_file', 'record', 'samples'),
+    *('temperature', 'twin', 'use_sim_time'),
+}
 
 PREFIXES = [Path(prefix) for prefix in os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)]
 INSTALLED = shutil.which('ros2') and any(
@@ -101,4 +105,5 @@ def test_launch_file_starts_its_nodes(name, ros_domain, tmp_path):
             os.killpg(launched.pid, signal.SIGINT)
             launched.wait(120.0)
     assert launched.returncode == 0
-    assert 'process has died' not in log.read_text()
+    # A node that is still being loaded ends by the signal itself (-2).
+    assert not re.search(r'process has died.*exit code (?!-2)', log.read_text())
