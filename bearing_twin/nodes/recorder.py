@@ -126,7 +126,8 @@ class RecorderNode(ManagedNode):
         self._qos: dict[str, str] = {}
         self._early: deque[tuple[str, str, bytes, MessageInfo]] = deque(maxlen=SUBSCRIPTION_DEPTH)
         self._lost = 0
-        self._heard: set[tuple[str, str]] = set()
+        self._heard: dict[tuple[str, str], int] = {}
+        self._skipped = 0
         self._sent_before: Counter[str] = Counter()
         self._longest_wait = 0
         self._answers = [
@@ -173,9 +174,11 @@ class RecorderNode(ManagedNode):
             raise
         finally:
             # Not the node's logger: its /rosout may be gone by now.
+            missing = self._lost_on_the_way
             get_logger(LOGGER).info(
                 f'{self._writer.path}: {self._writer.written} messages, '
                 f'{self._writer.size / 1e6:.1f} MB, {self._writer.lost} lost'
+                + (f', {missing} more on the way' if missing else '')
             )
 
     def _on_message(self, topic: str, type_name: str, cdr: bytes, info: MessageInfo) -> None:
@@ -195,13 +198,25 @@ class RecorderNode(ManagedNode):
         self._write(topic, type_name, cdr, info, received)
 
     def _count_missed(self, topic: str, info: MessageInfo) -> None:
-        """Count what a publisher sent before it was heard: Jazzy does not tell who sent what."""
+        """
+        Count what a publisher sent before it was heard, and what is missing between its messages.
+
+        Jazzy does not tell who sent what.
+        """
         source, number = info.get('publisher_gid'), info['publication_sequence_number']
-        if source is None or number is None or (key := (topic, str(source))) in self._heard:
+        if source is None or number is None:
             return
-        self._heard.add(key)
-        if number > 1:
-            self._sent_before[topic] += number - 1
+        last = self._heard.get(key := (topic, str(source)))
+        self._heard[key] = max(number, last or 0)
+        if last is None:
+            self._sent_before[topic] += max(0, number - 1)
+        else:
+            self._skipped += max(0, number - last - 1)
+
+    @property
+    def _lost_on_the_way(self) -> int:
+        # The middleware tells nothing of the time in which it had given this process up.
+        return self._lost + max(self._skipped, self._topics.lost)
 
     def _log_time(self, topic: str, info: MessageInfo) -> int:
         """Return when a message was received, ns; 0 while /clock has not been heard of."""
@@ -257,7 +272,7 @@ class RecorderNode(ManagedNode):
 
     def _status(self) -> Status:
         writer, left_out = self._writer, self._topics.left_out
-        lost = self._lost + self._topics.lost
+        lost = self._lost_on_the_way
         values = {
             'output': writer.path.absolute(),
             'messages_written': writer.written,

@@ -119,6 +119,8 @@ class OutputFile:
         self.path = path
         self.count = 0
         """Messages written."""
+        self.given = 0
+        """Of them, those that the operating system has been given in full."""
         self.start = 0
         """First log time, ns."""
         self.vanished = False
@@ -189,7 +191,9 @@ class OutputFile:
 
         """
         self._writer.flush()  # type: ignore[no-untyped-call]
-        return self._push()
+        problem = self._push()
+        self.given = self.given if problem else self.count
+        return problem
 
     def sync(self, disk: DiskSync) -> None:
         """Have what the operating system was given brought to the disk."""

@@ -230,8 +230,12 @@ class RecordingWriter(MessageSink):
         self.problem = self._settle()
         self._disk.close(LONGEST_SYNC)
         if self.problem:
+            lost = len(self._waiting)
+            for file in self._ending:
+                lost += file.count - file.given
+                file.abandon()
             msg = (
-                f'{self.path} could not be finished: {self.problem}; {len(self._waiting)} messages'
+                f'{self.path} could not be finished: {self.problem}; {lost} messages'
                 f" are lost, 'bearing-twin recover {self.path}' saves the rest"
             )
             raise BearingTwinError(msg)

@@ -152,5 +152,5 @@ def test_what_subscribers_would_misread_is_left_out(ros_domain: int, tmp_path: P
         nodes.start('replay', {'recording': recording, 'wait_for_subscribers': 0.0, 'rate': 1e6})
         assert nodes.wait('replay', TIMEOUT) == 1
     said = ''.join(path.read_text() for path in (tmp_path / 'logs').iterdir())
-    assert '/vibration is left out: bearing_twin_msgs/msg/Vibration was recorded with another' in said
+    assert '/vibration is left out: bearing_twin_msgs/msg/Vibration was recorded' in said
     assert 'the recording has ended' in said
