@@ -220,6 +220,29 @@ def test_killed_at_fifty_random_moments(ros_domain: int, tmp_path: Path) -> None
     assert max(losses) <= MOST_LOST
 
 
+@pytest.mark.soak
+def test_a_recorder_that_stood_still_counts_what_it_missed(
+    ros_domain: int, tmp_path: Path
+) -> None:
+    bag = tmp_path / 'bag'
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(bag)})
+        source.wait_for_recorder()
+        source.publish_for(1.0)
+        os.kill(nodes.pid('recorder'), signal.SIGSTOP)
+        # Longer than DDS waits for a participant that says nothing.
+        source.publish_for(30.0)
+        os.kill(nodes.pid('recorder'), signal.SIGCONT)
+        source.publish_until(
+            lambda: source.values(RECORDING).get('messages_lost_on_the_way', '0') != '0'
+        )
+        source.settle()
+        told = int(source.publish_until_told(RECORDING)['messages_lost_on_the_way'])
+        source.settle()
+        assert nodes.end('recorder') == 0
+    assert 0 < len(source.sent) - len(numbers(bag)) <= told
+
+
 def test_full_disk_is_said_and_recording_goes_on(ros_domain: int, tmp_path: Path) -> None:
     bag = tmp_path / 'bag'
     with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
