@@ -131,9 +131,11 @@ def run_offline(
     topics = [t for t, about in info.topics.items() if about.type_name in (TEMPERATURE, JOINTS)]
     heard = [t for t in topics if info.topics[t].type_name == TEMPERATURE and info.topics[t].count]
     chosen = [t for t in heard if temperature in ('', t)]
+    if not heard:
+        msg = f'{source} holds no {TEMPERATURE}; an offline run needs it'
+        raise BearingTwinError(msg)
     if len(chosen) != 1:
-        known = f'there are {", ".join(heard)}: choose one' if heard else 'an offline run needs it'
-        msg = f'{source} holds {"more than one" if chosen else "no such"} {TEMPERATURE}; {known}'
+        msg = f'{source} has temperatures on {", ".join(heard)}: choose one (--temperature TOPIC)'
         raise BearingTwinError(msg)
     topics = [t for t in topics if t in chosen or t not in heard]
     twin_values = read_values(twin_parameters.SPECS, twin or {})
