@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.ros.lifecycle import answered
 from bearing_twin.streams.statefile import StateFolder
 from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
 from rclpy.parameter import Parameter
@@ -77,26 +77,16 @@ class TwinServices:
     def _on_save(
         self, request: SaveState.Request, response: SaveState.Response
     ) -> SaveState.Response:
-        try:
-            path = self._states.save(request.path, self._save())
-        except BearingTwinError as error:
-            response.message = str(error)
-            return response
-        response.success = True
-        response.message = str(path)
-        return response
+        return answered(response, lambda: str(self._states.save(request.path, self._save())))
 
     def _on_load(
         self, request: LoadState.Request, response: LoadState.Response
     ) -> LoadState.Response:
-        try:
+        def load() -> str:
             self._load(self._states.load(request.path))
-        except BearingTwinError as error:
-            response.message = str(error)
-            return response
-        response.success = True
-        response.message = f'loaded {request.path}'
-        return response
+            return f'loaded {request.path}'
+
+        return answered(response, load)
 
     def _on_inject(
         self, request: InjectDefect.Request, response: InjectDefect.Response

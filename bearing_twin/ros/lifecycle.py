@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from rclpy.service import Service
     from rclpy.subscription import MessageInfo, Subscription
 
-__all__ = ['AUTOSTART', 'ManagedNode', 'run']
+__all__ = ['AUTOSTART', 'ManagedNode', 'answered', 'run']
 
 PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
 TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
@@ -103,16 +103,7 @@ class ManagedNode(LifecycleNode):
             Returns the message of the answer; a BearingTwinError refuses the request.
 
         """
-
-        def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-            try:
-                response.message = action()
-                response.success = True
-            except BearingTwinError as error:
-                response.message = str(error)
-            return response
-
-        return self.create_service(Trigger, name, answer)
+        return self.create_service(Trigger, name, lambda _, response: answered(response, action))
 
     def prepare(self) -> None:
         """Compile what is compiled at the first start; in a thread, while services answer."""
@@ -230,6 +221,20 @@ class ManagedNode(LifecycleNode):
             self.get_logger().fatal(traceback.format_exc())
             return TransitionCallbackReturn.ERROR
         return TransitionCallbackReturn.SUCCESS
+
+
+def answered(response: Any, action: Callable[[], str]) -> Any:
+    """
+    Fill in the answer of a service that has ``success`` and ``message``.
+
+    ``action`` returns the message; a BearingTwinError refuses the request.
+    """
+    try:
+        response.message = action()
+        response.success = True
+    except BearingTwinError as error:
+        response.message = str(error)
+    return response
 
 
 def _without_info(callback: Callable[[Any], None]) -> Callable[[Any, MessageInfo], None]:
