@@ -23,7 +23,7 @@ from bearing_twin.diagnosis.gate import check_extents, check_speeds, Extent
 from bearing_twin.diagnosis.report import insufficient, not_shown, report
 from bearing_twin.diagnosis.rules import decide
 from bearing_twin.diagnosis.search import CombSearch
-from bearing_twin.diagnosis.severity import SLOW_HZ
+from bearing_twin.diagnosis.severity import LEAST, Levels, measure_severity, of_length, SLOW_HZ
 from bearing_twin.diagnosis.shaft import ShaftSpeed, Turning
 from bearing_twin.diagnosis.sidebands import sideband_ratio
 from bearing_twin.diagnosis.window import analyse_window
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.demodulation import Layout, Segment
-    from bearing_twin.diagnosis.result import Diagnosis
+    from bearing_twin.diagnosis.result import Diagnosis, Severity
     from bearing_twin.diagnosis.settings import DiagnosisSettings
     from bearing_twin.diagnosis.verdict import Verdict
     from bearing_twin.diagnosis.window import Window
@@ -227,6 +227,25 @@ class Excerpt:
             _ = analysis.alone
         return analysis
 
+    def severity(self, shaft_hz: float) -> Severity | None:
+        """
+        Severity of samples whether or not they show a place; None where nothing is measured.
+
+        Clipping only lowers it. At an unknown speed there is no zone but D, as of a slow machine.
+        """
+        x, settings = self.samples, self.settings
+        if not 0.0 < self.sample_rate < math.inf or len(x) < LEAST:
+            return None
+        if not np.isfinite(x).all() or not np.ptp(x) > 0.0:
+            return None
+        spectrum = fft.rfft(x - x.mean()) / len(x)
+        found = measure_severity(
+            Levels.of(x, spectrum, self.sample_rate), unit=self.unit or settings.unit,
+            power_group=settings.power_group, mounting=settings.mounting,
+            shaft_hz=shaft_hz if math.isfinite(shaft_hz) else 0.0,
+        )  # fmt: skip
+        return of_length(found, len(x), self.sample_rate)
+
     def _window(self, first: int, count: int, layout: Layout) -> Window:
         """Window of ``count`` stretches."""
         each = layout.hop // len(self.stretches[0].samples)
@@ -288,6 +307,7 @@ class Analysis:
                 shaft_hz=self.shaft_hz,
                 temperature=excerpt.temperature,
                 unit=excerpt.unit,
+                severity=excerpt.severity(self.shaft_hz),
             )
         windows = [*earlier, *self.before, self.window.orders]
         verdict, speed = _verdict(

@@ -14,11 +14,26 @@ from bearing_twin.diagnosis.severity import HIGHEST_LIMIT
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis, Severity
 
-__all__ = ['FAULT_DB', 'SUSPECT_DB', 'UNKNOWN', 'by_zone', 'fault_stage', 'raised', 'staged']
+__all__ = [
+    'FALLEN',
+    'FAULT_DB',
+    'SUSPECT_DB',
+    'UNKNOWN',
+    'by_zone',
+    'fault_stage',
+    'raised',
+    'staged',
+]
 
 SUSPECT_DB, FAULT_DB = 6.0, 12.0
 """Level over the baseline of a machine that is doubtful, and of one that is damaged: twice and
 four times the acceleration."""
+
+FALLEN = (
+    'does the machine stand still, is the sensor loose or dead? After a repair start a new '
+    'baseline'
+)
+"""What a level asks that is ``FAULT_DB`` below the baseline."""
 
 UNKNOWN = 0.5
 """Confidence where the level alone speaks: no simulation says how often it is right."""
@@ -34,7 +49,7 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
     Zone C of ISO 20816-3, twice the level of the asset's own baseline, or one that has risen for
     good (:class:`bearing_twin.diagnosis.onset.Rise`), is at least suspect;
     zone D, or four times, is a fault, of unknown place if no comb tells. *Ball or cage* is a fault
-    from twice the baseline on: the level agrees with the comb. A fault gets its stage.
+    from twice the baseline on: the level agrees with the comb.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.report import insufficient
@@ -44,7 +59,24 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
     ('fault', 'ambiguous', 'zone D of ISO 20816-3 is a fault; place unknown')
 
     """
-    return staged(_with_reason(diagnosis))
+    level, why = _asked_for(diagnosis)
+    if LEVELS.index(level) <= LEVELS.index(diagnosis.level):
+        return diagnosis
+    result, confidence = diagnosis.result, diagnosis.confidence
+    if result in ('healthy', 'insufficient'):
+        result, confidence = 'suspect', UNKNOWN
+    if result == 'suspect' and level == 'fault':
+        result = 'ambiguous'
+    place = '' if diagnosis.faults else '; place unknown'
+    meaning = 'a fault' if level == 'fault' else 'suspect'
+    return replace(
+        diagnosis,
+        result=result,
+        level=level,
+        fault_code=FAULT_CODES[result],
+        confidence=confidence,
+        reasons=(*diagnosis.reasons, f'{why} is {meaning}{place}'),
+    )
 
 
 def staged(diagnosis: Diagnosis) -> Diagnosis:
@@ -83,27 +115,6 @@ def fault_stage(index: float, level_over_baseline: float, iso_zone: str) -> int:
     if level_over_baseline >= SUSPECT_DB or iso_zone == 'C':
         return 3
     return 2 if index >= _DEEP else 1
-
-
-def _with_reason(diagnosis: Diagnosis) -> Diagnosis:
-    level, why = _asked_for(diagnosis)
-    if LEVELS.index(level) <= LEVELS.index(diagnosis.level):
-        return diagnosis
-    result, confidence = diagnosis.result, diagnosis.confidence
-    if result in ('healthy', 'insufficient'):
-        result, confidence = 'suspect', UNKNOWN
-    if result == 'suspect' and level == 'fault':
-        result = 'ambiguous'
-    place = '' if diagnosis.faults else '; place unknown'
-    meaning = 'a fault' if level == 'fault' else 'suspect'
-    return replace(
-        diagnosis,
-        result=result,
-        level=level,
-        fault_code=FAULT_CODES[result],
-        confidence=confidence,
-        reasons=(*diagnosis.reasons, f'{why} is {meaning}{place}'),
-    )
 
 
 def _asked_for(diagnosis: Diagnosis) -> tuple[str, str]:

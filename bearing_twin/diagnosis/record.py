@@ -10,7 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.level import raised
+from bearing_twin.diagnosis.level import raised, staged
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.shaft import Turning
 from bearing_twin.errors import BearingTwinError
@@ -126,4 +126,4 @@ def diagnose_record(
         whole = cut(divided=False).analyse().conclude()
         if whole.level == 'fault':
             found = replace(whole, reasons=(*whole.reasons, _BURSTS))
-    return raised(found)
+    return staged(raised(found))

@@ -219,9 +219,10 @@ def insufficient(
     shaft_hz: float = math.nan,
     temperature: float = math.nan,
     unit: str = '',
+    severity: Severity | None = None,
 ) -> Diagnosis:
     """
-    Diagnosis that makes no statement, and says why.
+    Diagnosis that names nothing, and says why; with its severity where that could be measured.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> verdict = insufficient(['the record is empty'], find_bearing('6307'))
@@ -261,7 +262,8 @@ def insufficient(
         band=(0.0, math.nan),
         line_hz=_EMPTY,
         line_level=_EMPTY,
-        severity=Severity(
+        severity=severity
+        or Severity(
             rms=math.nan,
             peak=math.nan,
             crest_factor=math.nan,

@@ -11,7 +11,7 @@ there is an alarm. Snapshots may be seconds or weeks apart.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import asdict, replace
+from dataclasses import asdict
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -26,10 +26,10 @@ from bearing_twin.diagnosis.baseline import (
     SETTLED_K,
 )
 from bearing_twin.diagnosis.dependence import Condition, HealthyRecord, Law, Z90
-from bearing_twin.diagnosis.level import by_zone, FAULT_DB, SUSPECT_DB
+from bearing_twin.diagnosis.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.onset import Rise, rise_begins, slope
 from bearing_twin.diagnosis.series_result import SeriesPoint, SeriesReport, SeriesSettings
-from bearing_twin.diagnosis.severity import BANDS_HZ, Levels, measure_severity
+from bearing_twin.diagnosis.severity import BANDS_HZ, LEAST, Levels, measure_severity, of_length
 from bearing_twin.diagnosis.trend import Source
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -40,10 +40,9 @@ if TYPE_CHECKING:
 
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.averaging import Comb
-    from bearing_twin.diagnosis.result import Severity
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['CONFIRMING', 'SeriesMonitor', 'of_length']
+__all__ = ['CONFIRMING', 'SeriesMonitor']
 
 MEASURES = ('whole band', *(f'{low:g} to {high:g} Hz' for low, high in BANDS_HZ[1:]))
 """Levels that are watched: of the whole signal, and of the bands in which bearings ring. Below
@@ -58,36 +57,12 @@ in 7 of 100 simulated lives: 60 snapshots do not tell the scatter better. Where 
 up to 1.2 dB (memory of 20 snapshots) it stays below 6 dB in 99 of 100 such lives."""
 MOST = 5000
 """Points kept; when there are more, every second of the older half is dropped."""
-SHORTEST_VELOCITY = 1.0
-"""Length, s, from which on a snapshot has a velocity: ten periods of its lowest frequency. That of
-0.1 s depends on where the turn of the shaft is cut."""
 CONFIRMING = 5
 """Snapshots whose median is judged: two of five may be disturbed."""
 
-_FALLEN = (
-    f'{FAULT_DB:g} dB or more below the baseline; does the machine stand still, is the sensor '
-    'loose? After a repair start a new series'
-)
+_FALLEN = f'{FAULT_DB:g} dB or more below the baseline: {FALLEN}'
 _KEPT = ('held', 'low_since', 'alarms', 'changes', 'refused', 'unjudged')
 """Plain values that are saved as they are."""
-
-
-def of_length(severity: Severity, count: int, sample_rate: float) -> Severity:
-    """
-    Return what a snapshot of ``count`` samples at ``sample_rate`` Hz tells of its severity.
-
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.diagnosis.report import insufficient
-    >>> measured = insufficient(['too short'], find_bearing('6307')).severity
-    >>> measured = replace(measured, velocity_rms=2.0, iso_zone='B')
-    >>> [of_length(measured, n, 25600.4).iso_zone for n in (25600, 12800)]
-    ['B', '']
-
-    """
-    # A rate that is measured never makes a whole number of samples.
-    if count >= round(SHORTEST_VELOCITY * sample_rate):
-        return severity
-    return replace(severity, velocity_rms=math.nan, iso_zone='')
 
 
 class SeriesMonitor:
@@ -255,8 +230,8 @@ class SeriesMonitor:
                 f'{sample_rate:g} Hz and unit {unit!r} are not the {before.sample_rate:g} Hz and '
                 f'{before.unit!r} of this series; another sensor?'
             )
-        if len(x) < 64:
-            return 'fewer than 64 samples'
+        if len(x) < LEAST:
+            return f'fewer than {LEAST} samples'
         if not np.isfinite(x).all():
             return 'NaN or infinite samples'
         if np.ptp(x) == 0.0:

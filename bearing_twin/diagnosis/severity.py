@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import TYPE_CHECKING
 
@@ -21,11 +21,13 @@ __all__ = [
     'GRAVITY',
     'HIGHEST_LIMIT',
     'ISO_LIMITS',
+    'LEAST',
     'SLOW_HZ',
     'Levels',
     'acceleration_factor',
     'iso_zone',
     'measure_severity',
+    'of_length',
 ]
 
 BANDS_HZ = ((10.0, 1000.0), (1000.0, 5000.0), (5000.0, 20000.0))
@@ -47,6 +49,13 @@ SLOW_HZ = 10.0
 
 GRAVITY = 9.80665
 """m/s^2 in one g."""
+
+LEAST = 64
+"""Samples without which nothing is measured."""
+
+SHORTEST_VELOCITY = 1.0
+"""Length, s, from which on a record has a velocity: ten periods of its lowest frequency. That of
+0.1 s depends on where the turn of the shaft is cut."""
 
 _FACTORS = {
     **dict.fromkeys(('m/s^2', 'm/s2', 'm/s²', 'm/s/s', 'm s-2', 'm s^-2', 'm/sec^2'), 1.0),
@@ -213,6 +222,25 @@ def measure_severity(
         unit=unit,
         band_rms=tuple(math.sqrt(power) for power in levels.powers[:-1]),
     )
+
+
+def of_length(severity: Severity, count: int, sample_rate: float) -> Severity:
+    """
+    Return what a record of ``count`` samples at ``sample_rate`` Hz tells of its severity.
+
+    >>> x = np.sin(2.0 * np.pi * 100.0 * np.arange(25600) / 25600.0)
+    >>> parts = Levels.of(x, np.fft.rfft(x) / len(x), 25600.0)
+    >>> measured = measure_severity(
+    ...     parts, unit='m/s^2', power_group=1, mounting='rigid', shaft_hz=25.0
+    ... )
+    >>> [of_length(measured, n, 25600.4).iso_zone for n in (25600, 12800)]
+    ['A', '']
+
+    """
+    # A rate that is measured never makes a whole number of samples.
+    if count >= round(SHORTEST_VELOCITY * sample_rate):
+        return severity
+    return replace(severity, velocity_rms=math.nan, iso_zone='')
 
 
 def _rows(low: float, high: float, bin_hz: float, count: int) -> slice:

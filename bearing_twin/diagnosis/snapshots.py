@@ -12,8 +12,9 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import FAULT_CODES, LEVELS
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.level import raised, staged, UNKNOWN
-from bearing_twin.diagnosis.series import of_length, SeriesMonitor
+from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.diagnosis.series_result import LEAST_BASELINE, MOST_BASELINE, SeriesSettings
+from bearing_twin.diagnosis.severity import LEAST, of_length
 from bearing_twin.diagnosis.shaft import Turning
 from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.diagnosis.streaming import checked_block
@@ -33,8 +34,6 @@ __all__ = ['SeriesDiagnoser']
 _VERSION = 1002
 _SOONER = 0.75
 """Share of the cycle after which the next snapshot may come: cycles are never exact."""
-_LEAST = 64
-"""Samples of a snapshot that a gap has cut short."""
 
 
 class SeriesDiagnoser:
@@ -152,7 +151,7 @@ class SeriesDiagnoser:
             settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
         parts, count = self._parts, self._held
         self._parts = []
-        if count < _LEAST:
+        if count < LEAST:
             return []
         self._due.append(self._last)
         return [
@@ -169,6 +168,9 @@ class SeriesDiagnoser:
 
     def judge(self, analysis: Analysis) -> Diagnosis:
         """Judge a snapshot together with all before it."""
+        return staged(self._judged(analysis))
+
+    def _judged(self, analysis: Analysis) -> Diagnosis:
         excerpt, time = analysis.excerpt, self._due.popleft()
         found = analysis.conclude()
         severity = of_length(found.severity, len(excerpt.samples), excerpt.sample_rate)
@@ -199,7 +201,7 @@ class SeriesDiagnoser:
         found = replace(found, severity=severity, reasons=reasons)
         unknown = self._monitor.lost and found.level == 'ok'
         if not unknown and LEVELS.index(level) <= LEVELS.index(found.level):
-            return staged(found)
+            return found
         result, faults, confidence = found.result, found.faults, found.confidence
         if unknown:
             result, confidence = 'insufficient', UNKNOWN
@@ -209,11 +211,10 @@ class SeriesDiagnoser:
             if report.place is not None:
                 faults = (report.place.place,)
                 result = faults[0] if level == 'fault' else 'suspect'
-        found = replace(
+        return replace(
             found, level=level, result=result, faults=faults, confidence=confidence,
             fault_code=FAULT_CODES[result], window=(found.result, found.level),
         )  # fmt: skip
-        return staged(found)
 
     def save(self) -> bytes:
         """State worth keeping over a restart: the series, without a snapshot that is not whole."""

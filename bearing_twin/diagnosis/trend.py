@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS, PLACES, RESULTS
 from bearing_twin.diagnosis.dependence import Condition, HealthyRecord, Law
-from bearing_twin.diagnosis.level import raised, staged
+from bearing_twin.diagnosis.level import FALLEN, FAULT_DB, raised, staged
 from bearing_twin.diagnosis.onset import Rise
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -150,7 +150,7 @@ class Trend:
         """
         severity = diagnosis.severity
         if not severity.rms > 0.0:
-            return diagnosis
+            return self._shown(diagnosis, hold, full)
         level = 20.0 * math.log10(severity.rms)
         now = Condition.at(diagnosis.temperature, diagnosis.shaft_hz)
         if not self.sample_rate:
@@ -177,6 +177,13 @@ class Trend:
                 said = f'baseline is of {2.0**base.octaves:.4g} Hz: not compared at this speed'
                 diagnosis = replace(diagnosis, reasons=(*diagnosis.reasons, said))
             severity = replace(severity, correction_basis=str(law))
+        if over <= -FAULT_DB:
+            # Neither combs nor a low level of a sensor that hears nothing say that all is well.
+            diagnosis = replace(
+                diagnosis, result='insufficient', level='none', faults=(), confidence=0.0,
+                fault_code=FAULT_CODES['insufficient'], kind='',
+                reasons=(*diagnosis.reasons, f'{over:.1f} dB over the baseline: {FALLEN}'),
+            )  # fmt: skip
         rising = self.rise.lasting if self.rise.found else 0
         severity = replace(severity, level_over_baseline=over, rising=rising)
         own = raised(replace(diagnosis, severity=severity))
@@ -184,7 +191,12 @@ class Trend:
             self.minute.append([*now, level])
             if len(self.minute) >= minute:
                 self._take_minute(healthy=own.level == 'ok')
-        return own if own.level == 'none' else self._held(own, hold, full)
+        return self._shown(own, hold, full)
+
+    def _shown(self, own: Diagnosis, hold: int, full: bool) -> Diagnosis:
+        """Return what is shown of a window; one that tells nothing does not end an alarm."""
+        held = own.level != 'none' or self.level in ('suspect', 'fault')
+        return staged(self._held(own, hold, full) if held else own)
 
     def _learn(self, level: float, now: Condition) -> None:
         self.count += 1
@@ -222,7 +234,8 @@ class Trend:
             # The first full window sets the level; before it none is known.
             return replace(own, level='none', window=(own.result, own.level))
         said = ' '.join((own.result, *own.faults))
-        before, level = self.level, self._hold(own.level, hold)
+        known = own.level != 'none'
+        before, level = self.level, self._hold(own.level, hold) if known else self.level
         if own.level != level:
             self.other, self.other_count = '', 0
         elif level != before or said == self.answer or self._another(said, hold):
@@ -234,8 +247,9 @@ class Trend:
         count, words = self.other_count, said
         if own.level != level:
             count, words = self.pending_count, f'{said}, {own.level}'
-        text = f'{self.answer}, {level} held: {count} of {hold} verdicts say {words}'
-        held = replace(
+        text = f'{self.answer}, {level} held: '
+        text += f'{count} of {hold} verdicts say {words}' if known else 'this window tells nothing'
+        return replace(
             own,
             result=result,
             level=level,
@@ -245,7 +259,6 @@ class Trend:
             reasons=(*own.reasons, text),
             window=(own.result, own.level),
         )
-        return staged(held)
 
     def _another(self, said: str, hold: int) -> bool:
         """Whether another answer of the held level takes over."""

@@ -7,7 +7,7 @@ import math
 
 from bearing_twin.bearing import fault_orders, find_bearing, next_step
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
-from bearing_twin.diagnosis.level import raised
+from bearing_twin.diagnosis.level import raised, staged
 from bearing_twin.diagnosis.report import insufficient
 from bearing_twin.diagnosis.trend import Source, Trend
 import numpy as np
@@ -60,7 +60,7 @@ def said(result, level, *faults, over=math.nan, zone='', rms=1.0, velocity=math.
 )
 def test_the_level_is_what_combs_baseline_and_zone_ask_for(fresh, known, result, level):
     diagnosis = said(*fresh, **known)
-    found = raised(diagnosis)
+    found = staged(raised(diagnosis))
     assert (found.result, found.level, found.faults) == (result, level, diagnosis.faults)
     assert (found.severity.stage > 0) == (level == 'fault')
     assert (found.reasons == diagnosis.reasons) == (level == fresh[1])
@@ -146,10 +146,52 @@ def test_no_level_is_known_before_the_first_full_window():
     early = trend.update(fault, MACHINE, wanted=60, hold=3, full=False)
     assert (early.result, early.level) == ('inner', 'none')
     assert trend.update(fault, MACHINE, wanted=60, hold=3, full=True).level == 'fault'
-    # A window that says nothing holds nothing.
-    nothing = said('insufficient', 'none')
-    assert trend.update(nothing, MACHINE, wanted=60, hold=3, full=True).result == 'insufficient'
     assert Trend.of(trend.values()) == trend
+
+
+def test_a_window_that_says_nothing_does_not_end_an_alarm():
+    nothing = said('insufficient', 'none')
+    # Broken samples have no level at all; those of a clipped or short window have one.
+    for lost in (nothing, replace(nothing, severity=replace(nothing.severity, rms=math.nan))):
+        assert _answers([lost] * 4)[-1].result == 'insufficient'
+        held = _answers([said('inner', 'fault', 'inner')] * 4 + [lost] * 9)[-1]
+        assert (held.result, held.level, held.window) == (
+            'inner',
+            'fault',
+            ('insufficient', 'none'),
+        )
+        assert held.reasons[-1] == 'inner inner, fault held: this window tells nothing'
+
+
+def test_a_signal_far_below_its_baseline_is_not_ok():
+    trend = Trend()
+    known = {'wanted': 5, 'hold': 3, 'full': True}
+    for _ in range(6):
+        assert trend.update(said('healthy', 'ok'), MACHINE, **known).level == 'ok'
+    # A dead sensor has noise of its own, and no combs.
+    dead = trend.update(said('healthy', 'ok', rms=0.2), MACHINE, **known)
+    assert (dead.result, dead.level, dead.confidence) == ('insufficient', 'none', 0.0)
+    assert 'is the sensor loose or dead?' in dead.reasons[-1]
+    assert trend.update(said('healthy', 'ok', rms=0.3), MACHINE, **known).level == 'ok'
+
+
+@pytest.mark.parametrize(
+    ('height', 'hertz', 'seconds', 'why'),
+    [(3.0, 25.0, 4.0, 'clipped'), (9e9, math.nan, 4.0, 'speed'), (9e9, 16.0, 1.2, 'turns')],
+)
+def test_samples_that_show_no_place_show_how_loud_the_machine_is(height, hertz, seconds, why):
+    """Zone D by far, clipped, at an unknown speed, or too short for a comb."""
+    t = np.arange(seconds * RATE) / RATE
+    x = 8.0 * np.sin(2.0 * np.pi * 25.0 * t) + np.random.default_rng(0).standard_normal(len(t))
+    settings = DiagnosisSettings(power_group=2, mounting='rigid')
+    known = {'unit': 'm/s^2', 'settings': settings}
+    told = diagnose_record(np.clip(x, -height, height), RATE, BEARING, hertz, **known)
+    assert (told.result, told.level, told.severity.iso_zone) == ('ambiguous', 'fault', 'D')
+    assert told.severity.velocity_rms > 15.0
+    assert told.severity.stage == 4
+    assert any(why in reason for reason in told.reasons)
+    quiet = diagnose_record(1e-3 * np.clip(x, -height, height), RATE, BEARING, hertz, **known)
+    assert (quiet.result, quiet.level) == ('insufficient', 'none')
 
 
 def _windows(diagnoser, impacts, count, first=0):
