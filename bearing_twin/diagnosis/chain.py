@@ -316,6 +316,7 @@ class Analysis:
             self.window.speed,
             self.shaft_hz,
             self.window.revolutions * len(windows),
+            self.window.kurtosis,
         )
         settings = excerpt.settings
         asked = settings.power_group and settings.mounting and not self.window.severity.iso_zone
@@ -342,11 +343,12 @@ def _verdict(
     speed: ShaftSpeed,
     given_hz: float,
     turns: float,
+    kurtosis: float,
 ) -> tuple[Verdict, ShaftSpeed]:
     """Verdict on the mean of several windows, and the speed on which it rests."""
 
     def decided(spectra: OrderSpectra, speed: ShaftSpeed) -> Verdict:
-        return decide(Evidence(CombSearch(spectra, bearing, speed), turns))
+        return decide(Evidence(CombSearch(spectra, bearing, speed), turns, kurtosis))
 
     verdict = decided(accumulate(windows), speed)
     if speed.shaft_hz == given_hz:

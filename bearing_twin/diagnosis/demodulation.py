@@ -114,6 +114,8 @@ class Segment:
     lines: NDArray[np.float32]
     """Squared one-sided amplitude spectrum, bin k at k sample_rate / (hop + lap)."""
     levels: Levels
+    kurtosis: float
+    """Of the samples without single shocks."""
 
 
 @functools.lru_cache(maxsize=64)
@@ -227,6 +229,7 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
     of_noise = np.float32(math.sqrt(length / taper_power))
     levels = Levels.of(x[-layout.hop :], spectrum * of_noise, layout.sample_rate)
     limited = limit_impulsive_outliers(plain, layout.sample_rate, layout.cage_hz)
+    square = limited * limited
     scale = np.float32(1.0 / max(math.sqrt(float(power.sum())), 1e-30))
     scaled = (spectrum if limited is plain else _spectrum(limited, fade, length)) * scale
     points = length // step
@@ -240,6 +243,7 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
         slow,
         power * np.float32((2.0 * length / taper_sum) ** 2),
         levels,
+        float((square * square).mean() / max(float(square.mean()) ** 2, 1e-300)),
     )
 
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING, TypeVar
@@ -79,12 +80,15 @@ class Evidence:
         Search in the envelope spectra.
     turns
         Shaft turns in all windows together.
+    kurtosis
+        Of the newest window's samples without single shocks.
 
     """
 
-    def __init__(self, combs: CombSearch, turns: float) -> None:
+    def __init__(self, combs: CombSearch, turns: float, kurtosis: float = 3.0) -> None:
         self._combs = combs
         self.turns = turns
+        self.kurtosis = kurtosis
 
     @classmethod
     def of(cls, *candidates: Candidate, turns: float = 200.0, **quantities: Any) -> Evidence:
@@ -110,6 +114,7 @@ class Evidence:
         evidence = cls.__new__(cls)
         undisturbed = _UNDISTURBED | {
             'turns': turns,
+            'kurtosis': 3.0,
             'bearing': find_bearing('6205'),
             'cage_turns': 0.4 / quantities.get('step', _UNDISTURBED['step']),
             'claims': Claims(candidates),
@@ -175,6 +180,23 @@ class Evidence:
             if c.place != 'cage' and c.z >= Z_SECOND_LOOK and c.index >= INDEX_FAULT
         )
         return tuple(filter(_significant, map(self._combs.second_look, strong)))
+
+    @_measured(undisturbed=0.0)
+    def outer_index(self) -> float:
+        """Modulation index of the outer race's comb, low bands and all."""
+        return self._combs.index_in_all_bands(self.candidates['outer'])
+
+    @cached_property
+    def heard(self) -> tuple[Candidate, ...]:
+        """
+        Combs of all places with the index of the band in which each is highest.
+
+        Below ``CARRIER`` the outer race's is no evidence of a fault, as the variable compliance of
+        sound bearings shows there, and none of health, as a fault may ring there.
+        """
+        outer = self.candidates['outer']
+        outer = replace(outer, index=max(outer.index, self.outer_index))
+        return tuple((self.candidates | {'outer': outer}).values())
 
     @cached_property
     def faint(self) -> tuple[Candidate, ...]:
@@ -438,6 +460,15 @@ class Evidence:
         """
         combs = (*self.candidates.values(), self.elsewhere)
         return {c.place: self._combs.impacts(c) for c in combs}
+
+    @_measured(undisturbed=False)
+    def smooth(self) -> bool:
+        """
+        Whether the leading comb lacks the third and fourth harmonic that impacts have.
+
+        Noise times 1 + a cos has power of two harmonics only.
+        """
+        return self._combs.smooth(self.leading)
 
     @_measured(undisturbed=False)
     def elsewhere_explains(self) -> bool:

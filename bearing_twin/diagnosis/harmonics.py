@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.comb import OrderSpectra
     from numpy.typing import NDArray
 
-__all__ = ['denser_series', 'line_heights', 'masked_by_shaft', 'missing_harmonics']
+__all__ = ['MISSING', 'denser_series', 'line_heights', 'masked_by_shaft', 'missing_harmonics']
 
 _SPREAD = 0.42
 """Standard deviation of log(1 + E) for E ~ Exp(1), one window."""
@@ -36,7 +36,7 @@ _ALIKE = 0.69
 """Mean log score by which the lines between the harmonics may fall short of them and still count
 as equally high: 3 dB of power. The sidebands of a load that varies as 1 + cos are 6 dB lower."""
 
-_MISSING = 0.25
+MISSING = 0.25
 """Height of harmonics over that of their multiples below which they are missing: half of
 ``_SHARE``, because one or two harmonics of a faint comb are uncertain by half their height."""
 
@@ -118,7 +118,7 @@ def missing_harmonics(
     for multiple in range(HARMONICS, 1, -1):
         shared = harmonics % multiple == 0
         on, off = heights[shared & alive], heights[~shared & alive]
-        if len(on) and len(off) and off.mean() < _MISSING * on.mean():
+        if len(on) and len(off) and off.mean() < MISSING * on.mean():
             return multiple
     return 1
 

@@ -25,10 +25,12 @@ from bearing_twin.diagnosis.demodulation import highest_fault_order
 from bearing_twin.diagnosis.fits import fitting_bearings, fitting_speeds
 from bearing_twin.diagnosis.gate import CAGE_TURNS, fastest_impacts_hz, HEALTHY_TURNS
 from bearing_twin.diagnosis.thresholds import (
+    CARRIER,
     IMPACTS,
     INDEX_FAULT,
     INDEX_STRIKE,
     INDEX_SUSPECT,
+    KURTOSIS,
     RIPPLE,
     RIVAL,
     SLIP_COST,
@@ -176,6 +178,18 @@ def _impacts_elsewhere(e: Evidence) -> Verdict | None:
     return _elsewhere(e, 'fit no part of')
 
 
+@_rule('suspect', 'No load modulates noise so much: impacts or bursts, whatever their period.')
+def _bursts(e: Evidence) -> Verdict | None:
+    if e.remaining or e.kurtosis <= KURTOSIS:
+        return None
+    text = (
+        f'impacts or bursts without a period of this bearing: kurtosis {e.kurtosis:.1f} without '
+        f'single shocks, {KURTOSIS:.1f} is the most of noise that a load modulates; worn '
+        'surfaces, dirt, lack of grease, currents, a rub, looseness? check bearing and speed too'
+    )
+    return Verdict(result='suspect', level='suspect', reasons=(text,), candidates=e.candidates)
+
+
 @_rule(
     'insufficient',
     'Combs of two places of one bearing are not chance: first damage, or waves of its surfaces.',
@@ -187,19 +201,14 @@ def _two_faint_places(e: Evidence) -> Verdict | None:
         'too weak for a fault, but two places of one bearing are not chance: compare with an '
         'earlier record of this machine, and repeat it with a longer window or a nearer sensor'
     )
-    return Verdict(
-        result='insufficient',
-        level='none',
-        reasons=(*map(str, e.faint), text),
-        candidates=e.candidates,
-    )
+    return _insufficient(e, *map(str, e.faint), text)
 
 
 @_rule('insufficient', 'Of machines with such combs more are damaged than sound.')
 def _uncertain_health(e: Evidence) -> Verdict | None:
     if e.remaining:
         return None
-    trust = _trust(e, highest_comb(e.candidates.values()))
+    trust = _trust(e, highest_comb(e.heard))
     sound = confidence('healthy', trust)
     if sound >= LEAST_CONFIDENCE:
         return None
@@ -209,7 +218,7 @@ def _uncertain_health(e: Evidence) -> Verdict | None:
         'sound; a longer window, a measured speed, the exact bearing, or a sensor nearer to it '
         'may tell'
     )
-    return Verdict(result='insufficient', level='none', reasons=(text,), candidates=e.candidates)
+    return _insufficient(e, text)
 
 
 @_rule(
@@ -222,7 +231,7 @@ def _few_shaft_turns(e: Evidence) -> Verdict | None:
         f'{e.turns:.0f} shaft turns show strong faults only, and none is there: '
         f'{HEALTHY_TURNS:g} are needed to call it healthy, {HEALTHY_TURNS / e.shaft_hz:.1f} s'
     )
-    return Verdict(result='insufficient', level='none', reasons=(text,), candidates=e.candidates)
+    return _insufficient(e, text)
 
 
 @_rule('insufficient', 'Impacts hardly show that come faster than their ringing dies away.')
@@ -429,6 +438,17 @@ def _weak_modulation(e: Evidence) -> Verdict | None:
     )
 
 
+@_rule('suspect', 'Sound parts, blades and vanes modulate smoothly; impacts have all harmonics.')
+def _smooth(e: Evidence) -> Verdict | None:
+    if not e.smooth:
+        return None
+    text = (
+        'its third and fourth harmonic are missing: a smooth modulation and no impacts; an error '
+        'of form, or the pulses of blades, vanes or lobes? check bearing and speed'
+    )
+    return _suspect(e, e.leading, text)
+
+
 @_rule('its place', 'The comb is significant, strong, and nothing else explains it.')
 def _fault(e: Evidence) -> Verdict | None:
     places = tuple(c.place for c in (e.leading, *_certain(e)) if c.index >= INDEX_FAULT)
@@ -463,7 +483,7 @@ def decide(evidence: Evidence) -> Verdict:
             # Of two faults both must be there; of several places one.
             pick = min if verdict.result in verdict.faults else max
             comb = pick(named, key=lambda c: c.z, default=None)
-            comb = comb or highest_comb(verdict.candidates.values())
+            comb = comb or highest_comb(evidence.heard)
             return replace(verdict, rule=rule.name, trust=_trust(evidence, comb))
     raise AssertionError('the last rule applies to any evidence')
 
@@ -539,9 +559,19 @@ def _ambiguous(
     )
 
 
+def _insufficient(e: Evidence, *texts: str) -> Verdict:
+    return Verdict(result='insufficient', level='none', reasons=texts, candidates=e.candidates)
+
+
 def _elsewhere(e: Evidence, what: str) -> Verdict:
     """Verdict on impacts that no part of the bearing makes, with what would explain them."""
-    comb = e.elsewhere
+    comb, outer = e.elsewhere, e.candidates['outer']
+    if abs(comb.order - outer.order) <= 2.0 * e.step:
+        text = (
+            f'it modulates by {e.outer_index:.2f} in bands below {CARRIER:g} times its frequency '
+            'only, where the variable compliance of a sound bearing shows as well'
+        )
+        return _suspect(e, outer, text)
     if abs(comb.order - 1.0) < 0.1:
         text = f'the shaft seems to turn at {comb.order * e.shaft_hz:.4g} Hz: check the speed'
     else:

@@ -14,6 +14,7 @@ from bearing_twin.diagnosis.harmonics import (
     denser_series,
     line_heights,
     masked_by_shaft,
+    MISSING,
     missing_harmonics,
 )
 from bearing_twin.diagnosis.shaft import SHAFT_FOUND
@@ -193,6 +194,11 @@ class CombSearch:
         index, band = modulation_index(self.spectra, order, bands[0], 'inner')
         return Candidate('elsewhere', order, 0.0, float(z[at]), index, band)
 
+    def index_in_all_bands(self, candidate: Candidate) -> float:
+        """Modulation index of a comb, also in the bands of the variable compliance."""
+        bands = self._scores.bands(self.spectra, candidate.order)
+        return modulation_index(self.spectra, candidate.order, bands[0], 'any')[0]
+
     def second_look(self, candidate: Candidate) -> Candidate:
         """
         Score a comb against the null without the lines that it explains.
@@ -234,6 +240,14 @@ class CombSearch:
         if not len(lines):
             return 0.0
         return float(line_heights(self.spectra, lines, self._columns(candidate)).mean())
+
+    def smooth(self, candidate: Candidate) -> bool:
+        """Whether a comb has its first harmonic, and neither the third nor the fourth."""
+        lines = candidate.order * np.array([1.0, 3.0, 4.0])
+        shown = ~self._silent[self.spectra.rows(lines)] & (lines <= self.top)
+        first, *others = line_heights(self.spectra, lines, self._columns(candidate))
+        others = [height for height, known in zip(others, shown[1:], strict=True) if known]
+        return bool(shown[0] and others) and float(np.mean(others)) < MISSING * float(first)
 
     def shaft_sideband_ratio(self, candidate: Candidate) -> float:
         """Mean amplitude of the shaft sidebands of a comb over that of its harmonics."""

@@ -14,6 +14,7 @@ __all__ = [
     'INDEX_STRIKE',
     'INDEX_SUSPECT',
     'JOINT_SLIP',
+    'KURTOSIS',
     'LOAD_ZONE',
     'MAINS_HZ',
     'RIPPLE',
@@ -63,6 +64,10 @@ SLIP = (-0.015, 0.06)
 
 INDEX_NOISE_TURNS = 100.0
 """Shaft turns to which ``INDEX_NOISE`` belongs: 4 s at 25 Hz. At 1 s it is twice as much."""
+
+KURTOSIS = 3.0 * 35.0 / 18.0
+"""Most that noise has whose force varies as 1 + cos, the most that a rotating load does:
+mean (1 + cos)^4 over the square of mean (1 + cos)^2 is 35/18. Impacts and bursts have more."""
 
 INDEX_STRIKE = 2.0
 """Modulation index of the cage's comb above which the envelope is more strike than ripple: half of

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+import statistics
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.comb import order_spectra, OrderSpectra
@@ -41,6 +42,8 @@ class Window:
     """One-sided amplitude spectrum in the signal's unit, bin k at k bin_hz."""
     bin_hz: float
     severity: Severity
+    kurtosis: float
+    """Of half of the segments at least, without single shocks."""
     seconds: float
 
     @property
@@ -126,6 +129,7 @@ def analyse_window(
             mounting=settings.mounting,
             shaft_hz=shaft_hz,
         ),
+        statistics.median_low(segment.kurtosis for segment in segments),
         1.0 / bin_hz,
     )
 

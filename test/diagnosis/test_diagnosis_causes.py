@@ -222,3 +222,46 @@ def test_impacts_in_bursts_of_seconds_are_an_alarm(rng):
     said = diagnose_record(x, RATE, bearing, SHAFT_HZ)
     assert (said.level, said.faults) == ('fault', ('outer',))
     assert 'bursts' in said.reasons[-1]
+
+
+def _ringing(rng, times, natural_hz, height=1.0):
+    """Impacts that ring at a natural frequency, and noise; the ratio of their RMS."""
+    shocks = np.zeros(N)
+    shocks[(times[times < SECONDS] * RATE).astype(int)] = 1.0
+    t = np.arange(int(0.02 * RATE)) / RATE
+    omega = 2.0 * np.pi * natural_hz
+    ring = np.exp(-0.04 * omega * t) * np.sin(omega * t)
+    x = np.convolve(shocks, ring)[: len(shocks)]
+    return height * x / x.std() + rng.standard_normal(len(x))
+
+
+@pytest.mark.parametrize('rate', [30.0, 100.0])
+def test_impacts_without_a_period_are_no_health(rng, rate):
+    """Worn surfaces, dirt, discharges, cavitation: no comb, and nothing that a load does."""
+    x = _ringing(rng, np.cumsum(rng.exponential(1.0 / rate, int(8.0 * rate))), 4000.0, 3.0)
+    said = diagnose_record(x, RATE, find_bearing('6205'), 25.0)
+    assert (said.result, said.level, said.rule) == ('suspect', 'suspect', 'bursts')
+    # Noise that swells with a load is none.
+    swell = 1.0 + 0.9 * np.cos(2.0 * np.pi * 0.7 * np.arange(len(x)) / RATE)
+    noise = diagnose_record(swell * rng.standard_normal(len(x)), RATE, find_bearing('6205'), 25.0)
+    assert noise.rule != 'bursts'
+
+
+@pytest.mark.parametrize('natural_hz', [2000.0, 2500.0])
+def test_an_outer_race_that_rings_where_the_compliance_shows_is_no_health(rng, natural_hz):
+    """Twelve times its frequency is 4.3 kHz: all that rings lies below."""
+    bearing = find_bearing('6205')
+    gap = 1.0 / (100.0 * fault_orders(bearing, 0.005).bpfo)
+    times = gap * (np.arange(1, int(4.0 / gap)) + 0.01 * rng.standard_normal(int(4.0 / gap) - 1))
+    said = diagnose_record(_ringing(rng, times, natural_hz), RATE, bearing, 100.0)
+    assert said.result != 'healthy'
+    assert not any('fit no part of' in reason for reason in said.reasons)
+
+
+def test_pulsation_of_blades_is_no_alarm(rng):
+    """Noise that swells five times a turn, smoothly; the inner race of a 6203 is at 4.95."""
+    t = np.arange(int(8.0 * RATE)) / RATE
+    swell = 1.0 + 0.4 * np.cos(2.0 * np.pi * 5.0 * 24.75 * t)
+    said = diagnose_record(swell * rng.standard_normal(len(t)), RATE, find_bearing('6203'), 25.0)
+    assert (said.result, said.level) == ('suspect', 'suspect')
+    assert any('blades' in reason for reason in said.reasons)

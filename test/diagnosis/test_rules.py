@@ -68,6 +68,7 @@ CASES = {
         'suspect',
         (),
     ),
+    'bursts': (Evidence.of(kurtosis=6.0), 'suspect', 'suspect', ()),
     'two_faint_places': (
         Evidence.of(comb('inner', z=6.3, index=0.17), comb('outer', z=5.6, index=0.17)),
         'insufficient',
@@ -155,6 +156,12 @@ CASES = {
         ('inner', 'outer'),
     ),
     'weak_modulation': (Evidence.of(WEAK), 'suspect', 'suspect', ('inner',)),
+    'smooth': (
+        Evidence.of(INNER, smooth=True),
+        'suspect',
+        'suspect',
+        ('inner',),
+    ),
     'fault': (Evidence.of(INNER), 'inner', 'fault', ('inner',)),
 }
 
