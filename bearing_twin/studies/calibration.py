@@ -21,9 +21,8 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies import calibration_machines as machines
-from bearing_twin.studies.output import arguments, print_table
+from bearing_twin.studies.output import arguments, print_table, read_lines
 import numpy as np
 from scipy import stats
 
@@ -109,7 +108,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument('--data', type=Path, help='folder of the real recordings')
     parser.add_argument('--jobs', type=int, default=len(os.sched_getaffinity(0)))
     args = parser.parse_args(argv)
-    lines = _read(args.output)
+    lines = read_lines(args.output)
     done = {(line['group'], line['name']) for line in lines}
     left = [task for task in tasks(args.count, args.data) if task[:2] not in done]
     with ProcessPoolExecutor(args.jobs) as pool, args.output.open('a', encoding='utf-8') as out:
@@ -124,17 +123,6 @@ def main(argv: Sequence[str] | None = None) -> None:
                 continue
             print(json.dumps(lines[-1]), file=out, flush=True)
     print_tables(lines)
-
-
-def _read(path: Path) -> list[Row]:
-    """Return the lines of a file that an earlier run has written."""
-    try:
-        return [json.loads(line) for line in path.read_text(encoding='utf-8').splitlines()]
-    except FileNotFoundError:
-        return []
-    except (OSError, ValueError) as error:
-        msg = f'{path} is no file of this study ({error}); name another file'
-        raise BearingTwinError(msg) from None
 
 
 def print_tables(lines: Iterable[Row]) -> None:

@@ -107,6 +107,10 @@ class Case:
     """Of a damaged ball, share of its impacts that its wandering axis of spin takes away."""
     given_rig: str
     """Rig whose geometry is handed to the diagnosis."""
+    spalls: int
+    """Spalls of the damaged part: one, or several where it is worn out."""
+    waves: float
+    """RMS of what the waves of the races force, over that of the noise."""
     seed: int
 
     @property
@@ -168,6 +172,8 @@ def draw(number: int, *, misled: bool = False) -> Case:
         ripple=float(10.0 ** rng.uniform(-2.3, -0.8)),
         axis_wander=float(rng.choice((0.0, rng.uniform(0.3, 1.0)))),
         given_rig=name,
+        spalls=int(rng.choice((1, 1, 1, 1, rng.integers(2, 9)))),
+        waves=float(rng.choice((0.0, 10.0 ** rng.uniform(-1.5, 0.3)))),
     )
     if not misled:
         return case
@@ -210,6 +216,8 @@ def _impacts(
         # The faster the axis moves, the less the impacts keep time.
         gaps *= 1.0 + 0.05 * case.axis_wander * rng.standard_normal(len(gaps))
     places = np.cumsum(gaps) + rng.uniform()
+    if case.spalls > 1:
+        places = np.sort(np.add.outer(places, rng.uniform(0.0, 1.0 / order, case.spalls)).ravel())
     places = places[places < turns[-1] - 1.0 / order]
     swing = 2.0 * np.pi * (orders.ftf if case.condition == 'ball' else 1.0)
     phase = rng.uniform(0.0, 6.3)
@@ -267,6 +275,27 @@ def _ripple(
     return ripple
 
 
+def _waves(
+    case: Case, turns: NDArray[np.float64], rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """
+    Force of the waves of both races and of a ball: lines at the multiples of their orders.
+
+    The profiles are random (Wensing, On the dynamics of ball bearings, Twente 1998), so their
+    lines have no common instant. Those of what turns through the load have sidebands.
+    """
+    orders = fault_orders(_geometry(case.rig), case.slip)
+    force = np.zeros(len(turns))
+    parts = ((orders.bpfo, 0.0), (orders.bpfi, 1.0), (orders.impacts('ball'), orders.ftf))
+    for order, through in parts:
+        lines = np.arange(1, 257) ** -0.5 * np.exp(2j * np.pi * rng.uniform(size=256))
+        profile = np.fft.irfft(np.concatenate(([0.0], lines)), 2048)
+        passed = np.interp(order * turns % 1.0 * 2048.0, np.arange(2048), profile, period=2048.0)
+        load = 1.0 + 0.7 * bool(through) * np.cos(2.0 * np.pi * through * turns)
+        force += rng.uniform(0.3, 1.0) * load * passed / profile.std()
+    return force
+
+
 def record(case: Case) -> NDArray[np.float64]:
     """Return the samples of a case, in no known unit, with an offset."""
     rng = np.random.default_rng([case.seed, 3])
@@ -280,6 +309,9 @@ def record(case: Case) -> NDArray[np.float64]:
         x += rng.uniform(0.3, 3.0) * _resonate(rng.standard_normal(n), rate, rng)
     x *= 1.0 + _ripple(case, turns, rng)
     x /= x.std()
+    if case.waves:
+        waves = _resonate(_waves(case, turns, rng), rate, rng)
+        x += case.waves * waves / waves.std()
     if case.condition != 'none':
         impacts = _resonate(_impacts(case, turns, rng), rate, rng)
         x += case.strength * impacts / impacts.std()

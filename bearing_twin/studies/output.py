@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
     from types import ModuleType
 
-__all__ = ['arguments', 'print_table', 'write_table']
+__all__ = ['arguments', 'print_table', 'read_lines', 'write_table']
 
 
 def arguments(module: ModuleType, *, writes: bool = False) -> argparse.ArgumentParser:
@@ -53,6 +53,25 @@ def write_table(path: Path, values: Mapping[str, Any]) -> None:
         path.write_text(json.dumps(values, indent=1) + '\n', encoding='utf-8')
     except OSError as error:
         msg = f'{path} cannot be written ({error.strerror}); name another file'
+        raise BearingTwinError(msg) from None
+
+
+def read_lines(path: Path) -> list[Any]:
+    """
+    Return the lines of JSON that an earlier run has written; none where there is no file.
+
+    Raises
+    ------
+    BearingTwinError
+        If the file holds something else.
+
+    """
+    try:
+        return [json.loads(line) for line in path.read_text(encoding='utf-8').splitlines()]
+    except FileNotFoundError:
+        return []
+    except (OSError, ValueError) as error:
+        msg = f'{path} is no file of this study ({error}); name another file'
         raise BearingTwinError(msg) from None
 
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import find_bearing
@@ -20,6 +21,8 @@ __all__ = ['Case', 'draw', 'record']
 
 RATES = (12800.0, 20000.0, 25600.0, 51200.0)
 SETTLE_S = 0.5
+WORN, WORN_SHARE = 4, 0.2
+"""Defects of a bearing that is worn out, and share of the damaged ones that are."""
 
 
 BEARINGS = (
@@ -46,7 +49,11 @@ class Case:
     noise: float
     """Sensor noise, m/s^2."""
     width: float
-    """Of the defect, m."""
+    """Of the defect, m; of each of ``WORN`` where the bearing is worn out."""
+    worn: bool
+    """Whether there are several large defects at one place instead of one."""
+    waviness: float
+    """See `bearing_twin.dynamics.waviness`, m/s."""
     angle: float
     """Place of an outer race defect from the load direction, rad."""
     gain: float
@@ -70,7 +77,7 @@ def draw(number: int) -> Case:
     # Four harmonics of the ball's or the inner race's frequency must fit: see the record gate.
     fastest = min(60.0, rate / (8.0 * 0.62 * geometry.n_balls))
     shaft_hz = float(rng.uniform(10.0, fastest))
-    return Case(
+    case = Case(
         bearing=bearing,
         condition=CONDITIONS[number % len(CONDITIONS)],
         machine=str(rng.choice(MACHINES)),
@@ -87,7 +94,11 @@ def draw(number: int) -> Case:
         gain=float(10.0 ** rng.uniform(-4.0, 4.0)),
         disturbance=float(10.0 ** rng.uniform(-1.0, 0.3)),
         seed=number,
+        worn=bool(rng.random() < WORN_SHARE),
+        # From a fifth of the default to five times as much.
+        waviness=float(10.0 ** rng.uniform(-5.0, -3.6)),
     )
+    return replace(case, width=3.0 * case.width) if case.worn else case
 
 
 def record(case: Case) -> np.ndarray[Any, Any]:
@@ -102,11 +113,16 @@ def record(case: Case) -> np.ndarray[Any, Any]:
         load=case.load,
         slip=case.slip,
         noise=case.noise,
+        waviness=case.waviness,
         **options,
     )
-    if case.condition == 'outer':
-        place = replace(parameters.defects[0], angle=parameters.defects[0].angle + case.angle)
-        parameters = replace(parameters, defects=(place,))
+    if case.condition in ('inner', 'outer', 'ball'):
+        first = parameters.defects[0]
+        away = case.angle * (case.condition == 'outer')
+        # Spread over the circumference without a common divisor of the balls.
+        angles = (away + first.angle + 1.7 * k for k in range(WORN if case.worn else 1))
+        spalls = tuple(replace(first, angle=math.remainder(a, 2.0 * math.pi)) for a in angles)
+        parameters = replace(parameters, defects=spalls)
     twin = Simulator(
         parameters,
         sample_rate=case.sample_rate,
