@@ -172,7 +172,7 @@ def draw(number: int, *, misled: bool = False) -> Case:
         ripple=float(10.0 ** rng.uniform(-2.3, -0.8)),
         axis_wander=float(rng.choice((0.0, rng.uniform(0.3, 1.0)))),
         given_rig=name,
-        spalls=int(rng.choice((1, 1, 1, 1, rng.integers(2, 9)))),
+        spalls=int(rng.choice((1, 1, 1, 1, int(rng.integers(2, 9))))),
         waves=float(rng.choice((0.0, 10.0 ** rng.uniform(-1.5, 0.3)))),
     )
     if not misled:

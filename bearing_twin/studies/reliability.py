@@ -307,7 +307,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     if args.weights:
         about = 'written by python -m bearing_twin.studies.reliability'
         write_table(args.weights, {'about': about, 'weights': weights})
-    fresh = _answers(args.output, _tasks(*args.fresh, FRESH), args.jobs)
+    fresh = _answers(args.output, _tasks(args.fresh[0], args.fresh[1], FRESH), args.jobs)
     rows = []
     for kind in (*KINDS, 'all'):
         part = [t for t in fresh if kind in (t.kind, 'all')]
