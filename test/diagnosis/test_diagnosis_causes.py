@@ -241,8 +241,8 @@ def test_impacts_without_a_period_are_no_health(rng, rate):
     x = _ringing(rng, np.cumsum(rng.exponential(1.0 / rate, int(8.0 * rate))), 4000.0, 3.0)
     said = diagnose_record(x, RATE, find_bearing('6205'), 25.0)
     assert (said.result, said.level, said.rule) == ('suspect', 'suspect', 'bursts')
-    # Noise that swells with a load is none.
-    swell = 1.0 + 0.9 * np.cos(2.0 * np.pi * 0.7 * np.arange(len(x)) / RATE)
+    # Noise that swells with a load that turns is none.
+    swell = 1.0 + 0.9 * np.cos(2.0 * np.pi * SHAFT_HZ * np.arange(len(x)) / RATE)
     noise = diagnose_record(swell * rng.standard_normal(len(x)), RATE, find_bearing('6205'), 25.0)
     assert noise.rule != 'bursts'
 
