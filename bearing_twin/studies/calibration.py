@@ -21,6 +21,7 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies import calibration_machines as machines
 from bearing_twin.studies.output import arguments, print_table, read_lines
 import numpy as np
