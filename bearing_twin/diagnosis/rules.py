@@ -246,7 +246,7 @@ def _run_together(e: Evidence) -> Verdict | None:
         'together: call it healthy from a record with faster sampling or a slower shaft, and look '
         'for lines at multiples of the fault frequencies in the spectrum'
     )
-    return Verdict(result='insufficient', level='none', reasons=(text,), candidates=e.candidates)
+    return _insufficient(e, text)
 
 
 @_rule('healthy', 'No comb is both significant and strong.')
