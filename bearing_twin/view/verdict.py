@@ -11,6 +11,7 @@ from typing import Any
 from bearing_twin.bearing.geometry import FaultFrequencies
 from bearing_twin.bearing.vocabulary import next_step as next_step_of
 from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
+from bearing_twin.diagnosis.severity import HIGHEST_LIMIT
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.view.trends import recorded
@@ -90,6 +91,8 @@ def next_step(diagnosis: Any) -> str:
     result = str(diagnosis.result_name)
     if result == 'insufficient' and shaft_speed(diagnosis) == 'standing':
         return 'Measure while the shaft turns.'
+    if result == 'suspect' and recorded(diagnosis, 'velocity_rms') > HIGHEST_LIMIT:
+        return 'Find the cause of the high vibration now: balance, alignment, looseness, bearing.'
     step = next_step_of(result, _stage(diagnosis))
     return f'{step[0].upper()}{step[1:]}.'
 

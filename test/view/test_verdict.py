@@ -5,7 +5,15 @@
 import math
 from types import SimpleNamespace
 
-from bearing_twin.view.verdict import facts, Headline, number, rival, shaft_speed, title_of
+from bearing_twin.view.verdict import (
+    facts,
+    Headline,
+    next_step,
+    number,
+    rival,
+    shaft_speed,
+    title_of,
+)
 import pytest
 
 LEVEL = {'healthy': 1, 'suspect': 2, 'insufficient': 0, 'ambiguous': 3}
@@ -86,6 +94,13 @@ def test_every_place_is_in_the_title():
     unsure.faults = ['ball', 'cage']
     assert title_of(unsure) == 'Ambiguous: ball or cage'
     assert title_of(verdict('healthy')) == 'Healthy'
+
+
+def test_a_machine_in_zone_d_is_not_only_recorded_again():
+    loud = verdict('suspect')
+    assert next_step(loud).startswith('Record again')
+    loud.velocity_rms = 56.0
+    assert next_step(loud).startswith('Find the cause')
 
 
 def test_nothing_is_certain():

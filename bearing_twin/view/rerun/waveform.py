@@ -141,7 +141,7 @@ class Waveform(Picture):
                 color=LINE['blue'],
             )
             self.canvas.put(f'over_temperature/{curve.key}', time, bars)
-            self.asset.panels.add(curve.key)
+            self.asset.panels.add(f'over_temperature/{curve.key}')
 
     def _close_look(self, axis: str, samples: NDArray[np.float64], piece: _Piece) -> None:
         place, colour = AXES[axis]
