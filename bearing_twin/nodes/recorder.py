@@ -153,6 +153,8 @@ class RecorderNode(ManagedNode):
         for timer in self._timers_of_recording:
             self.destroy_timer(timer)
         self._topics.close()
+        # What is sent until it records again is not lost.
+        self._heard = dict.fromkeys(self._heard, 0)
         if self._early:
             self._lost += len(self._early)
             get_logger(LOGGER).error(
@@ -210,7 +212,7 @@ class RecorderNode(ManagedNode):
         self._heard[key] = max(number, last or 0)
         if last is None:
             self._sent_before[topic] += max(0, number - 1)
-        else:
+        elif last:
             self._skipped += max(0, number - last - 1)
 
     @property

@@ -220,6 +220,21 @@ def test_killed_at_fifty_random_moments(ros_domain: int, tmp_path: Path) -> None
     assert max(losses) <= MOST_LOST
 
 
+def test_what_is_sent_while_it_is_not_active_is_not_lost(ros_domain: int, tmp_path: Path) -> None:
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(tmp_path / 'bag')})
+        source.wait_for_recorder()
+        source.publish_until_told(RECORDING)
+        source.change('/recorder', 'deactivate')
+        source.publish_for(1.0)
+        source.change('/recorder', 'activate')
+        source.wait_for_recorder()
+        for _ in range(2):
+            told = source.publish_until_told(RECORDING)
+        assert told['messages_lost_on_the_way'] == '0'
+        assert nodes.end('recorder') == 0
+
+
 @pytest.mark.soak
 def test_a_recorder_that_stood_still_counts_what_it_missed(
     ros_domain: int, tmp_path: Path
