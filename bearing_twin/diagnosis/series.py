@@ -61,7 +61,9 @@ CONFIRMING = 5
 """Snapshots whose median is judged: two of five may be disturbed."""
 
 _FALLEN = f'{FAULT_DB:g} dB or more below the baseline: {FALLEN}'
-_KEPT = ('held', 'low_since', 'alarms', 'changes', 'refused', 'unjudged')
+_KEPT = (
+    'held', 'low_since', 'alarms', 'changes', 'refused', 'unjudged', 'lowest', 'lowest_hz',
+)  # fmt: skip
 """Plain values that are saved as they are."""
 
 
@@ -71,7 +73,7 @@ class SeriesMonitor:
 
     The baseline is learnt from the first snapshots over which level and temperature have settled,
     and again where a machine settles lower: run-in and warm-up are no damage. Until then only a
-    rise to fourfold over the last snapshots, or a zone, is an alarm.
+    rise to fourfold over the lowest level so far, or a zone, is an alarm.
 
     Parameters
     ----------
@@ -121,6 +123,8 @@ class SeriesMonitor:
         self._changes = 0
         self._refused: dict[str, int] = {}
         self._unjudged = 0
+        # Level below which the machine has not been since the first snapshots, and its speed.
+        self._lowest, self._lowest_hz = math.inf, math.nan
         self._source = Source()
         self._quiet = AveragedEnvelope()
         self._loud = AveragedEnvelope()
@@ -185,6 +189,7 @@ class SeriesMonitor:
             return None
         self._unjudged, self._source = 0, Source(unit=unit, sample_rate=sample_rate)
         self._window.append((time, levels, temperature))
+        self._look_down(shaft_hz)
         self._learn(shaft_hz)
         changes = np.array([law.correct(now, self._reference) for law in self._laws()]).T
         self._levels.append(levels - changes[0])
@@ -236,6 +241,8 @@ class SeriesMonitor:
             return 'NaN or infinite samples'
         if np.ptp(x) == 0.0:
             return 'a constant signal'
+        if shaft_hz <= 0.0:
+            return 'the machine stands still'
         base = self._baseline
         if base and not all(
             law.comparable(Condition.at(math.nan, shaft_hz), self._reference)
@@ -244,12 +251,26 @@ class SeriesMonitor:
             return f'another speed than the {base.shaft_hz:.4g} Hz of the baseline'
         return ''
 
+    def _look_down(self, shaft_hz: float) -> None:
+        """Keep the lowest level so far, at one speed, of a machine that has no baseline."""
+        now, before = (Condition.at(math.nan, hz) for hz in (shaft_hz, self._lowest_hz))
+        if not Law().comparable(now, before):
+            self._lowest = math.inf
+        if math.isinf(self._lowest):
+            self._lowest_hz = shaft_hz
+        if len(self._window) >= CONFIRMING:
+            last = [levels[0] for _, levels, _ in self._window][-CONFIRMING:]
+            self._lowest = min(self._lowest, float(np.median(last)))
+
     def _learn(self, shaft_hz: float) -> None:
         """Take the window as the baseline if the machine has settled, lower than before."""
         if len(self._window) < self._settings.baseline or self._held in ('suspect', 'fault'):
             return
         found = settled([Level(*item) for item in self._window], shaft_hz)
         base = self._baseline
+        if found and base is None and found.levels[0] >= self._lowest + SUSPECT_DB:
+            # What has become twice as loud while it was learnt is no sound machine's level.
+            return
         # A machine that has run in, or was repaired, is compared with what it is now.
         if found and (base is None or found.lower_than(base)):
             self._baseline, self._rise = found, Rise()
@@ -271,8 +292,7 @@ class SeriesMonitor:
         """Median of the last levels over the baseline, dB, and the measure it is of."""
         recent = np.median(np.array(self._recent), axis=0)
         if self._baseline is None:
-            before = np.median([levels for _, levels, _ in self._window], axis=0)
-            return float((recent - before)[0]), 0
+            return float(recent[0]) - self._lowest, 0
         over = recent - self._baseline.levels
         # What a measure is over is weighed by what its threshold is.
         share = over / np.maximum(SUSPECT_DB, SCATTER_FACTOR * self._baseline.scatter)
@@ -433,7 +453,7 @@ class SeriesMonitor:
                 f'no baseline: {len(self._points)} snapshots, not {self._settings.baseline} in '
                 f'a row over which the level moved by less than {SETTLED_DB:g} dB and the '
                 f'temperature by less than {SETTLED_K:g} K, with a scatter of at most '
-                f'{MOST_SCATTER_DB:g} dB'
+                f'{MOST_SCATTER_DB:g} dB, less than {SUSPECT_DB:g} dB above the lowest before'
             )
         if self.lost:
             reasons.append(f'not known: the last {self._unjudged} snapshots were not judged')
