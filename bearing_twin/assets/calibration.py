@@ -17,6 +17,7 @@ from bearing_twin.bearing import PLACES
 from bearing_twin.calibration import Calibration as Fitted
 from bearing_twin.calibration import fit
 from bearing_twin.calibration.fit import fitted_vibration
+from bearing_twin.calibration.impacts import Impacts
 from bearing_twin.calibration.joint import compared
 from bearing_twin.calibration.residual import Residual, spectral_levels, Unexplained
 from bearing_twin.diagnosis.state import pack, unpack
@@ -61,8 +62,8 @@ class Task:
     place: str | None
     load: tuple[float, float] | None
     candidates: int
-    others: tuple[tuple[str, float, float], ...]
-    """Place, shaft speed in Hz and time between the impacts in s of the fits before."""
+    others: tuple[Impacts, ...]
+    """What the fits before have seen of the impacts of a passage."""
     reference: dict[str, Any] | None
     """The calibration that the residual is taken from; None: the one that is found."""
     stamp: int
@@ -180,7 +181,7 @@ class CalibrationCore:
         self._decided = -math.inf
         self._residual = Residual()
         self._reference: dict[str, Any] | None = None
-        self._seen: deque[tuple[str, float, float]] = deque(maxlen=MOST_SEEN)
+        self._seen: deque[Impacts] = deque(maxlen=MOST_SEEN)
         self.unexplained = Unexplained(math.nan, '', math.nan, 'nothing was fitted yet')
         self.waiting = ''
         """What is missing for a fit, besides vibration; '' if nothing."""
@@ -239,8 +240,8 @@ class CalibrationCore:
         """Take what was fitted; return the message, and put the next fit off if it cost much."""
         cost = float(done.found['cost_s'])
         self._next = max(self._next, now + cost * (1.0 / SHARE - 1.0))
-        if done.found['spacing_s'] is not None:
-            self._seen.append((done.found['defect'], task.shaft_hz, done.found['spacing_s']))
+        if done.found['impacts'] is not None:
+            self._seen.append(Impacts.of(done.found['impacts']))
         decides = now - self._decided >= DECISION_S
         if self._well and self._reference is None and done.found['defect'] == 'none':
             self._reference = done.found

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.summaries import Summary
     from bearing_twin.dynamics.sensor_path import SensorPath
 
-__all__ = ['of_defect', 'of_path', 'supposed', 'without_defect']
+__all__ = ['of_defect', 'of_path', 'supposed', 'taken_off', 'without_defect']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -148,11 +148,15 @@ def of_defect(
             elif refusal.kind is Kind.TOO_WIDE:
                 # A ball is always in a defect that is wider than the distance of two balls.
                 high, why = 1e3 * situation.speed / situation.strikes, refusal.why
+            elif refusal.kind is Kind.NO_IMPACTS:
+                low, high, why = 0.0, about.high, refusal.why
             elif refusal.kind is Kind.MANY_WIDTHS:
                 why = refusal.why
             else:
                 # What hides the spacing hides it in narrower defects too, whatever was supposed.
-                high = max(high, min(about.high, 1e3 * _hidden(situation, measured)))
+                longest = max(resolved(measured), measured.spacing if measured.seen else 0.0)
+                hidden = longest * situation.speed + taken_off(situation, 0.95)
+                high = max(high, min(about.high, 1e3 * hidden))
                 low, why = 0.0, f'at most {high:.2f} mm: {refusal.why}'
         quantities[name] = Estimate(
             q05=low, median=median, q95=high, unit=about.unit,
@@ -161,22 +165,31 @@ def of_defect(
     return quantities
 
 
-def _hidden(situation: Situation, measured: Summary) -> float:
+def taken_off(situation: Situation, share: float) -> float:
     """
-    Widest defect whose passage is hidden, m: 95 % of what the path of a ball takes off, in all.
+    Return what the path of a ball takes off a slot, m, in a share of supposed loads and depths.
 
     In closed form, since few of the candidates are shallow slots under a high load.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration.cloud import Situation
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> [round(1e3 * taken_off(machine, share), 1) for share in (0.5, 0.95)]
+    [0.4, 0.7]
+
     """
-    longest = max(resolved(measured), measured.spacing if measured.seen else 0.0)
-    share = (np.arange(64) + 0.5) / 64.0
+    shares = (np.arange(64) + 0.5) / 64.0
     prior = unknowns(situation)
     sinking = np.minimum.outer(
-        interference(situation.bearing, 1.0) * prior['load'].place(share) ** (2.0 / 3.0),
-        1e-6 * prior['defect_depth_um'].place(share),
+        interference(situation.bearing, 1.0) * prior['load'].place(shares) ** (2.0 / 3.0),
+        1e-6 * prior['defect_depth_um'].place(shares),
     )
-    most = float(np.quantile(sinking, 0.95))
     curvature = path_curvature(situation.bearing, situation.place)
-    return longest * situation.speed + 2.0 * math.sqrt(most / curvature)
+    return 2.0 * math.sqrt(float(np.quantile(sinking, share)) / curvature)
 
 
 def without_defect(

@@ -16,7 +16,6 @@ from bearing_twin.calibration.cloud import (
     SETTLE_S,
     Situation,
     TEMPERATURE,
-    unknowns,
     vibrations,
 )
 from bearing_twin.calibration.estimates import (
@@ -25,6 +24,7 @@ from bearing_twin.calibration.estimates import (
     supposed,
     without_defect,
 )
+from bearing_twin.calibration.impacts import impacts_of
 from bearing_twin.calibration.passage import load_range
 from bearing_twin.calibration.path import identify, LINE_DAMPING, REACH_S, resonances
 from bearing_twin.calibration.refusals import (
@@ -247,12 +247,9 @@ def _fitted(
         refusal = no_impacts(x, situation) if named else None
         refusal = refusal or too_wide(whole, situation, measured)
         left, refusal = _defect(measured, situation, modes, candidates, seed, refusal)
-        values, weights = left.values, left.weights
     else:
-        prior = unknowns(situation)
-        shares = np.random.default_rng([seed, 0]).random((64, len(prior)))
-        values = {name: u.place(shares[:, i]) for i, (name, u) in enumerate(prior.items())}
-        weights = np.full(64, 1.0 / 64)
+        left = posterior.supposed(situation, seed=seed)
+    values, weights = left.values, left.weights
     path, twin = _path(x, situation, values, weights, seed)
     factor = acceleration_factor(unit)
     before = twin + NOISE * np.random.default_rng(seed).standard_normal(len(twin))
@@ -287,7 +284,7 @@ def _fitted(
         candidates=values,
         weights=weights,
         sensor_unit=unit,
-        spacing_s=measured.spacing if defective and measured.seen else None,
+        impacts=impacts_of(whole, measured, situation) if defective else None,
         cost_s=time.process_time() - start,
     )
 
@@ -301,6 +298,8 @@ def _defect(
     refusal: Refusal | None,
 ) -> tuple[Posterior, Refusal | None]:
     """Return what is left possible of a defect, and why its width is not told, if it is not."""
+    if refusal is not None and refusal.kind is Kind.NO_IMPACTS:
+        return posterior.supposed(situation, seed=seed), refusal
     refusal = refusal or unresolved(measured)
     if refusal:
         return posterior.limit(measured, situation, candidates=candidates, seed=seed), refusal

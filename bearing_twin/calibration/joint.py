@@ -7,8 +7,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from bearing_twin.calibration.estimates import taken_off
+from bearing_twin.calibration.impacts import follows_speed, ringing
 from bearing_twin.calibration.posterior import weighted_quantile
-from bearing_twin.calibration.refusals import Kind, ringing
+from bearing_twin.calibration.refusals import Kind
 from bearing_twin.calibration.result import Estimate, in_words
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -16,6 +18,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from bearing_twin.calibration.impacts import Impacts
     from bearing_twin.calibration.result import Calibration
 
 __all__ = ['compared', 'joined']
@@ -23,19 +26,20 @@ __all__ = ['compared', 'joined']
 WIDTH = 'defect_width_mm'
 
 
-def compared(found: Calibration, others: Iterable[tuple[str, float, float]]) -> Calibration:
+def compared(found: Calibration, others: Iterable[Impacts]) -> Calibration:
     """
-    Return a calibration without the width that other speeds contradict.
+    Return a calibration with what records at other speeds add to it, or contradict.
 
     Impacts that stay as far apart in time while the speed changes are ringing, not a passage.
+    Those that stay as far apart on the race are a passage, whatever made the record alone
+    doubtful; its width is their distance and what the path of a ball takes off.
 
     Parameters
     ----------
     found
         Of one record.
     others
-        Place of the defect, shaft speed in Hz and time between the impacts in s of other records
-        of the machine.
+        Of other records of the machine.
 
     Examples
     --------
@@ -43,23 +47,54 @@ def compared(found: Calibration, others: Iterable[tuple[str, float, float]]) -> 
     >>> from bearing_twin.calibration import fit
     >>> noise = 0.01 * np.random.default_rng(1).standard_normal(25600)
     >>> healthy = fit(noise, 12800.0, find_bearing('6205'), 25.0, unit='m/s^2', place='none')
-    >>> compared(healthy, [('none', 50.0, 1e-3)]) is healthy
+    >>> compared(healthy, []) is healthy
     True
 
     """
-    width = found.quantities[WIDTH]
-    if found.spacing_s is None or not width.identifiable:
+    width, seen = found.quantities[WIDTH], found.impacts
+    if seen is None or found.refusal in (Kind.NO_IMPACTS, Kind.TOO_WIDE):
         return found
-    refusal = ringing(found.defect, found.situation.shaft_hz, found.spacing_s, others)
-    if refusal is None:
-        return found
-    why = f'at most {width.q95:.2f} mm: {refusal.why}'
-    limited = replace(width, q05=0.0, identifiable=False, why=why)
+    others = tuple(others)
+    if width.identifiable:
+        refusal = ringing(seen, others)
+        if refusal is None:
+            return found
+        why = f'at most {width.q95:.2f} mm: {refusal.why}'
+        told = replace(width, q05=0.0, identifiable=False, why=why)
+        return _with(found, told, refusal.kind)
+    alike = follows_speed(seen, others)
+    return _with(found, _passage_width(found, alike), None) if alike else found
+
+
+def _with(found: Calibration, width: Estimate, refusal: Kind | None) -> Calibration:
     return replace(
         found,
-        quantities=found.quantities | {WIDTH: limited},
-        statement=in_words(found.defect, limited),
-        refusal=refusal.kind,
+        quantities=found.quantities | {WIDTH: width},
+        statement=in_words(found.defect, width),
+        refusal=refusal,
+    )
+
+
+def _passage_width(found: Calibration, alike: tuple[Impacts, ...]) -> Estimate:
+    """Width of a passage that several records show, in closed form."""
+    here = found.situation
+    seen = [impacts for impacts in (found.impacts, *alike) if impacts is not None]
+    # On the race, mm: the speed of the contact follows that of the shaft.
+    turns = np.array([each.turn for each in seen])
+    lobes = np.array([each.lobe_s * each.shaft_hz for each in seen])
+    scale = 1e3 * here.speed / here.shaft_hz
+    low, high = (f'{end(each.shaft_hz for each in alike):.1f}' for end in (min, max))
+    speeds = low if low == high else f'{low} to {high}'
+    most, middle = (1e3 * taken_off(here, share) for share in (0.95, 0.5))
+    return replace(
+        found.quantities[WIDTH],
+        # As for one record: impacts at the edges themselves, each as sharp as it looks.
+        q05=max(0.0, scale * float((turns - lobes).min())),
+        median=scale * float(np.median(turns)) + middle,
+        q95=scale * float(turns.max()) + most,
+        identifiable=True,
+        why=f'the impacts are {scale * seen[0].turn:.2f} mm apart on the race, and as far at '
+        f'{speeds} Hz: a passage; the rest is the path of a ball over the edges',
     )
 
 
@@ -94,28 +129,34 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
             f'{", ".join(places)}): say which part with --place, or fit them one by one'
         )
         raise BearingTwinError(msg)
-    seen = [
-        (each.defect, each.situation.shaft_hz, each.spacing_s)
-        for each in found
-        if each.spacing_s is not None
-    ]
+    seen = [each.impacts for each in found if each.impacts is not None]
+    alone = [each.quantities[WIDTH].identifiable for each in found]
     found = [compared(each, seen) for each in found]
     if places == ['none']:
         # A record that may be of a defect is not made healthy by another.
         clearest = min(found, key=lambda each: (each.refusal is None, each.quantities[WIDTH].q95))
         return found, clearest.quantities[WIDTH], clearest.statement
-    telling = [each for each in found if each.quantities[WIDTH].identifiable]
-    of = telling or found
-    values = np.concatenate([each.candidates[WIDTH] for each in of])
-    weights = np.concatenate([each.weights / len(of) for each in of])
-    low, median, high = (float(v) for v in weighted_quantile(values, weights, (0.05, 0.5, 0.95)))
-    # No higher than what each says of itself, which allows for what the model gets wrong.
-    low = min(low, *(each.quantities[WIDTH].q05 for each in of))
+    widths = [each.quantities[WIDTH] for each in found]
+    telling = [width for width in widths if width.identifiable]
+    # Those that tell it alone say more than the closed form of what several show.
+    of = [each for each, width, own in zip(found, widths, alone, strict=True)
+          if own and width.identifiable]  # fmt: skip
+    of = of or (found if not telling else [])
+    if of:
+        values = np.concatenate([each.candidates[WIDTH] for each in of])
+        weights = np.concatenate([each.weights / len(of) for each in of])
+        low, median, high = map(float, weighted_quantile(values, weights, (0.05, 0.5, 0.95)))
+        # No higher than what each says of itself, which allows for what the model gets wrong.
+        low = min(low, *(each.quantities[WIDTH].q05 for each in of))
+    else:
+        low = min(width.q05 for width in telling)
+        median = float(np.median([width.median for width in telling]))
+        high = max(width.q95 for width in telling)
     why = f'{len(telling)} of {len(found)} records tell it'
     if not telling:
         low, why = 0.0, found[0].quantities[WIDTH].why
         # What each says of itself may be wider than any candidate: so is what they say together.
-        high = max(high, *(each.quantities[WIDTH].q95 for each in of))
+        high = max(high, *(width.q95 for width in widths))
     width = Estimate(
         q05=low, median=median, q95=high, unit='mm', identifiable=bool(telling), why=why
     )

@@ -28,7 +28,16 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.cloud import Situation, Unknown
     from bearing_twin.calibration.summaries import Summary
 
-__all__ = ['Posterior', 'features', 'keep', 'limit', 'resolved', 'sample', 'weighted_quantile']
+__all__ = [
+    'Posterior',
+    'features',
+    'keep',
+    'limit',
+    'resolved',
+    'sample',
+    'supposed',
+    'weighted_quantile',
+]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -246,6 +255,33 @@ def limit(
     return Posterior(values=values, weights=weights, prior=prior, distance=reach, typical=reach)
 
 
+def supposed(situation: Situation, *, candidates: int = 64, seed: int = 0) -> Posterior:
+    """
+    Draw from the prior: what is left possible where the vibration says nothing of a defect.
+
+    Parameters as for :func:`sample`.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration.cloud import Situation
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> len(supposed(machine).values['load'])
+    64
+
+    """
+    prior = unknowns(situation)
+    return Posterior(
+        values=_drawn(prior, candidates, seed),
+        weights=np.full(candidates, 1.0 / candidates),
+        prior=prior,
+        distance=math.nan,
+        typical=math.nan,
+    )
+
+
 def resolved(measured: Summary) -> float:
     """
     Shortest spacing of two impacts that is told from the ringing of one, s.
@@ -265,9 +301,13 @@ def _round(
     situation: Situation, prior: dict[str, Unknown], candidates: int, seed: int
 ) -> tuple[dict[str, FloatArray], list[Summary]]:
     """Draw candidates and simulate them."""
-    shares = np.random.default_rng([seed, 0]).random((candidates, len(prior)))
-    drawn = {name: about.place(shares[:, i]) for i, (name, about) in enumerate(prior.items())}
+    drawn = _drawn(prior, candidates, seed)
     return drawn, simulate(situation, drawn, seed)
+
+
+def _drawn(prior: dict[str, Unknown], candidates: int, seed: int) -> dict[str, FloatArray]:
+    shares = np.random.default_rng([seed, 0]).random((candidates, len(prior)))
+    return {name: about.place(shares[:, i]) for i, (name, about) in enumerate(prior.items())}
 
 
 def keep(

@@ -10,10 +10,9 @@ from typing import NamedTuple, TYPE_CHECKING
 from bearing_twin.calibration import posterior
 from bearing_twin.calibration.healthy import COMB_OVER_FLOOR, line_over_floor
 from bearing_twin.calibration.passage import widest
+from bearing_twin.calibration.summaries import RIVAL
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from bearing_twin.calibration.cloud import Situation
     from bearing_twin.calibration.posterior import Posterior
     from bearing_twin.calibration.summaries import Correlation, Summary
@@ -27,7 +26,6 @@ __all__ = [
     'Kind',
     'Refusal',
     'no_impacts',
-    'ringing',
     'too_wide',
     'unresolved',
     'untold',
@@ -37,13 +35,8 @@ NARROWED = 0.5
 """A quantity is identifiable where its 90 % interval is at most this share of the prior's."""
 ALIKE = 2.0
 """Most that the candidates kept may be farther from the machine than from each other."""
-RIVAL = 0.25
-"""Most that a second spacing may be as clear as the first. Fixed on CWRU, as is `RESOLVED`: spots
-of 0.18 mm leave a second impact after 2.0 ms at any speed, beside another a third as clear."""
 PERIODS = 2.0
 """Least periods of the resonance it excites that a passage has to last."""
-SAME_TIME, OTHER_SPEED = 0.03, 1.08
-"""Two impacts at the same time within this share at speeds this far apart are ringing."""
 
 
 class Kind(str, Enum):
@@ -228,36 +221,4 @@ def untold(
         return Refusal(Kind.UNLIKE_THE_TWIN, 'no candidate of the twin gives impacts like these')
     if left.narrowed('defect_width_mm') > NARROWED:
         return Refusal(Kind.MANY_WIDTHS, 'defects of many widths give impacts like these')
-    return None
-
-
-def ringing(
-    place: str, shaft_hz: float, spacing: float, others: Iterable[tuple[str, float, float]]
-) -> Refusal | None:
-    """
-    Return why a spacing is no passage: it is the same at another speed; None if it is at none.
-
-    Parameters
-    ----------
-    place, shaft_hz, spacing
-        Part with the defect, shaft speed in Hz and time between the impacts in s.
-    others
-        The same of other records of the machine.
-
-    Examples
-    --------
-    >>> ringing('inner', 20.0, 1.50e-3, [('inner', 10.0, 3.1e-3)]) is None
-    True
-    >>> ringing('inner', 20.0, 1.50e-3, [('inner', 10.0, 1.51e-3)]).why.partition(':')[0]
-    'the impacts are 1.51 ms apart at 10.0 and at 20.0 Hz'
-
-    """
-    for other, hz, time in others:
-        apart = max(hz, shaft_hz) / min(hz, shaft_hz)
-        if other == place and apart > OTHER_SPEED and abs(time / spacing - 1.0) < SAME_TIME:
-            return Refusal(
-                Kind.SAME_AT_ANOTHER_SPEED,
-                f'the impacts are {1e3 * time:.2f} ms apart at {hz:.1f} and at '
-                f'{shaft_hz:.1f} Hz: ringing, which does not follow the speed',
-            )
     return None

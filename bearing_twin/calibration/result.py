@@ -10,6 +10,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing
 from bearing_twin.calibration.cloud import parameters, Situation
+from bearing_twin.calibration.impacts import Impacts
 from bearing_twin.calibration.posterior import weighted_quantile
 from bearing_twin.calibration.refusals import Kind
 from bearing_twin.dynamics.parameters import FITTED
@@ -86,8 +87,8 @@ class Calibration:
     """Of the candidates, sum 1, shape (n,)."""
     sensor_unit: str
     """Unit of the vibration; '' if unknown."""
-    spacing_s: float | None
-    """Time between the two impacts of a passage, s; None where they are not seen."""
+    impacts: Impacts | None
+    """The two impacts of a passage of a ball; None where they are not seen."""
     cost_s: float
     """Processor time without that of compiling, s."""
 
@@ -158,7 +159,7 @@ class Calibration:
             'path': self.path.to_dict(),
             'candidates': {name: v.tolist() for name, v in self.candidates.items()},
             'weights': self.weights.tolist(),
-            'spacing_s': self.spacing_s,
+            'impacts': self.impacts and self.impacts._asdict(),
         }
 
     @classmethod
@@ -175,7 +176,7 @@ class Calibration:
         try:
             machine, spectrum = values['machine'], values['spectrum']
             load, before = machine['load'], spectrum['level_before_db']
-            refusal = values['refusal']
+            refusal, impacts = values['refusal'], values['impacts']
             return cls(
                 situation=Situation(
                     bearing=Bearing(**machine['bearing']),
@@ -199,7 +200,7 @@ class Calibration:
                 candidates={k: np.array(v, float) for k, v in values['candidates'].items()},
                 weights=np.array(values['weights'], float),
                 sensor_unit=str(machine['unit']),
-                spacing_s=values['spacing_s'],
+                impacts=None if impacts is None else Impacts.of(impacts),
                 cost_s=float(values['cost_s']),
             )
         except (KeyError, TypeError, ValueError, IndexError) as error:

@@ -99,8 +99,8 @@ def _row(found: Calibration, width: float) -> dict[str, Any]:
         'width': width, 'q05': told.q05, 'q25': inner[0], 'median': told.median, 'q75': inner[1],
         'q95': told.q95, 'identifiable': told.identifiable, 'why': told.why, 'rank': rank,
         'place': found.defect, 'bearing': found.situation.bearing.name,
-        'rate': found.situation.sample_rate, 'spacing_mm': math.nan if found.spacing_s is None
-        else 1e3 * found.spacing_s * found.situation.speed,
+        'rate': found.situation.sample_rate, 'spacing_mm': math.nan if found.impacts is None
+        else 1e3 * found.impacts.spacing_s * found.situation.speed,
         'distance_before': found.distance_before, 'distance': found.distance,
         'level': found.level, 'cost_s': found.cost_s,
     }  # fmt: skip

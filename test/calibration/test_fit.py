@@ -10,6 +10,8 @@ from pathlib import Path
 from bearing_twin.bearing import fault_frequencies, find_bearing
 from bearing_twin.calibration import Calibration, fit
 from bearing_twin.calibration.cloud import parameters, Situation, unknowns
+from bearing_twin.calibration.estimates import taken_off
+from bearing_twin.calibration.impacts import follows_speed, Impacts, impacts_of
 from bearing_twin.calibration.joint import compared, joined
 from bearing_twin.calibration.passage import (
     contact_speed,
@@ -21,7 +23,7 @@ from bearing_twin.calibration.passage import (
 )
 from bearing_twin.calibration.path import identify, noise_floor, resonances
 from bearing_twin.calibration.refusals import Kind, no_impacts
-from bearing_twin.calibration.summaries import summarise
+from bearing_twin.calibration.summaries import correlate, summarise
 from bearing_twin.calibration.whatif import expect, features
 from bearing_twin.cli import main
 from bearing_twin.dynamics import preset, Simulator
@@ -230,7 +232,7 @@ def test_ringing_at_two_speeds_is_no_width():
         fit(x, RATE, BEARING, hz, place='outer', candidates=64)
         for x, hz in ((impact_train(2e-3, 'outer', 12.0), 12.0), (slow, 10.0))
     ]
-    assert both[0].spacing_s == pytest.approx(apart, rel=0.02)
+    assert both[0].impacts.spacing_s == pytest.approx(apart, rel=0.02)
     told = {'q05': 1.0, 'median': 2.0, 'q95': 3.0, 'identifiable': True}
     both = [
         replace(found, quantities={'defect_width_mm': replace(
@@ -242,15 +244,82 @@ def test_ringing_at_two_speeds_is_no_width():
     _, width, statement = joined(both)
     assert not width.identifiable and 'does not follow the speed' in width.why
     assert statement.startswith('outer race defect, at most')
-    assert compared(both[1], [('outer', 12.0, apart)]).refusal is Kind.SAME_AT_ANOTHER_SPEED
+    other = Impacts('outer', 12.0, apart, 1e-4)
+    assert compared(both[1], [other]).refusal is Kind.SAME_AT_ANOTHER_SPEED
     # A time that follows the speed is a passage, and both records tell one width.
-    moved = replace(both[1], spacing_s=both[1].spacing_s * 1.2)
+    seen = both[1].impacts
+    moved = replace(both[1], impacts=seen._replace(spacing_s=seen.spacing_s * 1.2))
     found, width, _ = joined([both[0], moved])
     assert width.why == '2 of 2 records tell it' and len(found) == 2
     # No record alone says that it is wider than that.
     assert width.q05 <= told['q05'] < width.median < width.q95
     with pytest.raises(BearingTwinError, match='not of one defect'):
         joined([both[0], replace(moved, situation=replace(moved.situation, place='inner'))])
+
+
+def seen_at(x, shaft_hz, place='outer'):
+    """Return the two impacts of a passage that a record shows."""
+    machine = Situation(bearing=BEARING, place=place, shaft_hz=shaft_hz, sample_rate=RATE)
+    whole = correlate(x, RATE)
+    return impacts_of(whole, whole.summary(machine.longest), machine)
+
+
+def test_impacts_as_far_apart_on_the_race_at_two_speeds_are_a_passage():
+    """Whatever made each record alone doubtful; ringing and the teeth of a gear are none."""
+    speeds = (10.0, 14.0)
+    both = [
+        fit(impact_train(2e-3, 'outer', hz), RATE, BEARING, hz, place='outer', candidates=64)
+        for hz in speeds
+    ]
+    doubtful = [
+        replace(found, refusal=Kind.MANY_WIDTHS, quantities=found.quantities | {
+            'defect_width_mm': replace(found.quantities['defect_width_mm'], identifiable=False)})
+        for found in both
+    ]  # fmt: skip
+    records, width, statement = joined(doubtful)
+    assert width.identifiable and all(each.refusal is None for each in records)
+    assert statement.startswith('outer race defect, ')
+    # The edges themselves strike here: the truth is near the lower bound.
+    assert width.q05 < 2.0 < width.median < width.q95
+    assert 'and as far at 14.0 Hz: a passage' in records[0].quantities['defect_width_mm'].why
+    # Where the part that is named does not strike, no other record makes it.
+    silent = replace(doubtful[0], refusal=Kind.NO_IMPACTS)
+    assert compared(silent, [both[1].impacts]) is silent
+
+
+def test_neither_echoes_nor_gears_are_a_passage():
+    time = 2e-3 / contact_speed(BEARING, 'outer', 12.0)
+    echoes = [
+        seen_at(impact_train(time * contact_speed(BEARING, 'outer', hz), 'outer', hz), hz)
+        for hz in (9.0, 13.0)
+    ]
+    assert echoes[0].told_apart(echoes[1]) and not follows_speed(echoes[0], echoes[1:])
+    gears = []
+    for hz in (12.0, 18.0):
+        # A narrow spot is hidden; a gear of 22 teeth strikes in step with the shaft.
+        x = impact_train(0.2e-3, 'outer', hz, noise=0.0)
+        teeth = np.zeros(len(x))
+        teeth[np.round(np.arange(0.0, 3.9, 1.0 / (22.0 * hz)) * RATE).astype(int)] = 0.7
+        gears.append(seen_at(x + ring(teeth), hz))
+    assert all(gear.turn == pytest.approx(1.0 / 22.0, rel=0.02) for gear in gears)
+    assert not follows_speed(gears[0], gears[1:])
+
+
+@pytest.mark.parametrize(('name', 'degrees'), [('OR2', 2.0), ('OR5', 5.0), ('OR8', 8.0)])
+def test_real_slots_on_the_outer_race_follow_the_speed(name, degrees, data_dir):
+    """HIT-SM: what the ball's path takes off is between none and what 95 % of loads do."""
+    seen, machines = [], []
+    for rpm in (600, 1200):
+        with np.load(data_dir / 'hitsm' / f'hitsm_sq_{name}_{rpm}.npz') as file:
+            x, rate = file['x'].astype(float), float(file['fs'])
+        machines.append(Situation(bearing=BEARING, place='outer', shaft_hz=rpm / 60.0,
+                                  sample_rate=rate))  # fmt: skip
+        whole = correlate(x - x.mean(), rate)
+        seen.append(impacts_of(whole, whole.summary(machines[-1].longest), machines[-1]))
+    assert follows_speed(seen[0], seen[1:]) == (seen[1],)
+    apart = seen[0].spacing_s * machines[0].speed
+    truth = math.radians(degrees) * 23.5e-3
+    assert apart < truth < apart + taken_off(machines[0], 0.95)
 
 
 def test_the_lower_bound_holds_where_the_impacts_are_those_of_the_edges():
@@ -281,6 +350,8 @@ def test_impacts_of_another_part_or_speed_are_no_width(place, shaft_hz):
     assert found.refusal is Kind.NO_IMPACTS and not width.identifiable
     assert f'of the {place} race stand out: check bearing, speed and place' in width.why
     assert found.statement.startswith('no width: no impacts at')
+    # A part that does not strike says nothing of a width.
+    assert width.q95 == pytest.approx(1e3 * widest(BEARING))
     assert joined([found, found])[2] == found.statement
 
 

@@ -1,0 +1,209 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The two impacts of a passage at several speeds: what follows the speed, and what does not.
+
+The edges of a defect are a fixed angle of the race apart, so that the time between their impacts
+times the shaft speed is constant. A resonance, or the rebound of the rotor, keeps its time.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple, TYPE_CHECKING
+
+from bearing_twin.calibration.refusals import Kind, Refusal
+from bearing_twin.calibration.summaries import ELSEWHERE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from bearing_twin.calibration.cloud import Situation
+    from bearing_twin.calibration.summaries import Correlation, Summary
+
+__all__ = ['Impacts', 'follows_speed', 'impacts_of', 'ringing']
+
+SAME_TIME, OTHER_SPEED = 0.03, 1.08
+"""Two impacts at the same time within this share at speeds this far apart are ringing."""
+LOCATED = 0.5
+"""How far the top of a peak may lie from the time between two edges, over the half width of an
+impact: the impacts of entry and exit differ in shape, and the top is that of one on the other."""
+APART = 3.0
+"""Least change that ringing would make from speed to speed, over what both are located to."""
+
+
+class Impacts(NamedTuple):
+    """What a record shows of the two impacts of a passage."""
+
+    place: str
+    """Part with the defect."""
+    shaft_hz: float
+    """Hz."""
+    spacing_s: float
+    """Time between them, s."""
+    lobe_s: float
+    """Half width of one after whitening, s."""
+    rivals_s: tuple[float, ...] = ()
+    """Other times after which impacts repeat about as clearly, s."""
+
+    @classmethod
+    def of(cls, values: dict[str, Any]) -> Impacts:
+        """
+        Return the impacts of plain values, `_asdict`.
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError
+            If they are not such values.
+
+        """
+        hz, spacing, lobe = (float(values[name]) for name in ('shaft_hz', 'spacing_s', 'lobe_s'))
+        return cls(str(values['place']), hz, spacing, lobe, tuple(map(float, values['rivals_s'])))
+
+    @property
+    def turn(self) -> float:
+        """Shaft turns between the impacts."""
+        return self.spacing_s * self.shaft_hz
+
+    def located(self, other: Impacts) -> float:
+        """Return what the ratio of both spacings is known to, as a logarithm."""
+        return LOCATED * math.hypot(self.lobe_s / self.spacing_s, other.lobe_s / other.spacing_s)
+
+    def told_apart(self, other: Impacts) -> bool:
+        """Whether ringing would be seen not to follow the speed from one record to the other."""
+        faster = abs(math.log(self.shaft_hz / other.shaft_hz))
+        return self.place == other.place and faster > APART * self.located(other)
+
+
+def impacts_of(whole: Correlation, measured: Summary, situation: Situation) -> Impacts | None:
+    """
+    Return the two impacts of a passage; None where they are not seen.
+
+    Rivals are looked for up to twice the longest time of a passage: what turns with the shaft, as
+    the teeth of a gear do, repeats after twice the time too.
+
+    Parameters
+    ----------
+    whole, measured
+        Of the record: all lags, and those of simulated defects.
+    situation
+        Of the machine.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration.cloud import Situation
+    >>> from bearing_twin.calibration.summaries import correlate
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> x = 1e-3 * np.random.default_rng(1).standard_normal(25600)
+    >>> x[200:25000:143] += 1.0
+    >>> x[220:25020:143] -= 0.7
+    >>> whole = correlate(x, 12800.0)
+    >>> found = impacts_of(whole, whole.summary(machine.longest), machine)
+    >>> round(1e3 * found.spacing_s, 2), round(found.turn, 3)
+    (1.56, 0.039)
+
+    """
+    if not measured.seen:
+        return None
+    far = whole.summary(2.0 * ELSEWHERE * situation.longest)
+    times = (far.spacing, *far.rivals) if far.seen else measured.rivals
+    # From the exit on, the entry of the next ball is a passage of its own.
+    next_ball = (1.0 / situation.strikes - measured.spacing) / ELSEWHERE
+
+    def rivals(time: float) -> bool:
+        elsewhere = abs(math.log(time / measured.spacing)) > math.log(ELSEWHERE)
+        twice = abs(time - 2.0 * measured.spacing) < measured.lobe
+        return twice or (elsewhere and time < next_ball)
+
+    return Impacts(
+        place=situation.place,
+        shaft_hz=situation.shaft_hz,
+        spacing_s=measured.spacing,
+        lobe_s=measured.lobe,
+        rivals_s=tuple(filter(rivals, times)),
+    )
+
+
+def ringing(seen: Impacts, others: Iterable[Impacts]) -> Refusal | None:
+    """
+    Return why a spacing is no passage: it is the same at another speed; None if it is at none.
+
+    Examples
+    --------
+    >>> slow = Impacts('inner', 10.0, 1.51e-3, 1e-4)
+    >>> ringing(Impacts('inner', 20.0, 0.76e-3, 1e-4), [slow]) is None
+    True
+    >>> ringing(Impacts('inner', 20.0, 1.50e-3, 1e-4), [slow]).why.partition(':')[0]
+    'the impacts are 1.51 ms apart at 10.0 and at 20.0 Hz'
+
+    """
+    for other in others:
+        apart = max(other.shaft_hz, seen.shaft_hz) / min(other.shaft_hz, seen.shaft_hz)
+        if other.place == seen.place and apart > OTHER_SPEED and _same(other, seen.spacing_s):
+            return Refusal(
+                Kind.SAME_AT_ANOTHER_SPEED,
+                f'the impacts are {1e3 * other.spacing_s:.2f} ms apart at {other.shaft_hz:.1f} '
+                f'and at {seen.shaft_hz:.1f} Hz: ringing, which does not follow the speed',
+            )
+    return None
+
+
+def _same(other: Impacts, time: float) -> bool:
+    return abs(other.spacing_s / time - 1.0) < SAME_TIME
+
+
+def follows_speed(seen: Impacts, others: Iterable[Impacts]) -> tuple[Impacts, ...]:
+    """
+    Return the records at other speeds in which the same passage is seen; none if it is not proved.
+
+    It is proved where the angle between the impacts is the same in most of the records at speeds
+    so far apart that ringing would differ, and where no record has a clear repetition at the time
+    of another's passage. What repeats after twice the angle too, or after a second angle in both
+    records, is a machine part that turns: a gear or a fan.
+
+    Parameters
+    ----------
+    seen
+        Of a record.
+    others
+        Of other records of the machine.
+
+    Examples
+    --------
+    >>> fast = Impacts('outer', 20.0, 2.34e-3, 1e-4)
+    >>> len(follows_speed(fast, [Impacts('outer', 10.0, 4.65e-3, 1e-4)]))
+    1
+
+    Ringing, of which another repetition is clearest at the other speed:
+
+    >>> ring = Impacts('outer', 10.0, 4.65e-3, 1e-4, (2.33e-3,))
+    >>> len(follows_speed(fast, [ring]))
+    0
+
+    """
+    far = [other for other in others if seen.told_apart(other)]
+    alike = tuple(other for other in far if _passage(seen, other))
+    return alike if 2 * len(alike) > len(far) else ()
+
+
+def _passage(one: Impacts, two: Impacts) -> bool:
+    """Whether two records at speeds far apart show one passage, and nothing else that may be."""
+    within = one.located(two)
+    if abs(math.log(one.turn / two.turn)) > within:
+        return False
+    times = (
+        *((time, two.spacing_s) for time in one.rivals_s),
+        *((one.spacing_s, time) for time in two.rivals_s),
+    )
+    twice = ((time, 2.0 * each.spacing_s) for each in (one, two) for time in each.rivals_s)
+    if any(abs(math.log(a / b)) < within for a, b in (*times, *twice)):
+        return False
+    return not any(
+        abs(math.log(a * one.shaft_hz / (b * two.shaft_hz))) < within
+        for a in one.rivals_s
+        for b in two.rivals_s
+    )
