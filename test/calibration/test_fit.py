@@ -424,8 +424,8 @@ def test_the_floor_of_a_sensor_is_found():
 
 
 def test_the_command_writes_what_it_found(slot, tmp_path, capsys, data_dir):
-    name = str(data_dir / 'hitsm' / 'hitsm_sq_Normal_900.npz')
-    status = main(['fit', name, '--bearing', '6205', '--shaft-hz', '15', '--json',
+    name = str(data_dir / 'hitsm' / 'hitsm_sq_Normal_600.npz')
+    status = main(['fit', name, '--bearing', '6205', '--shaft-hz', '10', '--json',
                    '--load', '50,500', '--plot', str(tmp_path)])  # fmt: skip
     answer = json.loads(capsys.readouterr().out)
     assert status == 0
