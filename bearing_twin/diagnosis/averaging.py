@@ -133,8 +133,9 @@ class AveragedEnvelope:
             scores += np.log1p(np.maximum(excess[:, rows], -0.9))
         shaft = np.abs(grid - np.rint(grid)) < 0.5 * min(resolution, 0.3)
         orders = fault_orders(bearing)
+        # At whole orders a fault cannot be told from blades, a gear or the shaft.
         windows = {
-            place: np.abs(grid / order - 1.0) <= max(SLIP, 0.5 * STEP / order)
+            place: ~shaft & (np.abs(grid / order - 1.0) <= max(SLIP, 0.5 * STEP / order))
             for place in PLACES[:3]
             if (order := orders.impacts(place)) > 1.5 * resolution
         }
@@ -147,11 +148,13 @@ class AveragedEnvelope:
         center = np.median(null, axis=1, keepdims=True)
         spread = np.quantile(null, 0.8413, axis=1, keepdims=True) - center
         z = ((scores - center) / np.maximum(spread, 1e-3)).max(axis=0)
+        # What is highest at the edge of a place's window belongs to something beside it.
+        peaks = np.r_[False, (z[1:-1] >= z[:-2]) & (z[1:-1] >= z[2:]), False]
         best = sorted(
             (
-                (float(z[window].max()), place, float(grid[window][z[window].argmax()]))
+                (float(z[at].max()), place, float(grid[at][z[at].argmax()]))
                 for place, window in windows.items()
-                if window.any()
+                if (at := window & peaks).any()
             ),
             reverse=True,
         )

@@ -52,6 +52,12 @@ _RUN_TOGETHER = 1.8
 fault."""
 
 _CLIPPED_SHARE = 0.005
+_STEPS = 2.0
+"""Least RMS of a signal in steps of its converter: rounding to steps, which has an RMS of
+1/sqrt(12), is 17 dB below it. What is finer is the converter's and not the machine's."""
+_LOOKED_AT, _MOST_VALUES = 1024, 64
+"""Of so many samples a signal of so few steps has far fewer different values: noise of an RMS of
+two steps has about 15."""
 _RUN = 3
 _ENDS = 1e-6
 """Part of the range that counts as its end."""
@@ -63,8 +69,8 @@ class Extent:
     Range of a part of a record, and how much of it sits at the ends.
 
     >>> import numpy as np
-    >>> Extent.of(np.array([0.0, 1.0, 1.0, 1.0, -1.0]))
-    Extent(count=5, bad=0, low=-1.0, high=1.0, at_low=0, at_high=3)
+    >>> Extent.of(np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0]))
+    Extent(count=6, bad=0, low=-1.0, high=1.0, at_low=3, at_high=3, steps=0.5)
 
     """
 
@@ -76,6 +82,8 @@ class Extent:
     at_low: int
     """Samples in runs of three or more at the lowest value."""
     at_high: int
+    steps: float = math.inf
+    """RMS about the mean in steps between the values that occur; infinite where they are many."""
 
     @classmethod
     def of(cls, x: NDArray[np.float64]) -> Extent:
@@ -86,7 +94,9 @@ class Extent:
         if not (math.isfinite(low) and math.isfinite(high)):
             return cls(len(x), len(x) - int(np.isfinite(x).sum()), math.nan, math.nan, 0, 0)
         span = _ENDS * (high - low)
-        return cls(len(x), 0, low, high, _in_runs(x <= low + span), _in_runs(x >= high - span))
+        return cls(
+            len(x), 0, low, high, _in_runs(x <= low + span), _in_runs(x >= high - span), _steps(x)
+        )
 
 
 def check_record(
@@ -137,6 +147,12 @@ def check_extents(
     low, high = min(part.low for part in parts), max(part.high for part in parts)
     if high - low <= 1e-12 * max(abs(low), abs(high)):
         return [f'the signal is constant at {low:g}: check sensor and cable']
+    steps = max(part.steps for part in parts)
+    if steps < _STEPS:
+        return [
+            f'the RMS is {steps:.2g} steps of the converter (limit {_STEPS:g}): is the sensor '
+            'dead? If it is not, raise the gain'
+        ]
     if not math.isfinite(shaft_hz) or shaft_hz <= 0.0:
         return ['the shaft speed is unknown: give it (joint_states, rpm or --shaft-hz)']
     reasons = []
@@ -202,6 +218,14 @@ def fastest_impacts_hz(sample_rate: float) -> float:
     """
     ringing_hz = min(_PASSED * sample_rate, HIGHEST_RINGING_HZ)
     return _RUN_TOGETHER * 2.0 * DAMPING * ringing_hz
+
+
+def _steps(x: NDArray[np.float64]) -> float:
+    """RMS about the mean in steps between the values; infinite where these are many."""
+    values = np.unique(x[:: max(len(x) // _LOOKED_AT, 1)])
+    if not 1 < len(values) <= _MOST_VALUES:
+        return math.inf
+    return float(x.std() / np.diff(values).min())
 
 
 def _in_runs(at_end: NDArray[np.bool_]) -> int:

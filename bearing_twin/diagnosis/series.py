@@ -29,7 +29,14 @@ from bearing_twin.diagnosis.dependence import Condition, HealthyRecord, Law, Z90
 from bearing_twin.diagnosis.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.onset import Rise, rise_begins, slope
 from bearing_twin.diagnosis.series_result import SeriesPoint, SeriesReport, SeriesSettings
-from bearing_twin.diagnosis.severity import BANDS_HZ, LEAST, Levels, measure_severity, of_length
+from bearing_twin.diagnosis.severity import (
+    BANDS_HZ,
+    LEAST,
+    Levels,
+    measure_severity,
+    of_length,
+    watched,
+)
 from bearing_twin.diagnosis.trend import Source
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -178,9 +185,7 @@ class SeriesMonitor:
             shaft_hz=shaft_hz,
         )  # fmt: skip
         severity = of_length(severity, len(signal), sample_rate)
-        heights = np.array([severity.rms, *severity.band_rms[1:]])
-        # A band beyond half the sample rate is empty: it never rises.
-        levels = 20.0 * np.log10(np.maximum(heights, 1e-9 * severity.rms))
+        levels = watched(severity)
         now = Condition.at(temperature, shaft_hz)
         base = self._baseline
         known = levels[0] - self._laws()[0].correct(now, self._reference)[0]

@@ -28,6 +28,7 @@ __all__ = [
     'iso_zone',
     'measure_severity',
     'of_length',
+    'watched',
 ]
 
 BANDS_HZ = ((10.0, 1000.0), (1000.0, 5000.0), (5000.0, 20000.0))
@@ -222,6 +223,25 @@ def measure_severity(
         unit=unit,
         band_rms=tuple(math.sqrt(power) for power in levels.powers[:-1]),
     )
+
+
+def watched(severity: Severity) -> NDArray[np.float64]:
+    """
+    Levels that are watched over time, dB: from 10 Hz to 20 kHz, and in each band from 1 kHz on.
+
+    Below 10 Hz a sway or a drift of the sensor decides, and not the bearing.
+
+    >>> turns = 2.0 * np.pi * np.arange(25600) / 25600.0
+    >>> x = 2.0 * np.sin(100.0 * turns) + 2.0 * np.sin(5.0 * turns)
+    >>> found = measure_severity(Levels.of(x, np.fft.rfft(x) / len(x), 25600.0))
+    >>> round(found.rms, 2), round(float(watched(found)[0]), 1)
+    (2.0, 3.0)
+
+    """
+    powers = np.square(severity.band_rms)
+    # An empty band, such as one beyond half the sample rate, never rises over the whole.
+    heights = np.array([powers.sum(), *powers[1:]])
+    return np.asarray(10.0 * np.log10(np.maximum(heights, 1e-18 * heights[0] + 1e-300)))
 
 
 def of_length(severity: Severity, count: int, sample_rate: float) -> Severity:

@@ -12,6 +12,7 @@ from bearing_twin.bearing import FAULT_CODES, LEVELS, PLACES, RESULTS
 from bearing_twin.diagnosis.dependence import Condition, HealthyRecord, Law
 from bearing_twin.diagnosis.level import FALLEN, FAULT_DB, raised, staged
 from bearing_twin.diagnosis.onset import Rise
+from bearing_twin.diagnosis.severity import watched
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
@@ -151,7 +152,7 @@ class Trend:
         severity = diagnosis.severity
         if not severity.rms > 0.0:
             return self._shown(diagnosis, hold, full)
-        level = 20.0 * math.log10(severity.rms)
+        level = float(watched(severity)[0])
         now = Condition.at(diagnosis.temperature, diagnosis.shaft_hz)
         if not self.sample_rate:
             self.sensor, self.bearing, self.unit, self.sample_rate = source

@@ -105,7 +105,8 @@ def test_record_of_a_year_stays_small_and_is_resumed_to_the_bit():
 
 def said(level, heat):
     nothing = insufficient(['by hand'], find_bearing('6307'))
-    severity = replace(nothing.severity, rms=10.0 ** (level / 20.0))
+    rms = 10.0 ** (level / 20.0)
+    severity = replace(nothing.severity, rms=rms, band_rms=(rms, 0.0, 0.0))
     return replace(nothing, result='healthy', level='ok', confidence=0.9, severity=severity,
                    shaft_hz=25.0, temperature=heat)  # fmt: skip
 

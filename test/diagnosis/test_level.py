@@ -21,8 +21,9 @@ MACHINE = Source('imu y', '6307', 'g', RATE)
 
 def said(result, level, *faults, over=math.nan, zone='', rms=1.0, velocity=math.nan):
     severity = replace(
-        NOTHING.severity, level_over_baseline=over, iso_zone=zone, rms=rms, velocity_rms=velocity
-    )
+        NOTHING.severity, level_over_baseline=over, iso_zone=zone, rms=rms, velocity_rms=velocity,
+        band_rms=(rms, 0.0, 0.0),
+    )  # fmt: skip
     index = dict.fromkeys(faults, 1.0)
     return replace(
         NOTHING,
@@ -265,3 +266,15 @@ def test_the_baseline_is_of_the_temperatures_that_were_known():
         trend.update(window, MACHINE, wanted=100, hold=3, full=True)
     assert trend.temperature == pytest.approx(38.0)
     assert (trend.temperature_count, trend.octaves_count) == (50, 100)
+
+
+def test_a_sway_below_the_vibration_is_no_level_of_the_machine():
+    """2 m/s^2 at 0.5 Hz beside a vibration of 0.2 m/s^2: a vessel, a vehicle, a drift."""
+    settings = DiagnosisSettings(window=2.0, memory=2.0, baseline_windows=5, hold_updates=2)
+    t = np.arange(int(20 * RATE)) / RATE
+    x = 0.2 * np.random.default_rng(8).standard_normal(len(t))
+    x += 2.0 * np.sin(np.pi * t) * (t >= 10.0)
+    told = StreamingDiagnoser(BEARING, settings).push(0, x, RATE, 25.0)
+    assert (told[9].level, told[-1].level) == ('ok', 'ok')
+    assert told[-1].severity.rms > 5.0 * told[9].severity.rms
+    assert abs(told[-1].severity.level_over_baseline) < 1.0

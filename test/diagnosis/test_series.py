@@ -407,3 +407,16 @@ def test_a_machine_that_stands_still_teaches_nothing():
         monitor.add(number, height * rng.standard_normal(COUNT), RATE, hertz)
     assert monitor.report().level == 'ok'
     assert '30 snapshots not judged: the machine stands still' in monitor.report().reasons
+
+
+def test_blades_beside_an_order_of_the_bearing_name_no_place():
+    """Noise that pulses three times a turn in a 6312, whose outer race has 3.07."""
+    rng, turns = np.random.default_rng(0), np.arange(5120) / RATE * 25.0
+    quiet, loud = AveragedEnvelope(), AveragedEnvelope()
+    for number in range(120):
+        x = rng.standard_normal(len(turns))
+        if number >= 60:
+            phase = 2.0 * np.pi * (3.0 * turns + rng.random())
+            x *= 2.5 * (0.5 + 0.5 * np.cos(phase)) ** 3
+        (loud if number >= 60 else quiet).add(x, RATE, 25.0)
+    assert loud.place(find_bearing('6312'), quiet) is None
