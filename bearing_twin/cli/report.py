@@ -9,7 +9,7 @@ from pathlib import Path
 import tempfile
 from typing import TYPE_CHECKING
 
-from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recording
+from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recordings
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.wholefile import whole_file
 
@@ -44,8 +44,8 @@ def run(args: argparse.Namespace) -> int:
     from bearing_twin.view.report.pdf import pdf_of
 
     with tempfile.TemporaryDirectory(prefix='bearing_twin_report_') as folder:
-        recording = as_recording(args.recording, args, Path(folder))
-        made = recording.parent == Path(folder)
+        (recording,) = as_recordings([args.recording], args, Path(folder))
+        made = Path(folder) in recording.parents
         text = report_page(recording, args.recording if made else None)
     page = pdf_of(text) if output.suffix.lower() == '.pdf' else text.encode()
     try:

@@ -8,15 +8,25 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, find_bearing, named_bearing, own_bearing
+from bearing_twin.cli.terminal import refuse_given
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.finding import find_recording
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Sequence
     from pathlib import Path
 
-__all__ = ['UNITS', 'add_signal_arguments', 'as_recording', 'given_bearing', 'given_speed']
+__all__ = [
+    'UNITS',
+    'add_signal_arguments',
+    'as_recordings',
+    'given_bearing',
+    'given_speed',
+]
 
+SAID = ('bearing', 'geometry', 'shaft_hz', 'rpm', 'sample_rate', 'channel', 'unit')
+"""What is said of vibration files."""
 UNITS = ('m/s^2', 'g')
 FILES = ('.npz', '.mat', '.wav', '.csv', '.txt', '.tsv')
 
@@ -60,18 +70,25 @@ def given_speed(args: argparse.Namespace) -> float:
     return shaft_hz
 
 
-def as_recording(path: Path, args: argparse.Namespace, folder: Path) -> Path:
+def as_recordings(paths: Sequence[Path], args: argparse.Namespace, folder: Path) -> list[Path]:
     """
-    Return the recording or picture that a path stands for.
+    Return the recordings or pictures that paths stand for.
 
     A vibration file becomes a recording in ``folder``, with the verdicts of the diagnosis.
 
     Raises
     ------
     BearingTwinError
-        If there is none, or it cannot be read.
+        If there is none, it cannot be read, or what is said of vibration files meets none.
 
     """
+    if not any(path.suffix.lower() in FILES for path in paths):
+        refuse_given(args, SAID, f'for {", ".join(FILES)} only; a recording says it itself')
+    # Files of one name each have a folder for themselves.
+    return [_as_recording(path, args, folder / str(k)) for k, path in enumerate(paths)]
+
+
+def _as_recording(path: Path, args: argparse.Namespace, folder: Path) -> Path:
     if path.suffix.lower() not in FILES:
         return find_recording(path)
     # Loaded when needed: the messages and scipy take a second.
@@ -80,6 +97,7 @@ def as_recording(path: Path, args: argparse.Namespace, folder: Path) -> Path:
 
     signal = read_signal(path, channel=args.channel, sample_rate=args.sample_rate)
     bearing = given_bearing(args) or signal.bearing or named_bearing(signal.bearing_name)
+    folder.mkdir()
     target = folder / f'{path.stem}.mcap'
     record_signal(signal, target, bearing, given_speed(args), unit=args.unit)
     return target

@@ -14,8 +14,8 @@ import tempfile
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
-from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recording
-from bearing_twin.cli.terminal import percent, shown
+from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recordings
+from bearing_twin.cli.terminal import percent, refuse_given, shown
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.wholefile import whole_file
 from bearing_twin.view.rerun.blueprint import PAGES
@@ -74,13 +74,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Show; status 0 if everything could be drawn."""
+    """Show; status 0 once it is shown. What could not be drawn is said on stderr."""
     if bool(args.live) == bool(args.recordings):
         msg = 'name a recording, or --live for what is running'
         raise BearingTwinError(msg)
     if args.live and args.save:
         msg = '--save keeps recordings only; a recorder keeps what is live with -p rerun_file:=RRD'
         raise BearingTwinError(msg)
+    if args.screenshot:
+        refuse_given(args, ('web',), 'not with --screenshot, which shows nothing')
+    else:
+        refuse_given(args, ('at', 'size'), 'only with --screenshot')
+    if not args.web:
+        refuse_given(args, ('web_port', 'address'), 'only with --web')
     with tempfile.TemporaryDirectory(prefix='bearing_twin_view_') as folder:
         sources = [_server(args.live)] if args.live else _sources(args, Path(folder))
         if args.screenshot:
@@ -114,9 +120,7 @@ def _server(text: str) -> str:
 
 
 def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
-    paths = [
-        as_recording(path, args, _made(folder / str(k))) for k, path in enumerate(args.recordings)
-    ]
+    paths = as_recordings(args.recordings, args, folder)
     pictures = [path for path in paths if path.suffix == '.rrd']
     if pictures and len(paths) > 1:
         msg = f'{pictures[0]} is a picture; side by side go the MCAP recordings behind pictures'
@@ -141,12 +145,6 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
     if args.save:
         _copy(rrd, args.save)
     return [str(rrd)]
-
-
-def _made(folder: Path) -> Path:
-    """Return a folder that files of one name each have for themselves."""
-    folder.mkdir()
-    return folder
 
 
 def _copy(source: Path, target: Path) -> None:

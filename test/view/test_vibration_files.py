@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files of machines are shown as recordings are."""
 
+from pathlib import Path
 import re
 
 from bearing_twin import cli
@@ -93,3 +94,19 @@ def test_files_side_by_side_have_one_scale_and_say_what_they_are(folder, tmp_pat
     # The scale grows with what is drawn.
     low, high = max(ranges, key=max)
     assert (low, high) == (-high, pytest.approx(peak))
+
+
+@pytest.mark.parametrize(
+    ('words', 'said'),
+    [
+        (['report', 'RUN', '--bearing', '6205', '--rpm', '1480'], '--bearing, --rpm: for .npz'),
+        (['view', 'RUN', '--channel', 'y', '--save', 'x.rrd'], '--channel: for .npz'),
+        (['view', 'RUN', '--at', '3'], '--at: only with --screenshot'),
+        (['view', 'RUN', '--web-port', '1'], '--web-port: only with --web'),
+        (['view', 'RUN', '--web', '--screenshot', 'x.png'], '--web: not with --screenshot'),
+    ],
+)
+def test_what_would_do_nothing_is_refused(words, said, capsys):
+    run = str(Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap')
+    assert cli.main([run if word == 'RUN' else word for word in words]) == 1
+    assert said in capsys.readouterr().err

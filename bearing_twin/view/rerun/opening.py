@@ -160,14 +160,14 @@ def _draw(
     unread = {str(info.path): '; '.join(info.problems)} if info.problems else {}
     span = max(1, info.end - info.start)
     for count, message in enumerate(read_messages(info.path, recover=True, problems=[])):
-        if message.topic in unread or message.topic in leave_out:
+        if message.topic in leave_out:
             continue
         if message.log_time < begin and message.type_name not in STANDING:
             continue
         try:
             decoded = message.decode()
         except BearingTwinError as error:
-            unread[message.topic] = str(error)
+            unread.setdefault(message.topic, str(error))
             continue
         time = max(message.log_time, begin)
         logger.log(message.topic, message.type_name, decoded, time, side=side)
