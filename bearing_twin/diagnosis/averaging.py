@@ -148,19 +148,21 @@ class AveragedEnvelope:
         center = np.median(null, axis=1, keepdims=True)
         spread = np.quantile(null, 0.8413, axis=1, keepdims=True) - center
         z = ((scores - center) / np.maximum(spread, 1e-3)).max(axis=0)
-        # What is highest at the edge of a place's window belongs to something beside it.
-        peaks = np.r_[False, (z[1:-1] >= z[:-2]) & (z[1:-1] >= z[2:]), False]
         best = sorted(
             (
-                (float(z[at].max()), place, float(grid[at][z[at].argmax()]))
+                (float(z[window].max()), place, float(grid[window][z[window].argmax()]))
                 for place, window in windows.items()
-                if (at := window & peaks).any()
+                if window.any()
             ),
             reverse=True,
         )
         if not best or best[0][0] < Z_PLACE:
             return None
         top, place, order = best[0]
+        row = int(np.searchsorted(grid, order))
+        if top < z[max(row - 1, 0) : row + 2].max():
+            # What is higher beside a place's window belongs to something else.
+            return None
         for rival, other, at in best[1:]:
             close = abs(orders.impacts(other) - orders.impacts(place)) < resolution
             if rival * RIVAL > top and (close or abs(at - order) > STEP):
