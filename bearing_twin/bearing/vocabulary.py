@@ -74,7 +74,7 @@ _STEPS: dict[str, str] = {
 }
 
 
-def next_step(result: str, stage: int = 0) -> str:
+def next_step(result: str, stage: int = 0, *, urgent: bool = False, standing: bool = False) -> str:
     """
     Return what to do after an answer, for people.
 
@@ -84,6 +84,10 @@ def next_step(result: str, stage: int = 0) -> str:
         The answer, one of ``RESULTS``.
     stage : int
         Stage of the defect, an index of ``STAGES``; it decides where a place is named.
+    urgent : bool
+        Whether the vibration is that of a damaged machine; it decides where no place is named.
+    standing : bool
+        Whether the shaft stands still; it decides where nothing is said.
 
     Returns
     -------
@@ -94,10 +98,16 @@ def next_step(result: str, stage: int = 0) -> str:
     --------
     >>> next_step('inner', 2)
     'order a bearing; measure daily'
+    >>> next_step('ambiguous', urgent=True)
+    'find the cause of the high vibration now: balance, alignment, looseness, bearing'
     >>> next_step('cage', 1)
     'plan to replace the bearing soon: a cage fails without much warning'
 
     """
     if result in PLACES and not (result == 'cage' and stage < 3):
         return STAGE_STEPS[stage]
+    if urgent and result not in PLACES:
+        return 'find the cause of the high vibration now: balance, alignment, looseness, bearing'
+    if standing and result == 'insufficient':
+        return 'measure while the shaft turns'
     return _STEPS.get(result, STAGE_STEPS[0])

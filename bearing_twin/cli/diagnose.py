@@ -26,6 +26,7 @@ from bearing_twin.cli.terminal import (
     shown_inside,
 )
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
+from bearing_twin.diagnosis.level import is_urgent
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.dataset import dataset_signals, is_dataset
 from bearing_twin.recording.foreign import channels, read_signal
@@ -302,7 +303,12 @@ def diagnose_file(task: Task) -> dict[str, Any]:
         'slip': plain(diagnosis.slip, DIGITS),
         'evidence': evidence(diagnosis),
         'reasons': list(diagnosis.reasons),
-        'next_step': next_step(diagnosis.result, diagnosis.severity.stage),
+        'next_step': next_step(
+            diagnosis.result,
+            diagnosis.severity.stage,
+            urgent=is_urgent(diagnosis.level, diagnosis.severity.velocity_rms),
+            standing=diagnosis.shaft_hz_given == 0.0,
+        ),
     }
 
 

@@ -64,6 +64,8 @@ def _verdict(answer: dict[str, Any]) -> str:
 
 def _shaft(answer: dict[str, Any]) -> str:
     hertz, given = answer['shaft_hz'], answer['evidence']['shaft_hz_given']
+    if given == 0.0:
+        return 'standing'
     if hertz is None:
         return 'speed unknown: give --rpm or --shaft-hz'
     text = f'{hertz:.4g} Hz, {60.0 * hertz:.5g} 1/min'

@@ -153,7 +153,9 @@ def check_extents(
             f'the RMS is {steps:.2g} steps of the converter (limit {_STEPS:g}): is the sensor '
             'dead? If it is not, raise the gain'
         ]
-    if not math.isfinite(shaft_hz) or shaft_hz <= 0.0:
+    if shaft_hz == 0.0:
+        return ['the shaft stands still: measure while it turns']
+    if not math.isfinite(shaft_hz) or shaft_hz < 0.0:
         return ['the shaft speed is unknown: give it (joint_states, rpm or --shaft-hz)']
     reasons = []
     span = _ENDS * (high - low)

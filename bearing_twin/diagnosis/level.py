@@ -21,6 +21,7 @@ __all__ = [
     'UNKNOWN',
     'by_zone',
     'fault_stage',
+    'is_urgent',
     'raised',
     'staged',
 ]
@@ -40,6 +41,26 @@ UNKNOWN = 0.5
 
 _DEEP = 1.0
 """Modulation index from which on the envelope is fully modulated."""
+
+
+def is_urgent(level: str, velocity_rms: float) -> bool:
+    """
+    Whether the cause of a vibration is to be found now, whichever part it is.
+
+    Parameters
+    ----------
+    level
+        Of the diagnosis.
+    velocity_rms
+        mm/s; NaN where it is not known.
+
+    Examples
+    --------
+    >>> is_urgent('fault', float('nan')), is_urgent('suspect', 56.0), is_urgent('suspect', 2.0)
+    (True, True, False)
+
+    """
+    return level == 'fault' or velocity_rms > HIGHEST_LIMIT
 
 
 def raised(diagnosis: Diagnosis) -> Diagnosis:

@@ -245,10 +245,10 @@ class Trend:
         if (own.level, said) == (level, self.answer):
             return own
         result, *faults = self.answer.split()
-        count, words = self.other_count, said
+        count, words = self.other_count, _spoken(said)
         if own.level != level:
-            count, words = self.pending_count, f'{said}, {own.level}'
-        text = f'{self.answer}, {level} held: '
+            count, words = self.pending_count, f'{_spoken(said)}, {own.level}'
+        text = f'{_spoken(self.answer)}, {level} held: '
         text += f'{count} of {hold} verdicts say {words}' if known else 'this window tells nothing'
         return replace(
             own,
@@ -324,3 +324,11 @@ class Trend:
             msg = f'saved trend is out of range: {values}; use what save() returned'
             raise BearingTwinError(msg)
         return trend
+
+
+def _spoken(answer: str) -> str:
+    """Return an answer with its faults in words: 'outer and inner', 'ambiguous ball or cage'."""
+    result, *faults = answer.split()
+    if result in faults:
+        return ' and '.join(faults)
+    return f'{result} {" or ".join(faults)}'.rstrip()

@@ -18,13 +18,16 @@ __all__ = ['read_csv']
 HEAD = 100
 """Lines in which the numbers must begin."""
 MOST_COLUMNS = 1000
-TIME = re.compile(r'(?:(?i:timestamp|time|zeit)|t)(?:[\s_(\[]+(\w+)\W*)?')
-"""A heading of times, and its unit."""
+TIME = re.compile(r'(?:timestamp|time|zeit|t)(?![a-z])', re.IGNORECASE)
+"""Beginning of a heading of times."""
 SECONDS = {
-    None: 1.0, 's': 1.0, 'sec': 1.0, 'seconds': 1.0, 'ms': 1e-3, 'us': 1e-6, 'µs': 1e-6,
-    'μs': 1e-6, 'ns': 1e-9,
-}  # fmt: skip
-"""By unit; the micro sign and the Greek letter look alike."""
+    **dict.fromkeys(('', 's', 'sec', 'secs', 'second', 'seconds', 'sekunden'), 1.0),
+    **dict.fromkeys(('ms', 'msec', 'milliseconds'), 1e-3),
+    # The micro sign and the Greek letter look alike.
+    **dict.fromkeys(('us', 'usec', 'µs', 'μs', 'microseconds'), 1e-6),
+    'ns': 1e-9,
+}
+"""By the last word of such a heading."""
 SAID = re.compile(r'(fs|sample_?rate|rpm|unit|label|bearing_name)\s*[=:,;]\s*([^,;\s]+)', re.I)
 DECIMAL = re.compile(r'([+-]?\d+,\d+\s+)*[+-]?\d+,\d+')
 UNIT = re.compile(r'[\[(](m/s\^?2|m/s²|g)[\])]')
@@ -68,13 +71,21 @@ def read_csv(path: Path) -> dict[str, Any]:
         if unit := UNIT.search(line):
             found['unit'] = np.array(unit[1])
     for name, column in zip(names, table.T, strict=True):
-        time = TIME.fullmatch(name)
-        if time and time[1] in SECONDS and column.size > 1:
-            step = SECONDS[time[1]] * float(np.median(np.diff(column)))
+        time = TIME.match(name)
+        # T may be a temperature.
+        if time and column.size > 1 and (len(time[0]) > 1 or _seconds(name) > 0.0):
+            step = _seconds(name) * float(np.median(np.diff(column)))
             found.setdefault('fs', np.array(1.0 / step if step > 0.0 else np.nan))
         else:
             found[name] = np.ascontiguousarray(column)
     return found
+
+
+def _seconds(heading: str) -> float:
+    """Return the unit of a heading of times in s; NaN where it is not known."""
+    words = re.findall(r'[^\W\d_]+', heading.lower())[1:]
+    unit = next((word for word in reversed(words) if word != 'stamp'), '')
+    return SECONDS.get(unit, np.nan)
 
 
 def _fields(line: str, separator: str) -> list[str]:

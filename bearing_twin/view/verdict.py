@@ -11,7 +11,7 @@ from typing import Any
 from bearing_twin.bearing.geometry import FaultFrequencies
 from bearing_twin.bearing.vocabulary import next_step as next_step_of
 from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
-from bearing_twin.diagnosis.severity import HIGHEST_LIMIT
+from bearing_twin.diagnosis.level import is_urgent
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.view.trends import recorded
@@ -88,12 +88,13 @@ def shaft_speed(diagnosis: Any) -> str:
 
 def next_step(diagnosis: Any) -> str:
     """Return what to do about a verdict."""
-    result = str(diagnosis.result_name)
-    if result == 'insufficient' and shaft_speed(diagnosis) == 'standing':
-        return 'Measure while the shaft turns.'
-    if result == 'suspect' and recorded(diagnosis, 'velocity_rms') > HIGHEST_LIMIT:
-        return 'Find the cause of the high vibration now: balance, alignment, looseness, bearing.'
-    step = next_step_of(result, _stage(diagnosis))
+    level = 'fault' if urgency(diagnosis) == max(URGENCY.values()) else ''
+    step = next_step_of(
+        str(diagnosis.result_name),
+        _stage(diagnosis),
+        urgent=is_urgent(level, recorded(diagnosis, 'velocity_rms')),
+        standing=shaft_speed(diagnosis) == 'standing',
+    )
     return f'{step[0].upper()}{step[1:]}.'
 
 
@@ -255,11 +256,11 @@ class Headline:
     @property
     def worst(self) -> Tally:
         """The worst sustained verdict; at least one has been taken."""
-        told = [t for t in self.tallies.values() if urgency(t)] or [*self.tallies.values()]
+        told = [t for t in self.tallies.values() if urgency(t.best)] or [*self.tallies.values()]
         sustained = [t for t in told if t.longest >= SUSTAINED]
         if sustained:
-            return max(sustained, key=lambda t: (urgency(t), t.windows))
-        return max(told, key=lambda t: (t.windows, urgency(t)))
+            return max(sustained, key=lambda t: (urgency(t.best), t.windows))
+        return max(told, key=lambda t: (t.windows, urgency(t.best)))
 
     @property
     def passed(self) -> bool:
@@ -281,9 +282,9 @@ class Headline:
         return f'{text}; at the end: {end}{shaft}'
 
 
-def urgency(tally: Tally) -> int:
+def urgency(diagnosis: Any) -> int:
     """Return how urgent a verdict is: 0 where it says nothing, 3 a fault."""
-    return URGENCY.get(int(tally.best.level), 0)
+    return URGENCY.get(int(diagnosis.level), 0)
 
 
 def same_window(one: Any, other: Any) -> bool:

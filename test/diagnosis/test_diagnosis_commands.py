@@ -395,6 +395,15 @@ def test_fewer_processes_than_one_are_refused(command, good, tmp_path, capsys):
     assert '--jobs -1' in capsys.readouterr().err
 
 
+def test_a_shaft_that_stands_is_not_unknown(good, tmp_path, capsys):
+    np.savez(tmp_path / 'a.npz', x=np.load(good)['x'], fs=RATE, rpm=0.0)
+    assert main(['diagnose', str(tmp_path / 'a.npz'), '--bearing', '6307']) == 0
+    text = capsys.readouterr().out
+    assert 'shaft     standing' in text
+    assert 'the shaft stands still: measure while it turns' in text
+    assert 'next      measure while the shaft turns' in text
+
+
 def test_a_benchmark_of_no_records_is_an_error(tmp_path, capsys):
     (tmp_path / 'index.json').write_text('{"bearings": {}, "records": []}')
     assert main(['benchmark', str(tmp_path)]) == 1

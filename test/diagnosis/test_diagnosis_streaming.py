@@ -205,7 +205,7 @@ def test_the_level_follows_after_as_many_equal_verdicts_as_it_is_held(hold):
     waits = [('healthy', 'ok')] * (hold - 1)
     expected = waits + [('inner', 'fault')] * (len(said) - len(waits))
     assert [(d.result, d.level) for d in said] == expected
-    text = f'healthy, ok held: 1 of {hold} verdicts say inner inner, fault'
+    text = f'healthy, ok held: 1 of {hold} verdicts say inner, fault'
     assert (said[0].reasons[-1] == text) == (hold > 1)
 
 

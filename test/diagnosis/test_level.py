@@ -88,6 +88,13 @@ def test_the_stage_decides_what_to_do_only_about_a_named_place(result, stage, st
     assert next_step(result, stage).startswith(step)
 
 
+@pytest.mark.parametrize('result', ['suspect', 'ambiguous', 'insufficient', 'healthy'])
+def test_a_loud_machine_without_a_place_is_to_be_looked_at_now(result):
+    assert next_step(result, urgent=True).startswith('find the cause of the high vibration now')
+    assert next_step('inner', 1, urgent=True).startswith('check the lubrication')
+    assert next_step('insufficient', standing=True) == 'measure while the shaft turns'
+
+
 def test_a_worn_out_machine_is_a_fault_of_unknown_place_over_its_own_baseline():
     """Healthy noise, then the same noise 13 dB higher: no comb, but no health either."""
     settings = DiagnosisSettings(window=2.0, memory=2.0, baseline_windows=3, hold_updates=2)
@@ -129,7 +136,7 @@ def test_one_other_window_does_not_undo_a_standing_answer_and_stays_visible():
     assert [d.result for d in published] == ['inner'] * 6 + ['ambiguous']
     assert published[2].fault_code == 'BEARING_INNER_RACE'
     assert published[2].confidence == 0.9
-    text = 'inner inner, fault held: 1 of 3 verdicts say ambiguous inner outer'
+    text = 'inner, fault held: 1 of 3 verdicts say ambiguous inner or outer'
     assert published[2].reasons[-1] == text
     assert published[6].faults == ('inner', 'outer')
 
@@ -161,7 +168,7 @@ def test_a_window_that_says_nothing_does_not_end_an_alarm():
             'fault',
             ('insufficient', 'none'),
         )
-        assert held.reasons[-1] == 'inner inner, fault held: this window tells nothing'
+        assert held.reasons[-1] == 'inner, fault held: this window tells nothing'
 
 
 def test_a_signal_far_below_its_baseline_is_not_ok():

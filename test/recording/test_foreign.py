@@ -272,7 +272,19 @@ def test_other_endings_and_missing_files(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ('heading', 'factor'),
-    [('time (ms)', 1e3), ('t [us]', 1e6), ('time_s', 1.0), ('Timestamp', 1.0), ('t', 1.0)],
+    [
+        ('time (ms)', 1e3),
+        ('t [us]', 1e6),
+        ('time_s', 1.0),
+        ('Timestamp', 1.0),
+        ('t', 1.0),
+        ('Zeit/s', 1.0),
+        ('Zeit in ms', 1e3),
+        ('Time (Seconds)', 1.0),
+        ('Time Stamp (s)', 1.0),
+        ('time stamp', 1.0),
+        ('time [µs]', 1e6),
+    ],
 )
 def test_times_have_the_unit_that_their_heading_says(tmp_path: Path, heading, factor) -> None:
     path = tmp_path / 'a.csv'
@@ -288,6 +300,16 @@ def test_times_in_another_unit_give_no_sample_rate(tmp_path: Path) -> None:
     path.write_text('time (min),acc\n' + '\n'.join(f'{k},{v:.9g}' for k, v in enumerate(X[:50])))
     with pytest.raises(BearingTwinError, match='does not say its sample rate'):
         read_signal(path)
+    np.testing.assert_allclose(read_signal(path, sample_rate=1000.0).x, X[:50], rtol=1e-8)
+
+
+def test_a_temperature_is_no_time(tmp_path: Path) -> None:
+    path = tmp_path / 'a.csv'
+    rows = '\n'.join(f'{20.0 + 0.01 * (k // 7)},{v:.9g}' for k, v in enumerate(X[:500]))
+    path.write_text(f'T (°C),acc\n{rows}')
+    signal = read_signal(path, channel='acc', sample_rate=1000.0)
+    np.testing.assert_allclose(signal.x, X[:500], rtol=1e-8)
+    assert read_signal(path, channel='T', sample_rate=1000.0).x[0] == 20.0
 
 
 def test_a_counter_is_no_vibration(tmp_path: Path) -> None:

@@ -116,7 +116,7 @@ def _overview(machines: Iterable[Machine]) -> str:
     """Return the verdicts of several machines, the most urgent first."""
     rows = sorted(
         (
-            -urgency(m.headline.worst),
+            -urgency(m.headline.worst.best),
             m.name,
             f'{title_of(m.headline.worst.best)}, {m.headline.span}',
         )
