@@ -4,8 +4,8 @@
 Beside one machine: adapter and diagnosis of its accelerometer, its twin, and a recorder.
 
 The twin sends its vibration on ``twin/vibration``, so that each stream has one source. Only the
-namespace of the machine is recorded. What dies is started again, the recorder beside what it has
-recorded before.
+namespace of the machine is recorded, and its temperature and speed wherever they are. What dies is
+started again, the recorder beside what it has recorded before.
 """
 
 from bearing_twin.ros.launchfile import Argument, launch_description, shared
@@ -16,6 +16,8 @@ from launch.substitutions import LaunchConfiguration
 def generate_launch_description() -> LaunchDescription:
     """Return the description."""
     measured = {name: LaunchConfiguration(name) for name in ('temperature', 'joint_states')}
+    # Where they are not in the namespace.
+    beside = [part for topic in measured.values() for part in ('|', topic)]
     return launch_description(
         [
             Argument('namespace', "namespace of the machine, e.g. 'line3/fan_7'", 'machine'),
@@ -26,7 +28,7 @@ def generate_launch_description() -> LaunchDescription:
             Argument('twin', 'run the twin beside the machine', 'true', bool),
             Argument('calibrate', 'fit the twin to the machine', 'false', bool),
             Argument('record', 'record to MCAP', 'true', bool),
-            Argument('regex', 'topics to record', '{namespace}/.*|/diagnostics'),
+            Argument('regex', 'topics to record', ['{namespace}/.*|/diagnostics', *beside]),
             Argument('output', 'bag folder; empty: bearing_twin_DATE-TIME here'),
             Argument('rerun_port', 'port of the Rerun server; empty or 0: none', kind=int),
             Argument('use_sim_time', 'true: follow /clock', kind=bool),

@@ -191,7 +191,11 @@ def _source(signal: Signal, args: argparse.Namespace) -> _Source:
         ]
 
     # An Imu is in m/s^2; what has no unit is taken for it.
-    factor = acceleration_factor(args.unit or signal.unit or 'm/s^2')
+    unit = args.unit or signal.unit or 'm/s^2'
+    factor = acceleration_factor(unit)
+    if args.kind == 'imu' and not math.isfinite(factor):
+        msg = f'{signal.source} is in {unit}, an Imu in m/s^2: say --unit, or --as vibration'
+        raise BearingTwinError(msg)
     of = partial(_Source, signal, speed=args.speed, loop=args.loop)
     if args.kind == 'imu':
         return of(Imu, imus, size=math.ceil(SINGLE_PERIOD * signal.sample_rate))

@@ -32,8 +32,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Recover; status 0 if anything was saved."""
-    # Resolved, since '.' has no name of its own.
-    source: Path = args.recording.resolve()
+    source: Path = args.recording
+    if not source.name or source.name == '..':
+        source = source.resolve()
     target = args.output or source.with_name(f'{source.stem}_recovered{source.suffix}')
     report = recover(source, target)
     if args.json:

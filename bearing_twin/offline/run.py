@@ -149,7 +149,10 @@ def run_offline(
         writer.metadata('bearing_twin.source', {'source': source.name, 'mode': 'offline'})
         diagnosis_side = _DiagnosisSide(diagnosis_values, writer, pool, threads + 1, report)
         messages = iter(read_messages(source, topics=topics, problems=report.problems))
-        first = next(messages)
+        first = next(messages, None)
+        if first is None:
+            msg = f'{source} holds none of the messages that its summary counts'
+            raise BearingTwinError(msg)
         reported = start = first.log_time
         twin_side = _TwinSide(twin_values, diagnosis_values['joint'], start)
         made = twin_side.run(chain([first], messages), info.end)

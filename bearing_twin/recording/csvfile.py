@@ -18,7 +18,7 @@ __all__ = ['read_csv']
 HEAD = 100
 """Lines in which the numbers must begin."""
 MOST_COLUMNS = 1000
-TIME = re.compile(r'(?:timestamp|time|zeit|t)(?![a-z])', re.IGNORECASE)
+TIME = re.compile(r'(?:timestamp|time|zeit|t)(?![a-z\d])', re.IGNORECASE)
 """Beginning of a heading of times."""
 SECONDS = {
     **dict.fromkeys(('', 's', 'sec', 'secs', 'second', 'seconds', 'sekunden'), 1.0),
@@ -72,10 +72,12 @@ def read_csv(path: Path) -> dict[str, Any]:
             found['unit'] = np.array(unit[1])
     for name, column in zip(names, table.T, strict=True):
         time = TIME.match(name)
-        # T may be a temperature.
-        if time and column.size > 1 and (len(time[0]) > 1 or _seconds(name) > 0.0):
+        # T may be a temperature, T_1 one of several.
+        known = _seconds(name) > 0.0 and not re.search(r'\d', name)
+        if time and column.size > 1 and (len(time[0]) > 1 or known):
             step = _seconds(name) * float(np.median(np.diff(column)))
-            found.setdefault('fs', np.array(1.0 / step if step > 0.0 else np.nan))
+            if step > 0.0:
+                found.setdefault('fs', np.array(1.0 / step))
         else:
             found[name] = np.ascontiguousarray(column)
     return found

@@ -130,12 +130,18 @@ class Player:
     @property
     def position(self) -> int:
         """Return the recorded time reached, ns."""
-        return self.start + int(self._elapsed)
+        return self.start + int(self._reached())
 
     @property
     def fraction(self) -> float:
         """Part of the section that has been played, 0..1."""
-        return min(1.0, self._elapsed / (self.end - self.start))
+        return min(1.0, self._reached() / (self.end - self.start))
+
+    def _reached(self) -> float:
+        """Time in ns up to which everything has been given out."""
+        if self._next is None:
+            return self._elapsed
+        return min(self._elapsed, float(self._next.log_time - self.start))
 
     def topics(self) -> dict[str, TopicInfo]:
         """Return the topics that are played."""

@@ -75,7 +75,9 @@ class StampTracker:
 
     Each sample is expected one period after the one before. The expectation follows the stamps
     slowly, so that a rate that is wrong by one percent makes no gaps. Where stamps are regular a
-    single missing sample is seen; where they jitter, up to one and a half period passes as jitter.
+    single missing sample is seen; where they jitter, up to one and a half period passes as jitter,
+    once they have shown it: stamps that jitter by over 0.2 periods (RMS) may begin with a gap that
+    is none.
 
     Parameters
     ----------

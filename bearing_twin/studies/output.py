@@ -60,6 +60,8 @@ def read_lines(path: Path) -> list[Any]:
     """
     Return the lines of JSON that an earlier run has written; none where there is no file.
 
+    A last line that is cut off, as by a kill, is taken off the file, so that a run can go on.
+
     Raises
     ------
     BearingTwinError
@@ -67,7 +69,11 @@ def read_lines(path: Path) -> list[Any]:
 
     """
     try:
-        return [json.loads(line) for line in path.read_text(encoding='utf-8').splitlines()]
+        text = path.read_text(encoding='utf-8')
+        if whole := text[: text.rfind('\n') + 1]:
+            text = whole
+            path.write_text(text, encoding='utf-8')
+        return [json.loads(line) for line in text.splitlines()]
     except FileNotFoundError:
         return []
     except (OSError, ValueError) as error:

@@ -23,6 +23,7 @@ def files(tmp_path):
     times = np.arange(SIGNAL.size) / RATE
     table = np.column_stack([times, SIGNAL])
     np.savetxt(tmp_path / 'a.csv', table, delimiter=',', header='time,x', comments='')
+    np.savez(tmp_path / 'volt.npz', x=SIGNAL.astype(float), fs=RATE, unit='V')
     np.savez(tmp_path / 'a.npz', x=SIGNAL.astype(float), fs=RATE, rpm=600.0)
     return tmp_path
 
@@ -108,6 +109,7 @@ def test_what_cannot_be_played_is_refused_with_the_remedy(files):
         (('a.mat',), '--sample-rate'),
         (('a.wav', '--speed', 2), '--speed needs --as imu or --as vibration'),
         (('a.npz', '--block', 0), '--block 0'),
+        (('volt.npz', '--as', 'imu'), 'is in V, an Imu in m/s^2'),
     ):
         playing = play(files / words[0], *words[1:])
         output, _ = playing.communicate(timeout=120)

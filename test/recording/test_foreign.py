@@ -312,6 +312,19 @@ def test_a_temperature_is_no_time(tmp_path: Path) -> None:
     assert read_signal(path, channel='T', sample_rate=1000.0).x[0] == 20.0
 
 
+@pytest.mark.parametrize(
+    ('heading', 'row', 'rate'),
+    [('acc,T1,time', '{1},20,{0}', 1000.0), ('time (h),time (s),acc', '0,{0},{1}', 1000.0)],
+)
+def test_the_time_is_found_beside_what_looks_like_it(tmp_path, heading, row, rate) -> None:
+    path = tmp_path / 'a.csv'
+    rows = '\n'.join(row.format(k / rate, f'{v:.9g}') for k, v in enumerate(X[:500]))
+    path.write_text(f'{heading}\n{rows}')
+    signal = read_signal(path)
+    assert signal.sample_rate == pytest.approx(rate)
+    np.testing.assert_allclose(signal.x, X[:500], rtol=1e-8)
+
+
 def test_a_counter_is_no_vibration(tmp_path: Path) -> None:
     path = tmp_path / 'a.csv'
     rows = '\n'.join(f'{k},{v:.9g},{2 * v:.9g}' for k, v in enumerate(X[:500]))

@@ -124,3 +124,13 @@ def test_a_caller_may_stop_at_the_last_message_of_a_round(recording: Path) -> No
     count = player.info.count
     assert len(list(islice(player.due(1e6), count))) == count
     assert not player.finished
+
+
+def test_the_position_is_no_later_than_what_is_still_to_come(recording: Path) -> None:
+    player = Player(recording)
+    player.resync(100.0)
+    given = [message.log_time for message in islice(player.due(150.0), 3)]
+    assert len(given) == 3
+    # The fourth is at 2 s, the last at 9 s.
+    assert player.position == START + 2 * NANO
+    assert player.fraction == pytest.approx(2.0 / 9.0)
