@@ -317,6 +317,7 @@ class Analysis:
             self.shaft_hz,
             self.window.revolutions * len(windows),
             self.window.kurtosis,
+            max(stretch.extent.steps for stretch in excerpt.stretches),
         )
         settings = excerpt.settings
         asked = settings.power_group and settings.mounting and not self.window.severity.iso_zone
@@ -344,11 +345,12 @@ def _verdict(
     given_hz: float,
     turns: float,
     kurtosis: float,
+    steps: float,
 ) -> tuple[Verdict, ShaftSpeed]:
     """Verdict on the mean of several windows, and the speed on which it rests."""
 
     def decided(spectra: OrderSpectra, speed: ShaftSpeed) -> Verdict:
-        return decide(Evidence(CombSearch(spectra, bearing, speed), turns, kurtosis))
+        return decide(Evidence(CombSearch(spectra, bearing, speed), turns, kurtosis, steps))
 
     verdict = decided(accumulate(windows), speed)
     if speed.shaft_hz == given_hz:

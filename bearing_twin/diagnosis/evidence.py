@@ -82,13 +82,18 @@ class Evidence:
         Shaft turns in all windows together.
     kurtosis
         Of the newest window's samples without single shocks.
+    steps
+        RMS of its samples in steps of the converter.
 
     """
 
-    def __init__(self, combs: CombSearch, turns: float, kurtosis: float = 3.0) -> None:
+    def __init__(
+        self, combs: CombSearch, turns: float, kurtosis: float = 3.0, steps: float = math.inf
+    ) -> None:
         self._combs = combs
         self.turns = turns
         self.kurtosis = kurtosis
+        self.steps = steps
 
     @classmethod
     def of(cls, *candidates: Candidate, turns: float = 200.0, **quantities: Any) -> Evidence:
@@ -115,6 +120,7 @@ class Evidence:
         undisturbed = _UNDISTURBED | {
             'turns': turns,
             'kurtosis': 3.0,
+            'steps': math.inf,
             'bearing': find_bearing('6205'),
             'cage_turns': 0.4 / quantities.get('step', _UNDISTURBED['step']),
             'claims': Claims(candidates),

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     'CAGE_TURNS',
+    'CONVERTER_STEPS',
     'DAMPING',
     'HEALTHY_TURNS',
     'HIGHEST_RINGING_HZ',
@@ -52,9 +53,10 @@ _RUN_TOGETHER = 1.8
 fault."""
 
 _CLIPPED_SHARE = 0.005
-_STEPS = 2.0
-"""Least RMS of a signal in steps of its converter: rounding to steps, which has an RMS of
-1/sqrt(12), is 17 dB below it. What is finer is the converter's and not the machine's."""
+CONVERTER_STEPS = 2.0
+"""Least RMS of a healthy signal in steps of its converter: rounding to steps, which has an RMS of
+1/sqrt(12), is 17 dB below it. Below, a dead sensor may sound the same; a fault shows all the same.
+"""
 _LOOKED_AT, _MOST_VALUES = 1024, 64
 """Of so many samples a signal of so few steps has far fewer different values: noise of an RMS of
 two steps has about 15."""
@@ -147,12 +149,6 @@ def check_extents(
     low, high = min(part.low for part in parts), max(part.high for part in parts)
     if high - low <= 1e-12 * max(abs(low), abs(high)):
         return [f'the signal is constant at {low:g}: check sensor and cable']
-    steps = max(part.steps for part in parts)
-    if steps < _STEPS:
-        return [
-            f'the RMS is {steps:.2g} steps of the converter (limit {_STEPS:g}): is the sensor '
-            'dead? If it is not, raise the gain'
-        ]
     if shaft_hz == 0.0:
         return ['the shaft stands still: measure while it turns']
     if not math.isfinite(shaft_hz) or shaft_hz < 0.0:
@@ -225,8 +221,10 @@ def fastest_impacts_hz(sample_rate: float) -> float:
 def _steps(x: NDArray[np.float64]) -> float:
     """RMS about the mean in steps between the values; infinite where these are many."""
     values = np.unique(x[:: max(len(x) // _LOOKED_AT, 1)])
-    if not 1 < len(values) <= _MOST_VALUES:
+    if len(values) > _MOST_VALUES:
         return math.inf
+    if len(values) == 1:
+        return 0.0
     return float(x.std() / np.diff(values).min())
 
 

@@ -23,7 +23,12 @@ from typing import NamedTuple, TYPE_CHECKING
 from bearing_twin.diagnosis.confidence import confidence, LEAST_CONFIDENCE, Trust
 from bearing_twin.diagnosis.demodulation import highest_fault_order
 from bearing_twin.diagnosis.fits import fitting_bearings, fitting_speeds
-from bearing_twin.diagnosis.gate import CAGE_TURNS, fastest_impacts_hz, HEALTHY_TURNS
+from bearing_twin.diagnosis.gate import (
+    CAGE_TURNS,
+    CONVERTER_STEPS,
+    fastest_impacts_hz,
+    HEALTHY_TURNS,
+)
 from bearing_twin.diagnosis.thresholds import (
     CARRIER,
     IMPACTS,
@@ -176,6 +181,17 @@ def _impacts_elsewhere(e: Evidence) -> Verdict | None:
     if e.impacts['elsewhere'] < IMPACTS:
         return None
     return _elsewhere(e, 'fit no part of')
+
+
+@_rule('insufficient', "A dead sensor has no comb either: its noise is the converter's rounding.")
+def _few_steps(e: Evidence) -> Verdict | None:
+    if e.remaining or e.steps >= CONVERTER_STEPS:
+        return None
+    text = (
+        f'the RMS is {e.steps:.2g} steps of the converter ({CONVERTER_STEPS:g} are needed to call '
+        'it healthy): is the sensor dead? If it is not, raise the gain'
+    )
+    return _insufficient(e, text)
 
 
 @_rule('suspect', 'No load modulates noise so much: impacts or bursts, whatever their period.')

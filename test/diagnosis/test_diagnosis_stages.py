@@ -258,7 +258,6 @@ def test_angular_resampling_turns_a_sweep_into_a_line():
         (np.sin(np.arange(5_000.0)), RATE, 25.0, 'shaft turns'),
         (np.sin(np.arange(50_000.0)), 600.0, 25.0, 'sample rate'),
         (np.clip(3 * np.sin(np.arange(50_000.0)), -1, 1), RATE, 25.0, 'clipped'),
-        (np.rint(np.sin(np.arange(50_000.0) ** 2)), RATE, 25.0, 'steps of the converter'),
     ],
 )
 def test_gate_says_what_is_missing(x, rate, hz, words):

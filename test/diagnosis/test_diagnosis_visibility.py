@@ -98,3 +98,19 @@ def test_a_fast_stream_names_what_the_record_does():
     ]
     assert said[-1].faults == ('outer',), said[-1].reasons
     assert said[-1].score == diagnose_record(x, 102_400, BEARING, SHAFT_HZ).score
+
+
+@pytest.mark.parametrize('steps', [0.12, 0.6, 1.5])
+def test_what_may_be_the_rounding_of_a_converter_is_not_healthy(steps):
+    noise = np.random.default_rng(7).standard_normal(8 * 25_600)
+    said = diagnose_record(np.rint(steps * noise), 25_600, BEARING, SHAFT_HZ)
+    assert (said.result, said.level) == ('insufficient', 'none')
+    assert 'steps of the converter' in said.reasons[-1]
+
+
+def test_a_converter_of_few_steps_hides_no_fault():
+    rng = np.random.default_rng(8)
+    bpfi = fault_orders(BEARING).bpfi
+    x = _ringing(rng, bpfi, seconds=8.0, rate=25_600, resonance_hz=4000.0)
+    x = np.rint(x + 0.7 * rng.standard_normal(len(x)))
+    assert diagnose_record(x, 25_600, BEARING, SHAFT_HZ).result == 'inner'

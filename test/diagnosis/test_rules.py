@@ -68,6 +68,7 @@ CASES = {
         'suspect',
         (),
     ),
+    'few_steps': (Evidence.of(steps=1.9, kurtosis=500.0), 'insufficient', 'none', ()),
     'bursts': (Evidence.of(kurtosis=6.0), 'suspect', 'suspect', ()),
     'two_faint_places': (
         Evidence.of(comb('inner', z=6.3, index=0.17), comb('outer', z=5.6, index=0.17)),
