@@ -17,6 +17,7 @@ from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import START
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from bearing_twin.streams.vibration_input import SOURCE_SIMULATED
 from bearing_twin.view.rerun.bearing3d import contact_forces, SLOWED
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.logger import RerunLogger
@@ -37,6 +38,7 @@ from rerun.chunk import McapReader, RrdReader
 import yaml
 
 SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
+VIBRATION = 'bearing_twin_msgs/msg/Vibration'
 SECOND = 1_000_000_000
 
 
@@ -179,6 +181,42 @@ def test_a_fleet_keeps_the_parameters_of_each_bearing_apart(tmp_path):
     assert pump.startswith('line3/pump')
     assert '| bearing | 6307 | defect | inner |' in pump
     assert '| bearing | 6205 | defect | none |' in fan
+
+
+def vibration(k, time, amplitude=1.0):
+    """Return the k-th block of a tenth of a second."""
+    return SimpleNamespace(
+        **vars(stamp(time)), sample_rate=2560.0, first_sample=256 * k, unit='m/s^2',
+        source=SOURCE_SIMULATED, x=[], y=amplitude * np.sin(np.arange(256.0)),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    'sensors', [('vibration', 'nde'), ('nde', 'vibration'), ('nde', 'twin', 'vibration')]
+)
+def test_every_sensor_follows_the_temperature(tmp_path, sensors):
+    rrd, growth = tmp_path / 'sensors.rrd', {'vibration': 1.0, 'nde': 2.0, 'twin': 4.0}
+    with RerunLogger(recording_id='sensors', rrd=rrd) as logger:
+        for k in range(60):
+            time = SECOND + k * SECOND // 10
+            if k > 3:
+                # Not before all of them have spoken.
+                warm = stamp(time)
+                warm.temperature, warm.variance = 20.0 + 10.0 * (k // 10), 0.0
+                logger.log('/temperature', 'sensor_msgs/msg/Temperature', warm, time)
+            for name in sensors[: 1 + k]:
+                block = vibration(k, time, 1.0 + growth[name] * (k // 10))
+                logger.log(f'/{name}', VIBRATION, block, time)
+    assert logger.problems == {}
+    for name in sensors:
+        drawn = {}
+        for part in ('abscissa', 'values'):
+            _, rows = columns(rrd, f'/{name}/over_temperature/amplitude', part)
+            drawn[part] = rows[-1][0]['buffer']
+        assert drawn['abscissa'] == [20.0, 30.0, 40.0, 50.0, 60.0, 70.0]
+        assert drawn['values'] == pytest.approx([100.0 * growth[name] * k for k in range(6)])
+        _, strips = columns(rrd, f'/{name}/waterfall', 'strips')
+        assert len(strips[-1]) == 6
 
 
 def twin_state(defect, time, **angles):

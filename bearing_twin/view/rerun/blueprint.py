@@ -276,7 +276,7 @@ def _over_temperature(scene: Scene) -> list[View]:
         )
         for path in _of(scene, 'vibration')
         for key, name in QUANTITIES.items()
-        if f'over_temperature/{key}' in scene.asset.panels
+        if f'{path}/over_temperature/{key}' in scene.asset.panels
     ]
 
 

@@ -54,7 +54,7 @@ class Asset:
     unit: str = ''
     """Of the vibration."""
     panels: set[str] = field(default_factory=set)
-    """Keys of the panels over time that have values."""
+    """Keys of the panels over time that have values, and paths of those over temperature."""
 
 
 class Picture:

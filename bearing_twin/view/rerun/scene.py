@@ -4,10 +4,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.view.over_temperature import OverTemperature
 from bearing_twin.view.rerun.calibration import CalibrationPicture
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.generic import AnyPicture
@@ -18,7 +16,6 @@ from bearing_twin.view.rerun.texts import CheckpointPicture, LogPicture, TextPic
 from bearing_twin.view.rerun.twinstate import TwinPicture
 from bearing_twin.view.rerun.verdict import VerdictPicture
 from bearing_twin.view.rerun.waveform import Waveform
-from bearing_twin.view.source import Source
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -85,6 +82,7 @@ class Scene:
         self._timebase = timebase
         self.asset = asset
         self._pictures: dict[tuple[str, str], Picture] = {}
+        self._sensor: Waveform | None = None
 
     def draw(self, name: str, type_name: str, message: Any, received: int) -> None:
         """Draw a message of a topic; ``received`` in ns."""
@@ -93,28 +91,28 @@ class Scene:
         picture = self._pictures.get((name, type_name))
         if picture is None:
             canvas = Canvas(self._emit, f'{self.root}/{name}', self._timebase)
-            picture = PICTURES.get(type_name, AnyPicture)(canvas, self._asset_of(name, type_name))
+            picture = PICTURES.get(type_name, AnyPicture)(canvas, self.asset)
             self._pictures[name, type_name] = picture
+            if isinstance(picture, Waveform):
+                self._tell_apart(picture, name)
         if picture.draw(message, self._timebase.of(message, received)):
             self.contents.setdefault(name, picture.kind)
 
-    def _asset_of(self, name: str, type_name: str) -> Asset:
+    def _tell_apart(self, sensor: Waveform, name: str) -> None:
         """
-        Return what a new picture shares: the asset, but for a second sensor of vibration.
+        Keep what a second sensor of vibration tells of itself away from the verdict.
 
         A twin beside a sensor is not what the verdict is about: ``vibration`` is, else the first.
         """
-        sensors = [p for p in self._pictures.values() if isinstance(p, Waveform)]
-        if PICTURES.get(type_name) is not Waveform or not sensors:
-            return self.asset
-        apart = replace(self.asset, source=Source(), over_temperature=OverTemperature())
-        if name != 'vibration':
-            return apart
-        for sensor in sensors:
-            sensor.asset = apart
-        self.asset.source.forget_vibration()
-        self.asset.over_temperature.forget_vibration()
-        return self.asset
+        if self._sensor is None:
+            self._sensor = sensor
+        elif name == 'vibration':
+            self._sensor.stand_apart()
+            self.asset.source.forget_vibration()
+            self.asset.over_temperature.forget_vibration()
+            self._sensor = sensor
+        else:
+            sensor.stand_apart()
 
     def flush(
         self, complain: Callable[[str, Exception], None], *, slow: bool, last: bool = False

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import NANO
-from bearing_twin.view.over_temperature import STEP, Strips
+from bearing_twin.view.over_temperature import OverTemperature, STEP, Strips
 from bearing_twin.view.rerun.picture import Asset, Picture
 from bearing_twin.view.rerun.spectrogram import Spectrogram
 from bearing_twin.view.rerun.waterfall import Waterfall
+from bearing_twin.view.source import Source
 from bearing_twin.view.spectrum import low_high
 from bearing_twin.view.style import LINE
 from bearing_twin.view.verdict import pretty
@@ -77,6 +78,11 @@ class Waveform(Picture):
         self._pieces: list[_Piece] = []
         self._time = 0
         self._step: int | None = None
+        self._source, self._over = asset.source, asset.over_temperature
+
+    def stand_apart(self) -> None:
+        """Be another sensor than that of the verdict: at its temperature, with own means."""
+        self._source, self._over = Source(), OverTemperature()
 
     def draw(self, message: Any, time: int) -> bool:
         """Hold a block for the next flush; ``time`` of its first sample in ns."""
@@ -93,9 +99,9 @@ class Waveform(Picture):
         self._pieces[-1].add(axes)
         self.asset.unit = pretty(unit)
         self.asset.panels.update(AXES[axis][0] for axis in axes)
-        self.asset.source.vibration(message)
+        self._source.vibration(message)
         samples, temperature = next(iter(axes.values())), self.asset.temperature
-        self.asset.over_temperature.vibration(samples, unit, temperature)
+        self._over.vibration(samples, unit, temperature)
         if np.isfinite(temperature):
             first = int(getattr(message, 'first_sample', 0))
             self._new_strip |= self._strips.take(samples, first, rate, temperature)
@@ -130,7 +136,7 @@ class Waveform(Picture):
     def _over_temperature(self, time: int) -> None:
         """Draw how much each quantity changes with temperature, per cent."""
         self._time = time
-        for curve in self.asset.over_temperature.curves:
+        for curve in self._over.curves:
             values = curve.values
             if np.isfinite(curve.base):
                 values = 100.0 * (values / curve.base - 1.0)
@@ -140,8 +146,9 @@ class Waveform(Picture):
                 widths=np.full(values.size, 0.8 * STEP, dtype=np.float32),
                 color=LINE['blue'],
             )
-            self.canvas.put(f'over_temperature/{curve.key}', time, bars)
-            self.asset.panels.add(f'over_temperature/{curve.key}')
+            key = f'over_temperature/{curve.key}'
+            self.canvas.put(key, time, bars)
+            self.asset.panels.add(self.canvas.path(key))
 
     def _close_look(self, axis: str, samples: NDArray[np.float64], piece: _Piece) -> None:
         place, colour = AXES[axis]
