@@ -18,7 +18,7 @@ from bearing_twin.streams.vibration_input import (
     SOURCE_UNKNOWN,
 )
 
-__all__ = ['Source', 'bearing_in_words', 'twin_in_words']
+__all__ = ['Source', 'bearing_in_words', 'fleet_tables', 'twin_in_words']
 
 PLACE = {'inner': 'inner race', 'outer': 'outer race', 'ball': 'ball', 'cage': 'cage'}
 
@@ -62,6 +62,28 @@ class Source:
             return f'simulated by {self._twin or "a twin"}'
         text = 'measured' if SOURCE_MEASURED in self._sources else 'source not stated'
         return f'{text}, {self.frame}' if self.frame else text
+
+
+def fleet_tables(node: str, kind: str, values: Any) -> dict[str, Any]:
+    """
+    Return the parameters of each asset of a fleet by its namespace; none for another node.
+
+    The assets lie beside the node, not below it as the topic of its checkpoint does.
+
+    Parameters
+    ----------
+    node, kind, values
+        Of a Checkpoint: fully qualified name, kind and configuration of the node.
+
+    Examples
+    --------
+    >>> fleet_tables('/plant/fleet', 'fleet', {'line3/pump': {'defect': 'inner'}})
+    {'/plant/line3/pump': {'defect': 'inner'}}
+
+    """
+    if kind != 'fleet' or not isinstance(values, dict):
+        return {}
+    return {f'{node.rpartition("/")[0]}/{name}': table for name, table in values.items()}
 
 
 def bearing_in_words(name: str, *, orders: bool = False) -> str:

@@ -16,6 +16,7 @@ from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.page import report_page
 import numpy as np
 import pytest
+import yaml
 
 SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
 
@@ -175,6 +176,35 @@ def test_a_twin_beside_the_sensor_is_not_what_the_page_is_about(recording, tmp_p
     assert machine.vibration == single.vibration
     assert machine.sensors == {'/vibration', '/vibration_twin'}
     assert '/vibration, /vibration_twin' in report_page(both)
+
+
+@pytest.mark.parametrize('base', ['', '/plant'])
+def test_a_page_says_what_a_fleet_simulated(recording, tmp_path, base):
+    from bearing_twin_msgs.msg import Checkpoint
+    from rclpy.serialization import serialize_message
+
+    end = next(read_messages(recording)).log_time + 8_000_000_000
+    with RecordingWriter(tmp_path / 'fleet') as writer:
+        for message in read_messages(recording, end=end):
+            # One of the assets has the name of the node.
+            topics = [f'{base}/{name}{message.topic}' for name in ('p1', 'fleet')]
+            cdr = message.cdr
+            if message.topic == '/twin_checkpoint':
+                values = yaml.safe_load(message.decode().configuration)
+                healthy = values | {'defect': 'none', 'hardware_id': 'pump 9'}
+                made = Checkpoint(node=f'{base}/fleet', kind='fleet')
+                made.configuration = yaml.safe_dump({'fleet': healthy, 'p1': values})
+                topics, cdr = [f'{base}/fleet/checkpoint'], serialize_message(made)
+            for topic in topics:
+                writer.write(
+                    topic, message.type_name, cdr,
+                    log_time=message.log_time, publish_time=message.publish_time,
+                )  # fmt: skip
+    machines = collect(tmp_path / 'fleet')
+    text = f'simulated by {base}/fleet, preset incipient, '
+    assert machines[f'{base}/p1'].source.text.startswith(f'{text}inner race')
+    assert machines[f'{base}/fleet'].source.text == f'{text}no defect'
+    assert machines[f'{base}/fleet'].hardware == 'pump 9'
 
 
 def test_what_a_recording_says_is_never_markup(recording, tmp_path):

@@ -9,6 +9,7 @@ import struct
 from types import SimpleNamespace
 
 from bearing_twin import cli
+from bearing_twin.assets.twin_parameters import SPECS
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
@@ -181,6 +182,31 @@ def test_a_fleet_keeps_the_parameters_of_each_bearing_apart(tmp_path):
     assert pump.startswith('line3/pump')
     assert '| bearing | 6307 | defect | inner |' in pump
     assert '| bearing | 6205 | defect | none |' in fan
+
+
+def test_a_fleet_says_what_simulated_each_vibration(tmp_path):
+    checkpoint = stamp(SECOND)
+    checkpoint.node, checkpoint.kind, checkpoint.version = '/plant/fleet', 'fleet', '0.1.0'
+    values = {spec.name: spec.default for spec in SPECS} | {'preset': 'incipient'}
+    configuration = {'p1': values | {'defect': 'inner'}, 'line3/p2': values | {'defect': 'none'}}
+    checkpoint.configuration = yaml.safe_dump(configuration)
+    rrd = tmp_path / 'fleet.rrd'
+    with RerunLogger(recording_id='fleet', rrd=rrd) as logger:
+        logger.log('/plant/p1/vibration', VIBRATION, vibration(0, SECOND), SECOND)
+        logger.log(
+            '/plant/fleet/checkpoint', 'bearing_twin_msgs/msg/Checkpoint', checkpoint, SECOND
+        )
+        logger.log('/plant/line3/p2/vibration', VIBRATION, vibration(0, SECOND), SECOND)
+    assert logger.problems == {}
+    sources = {}
+    for chunk in RrdReader(rrd).stream():
+        batch = chunk.to_record_batch()
+        if 'source' in batch.schema.names:
+            path = str(chunk.entity_path).replace('\\', '').partition('/__properties/')[2]
+            sources[path] = batch.column('source').to_pylist()[0][0]
+    text = 'simulated by /plant/fleet, preset incipient, '
+    assert sources.pop('vibration plant/p1').startswith(f'{text}inner race')
+    assert sources == {'vibration plant/line3/p2': f'{text}no defect'}
 
 
 def vibration(k, time, amplitude=1.0):

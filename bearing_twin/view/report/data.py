@@ -15,7 +15,7 @@ from bearing_twin.recording.reader import known_fields, read_messages, recording
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.vibration_input import HIGHEST_RATE
 from bearing_twin.view.over_temperature import OverTemperature, Strips
-from bearing_twin.view.source import Source
+from bearing_twin.view.source import fleet_tables, Source
 from bearing_twin.view.trends import recorded
 from bearing_twin.view.verdict import Headline
 import numpy as np
@@ -113,11 +113,12 @@ def collect(path: Path) -> dict[str, Machine]:
 
 def _take_fleet(fleet: Machine, machines: dict[str, Machine]) -> None:
     """Give each bearing of a fleet its part of the parameters of the node."""
-    for node, (kind, values) in fleet.parameters.items():
-        for name, table in values.items() if kind == 'fleet' and isinstance(values, dict) else ():
-            machine = machines.get(f'{fleet.namespace}/{name}')
+    # An asset may have the name of the node, and its parameters then come to those gone through.
+    for node, (kind, values) in [*fleet.parameters.items()]:
+        for namespace, table in fleet_tables(node, kind, values).items():
+            machine = machines.get(namespace)
             if machine is not None:
-                machine.parameters[f'{node} {name}'] = 'twin', table
+                machine.parameters[f'{namespace} in {node}'] = 'twin', table
                 machine.source.twin(node, table)
 
 

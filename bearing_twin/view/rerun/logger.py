@@ -9,6 +9,7 @@ canvas; what the canvas emits goes to the file and to the server for live viewer
 
 from __future__ import annotations
 
+from collections import defaultdict
 from functools import partial
 import logging
 import re
@@ -24,6 +25,7 @@ from bearing_twin.view.rerun.picture import Asset
 from bearing_twin.view.rerun.scales import Scales
 from bearing_twin.view.rerun.scene import namespace_of, Scene
 from bearing_twin.view.rerun.timebase import Timebase
+from bearing_twin.view.source import Source
 import rerun as rr
 from rerun.chunk import McapReader
 
@@ -132,6 +134,9 @@ class RerunLogger:
             self._timebases = {
                 side: Timebase('since_start', zero=start) for side, start in sides.items()
             }
+        self._sources: dict[str, defaultdict[str, Source]] = {
+            side: defaultdict(Source) for side in self._timebases
+        }
         self._scenes: dict[tuple[str, str], Scene] = {}
         self._native_lines: set[str] = set()
         self._native_tables: set[str] = set()
@@ -250,8 +255,14 @@ class RerunLogger:
         scene = self._scenes.get((side, namespace))
         if scene is None:
             root = f'/{side}{namespace}' if side else namespace
-            asset = Asset(bearing=self._bearing, full=self._full, scales=self._scales)
-            asset.narrow = len(self._timebases) > 1
+            asset = Asset(
+                namespace,
+                self._bearing,
+                narrow=len(self._timebases) > 1,
+                full=self._full,
+                sources=self._sources[side],
+                scales=self._scales,
+            )
             scene = Scene(self._emit, root, self._timebases[side], asset)
             self._scenes[side, namespace] = scene
         return scene

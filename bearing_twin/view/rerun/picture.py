@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass, field
 import math
 from typing import Any, TYPE_CHECKING
@@ -30,6 +31,8 @@ __all__ = ['Asset', 'Picture', 'Trends']
 class Asset:
     """What the pictures of one bearing know of each other."""
 
+    namespace: str = ''
+    """'' at the top."""
     bearing: Bearing | None = None
     """Geometry, where the messages name none of the catalogue."""
     narrow: bool = False
@@ -46,7 +49,9 @@ class Asset:
     """Latest Diagnosis message."""
     judged: int = 0
     """Time at which that is drawn, ns."""
-    source: Source = field(default_factory=Source)
+    sources: defaultdict[str, Source] = field(default_factory=lambda: defaultdict(Source))
+    """Of all bearings of the recording by namespace: a fleet says what made the vibration of each.
+    """
     scales: Scales = field(default_factory=Scales)
     """Of all recordings, where several stand side by side."""
     headline: Headline = field(default_factory=Headline)
@@ -55,6 +60,11 @@ class Asset:
     """Of the vibration."""
     panels: set[str] = field(default_factory=set)
     """Keys of the panels over time that have values, and paths of those over temperature."""
+
+    @property
+    def source(self) -> Source:
+        """Of its vibration."""
+        return self.sources[self.namespace]
 
 
 class Picture:

@@ -8,7 +8,7 @@ from typing import Any
 
 from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.view.rerun.picture import Picture
-from bearing_twin.view.source import bearing_in_words
+from bearing_twin.view.source import bearing_in_words, fleet_tables
 import rerun as rr
 
 __all__ = ['CheckpointPicture', 'LogPicture', 'TextPicture', 'entity', 'parameter_tables']
@@ -25,6 +25,9 @@ class CheckpointPicture(Picture):
         """Draw a checkpoint at ``time`` in ns."""
         self.asset.source.checkpoint(message)
         values = load_plain(str(message.configuration), f'the configuration of {message.node}')
+        tables = fleet_tables(str(message.node), str(message.kind), values)
+        for namespace, table in tables.items():
+            self.asset.sources[namespace].twin(str(message.node), table)
         lines = [f'### {message.node}: {message.kind}, bearing_twin {message.version}', '']
         for name, table in parameter_tables(values).items():
             lines += [f'#### {name}', ''] if name else []
