@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
 from bearing_twin.view.style import Colour, FAMILIES, LINE
+import numpy as np
 
 __all__ = [
     'CALIBRATION',
@@ -66,7 +67,10 @@ class Trend(NamedTuple):
         """Return what is plotted of a message; NaN where the quantity does not exist."""
         value = self.scale * recorded(message, self.field, self.element)
         field, scale = self.other
-        return min(value, scale * recorded(message, field, self.element)) if field else value
+        if not field:
+            return value
+        # min() of a number and NaN may be the number, but the lower one is then not known.
+        return float(np.minimum(value, scale * recorded(message, field, self.element)))
 
 
 class Limit(NamedTuple):

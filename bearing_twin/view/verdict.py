@@ -67,7 +67,8 @@ def number(value: float, unit: str = '', otherwise: str = 'not known') -> str:
     """Return a value with its unit; never 'nan'."""
     if not math.isfinite(value):
         return otherwise
-    return f'{value:{".0f" if abs(value) >= 100.0 else ".3g"}} {unit}'.strip()
+    digits = '.3g' if abs(value) < 100.0 else '.0f' if abs(value) < 1e6 else '.4g'
+    return f'{value:{digits}} {unit}'.strip()
 
 
 def impacts(message: Any, place: str) -> float:

@@ -5,6 +5,7 @@
 import math
 from types import SimpleNamespace
 
+from bearing_twin.view.trends import OVER_LIMITS
 from bearing_twin.view.verdict import (
     facts,
     Headline,
@@ -135,6 +136,16 @@ def test_nothing_says_nan():
     assert number(2.5, 'Hz') == '2.5 Hz'
     assert number(0.0123456, 'g') == '0.0123 g'
     assert number(1234.4, 'N') == '1234 N'
+    assert number(-999999.0) == '-999999'
+    assert number(1e300, 'm/s²') == '1e+300 m/s²'
+
+
+def test_significance_alone_is_no_evidence_over_its_limits():
+    outer = OVER_LIMITS.trends[0]
+    old = SimpleNamespace(score=[11.0], modulation_index=[0.9])
+    assert outer.value(old) == pytest.approx(1.5)
+    for lacking in ({'modulation_index': [math.nan]}, {'modulation_index': []}, {}):
+        assert math.isnan(outer.value(SimpleNamespace(score=[11.0], **lacking)))
 
 
 def test_a_shaft_at_rest_is_standing():
