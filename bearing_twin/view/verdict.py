@@ -12,7 +12,7 @@ from bearing_twin.bearing.geometry import FaultFrequencies
 from bearing_twin.bearing.vocabulary import next_step as next_step_of
 from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
 from bearing_twin.diagnosis.level import is_urgent
-from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
+from bearing_twin.diagnosis.thresholds import INDEX_SUSPECT, Z_CAGE, Z_FAULT
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.view.trends import recorded
 
@@ -166,11 +166,11 @@ def rival(diagnosis: Any) -> str:
         return ''
     other = max(rivals, key=lambda place: scores[place] / limits[place])
     name = name_of(other)
-    if result == 'healthy' and index[other] < INDEX_FAULT:
+    if result == 'healthy' and index[other] < INDEX_SUSPECT:
         return (
             f'The {name} is significant ({scores[other]:.1f}), but its modulation index of '
-            f'{index[other]:.2f} is below the {INDEX_FAULT:g} of a fault: balls pass a healthy '
-            'race under load too.'
+            f'{index[other]:.2f} is below the {INDEX_SUSPECT:g} from which it would be suspect: '
+            'balls pass a healthy race under load too.'
         )
     if result not in PLACES:
         return ''

@@ -168,7 +168,10 @@ def test_a_rival_is_named_with_the_reason_it_lost():
     assert rival(inner) == ''
     healthy = verdict('healthy')
     healthy.score, healthy.modulation_index = [1.0, 13.0, 2.0, 1.0], [0.0, 0.13, 0.0, 0.0]
-    assert 'modulation index of 0.13 is below the 0.6 of a fault' in rival(healthy)
+    assert 'modulation index of 0.13 is below the 0.3 from which' in rival(healthy)
+    # Above that it is not the index that speaks against it.
+    healthy.modulation_index[1] = 0.45
+    assert rival(healthy) == ''
     # The cage is a rival though the outer race is farther over its own limit.
     inner.score = [12.0, 7.0, 1.0, 9.0]
     assert 'cage is nearly as significant' in rival(inner)
