@@ -84,6 +84,24 @@ def test_calibration_goes_on_where_it_was_and_prints_its_tables(tmp_path, monkey
         calibration.main([str(out), '0'])
 
 
+def refusing(number):
+    """Stand for a machine that cannot be fitted, every second time."""
+    if number % 2:
+        raise BearingTwinError('too few shaft turns')
+    return []
+
+
+def test_calibration_goes_on_after_a_machine_that_is_not_fitted(tmp_path, monkeypatch, capsys):
+    out = tmp_path / 'out.jsonl'
+    monkeypatch.setattr(calibration, 'SIMULATED', {'paths': refusing})
+    calibration.main([str(out), '5', '--jobs', '1'])
+    lines = [json.loads(line) for line in out.read_text().splitlines()]
+    assert [line['name'] for line in lines] == ['0', '2', '4']
+    assert capsys.readouterr().err.splitlines() == [
+        'paths, 1: too few shaft turns', 'paths, 3: too few shaft turns',
+    ]  # fmt: skip
+
+
 def test_a_count_of_intervals_that_hold():
     """Three of four told hold, one of them narrowly; what is not told counts apart."""
     row = {'place': 'inner', 'q25': 0.9, 'q75': 1.1, 'identifiable': True, 'rank': 0.5}
