@@ -151,6 +151,12 @@ class Residual:
     less. Where the healthy record itself has longer tails than the normal distribution, by a
     bootstrap in blocks, the limit is raised by as much.
 
+    One a year is what the limit is derived for. `studies.residual` counts: no alarm in 500 000
+    decisions of simulated machines whose differences are normal and independent, none with a
+    memory of 5, none with one of 20 decisions (a year has 525 600). With long tails (Student's t,
+    6 degrees of freedom) 1 came in 2 500 000, and about three a year in an earlier run of 500
+    machines: with long tails expect up to three a year. No real machine was watched for a year.
+
     Examples
     --------
     >>> rng = np.random.default_rng(1)

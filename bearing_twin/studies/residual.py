@@ -29,7 +29,17 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['CHANGES', 'MACHINE_HZ', 'RATE', 'false_alarms', 'main', 'residual_of', 'seen_after']
+__all__ = [
+    'CHANGES',
+    'MACHINE_HZ',
+    'RATE',
+    'false_alarms',
+    'main',
+    'poisson_bound',
+    'rates',
+    'residual_of',
+    'seen_after',
+]
 
 RATE, SECONDS, MACHINE_HZ = 12800.0, 4.0, 24.0
 LEARNT = 60
@@ -52,7 +62,8 @@ def false_alarms(
     alarms, largest = 0, 0.0
     for _ in range(machines):
         shape = (LEARNT + decisions + 100, BANDS)
-        drawn = rng.standard_t(6, shape) if heavy else rng.standard_normal(shape)
+        # The variance of Student's t with n degrees of freedom is n / (n - 2).
+        drawn = rng.standard_t(6, shape) / math.sqrt(1.5) if heavy else rng.standard_normal(shape)
         drawn += rng.standard_normal((len(drawn), 1))
         if memory:
             keep = math.exp(-1.0 / memory)
@@ -64,6 +75,11 @@ def false_alarms(
         alarms += int((numbers >= 1.0).sum())
         largest = max(largest, float(numbers.max()))
     return alarms, largest
+
+
+def poisson_bound(count: int) -> float:
+    """Return the most events to be expected (95 %) where ``count`` independent ones came."""
+    return float(chi2.ppf(0.95, 2 * (count + 1))) / 2.0
 
 
 def _healthy(rng: np.random.Generator) -> NDArray[np.float64]:
@@ -166,7 +182,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     machines = args.machines
     print_table(
         ('healthy decisions', 'judged', 'false alarms', 'a year', '95 % below', 'largest number'),
-        _rates(machines),
+        rates(machines),
     )
     print()
     print_table(
@@ -179,7 +195,8 @@ def main(argv: Sequence[str] | None = None) -> None:
         print_table(('run', 'learnt', 'judged', 'alarms', 'largest number'), real_runs(args.data))
 
 
-def _rates(machines: int) -> Iterator[tuple[object, ...]]:
+def rates(machines: int) -> Iterator[tuple[object, ...]]:
+    """Alarms of healthy machines, a year, their bound where they are independent, and numbers."""
     for name, memory, heavy in (
         ('independent', 0.0, False),
         ('memory of 5 decisions', 5.0, False),
@@ -188,10 +205,13 @@ def _rates(machines: int) -> Iterator[tuple[object, ...]]:
     ):
         alarms, largest = false_alarms(machines, 1000, memory=memory, heavy=heavy)
         judged = machines * 1000
-        # At one decision a minute; the bound is that of a Poisson number.
+        # At one decision a minute.
         year = DECISIONS_A_YEAR / judged
-        most = float(chi2.ppf(0.95, 2 * (alarms + 1))) / 2.0
-        yield name, judged, alarms, f'{alarms * year:.2f}', f'{most * year:.1f}', f'{largest:.2f}'
+        yield (
+            name, judged, alarms, f'{alarms * year:.2f}',
+            # Alarms with a memory come in clusters, which are no Poisson number.
+            '-' if memory else f'{poisson_bound(alarms) * year:.1f}', f'{largest:.2f}',
+        )  # fmt: skip
 
 
 if __name__ == '__main__':

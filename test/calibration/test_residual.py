@@ -7,9 +7,11 @@ import math
 
 from bearing_twin.calibration.residual import LEAST, Residual, spectral_levels
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.studies.residual import CHANGES, false_alarms, seen_after
+from bearing_twin.studies import residual as study
+from bearing_twin.studies.residual import CHANGES, false_alarms, poisson_bound, seen_after
 import numpy as np
 import pytest
+from scipy.stats import poisson
 
 SHOWS = {
     'imbalance': {'order 1', '25 Hz', 'line near 25 Hz'},
@@ -44,6 +46,15 @@ def test_healthy_decisions_that_were_not_learnt_from_stay_below(kind):
     alarms, largest = false_alarms(5, 300, seed=7, **kind)
     assert alarms == 0
     assert 0.1 < largest < 1.0
+
+
+def test_only_independent_alarms_have_the_bound_of_a_poisson_number():
+    assert poisson.cdf(3, poisson_bound(3)) == pytest.approx(0.05)
+    assert poisson_bound(0) == pytest.approx(-math.log(0.05))
+    bounds = {row[0]: row[4] for row in study.rates(1)}
+    assert {name for name, bound in bounds.items() if bound == '-'} == {
+        'memory of 5 decisions', 'memory of 20 decisions',
+    }  # fmt: skip
 
 
 def test_levels_are_those_of_the_signal():
