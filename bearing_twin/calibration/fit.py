@@ -40,6 +40,7 @@ from bearing_twin.calibration.summaries import correlate
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.severity import acceleration_factor
 from bearing_twin.dynamics import warm_up
+from bearing_twin.dynamics.parameters import check_bearing
 from bearing_twin.dynamics.sensor_path import band_levels, distance
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -53,7 +54,7 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.summaries import Summary
     from bearing_twin.dynamics.sensor_path import SensorPath
 
-__all__ = ['fit', 'fitted_vibration']
+__all__ = ['decimated', 'fit', 'fitted_vibration']
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -138,7 +139,7 @@ def fit(
         raise BearingTwinError(msg)
     if math.isfinite(slip) and 0.0 <= slip <= 0.05:
         situation = replace(situation, slip=slip)
-    x, rate = _decimated(x, sample_rate)
+    x, rate = decimated(x, sample_rate)
     situation = replace(situation, place=place, sample_rate=rate)
     if place in ('ball', 'cage'):
         refusal = Refusal(Kind.NOT_FITTED, f'the width of a {place} defect is not fitted')
@@ -192,9 +193,7 @@ def _checked(
     if not (math.isfinite(shaft_hz) and 0.0 < shaft_hz <= 500.0):
         msg = f'the shaft speed is {shaft_hz:g} Hz: give it, from above 0 to 500 Hz (--shaft-hz)'
         raise BearingTwinError(msg)
-    if bearing.element != 'ball' or bearing.rows != 1:
-        msg = f'{bearing.name} is not one row of balls, which is what the twin simulates'
-        raise BearingTwinError(msg)
+    check_bearing(bearing)
     load_range(bearing, load)
     turns = len(x) / sample_rate * shaft_hz
     if turns < LEAST_TURNS:
@@ -220,8 +219,19 @@ def _checked(
     )
 
 
-def _decimated(x: FloatArray, sample_rate: float) -> tuple[FloatArray, float]:
-    """Bring a record to a rate at which candidates are simulated."""
+def decimated(x: FloatArray, sample_rate: float) -> tuple[FloatArray, float]:
+    """
+    Return a record at a rate at which candidates are simulated, and that rate, Hz.
+
+    A filter takes out what lies above half the lower rate.
+
+    Examples
+    --------
+    >>> x, rate = decimated(np.ones(1000), 102400.0)
+    >>> len(x), rate
+    (500, 51200.0)
+
+    """
     factor = math.ceil(sample_rate / HIGHEST_RATE)
     if factor == 1:
         return x, sample_rate

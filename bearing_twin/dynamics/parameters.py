@@ -29,6 +29,7 @@ __all__ = [
     'PROFILES',
     'Defect',
     'TwinParameters',
+    'check_bearing',
     'check_speed',
 ]
 
@@ -52,6 +53,34 @@ FITTED = (
     'load', 'clearance', 'hertz_stiffness', 'contact_damping', 'inner_mass', 'slip', 'jitter',
 )  # fmt: skip
 """Fields that a fit to a machine gives a running twin."""
+
+
+def check_bearing(bearing: Bearing) -> None:
+    """
+    Refuse a bearing that the twin does not simulate.
+
+    Raises
+    ------
+    BearingTwinError
+        If it is not one row of balls with a contact angle of at most 45 deg.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> check_bearing(find_bearing('6205'))
+
+    """
+    if bearing.element != 'ball' or bearing.rows != 1:
+        msg = (
+            f'{bearing.name} has {bearing.rows} row(s) of {bearing.element}s, and the twin '
+            'moves one row of balls: the point contact of Hertz, the path over a spall and '
+            'the friction constants hold for nothing else. Its fault frequencies are known, '
+            'so a measured vibration can be diagnosed; to simulate or to fit, choose a ball '
+            'bearing'
+        )
+        raise BearingTwinError(msg)
+    steepest = math.radians(45.0)
+    check_range('contact_angle', bearing.contact_angle, 0.0, steepest, 'rad (radial bearing)')
 
 
 def check_speed(shaft_hz: float) -> float:
@@ -319,7 +348,7 @@ class TwinParameters:
     )
 
     def __post_init__(self) -> None:
-        self._check_bearing()
+        check_bearing(self.bearing)
         check_fields(self)
         about = quantities(TwinParameters)
         about['hertz_stiffness'][1].check('hertz_stiffness', self.k_b0)
@@ -370,19 +399,6 @@ class TwinParameters:
         if self.hertz_stiffness is not None:
             return self.hertz_stiffness
         return radial_factor(self.bearing)
-
-    def _check_bearing(self) -> None:
-        bearing = self.bearing
-        if bearing.element != 'ball' or bearing.rows != 1:
-            msg = (
-                f'{bearing.name} has {bearing.rows} row(s) of {bearing.element}s, and the twin '
-                'moves one row of balls: the point contact of Hertz, the path over a spall and '
-                'the friction constants hold for nothing else. Its fault frequencies are known, '
-                'so a measured vibration can be diagnosed; to simulate, choose a ball bearing'
-            )
-            raise BearingTwinError(msg)
-        steepest = math.radians(45.0)
-        check_range('contact_angle', bearing.contact_angle, 0.0, steepest, 'rad (radial bearing)')
 
     def _check_clearance(self) -> None:
         for outer in (float(TEMPERATURES[0]), float(TEMPERATURES[-1])):

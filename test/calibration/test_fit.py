@@ -169,7 +169,8 @@ def test_resonances_are_found():
         ({'sample_rate': 0.0}, 'sample rate'),
         ({'sample_rate': 800.0}, 'sample rate'),
         ({'shaft_hz': math.nan}, 'shaft speed'),
-        ({'load': (500.0, 100.0)}, 'LOW,HIGH'),
+        ({'load': (500.0, 100.0)}, 'in that order'),
+        ({'bearing': find_bearing('ZA-2115')}, 'to fit, choose a ball bearing'),
         ({'place': 'shaft'}, 'place'),
     ],
 )

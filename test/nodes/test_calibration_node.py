@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The calibration node: a machine that it does not know is fitted, over DDS."""
 
+from dataclasses import replace
 import json
 import math
 from pathlib import Path
@@ -9,9 +10,11 @@ import subprocess
 import sys
 import tempfile
 
-from bearing_twin.assets.calibration import CalibrationCore, Fit
+from bearing_twin.assets.calibration import CalibrationCore, Fit, Task, work
 from bearing_twin.assets.calibration_parameters import SPECS
+from bearing_twin.bearing import find_bearing
 from bearing_twin.calibration import Calibration as Fitted
+from bearing_twin.calibration import fit
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.streams.vibration_input import VibrationBlock
 from bearing_twin.view.report.data import Machine
@@ -54,14 +57,86 @@ def test_a_record_is_due_each_period_whole_and_without_a_gap():
     assert still.take(block(0, 51200, math.nan), stamp=0, frame_id='', temperature=40.0,
                       shaft_hz=math.nan, now=0.0) is None  # fmt: skip
     assert 'set shaft_hz' in still.waiting and core.waiting == ''
-    with pytest.raises(BearingTwinError, match='load_low=5'):
-        CalibrationCore(VALUES | {'load_low': 5.0})
+
+
+@pytest.mark.parametrize(
+    ('change', 'text'),
+    [
+        ({'load_low': 5.0}, 'load_low=5'),
+        ({'load_low': 1.0, 'load_high': 5.0}, 'load from 1 to 5 N: .* from 10 to 50000 N'),
+        ({'load_low': 1e6, 'load_high': 2e6}, 'load from 1e.06 to 2e.06 N'),
+        ({'bearing': 'ZA-2115'}, 'ZA-2115 has 2 row.s. of rollers.*choose a ball bearing'),
+        ({'bearing': '', 'geometry': '16,8,72,50'}, 'contact_angle'),
+    ],
+)
+def test_what_no_fit_takes_is_refused_before_one_begins(change, text):
+    with pytest.raises(BearingTwinError, match=text):
+        CalibrationCore(VALUES | change)
+
+
+def blocks(core, speeds, **changed):
+    """Tasks of a stream of blocks of these speeds, Hz."""
+    known = {'stamp': 0, 'frame_id': 'imu', 'temperature': 40.0, 'shaft_hz': math.nan}
+    tasks = [
+        core.take(replace(block(n, shaft_hz=hz), **changed), **known, now=n * 0.04)
+        for n, hz in enumerate(speeds)
+    ]
+    return [task for task in tasks if task is not None]
+
+
+def test_a_record_has_its_mean_speed_and_one_whose_speed_moves_is_not_fitted():
+    """A window of 2 s has 50 blocks."""
+    values = VALUES | {'window': 2.0, 'period': 1.0}
+    core = CalibrationCore(values)
+    [task] = blocks(core, np.linspace(24.8, 25.2, 50))
+    assert task.shaft_hz == pytest.approx(25.0, abs=1e-6) and core.waiting == ''
+    ramp = CalibrationCore(values)
+    assert blocks(ramp, np.linspace(15.0, 25.0, 50)) == []
+    assert ramp.waiting == (
+        'the speed moved from 15 to 25 Hz within the window, more than 2 %: keep it steady, or '
+        'choose a shorter window'
+    )
+    # It is fitted again as soon as what is left of the ramp is less than 2 %: three blocks.
+    steady = np.concatenate((np.linspace(15.0, 25.0, 50), np.full(50, 25.0)))
+    [after] = blocks(CalibrationCore(values), steady)
+    assert after.first_sample == 47 * 1024
+    assert after.shaft_hz == pytest.approx(steady[47:97].mean())
+    # A speed that was not known for a part of the window is no speed of the window.
+    late = CalibrationCore(values)
+    assert blocks(late, [math.nan] * 10 + [25.0] * 40) == []
+    assert 'set shaft_hz' in late.waiting
+    still = CalibrationCore(values)
+    assert blocks(still, np.zeros(50)) == [] and 'stands still' in still.waiting
+
+
+@pytest.mark.parametrize('changed', [{'unit': 'g'}, {'sample_rate': 25000.0}])
+def test_samples_of_another_unit_or_rate_are_another_record(changed):
+    core = CalibrationCore(VALUES | {'window': 2.0, 'period': 1.0})
+    assert blocks(core, np.full(45, 25.0)) == []
+    known = {'stamp': 0, 'frame_id': 'imu', 'temperature': 40.0, 'shaft_hz': math.nan}
+    assert [
+        core.take(replace(block(n), **changed), **known, now=n * 0.04) for n in range(45, 80)
+    ] == [None] * 35
+
+
+def test_a_turn_of_a_fast_sensor_has_no_image_of_what_lies_above_its_band():
+    """A tone of 46 kHz at 102.4 kHz would be one of 5.2 kHz at half the rate."""
+    rate = 102400.0
+    tone = 10.0 * np.sin(2.0 * np.pi * 46e3 * np.arange(round(2.0 * rate)) / rate)
+    noise = np.random.default_rng(1).standard_normal(len(tone))
+    task = Task(
+        samples=noise + tone, sample_rate=rate, bearing=find_bearing('6307'), shaft_hz=25.0,
+        temperature=40.0, unit='m/s^2', place='none', load=None, candidates=64, others=(),
+        reference=None, stamp=0, frame_id='', first_sample=0,
+    )  # fmt: skip
+    measured = work(task).turns[0]
+    assert len(measured) == 2048
+    # Half of the white noise is left; the tone had the power 50.
+    assert measured.std() == pytest.approx(math.sqrt(0.5), rel=0.15)
 
 
 def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new():
     """One decision a minute; the levels come by hand, the calibration is a real one."""
-    from bearing_twin.bearing import find_bearing
-    from bearing_twin.calibration import fit
     from bearing_twin_msgs.msg import Diagnosis
 
     noise = np.random.default_rng(1).standard_normal(51200)
@@ -72,7 +147,7 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new():
     bands, rng = ('25 Hz', 'order 1'), np.random.default_rng(2)
 
     def minute(number, extra):
-        [task] = take(core, range(2000 * number, 2000 * number + 50))
+        [task] = take(core, range(2000 * (number + 3), 2000 * (number + 3) + 50))
         levels = rng.standard_normal(2) + extra
         done = Fit(
             found=found, bands=bands, measured=levels, twin=np.zeros(2), spectrum=np.zeros(129),
@@ -80,9 +155,19 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new():
         )  # fmt: skip
         return core.conclude(task, done, 60.0 * number)
 
-    message = minute(0, 0.0)
-    assert 'the diagnosis is not ok' in message.residual_reason
+    none = 'no calibration of the healthy machine yet: '
+    assert minute(-3, 0.0).residual_reason == (
+        none + 'no diagnosis was heard, start the diagnosis node beside this one'
+    )
+    core.verdict(Diagnosis(level=Diagnosis.LEVEL_FAULT))
+    assert minute(-2, 0.0).residual_reason == none + 'the diagnosis is not ok'
     core.verdict(Diagnosis(level=Diagnosis.LEVEL_OK))
+    sound, found = found, found | {'defect': 'outer'}
+    assert minute(-1, 0.0).residual_reason == none + 'this one has a defect (outer)'
+    found = sound
+    assert minute(0, 0.0).residual_reason == (
+        'this calibration is the healthy twin: the next ones are compared with it'
+    )
     for number in range(1, 45):
         message = minute(number, 0.0)
     assert message.residual < 1.0 and not message.residual_alarm
