@@ -204,7 +204,7 @@ class Calibration:
                 cost_s=float(values['cost_s']),
             )
         except (KeyError, TypeError, ValueError, IndexError) as error:
-            msg = f'this is no calibration ({error!r}); give what `fit --json` wrote'
+            msg = f'this is no calibration of this version ({error!r}); fit the machine again'
             raise BearingTwinError(msg) from None
 
     def at(self, **changes: Any) -> Calibration:

@@ -115,7 +115,8 @@ class Segment:
     """Squared one-sided amplitude spectrum, bin k at k sample_rate / (hop + lap)."""
     levels: Levels
     kurtosis: float
-    """Of the samples without single shocks."""
+    """Of the samples without single shocks, or of the whitened ones where it is less: there steady
+    pulses, of belts and cams, are lines, which are capped."""
 
 
 @functools.lru_cache(maxsize=64)
@@ -229,7 +230,6 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
     of_noise = np.float32(math.sqrt(length / taper_power))
     levels = Levels.of(x[-layout.hop :], spectrum * of_noise, layout.sample_rate)
     limited = limit_impulsive_outliers(plain, layout.sample_rate, layout.cage_hz)
-    square = limited * limited
     scale = np.float32(1.0 / max(math.sqrt(float(power.sum())), 1e-30))
     scaled = (spectrum if limited is plain else _spectrum(limited, fade, length)) * scale
     points = length // step
@@ -238,13 +238,19 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
     slow[: len(ends)] *= ends
     slow[-len(ends) :] *= _fade(lap)[::-1][::step]
     white = whiten(scaled, layout.floor_width, cap=layout.cap)
+    flat = fft.irfft(white[0], n=length)[length - len(x) + lap : length - lap]
     return Segment(
         squared_envelopes(white, layout.tree, points),
         slow,
         power * np.float32((2.0 * length / taper_sum) ** 2),
         levels,
-        float((square * square).mean() / max(float(square.mean()) ** 2, 1e-300)),
+        min(_kurtosis(limited), _kurtosis(flat)),
     )
+
+
+def _kurtosis(x: NDArray[np.floating]) -> float:
+    square = x * x
+    return float((square * square).mean() / max(float(square.mean()) ** 2, 1e-30))
 
 
 def _spectrum(

@@ -81,7 +81,7 @@ class Evidence:
     turns
         Shaft turns in all windows together.
     kurtosis
-        Of the newest window's samples without single shocks.
+        Of the newest window's samples without single shocks, and without lines.
     steps
         RMS of its samples in steps of the converter.
 
@@ -475,6 +475,11 @@ class Evidence:
         Noise times 1 + a cos has power of two harmonics only.
         """
         return self._combs.smooth(self.leading)
+
+    @_measured(undisturbed=False)
+    def half_turn(self) -> bool:
+        """Whether the leading comb may lie on a multiple of half a turn of the shaft."""
+        return self._combs.half_turn(self.leading)
 
     @_measured(undisturbed=False)
     def elsewhere_explains(self) -> bool:

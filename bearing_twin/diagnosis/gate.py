@@ -221,7 +221,7 @@ def fastest_impacts_hz(sample_rate: float) -> float:
 def _steps(x: NDArray[np.float64]) -> float:
     """RMS about the mean in steps between the values; infinite where these are many."""
     values = np.unique(x[:: max(len(x) // _LOOKED_AT, 1)])
-    if len(values) > _MOST_VALUES:
+    if len(values) > _MOST_VALUES or len(x) < _MOST_VALUES:
         return math.inf
     if len(values) == 1:
         return 0.0

@@ -203,7 +203,9 @@ def _bursts(e: Evidence) -> Verdict | None:
         f'single shocks, {KURTOSIS:.1f} is the most of noise that a load modulates; worn '
         'surfaces, dirt, lack of grease, currents, a rub, looseness? check bearing and speed too'
     )
-    return Verdict(result='suspect', level='suspect', reasons=(text,), candidates=e.candidates)
+    return Verdict(
+        result='suspect', level='suspect', reasons=(text,), candidates=e.candidates, at_most=0.5
+    )
 
 
 @_rule(
@@ -456,7 +458,11 @@ def _weak_modulation(e: Evidence) -> Verdict | None:
 
 @_rule('suspect', 'Sound parts, blades and vanes modulate smoothly; impacts have all harmonics.')
 def _smooth(e: Evidence) -> Verdict | None:
-    if not e.smooth:
+    # What has sidebands of its own place is no blade: a ball leads with the cage's only.
+    sided = e.leading.place == 'ball' or (
+        e.leading.place == 'inner' and e.leading.shaft_sideband_ratio >= SWAY and not e.half_turn
+    )
+    if sided or not e.smooth:
         return None
     text = (
         'its third and fourth harmonic are missing: a smooth modulation and no impacts; an error '

@@ -241,13 +241,23 @@ class CombSearch:
             return 0.0
         return float(line_heights(self.spectra, lines, self._columns(candidate)).mean())
 
-    def smooth(self, candidate: Candidate) -> bool:
-        """Whether a comb has its first harmonic, and neither the third nor the fourth."""
+    def smooth(self, candidate: Candidate, *, masked: bool = False) -> bool:
+        """
+        Whether a comb has its first harmonic, and neither the third nor the fourth.
+
+        Lines that are multiples of the shaft's speed count where the comb is ``masked`` by them.
+        """
+        spectra = self._all if masked else self.spectra
         lines = candidate.order * np.array([1.0, 3.0, 4.0])
-        shown = ~self._silent[self.spectra.rows(lines)] & (lines <= self.top)
-        first, *others = line_heights(self.spectra, lines, self._columns(candidate))
+        shown = (masked | ~self._silent[self.spectra.rows(lines)]) & (lines <= self.top)
+        first, *others = line_heights(spectra, lines, self._columns(candidate))
         others = [height for height, known in zip(others, shown[1:], strict=True) if known]
         return bool(shown[0] and others) and float(np.mean(others)) < MISSING * float(first)
+
+    def half_turn(self, candidate: Candidate) -> bool:
+        """Whether a comb may lie on a multiple of half a turn of the shaft."""
+        slack = self._uncertainty * candidate.order + 2.0 * self.spectra.step
+        return abs(candidate.order - 0.5 * round(2.0 * candidate.order)) <= slack
 
     def shaft_sideband_ratio(self, candidate: Candidate) -> float:
         """Mean amplitude of the shaft sidebands of a comb over that of its harmonics."""
@@ -290,13 +300,14 @@ class CombSearch:
         Comb of a place that shows, but coincides with harmonics of the shaft.
 
         It does at any slip that the place may have: an order that is not a whole number slips on
-        to one.
+        to one. Impacts have all harmonics there; blades, vanes and lobes pulse smoothly.
         """
         found = self.best(place, self._all)
         slack = self._uncertainty * found.order + 1.25 * self._all.step
         if abs(found.order - round(found.order)) > slack:
             return None
-        return found if found.z >= Z_FAULT and found.index >= INDEX_FAULT else None
+        shown = found.z >= Z_FAULT and found.index >= INDEX_FAULT
+        return found if shown and not self.smooth(found, masked=True) else None
 
     def without(self, candidate: Candidate) -> OrderSpectra:
         """

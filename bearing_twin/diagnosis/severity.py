@@ -216,7 +216,7 @@ def measure_severity(
         rms=rms,
         peak=peak,
         crest_factor=peak / rms,
-        kurtosis=levels.sums[2] / levels.count / mean_square**2,
+        kurtosis=levels.sums[2] / levels.count / max(mean_square**2, 1e-300),
         velocity_rms=velocity,
         level_over_baseline=math.nan,
         iso_zone=zone,

@@ -114,3 +114,39 @@ def test_a_converter_of_few_steps_hides_no_fault():
     x = _ringing(rng, bpfi, seconds=8.0, rate=25_600, resonance_hz=4000.0)
     x = np.rint(x + 0.7 * rng.standard_normal(len(x)))
     assert diagnose_record(x, 25_600, BEARING, SHAFT_HZ).result == 'inner'
+
+
+def _turns(seconds=8.0, rate=25_600, shaft_hz=SHAFT_HZ):
+    return shaft_hz * np.arange(round(seconds * rate)) / rate
+
+
+@pytest.mark.parametrize('loudness', [1.0, 3.0])
+def test_the_steady_pulses_of_a_belt_are_lines_and_no_bursts(loudness):
+    """Four pulses a turn, 15 harmonics in phase: kurtosis 7 and 16."""
+    rng, turns = np.random.default_rng(2), _turns()
+    pulses = sum(np.cos(2.0 * np.pi * 4.0 * k * turns) for k in range(1, 16))
+    x = rng.standard_normal(len(turns)) + loudness * pulses / pulses.std()
+    said = diagnose_record(x, 25_600, BEARING, SHAFT_HZ)
+    assert said.severity.kurtosis > 6.0
+    assert (said.result, said.level) == ('healthy', 'ok'), said.reasons
+
+
+@pytest.mark.parametrize('blades', [3, 5])
+def test_a_fan_on_a_multiple_of_the_shaft_that_a_place_may_slip_on_to_is_healthy(blades):
+    rng, turns = np.random.default_rng(2), _turns()
+    noise = rng.standard_normal(len(turns))
+    x = noise * (1.0 + 0.4 * np.cos(2.0 * np.pi * blades * turns))
+    said = diagnose_record(x, 25_600, find_bearing('6204'), SHAFT_HZ)
+    assert (said.result, said.level) == ('healthy', 'ok'), said.reasons
+
+
+@pytest.mark.parametrize('place', ['inner', 'ball'])
+def test_a_spall_over_most_of_the_pitch_is_named_by_its_sidebands(place):
+    """Noise swells like half a sine over 70 % of the time between two balls."""
+    rng, turns, orders = np.random.default_rng(1), _turns(), fault_orders(BEARING)
+    phase = (0.994 * orders.impacts(place) * turns) % 1.0
+    swell = np.where(phase < 0.7, np.sin(np.pi * phase / 0.7), 0.0)
+    load = 1.0 + np.cos(2.0 * np.pi * (orders.ftf if place == 'ball' else 1.0) * turns)
+    spall = swell * load * rng.standard_normal(len(turns))
+    x = rng.standard_normal(len(turns)) + spall / spall.std()
+    assert diagnose_record(x, 25_600, BEARING, SHAFT_HZ).faults == (place,)

@@ -158,7 +158,7 @@ CASES = {
     ),
     'weak_modulation': (Evidence.of(WEAK), 'suspect', 'suspect', ('inner',)),
     'smooth': (
-        Evidence.of(INNER, smooth=True),
+        Evidence.of(INNER, smooth=True, half_turn=True),
         'suspect',
         'suspect',
         ('inner',),
@@ -322,6 +322,12 @@ def test_a_quantity_is_computed_once():
 def test_an_unknown_quantity_is_refused():
     with pytest.raises(TypeError, match='no such quantity: shocks'):
         Evidence.of(INNER, shocks=3)
+
+
+def test_what_has_sidebands_of_its_own_place_is_no_blade():
+    assert decide(Evidence.of(INNER, smooth=True)).rule == 'fault'
+    assert decide(Evidence.of(BALL, smooth=True)).rule == 'fault'
+    assert decide(Evidence.of(OUTER, smooth=True)).rule == 'smooth'
 
 
 def test_a_smooth_modulation_elsewhere_is_no_impact():
