@@ -21,6 +21,7 @@ __all__ = [
     'Tally',
     'facts',
     'impacts',
+    'judged_by_velocity',
     'next_step',
     'number',
     'pretty',
@@ -85,6 +86,12 @@ def shaft_speed(diagnosis: Any) -> str:
         if math.isfinite(hertz):
             return f'{hertz:.2f} Hz ({60.0 * hertz:.0f} rpm)'
     return 'not known'
+
+
+def judged_by_velocity(diagnosis: Any) -> bool:
+    """Whether the level of a verdict depends on its velocity: by a zone, or above any limit."""
+    zone = str(getattr(diagnosis, 'iso_zone', ''))
+    return bool(zone) or is_urgent('', recorded(diagnosis, 'velocity_rms'))
 
 
 def next_step(diagnosis: Any) -> str:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The report: one page that needs nothing else, right about what is in the recording."""
 
+from dataclasses import replace
 import html
 from html.parser import HTMLParser
 from pathlib import Path
@@ -14,6 +15,7 @@ from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.view.over_temperature import STRIP_SECONDS
 from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.page import report_page
+from bearing_twin.view.report.plots import appended_figures, figures
 import numpy as np
 import pytest
 import yaml
@@ -176,6 +178,22 @@ def test_a_twin_beside_the_sensor_is_not_what_the_page_is_about(recording, tmp_p
     assert machine.vibration == single.vibration
     assert machine.sensors == {'/vibration', '/vibration_twin'}
     assert '/vibration, /vibration_twin' in report_page(both)
+
+
+@pytest.mark.parametrize(
+    ('zone', 'velocity', 'decides'), [('D', 8.0, True), ('', 12.0, True), ('', 8.0, False)]
+)
+def test_a_velocity_that_decides_is_drawn_beside_what_decides(recording, zone, velocity, decides):
+    (machine,) = collect(recording).values()
+    for k, (time, message) in enumerate(machine.diagnoses):
+        message = replace(message, iso_zone=zone, velocity_rms=velocity)
+        machine.diagnoses[k] = time, message
+    page, appendix = (dict(made(machine, 'a')) for made in (figures, appended_figures))
+    (deciding,) = (svg for caption, svg in page.items() if caption.startswith('What decides'))
+    (other,) = (svg for caption, svg in appendix.items() if caption.startswith('Other'))
+    # In place of the level, so that the page stays two sheets.
+    assert ('Velocity' in deciding, 'Velocity' in other) == (decides, not decides)
+    assert ('Vibration level' in deciding, 'Vibration level' in other) == (not decides, decides)
 
 
 @pytest.mark.parametrize('base', ['', '/plant'])

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is drawn, read back from the Rerun files: positions, times, forces, and no failure."""
 
+from dataclasses import replace
 import math
 from pathlib import Path
 import socket
@@ -423,6 +424,24 @@ def test_nothing_that_a_message_holds_reaches_the_caller(tmp_path):
     assert logger.failed > 20
     assert all(logger.problems.values())
     assert list(RrdReader(tmp_path / 'odd.rrd').stream())
+
+
+@pytest.mark.parametrize(('zone', 'views'), [('', 1), ('D', 2)])
+def test_a_velocity_with_a_zone_is_on_the_first_page_too(recording, tmp_path, zone, views):
+    rrd = tmp_path / 'zone.rrd'
+    with RerunLogger(recording_id='zone', rrd=rrd) as logger:
+        for message in read_messages(recording, topics=['/diagnosis']):
+            made = replace(message.decode(), iso_zone=zone, velocity_rms=8.0)
+            logger.log(message.topic, message.type_name, made, message.log_time)
+    assert logger.problems == {}
+    store = RrdReader(rrd)
+    names = {}
+    for blueprint in store.blueprints():
+        for chunk in store.stream(store=blueprint):
+            for name, values in chunk.to_record_batch().to_pydict().items():
+                if name == 'ViewBlueprint:display_name':
+                    names[str(chunk.entity_path)] = values[0][0]
+    assert sum(name.startswith('Velocity') for name in names.values()) == views
 
 
 def test_namespaces_are_scenes_of_their_own(recording, tmp_path):

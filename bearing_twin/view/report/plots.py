@@ -19,7 +19,7 @@ from bearing_twin.view.report.svg import (
 )
 from bearing_twin.view.spectrum import ENVELOPE, low_high, SpectrumPicture
 from bearing_twin.view.trends import CALIBRATION, DIAGNOSIS, recorded, TWIN_STATE
-from bearing_twin.view.verdict import pretty
+from bearing_twin.view.verdict import judged_by_velocity, pretty
 import matplotlib as mpl
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 __all__ = ['appended_figures', 'figures']
 
 
-DECIDING = ('significance', 'modulation', 'level', 'baseline')
-"""Panels of the evidence that are not in the appendix."""
+DECIDING = ('significance', 'modulation', 'baseline')
+"""Panels of the evidence that are not in the appendix, beside level or velocity."""
 
 
 def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
@@ -290,13 +290,19 @@ def _over_temperature(machine: Machine) -> tuple[str, Figure] | None:
     return caption, figure
 
 
+def _deciding(machine: Machine) -> tuple[str, ...]:
+    """Return what decides; a velocity that does in place of the level, which is in the history."""
+    by_velocity = any(judged_by_velocity(message) for _, message in machine.diagnoses)
+    return *DECIDING, 'velocity' if by_velocity else 'level'
+
+
 def _evidence(machine: Machine) -> tuple[str, Figure] | None:
-    panels = [panel for panel in DIAGNOSIS if panel.key in DECIDING]
+    panels = [panel for panel in DIAGNOSIS if panel.key in _deciding(machine)]
     return _panels('What decides, window by window. Dashed: limit', panels, machine.diagnoses)
 
 
 def _other_evidence(machine: Machine) -> tuple[str, Figure] | None:
-    panels = [panel for panel in DIAGNOSIS if panel.key not in DECIDING]
+    panels = [panel for panel in DIAGNOSIS if panel.key not in _deciding(machine)]
     return _panels('Other quantities, window by window', panels, machine.diagnoses)
 
 

@@ -346,9 +346,10 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
     twin = _panels(scene, 'twin_state', TWIN_STATE[1:])
     evidence = _panels(scene, 'diagnosis', DIAGNOSIS)
     verdict = [*_card(scene), *_solid(scene), *envelope] or [*waves[:1], *amplitude]
+    levels = ('level', 'velocity') if 'severity' in scene.asset.panels else ('level',)
     trends = [
         *_lane(scene),
-        *_panels(scene, 'diagnosis', (OVER_LIMITS, *(p for p in DIAGNOSIS if p.key == 'level'))),
+        *_panels(scene, 'diagnosis', (OVER_LIMITS, *(p for p in DIAGNOSIS if p.key in levels))),
         *_temperatures(scene),
     ]
     fitted = [

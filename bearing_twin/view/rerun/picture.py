@@ -59,7 +59,8 @@ class Asset:
     unit: str = ''
     """Of the vibration."""
     panels: set[str] = field(default_factory=set)
-    """Keys of the panels over time that have values, and paths of those over temperature."""
+    """Keys of the panels over time that have values, and paths of those over temperature;
+    ``severity`` where the level of a verdict depends on the velocity."""
 
     @property
     def source(self) -> Source:

@@ -14,7 +14,7 @@ from bearing_twin.view.rerun.lanes import Lane
 from bearing_twin.view.rerun.picture import Asset, Picture
 from bearing_twin.view.style import VERDICTS
 from bearing_twin.view.trends import DIAGNOSIS, OVER_LIMITS
-from bearing_twin.view.verdict import facts, Headline, rival, title_of
+from bearing_twin.view.verdict import facts, Headline, judged_by_velocity, rival, title_of
 from PIL import Image, ImageDraw, ImageFont
 import rerun as rr
 
@@ -56,6 +56,8 @@ class VerdictPicture(Picture):
         self._headline.take((time - self._begin) / NANO, message)
         result = int(message.result)
         self.asset.judged = time
+        if judged_by_velocity(message):
+            self.asset.panels.add('severity')
         self._lane.set(result, time)
         # Every time, not only when it changes: a server forgets the oldest first.
         self.canvas.put(
