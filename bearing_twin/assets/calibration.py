@@ -53,7 +53,7 @@ MOVED = 0.02
 """Most that the speed may move within a record, from the slowest to the fastest over the mean. The
 lines of the shaft then stay where `residual.ORDER_WIDTH` looks for them. On impact trains with a
 ramp, 2 % leaves the spacing of the impacts within 0.1 % and nine tenths of its prominence; 10 %
-makes it up to 3 % too short."""
+makes it up to 1.5 % too short."""
 
 
 @dataclass(frozen=True, kw_only=True)
