@@ -8,7 +8,11 @@ from enum import Enum
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.calibration import posterior
-from bearing_twin.calibration.healthy import COMB_OVER_FLOOR, line_over_floor
+from bearing_twin.calibration.healthy import (
+    COMB_OVER_FLOOR,
+    line_over_floor,
+    order_of_the_shaft,
+)
 from bearing_twin.calibration.passage import widest
 from bearing_twin.calibration.summaries import RIVAL
 
@@ -95,14 +99,18 @@ def no_impacts(x: FloatArray, situation: Situation) -> Refusal | None:
     'no impacts at the 89.6 Hz of the outer race '
 
     """
-    strikes = situation.strikes
-    if line_over_floor(x, situation) >= COMB_OVER_FLOOR:
-        return None
-    return Refusal(
-        Kind.NO_IMPACTS,
-        f'no impacts at the {strikes:.1f} Hz of the {situation.place} race stand out: check '
-        'bearing, speed and place',
+    said = (
+        f'no impacts at the {situation.strikes:.1f} Hz of the {situation.place} race stand out: '
     )
+    if line_over_floor(x, situation) < COMB_OVER_FLOOR:
+        return Refusal(Kind.NO_IMPACTS, f'{said}check bearing, speed and place')
+    if situation.place == 'outer' and (order := order_of_the_shaft(x, situation)):
+        return Refusal(
+            Kind.NO_IMPACTS,
+            f'{said}the line there is order {order} of the shaft, and the orders beside it are '
+            'about as high',
+        )
+    return None
 
 
 def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Refusal | None:

@@ -384,6 +384,37 @@ def test_a_part_that_strikes_at_a_multiple_of_the_shaft_is_seen(shaft_hz):
     assert not no_impacts(x, machine)
 
 
+def swelling(seed, rate=12800.0, seconds=6.0, shaft_hz=25.0, depth=0.15):
+    """Noise that swells with orders 1 to 6 of the shaft: a healthy machine."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(round(seconds * rate)) / rate
+    turning = [np.cos(2.0 * np.pi * (k * shaft_hz * t + rng.random())) for k in range(1, 7)]
+    return (1.0 + depth * sum(turning)) * rng.standard_normal(len(t))
+
+
+def test_orders_of_the_shaft_are_no_impacts_of_an_outer_race():
+    """That of a 6307 strikes 3.026 times a turn."""
+    machine = Situation(
+        bearing=find_bearing('6307'), place='outer', shaft_hz=25.0, sample_rate=12800.0
+    )
+    for seed in range(10):
+        x = swelling(seed)
+        refusal = no_impacts(x, machine)
+        assert refusal.kind is Kind.NO_IMPACTS
+        assert refusal.why.endswith(
+            'the line there is order 3 of the shaft, and the orders beside it are about as high'
+        )
+        # A speed that is known to a few thousandths only changes nothing.
+        assert no_impacts(swelling(seed, shaft_hz=25.08), machine)
+        # A part that strikes between them is seen.
+        rate = machine.strikes
+        gaps = (1.0 + 0.002 * np.random.default_rng(seed).standard_normal(400)) / rate
+        x[np.round(12800.0 * np.cumsum(gaps)).astype(int)] += 8.0
+        assert no_impacts(x, machine) is None
+    found = fit(swelling(0), 12800.0, machine.bearing, 25.0, place='outer', candidates=64)
+    assert found.statement.startswith('no width: no impacts at the')
+
+
 @pytest.mark.parametrize('name', ['6203', '6313', '6220', '7218B'])
 def test_every_candidate_of_a_bearing_can_be_simulated(name):
     """Large bearings lose more clearance when hot; half of their balls is over 10 mm."""
