@@ -1,13 +1,24 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""When a machine has settled, and what it did then: the baseline of its levels."""
+"""What a machine did so far: its lowest levels, and what it does when it has settled."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import math
-from typing import NamedTuple, TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
+from bearing_twin.diagnosis.dependence import (
+    Condition,
+    HealthyRecord,
+    Law,
+    PER_KELVIN,
+    SAME_OCTAVES,
+    Z90,
+)
+from bearing_twin.diagnosis.level import SUSPECT_DB
+from bearing_twin.diagnosis.severity import MEASURES
+from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
@@ -15,7 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['MOST_SCATTER_DB', 'SETTLED_DB', 'SETTLED_K', 'Baseline', 'Level', 'settled']
+__all__ = ['SETTLED', 'Baseline', 'Memory', 'settled']
 
 SETTLED_DB, SETTLED_K = 1.0, 1.5
 """Change over a window up to which level and temperature count as settled. Film and clearance, and
@@ -26,53 +37,58 @@ MOST_SCATTER_DB = 2.0
 """Scatter up to which a machine has a baseline. Six times as much are 12 dB: a machine that
 scatters more would be called ok at four times its level. Several machines in one series do."""
 
+MOST_OVER_DB = 0.5 * SUSPECT_DB
+"""Level over the lowest from which on a settled machine has no baseline: one that settles on its
+way to 10 dB is suspect in the end all the same."""
 
-class Level(NamedTuple):
-    """Levels of a snapshot."""
+SETTLED = (
+    f'over which the level moved by less than {SETTLED_DB:g} dB and the temperature by less than '
+    f'{SETTLED_K:g} K, with a scatter of at most {MOST_SCATTER_DB:g} dB, less than '
+    f'{MOST_OVER_DB:g} dB above the lowest before'
+)
+"""What levels do that make a baseline."""
 
-    time: float
-    """s."""
-    levels: NDArray[np.float64]
-    """dB, one a measure; the first is that of the whole signal."""
-    temperature: float
-    """degC; NaN if unknown."""
+_PARTS, _LEAST = 4, 5
+"""Parts of a window whose medians are compared, and least levels in one. The lowest of fewer
+levels is chance; the first whole window of a machine that climbs is half way up."""
 
 
 @dataclass(frozen=True)
 class Baseline:
     """What a settled machine does."""
 
-    levels: NDArray[np.float64]
+    levels: list[float]
     """Median of each measure, dB."""
-    scatter: NDArray[np.float64]
+    scatter: list[float]
     """Its standard deviation, from the median of the distances, dB."""
     temperature: float
     """degC; NaN if unknown."""
-    shaft_hz: float
-    times: tuple[float, float]
+    octaves: float
+    """Base-2 logarithm of the shaft speed in Hz; NaN if unknown."""
+    times: list[float]
     """First and last, s."""
 
-    def lower_than(self, other: Baseline) -> bool:
-        """Whether the whole signal is lower by more than 1 dB and what the other scatters by."""
-        fall = float(other.levels[0] - self.levels[0])
-        return fall >= max(SETTLED_DB, 2.0 * float(other.scatter[0]))
 
-
-def settled(window: Sequence[Level], shaft_hz: float) -> Baseline | None:
+def settled(window: Sequence[Sequence[float]]) -> Baseline | None:
     """
     Return the baseline of a window over which level and temperature stay; None if they move.
 
+    Parameters
+    ----------
+    window
+        Rows of time in s, temperature in degC, log2 of the speed in Hz and levels in dB.
+
     Examples
     --------
-    >>> base = settled([Level(t, np.array([3.0]), 60.0) for t in range(20)], 25.0)
-    >>> base.times, float(base.levels[0])
-    ((0.0, 19.0), 3.0)
-    >>> settled([Level(t, np.array([3.0]), 40.0 + t) for t in range(20)], 25.0) is None
+    >>> base = settled([[t, 60.0, 4.6, 3.0] for t in range(20)])
+    >>> base.times, base.levels
+    ([0.0, 19.0], [3.0])
+    >>> settled([[t, 40.0 + t, 4.6, 3.0] for t in range(20)]) is None
     True
 
     """
-    levels = np.array([item.levels for item in window])
-    heat = np.array([item.temperature for item in window])
+    table = np.array(window, dtype=np.float64)
+    heat, levels = table[:, 1], table[:, 3:]
     if _drift(levels[:, 0]) > SETTLED_DB:
         return None
     known = heat[np.isfinite(heat)]
@@ -83,15 +99,134 @@ def settled(window: Sequence[Level], shaft_hz: float) -> Baseline | None:
     if scatter[0] > MOST_SCATTER_DB:
         return None
     return Baseline(
-        levels=middle,
-        scatter=scatter,
+        levels=middle.tolist(),
+        scatter=scatter.tolist(),
         temperature=float(np.median(known)) if len(known) else math.nan,
-        shaft_hz=shaft_hz,
-        times=(float(window[0].time), float(window[-1].time)),
+        octaves=float(np.median(table[:, 2])),
+        times=table[[0, -1], 0].tolist(),
     )
 
 
 def _drift(values: NDArray[np.float64]) -> float:
     """Change over a window: between the medians of its halves lies half of a steady one."""
+    if len(values) < 2:
+        return 0.0
     early, late = np.array_split(values, 2)
     return 2.0 * abs(float(np.median(late)) - float(np.median(early)))
+
+
+@dataclass
+class Memory:
+    """
+    What a stream or a series of one machine did so far; plain values, so that it can be saved.
+
+    A machine that gets worse while it is learnt settles, too. So the lowest median of a quarter
+    of a window is kept for each speed: what settles far over that has no baseline, and before
+    there is one, the last such median is compared with it.
+
+    Examples
+    --------
+    >>> memory, now = Memory(), Condition.at(60.0, 25.0)
+    >>> [memory.learn(t, [1.0, 0.0, 0.0], now, 20) for t in range(20)][-2:]
+    [False, True]
+    >>> worn = Memory()
+    >>> for t in range(200):
+    ...     _ = worn.learn(t, [min(0.1 * t, 9.0), 0.0, 0.0], now, 20)
+    >>> worn.base is None, round(worn.over(np.zeros(3), now)[0])
+    (True, 9)
+
+    """
+
+    windows: dict[str, list[list[float]]] = field(default_factory=dict)
+    """Time, temperature, octaves and levels of the last at each speed."""
+    medians: dict[str, list[list[float]]] = field(default_factory=dict)
+    """Lowest and last median of the whole signal at each speed: dB and temperature."""
+    base: Baseline | None = None
+    record: HealthyRecord = field(default_factory=HealthyRecord)
+
+    def learn(
+        self, time: float, levels: list[float], now: Condition, wanted: int, doubted: bool = False
+    ) -> bool:
+        """
+        Take levels in, dB, one a measure; tell whether they made a baseline, or a lower one.
+
+        It needs ``wanted`` of them, and a machine that is not ``doubted``: suspect or worse.
+        """
+        speed = _speed(now)
+        window = self.windows.setdefault(speed, [])
+        window.append([time, *now, *levels])
+        del window[:-wanted]
+        count = min(max(wanted // _PARTS, _LEAST), wanted)
+        if len(window) >= count:
+            last = np.median(np.array(window[-count:])[:, [3, 1]], axis=0).tolist()
+            self.medians[speed] = [min(self.medians.get(speed, [last])[0], last), last]
+        if len(window) < wanted or doubted:
+            return False
+        new, base = settled(window), self.base
+        if not new or self._over_lowest(speed, new.levels[0], new.temperature) >= MOST_OVER_DB:
+            return False
+        if base and base.levels[0] - new.levels[0] < max(SETTLED_DB, 2.0 * base.scatter[0]):
+            return False
+        self.base = new
+        return True
+
+    @property
+    def at(self) -> Condition:
+        """Condition of the baseline; unknown without one."""
+        base = self.base
+        return Condition(base.temperature, base.octaves) if base else Condition()
+
+    def laws(self) -> list[Law]:
+        """Law of each measure."""
+        return self.record.laws() or [Law()] * len(MEASURES)
+
+    def over(self, levels: NDArray[np.float64], now: Condition) -> NDArray[np.float64]:
+        """
+        Return by how much the machine is louder than it was, dB, one a measure; NaN at first.
+
+        That of levels over the baseline. Before there is one, that of the last median over the
+        lowest, and of the whole signal only: the bands in which bearings ring move with film and
+        clearance.
+        """
+        if self.base is not None:
+            # Bands beyond half the sample rate are as much over it as the whole to the last bit.
+            return np.asarray(np.round(levels - np.array(self.base.levels), 6))
+        speed, over = _speed(now), np.full(len(MEASURES), -math.inf)
+        known = speed in self.medians
+        over[0] = self._over_lowest(speed, *self.medians[speed][1]) if known else math.nan
+        return over
+
+    def _over_lowest(self, speed: str, level: float, heat: float) -> float:
+        """Level over the lowest, dB, less what the difference in temperature may make of it."""
+        lowest, was = self.medians[speed][0]
+        mean, deviation = PER_KELVIN
+        may = mean * (heat - was) + Z90 * deviation * abs(heat - was)
+        return level - lowest - (0.0 if math.isnan(may) else may)
+
+    @classmethod
+    def of(cls, values: dict[str, Any]) -> Memory:
+        """
+        Memory of saved values.
+
+        Raises
+        ------
+        BearingTwinError
+            If they are not such values.
+
+        """
+        try:
+            base = values['base'] and Baseline(**values['base'])
+            rows = [row[3:] for window in values['windows'].values() for row in window]
+            rows += [base.levels, base.scatter] if base else []
+            np.asarray_chkfinite(rows, dtype=np.float64).reshape(-1, len(MEASURES))
+            np.asarray_chkfinite([pair[0][0] + pair[1][0] for pair in values['medians'].values()])
+            record = HealthyRecord.of(values['record'])
+            return cls(values['windows'], values['medians'], base, record)
+        except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+            msg = f'saved memory of a machine is not one ({error}); use what save() returned'
+            raise BearingTwinError(msg) from error
+
+
+def _speed(now: Condition) -> str:
+    """Name of the class of a speed, in which levels are compared as they are."""
+    return str(round(now.octaves / SAME_OCTAVES)) if math.isfinite(now.octaves) else ''

@@ -231,10 +231,11 @@ class Excerpt:
         """
         Severity of samples whether or not they show a place; None where nothing is measured.
 
-        Clipping only lowers it. At an unknown speed there is no zone but D, as of a slow machine.
+        Clipping only lowers it. At an unknown speed a zone is at least C, as of a slow machine; a
+        shaft that stands still has none, nor anything to compare.
         """
         x, settings = self.samples, self.settings
-        if not 0.0 < self.sample_rate < math.inf or len(x) < LEAST:
+        if not 0.0 < self.sample_rate < math.inf or len(x) < LEAST or shaft_hz == 0.0:
             return None
         if not np.isfinite(x).all() or not np.ptp(x) > 0.0:
             return None

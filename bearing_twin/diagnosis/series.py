@@ -10,30 +10,22 @@ there is an alarm. Snapshots may be seconds or weeks apart.
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import asdict
 import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.averaging import AveragedEnvelope
-from bearing_twin.diagnosis.baseline import (
-    Baseline,
-    Level,
-    MOST_SCATTER_DB,
-    settled,
-    SETTLED_DB,
-    SETTLED_K,
-)
-from bearing_twin.diagnosis.dependence import Condition, HealthyRecord, Law, Z90
+from bearing_twin.diagnosis.baseline import Memory, SETTLED
+from bearing_twin.diagnosis.dependence import Condition, Law, Z90
 from bearing_twin.diagnosis.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.onset import Rise, rise_begins, slope
 from bearing_twin.diagnosis.series_result import SeriesPoint, SeriesReport, SeriesSettings
 from bearing_twin.diagnosis.severity import (
-    BANDS_HZ,
     LEAST,
     Levels,
     measure_severity,
+    MEASURES,
     of_length,
     watched,
 )
@@ -43,17 +35,11 @@ import numpy as np
 from scipy import fft
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.averaging import Comb
     from numpy.typing import ArrayLike, NDArray
 
 __all__ = ['CONFIRMING', 'SeriesMonitor']
-
-MEASURES = ('whole band', *(f'{low:g} to {high:g} Hz' for low, high in BANDS_HZ[1:]))
-"""Levels that are watched: of the whole signal, and of the bands in which bearings ring. Below
-1 kHz the shaft, its neighbours and the foundation decide."""
 
 FALL_DB = 2.0
 """The level falls this far below the threshold it rose over before it is taken back."""
@@ -68,9 +54,7 @@ CONFIRMING = 5
 """Snapshots whose median is judged: two of five may be disturbed."""
 
 _FALLEN = f'{FAULT_DB:g} dB or more below the baseline: {FALLEN}'
-_KEPT = (
-    'held', 'low_since', 'alarms', 'changes', 'refused', 'unjudged', 'lowest', 'lowest_hz',
-)  # fmt: skip
+_KEPT = ('held', 'low_since', 'alarms', 'changes', 'refused', 'unjudged')
 """Plain values that are saved as they are."""
 
 
@@ -114,14 +98,9 @@ class SeriesMonitor:
     ) -> None:
         self._settings = settings or SeriesSettings()
         self._given = law
-        self._record = HealthyRecord()
+        self._memory = Memory()
         self._rise = Rise()
         self._bearing = bearing
-        self._window: deque[tuple[float, NDArray[np.float64], float]] = deque(
-            maxlen=self._settings.baseline
-        )
-        self._recent: deque[NDArray[np.float64]] = deque(maxlen=CONFIRMING)
-        self._baseline: Baseline | None = None
         self._points: list[SeriesPoint] = []
         self._levels: list[NDArray[np.float64]] = []
         self._held = 'none'
@@ -130,8 +109,6 @@ class SeriesMonitor:
         self._changes = 0
         self._refused: dict[str, int] = {}
         self._unjudged = 0
-        # Level below which the machine has not been since the first snapshots, and its speed.
-        self._lowest, self._lowest_hz = math.inf, math.nan
         self._source = Source()
         self._quiet = AveragedEnvelope()
         self._loud = AveragedEnvelope()
@@ -186,35 +163,35 @@ class SeriesMonitor:
         )  # fmt: skip
         severity = of_length(severity, len(signal), sample_rate)
         levels = watched(severity)
-        now = Condition.at(temperature, shaft_hz)
-        base = self._baseline
-        known = levels[0] - self._laws()[0].correct(now, self._reference)[0]
-        if base and known <= base.levels[0] - FAULT_DB:
+        now, memory = Condition.at(temperature, shaft_hz), self._memory
+        changes, deviations = self._changes_at(now)
+        if memory.base and levels[0] - changes[0] <= memory.base.levels[0] - FAULT_DB:
             self._leave_out(_FALLEN)
             return None
         self._unjudged, self._source = 0, Source(unit=unit, sample_rate=sample_rate)
-        self._window.append((time, levels, temperature))
-        self._look_down(shaft_hz)
-        self._learn(shaft_hz)
-        changes = np.array([law.correct(now, self._reference) for law in self._laws()]).T
-        self._levels.append(levels - changes[0])
-        self._recent.append(levels - changes[0])
-        over, measure = self._over()
-        if self._baseline is not None:
-            alone = float((levels - changes[0] - self._baseline.levels)[0])
-            self._rise.add(alone, float(self._baseline.scatter[0]))
-        sure = over - Z90 * float(changes[1][measure])
+        doubted = self._held in ('suspect', 'fault')
+        if memory.learn(time, levels.tolist(), now, self._settings.baseline, doubted):
+            # A machine that has run in, or was repaired, is compared with what it is now.
+            self._rise = Rise()
+            self._quiet.clear()
+            changes, deviations = self._changes_at(now)
+        self._levels.append(levels - changes)
+        over, measure = self._over(now)
+        if memory.base is not None:
+            alone = float(levels[0] - changes[0]) - memory.base.levels[0]
+            self._rise.add(alone, memory.base.scatter[0])
+        sure = over - Z90 * float(deviations[measure])
         self._hold(time, self._wanted(sure, measure, by_zone(severity)[0]))
         if self._held in ('ok', 'none'):
-            self._record.add(levels.tolist(), now)
-        if self._baseline is not None and math.isfinite(shaft_hz):
+            memory.record.add(levels.tolist(), now)
+        if memory.base is not None and math.isfinite(shaft_hz):
             kept = self._quiet if self._held in ('ok', 'none') else self._loud
             kept.add(signal, sample_rate, shaft_hz)
         point = SeriesPoint(
             time=time, level=self._held, over_baseline=over, rms=severity.rms,
-            measure=MEASURES[measure] if self._baseline else '', temperature=temperature,
+            measure=MEASURES[measure] if memory.base else '', temperature=temperature,
             iso_zone=severity.iso_zone,
-            correction=float(changes[0][0]), correction_sd=float(changes[1][0]),
+            correction=float(changes[0]), correction_sd=float(deviations[0]),
             rising=self._rise.lasting if self._rise.found else 0,
         )  # fmt: skip
         self._points.append(point)
@@ -248,70 +225,40 @@ class SeriesMonitor:
             return 'a constant signal'
         if shaft_hz <= 0.0:
             return 'the machine stands still'
-        base = self._baseline
-        if base and not all(
-            law.comparable(Condition.at(math.nan, shaft_hz), self._reference)
-            for law in self._laws()
-        ):
-            return f'another speed than the {base.shaft_hz:.4g} Hz of the baseline'
+        now, at = Condition.at(math.nan, shaft_hz), self._memory.at
+        if not all(law.comparable(now, at) for law in self._laws()):
+            return f'another speed than the {2.0**at.octaves:.4g} Hz of the baseline'
         return ''
-
-    def _look_down(self, shaft_hz: float) -> None:
-        """Keep the lowest level so far, at one speed, of a machine that has no baseline."""
-        now, before = (Condition.at(math.nan, hz) for hz in (shaft_hz, self._lowest_hz))
-        if not Law().comparable(now, before):
-            self._lowest = math.inf
-        if math.isinf(self._lowest):
-            self._lowest_hz = shaft_hz
-        if len(self._window) >= CONFIRMING:
-            last = [levels[0] for _, levels, _ in self._window][-CONFIRMING:]
-            self._lowest = min(self._lowest, float(np.median(last)))
-
-    def _learn(self, shaft_hz: float) -> None:
-        """Take the window as the baseline if the machine has settled, lower than before."""
-        if len(self._window) < self._settings.baseline or self._held in ('suspect', 'fault'):
-            return
-        found = settled([Level(*item) for item in self._window], shaft_hz)
-        base = self._baseline
-        if found and base is None and found.levels[0] >= self._lowest + SUSPECT_DB:
-            # What has become twice as loud while it was learnt is no sound machine's level.
-            return
-        # A machine that has run in, or was repaired, is compared with what it is now.
-        if found and (base is None or found.lower_than(base)):
-            self._baseline, self._rise = found, Rise()
-            self._quiet.clear()
-
-    @property
-    def _reference(self) -> Condition:
-        """Condition of the baseline."""
-        base = self._baseline
-        return Condition.at(base.temperature, base.shaft_hz) if base else Condition()
 
     def _laws(self) -> list[Law]:
         """Law of each measure."""
-        if self._given is not None:
-            return [self._given] * len(MEASURES)
-        return self._record.laws() or [Law()] * len(MEASURES)
+        return self._memory.laws() if self._given is None else [self._given] * len(MEASURES)
 
-    def _over(self) -> tuple[float, int]:
-        """Median of the last levels over the baseline, dB, and the measure it is of."""
-        recent = np.median(np.array(self._recent), axis=0)
-        if self._baseline is None:
-            return float(recent[0]) - self._lowest, 0
-        over = recent - self._baseline.levels
+    def _changes_at(self, now: Condition) -> NDArray[np.float64]:
+        """Corrections of the levels to the condition of the baseline, and their deviations, dB."""
+        pairs = [law.correct(now, self._memory.at) for law in self._laws()]
+        return np.asarray(np.transpose(pairs))
+
+    def _limit(self, measure: int) -> float:
+        """Level over the baseline from which on a measure is suspect, dB."""
+        base = self._memory.base
+        return max(SUSPECT_DB, SCATTER_FACTOR * base.scatter[measure] if base else 0.0)
+
+    def _over(self, now: Condition) -> tuple[float, int]:
+        """Level of the last snapshots over what they are compared with, dB, and its measure."""
+        recent = np.median(self._levels[-CONFIRMING:], axis=0)
+        over = np.nan_to_num(self._memory.over(recent, now), neginf=-math.inf)
         # What a measure is over is weighed by what its threshold is.
-        share = over / np.maximum(SUSPECT_DB, SCATTER_FACTOR * self._baseline.scatter)
-        most = int(np.argmax(share))
+        most = int(np.argmax([value / self._limit(n) for n, value in enumerate(over)]))
         return float(over[most]), most
 
     def _wanted(self, over: float, measure: int, zone_level: str) -> str:
         """Level that the newest snapshots ask for."""
-        if len(self._recent) < CONFIRMING:
+        if len(self._levels) < CONFIRMING:
             return self._held
-        base = self._baseline
-        if base is None:
+        if self._memory.base is None:
             return max('fault' if over >= FAULT_DB else 'none', zone_level, key=LEVELS.index)
-        suspect = max(SUSPECT_DB, SCATTER_FACTOR * float(base.scatter[measure]))
+        suspect = self._limit(measure)
         thresholds = {'suspect': suspect, 'fault': max(FAULT_DB, 2.0 * suspect)}
         wanted = 'ok'
         for level, threshold in thresholds.items():
@@ -341,7 +288,7 @@ class SeriesMonitor:
 
     def report(self) -> SeriesReport:
         """Return what all snapshots so far say together."""
-        base = self._baseline
+        base = self._memory.base
         first = self._alarms.get('suspect', math.nan)
         place = None
         if self._bearing is not None and self._held in ('suspect', 'fault'):
@@ -353,8 +300,8 @@ class SeriesMonitor:
             warmer = float(np.median(heat)) - base.temperature
         return SeriesReport(
             level='none' if self.lost else self._held, points=tuple(self._points),
-            baseline=base.times if base else None,
-            scatter=float(base.scatter[0]) if base else math.nan,
+            baseline=(base.times[0], base.times[1]) if base else None,
+            scatter=base.scatter[0] if base else math.nan,
             change=change, first_alarm=first, first_fault=self._alarms.get('fault', math.nan),
             changes=self._changes, trend=self._trend(), warmer=warmer, place=place,
             law=self._laws()[0],
@@ -368,26 +315,19 @@ class SeriesMonitor:
 
     def save(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         """Plain values and arrays worth keeping over a restart; see :meth:`load`."""
-        base = self._baseline
         values = {
-            'baseline': base and [base.temperature, base.shaft_hz, *base.times],
+            'memory': asdict(self._memory),
             'points': [asdict(point) for point in self._points],
-            'window': [(time, heat) for time, _, heat in self._window],
             'source': list(self._source),
-            'record': asdict(self._record),
             'rise': asdict(self._rise),
             'averaged': [[a.count, a.turns] for a in (self._quiet, self._loud)],
             **{name: getattr(self, f'_{name}') for name in _KEPT},
         }
         arrays = {
-            'levels': _table(self._levels),
-            'recent': _table(self._recent),
-            'window_levels': _table([levels for _, levels, _ in self._window]),
+            'levels': np.array(self._levels, dtype=np.float64).reshape(-1, len(MEASURES)),
             'quiet': self._quiet.power,
             'loud': self._loud.power,
         }
-        if base is not None:
-            arrays['baseline'] = np.array([base.levels, base.scatter])
         return values, arrays
 
     def load(self, values: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
@@ -403,20 +343,10 @@ class SeriesMonitor:
         for name in _KEPT:
             kind = type(getattr(self, f'_{name}'))
             setattr(self, f'_{name}', kind(values[name]))
-        self._baseline = None
-        if values['baseline'] is not None:
-            heat, hertz, first, last = values['baseline']
-            levels, scatter = arrays['baseline']
-            self._baseline = Baseline(levels, scatter, heat, hertz, (first, last))
+        self._memory = Memory.of(values['memory'])
         self._points = [SeriesPoint(**point) for point in values['points']]
         self._levels = list(arrays['levels'])
-        self._recent.clear()
-        self._recent.extend(arrays['recent'])
-        self._window.clear()
-        for (time, heat), levels in zip(values['window'], arrays['window_levels'], strict=True):
-            self._window.append((time, levels, heat))
         self._source = Source(*values['source'])
-        self._record = HealthyRecord.of(values['record'])
         self._rise = Rise.of(values['rise'])
         for average, (count, turns) in zip(
             (self._quiet, self._loud), values['averaged'], strict=True
@@ -432,17 +362,17 @@ class SeriesMonitor:
         until = int(np.searchsorted(times, alarm)) + 1
         measure = MEASURES.index(self._points[until - 1].measure or MEASURES[0])
         levels = np.array([levels[measure] for levels in self._levels[:until]])
-        base = self._baseline
+        base = self._memory.base
         start, floor = 0, float(np.median(levels[: max(until // 2, 1)]))
         reference = 0.25 * SUSPECT_DB
         if base is not None and base.times[1] < alarm:
             start = int(np.searchsorted(times, base.times[1]))
-            floor = float(base.levels[measure])
-            reference = max(reference, float(base.scatter[measure]))
+            floor = base.levels[measure]
+            reference = max(reference, base.scatter[measure])
         return float(times[start + rise_begins(levels[start:], floor, reference)])
 
     def _trend(self) -> float:
-        base = self._baseline
+        base = self._memory.base
         if base is None:
             return math.nan
         times = np.array([point.time for point in self._points])
@@ -452,13 +382,11 @@ class SeriesMonitor:
 
     def _reasons(self, change: float, warmer: float, place: Comb | None) -> tuple[str, ...]:
         reasons = []
-        base = self._baseline
+        base = self._memory.base
         if base is None:
             reasons.append(
                 f'no baseline: {len(self._points)} snapshots, not {self._settings.baseline} in '
-                f'a row over which the level moved by less than {SETTLED_DB:g} dB and the '
-                f'temperature by less than {SETTLED_K:g} K, with a scatter of at most '
-                f'{MOST_SCATTER_DB:g} dB, less than {SUSPECT_DB:g} dB above the lowest before'
+                f'a row {SETTLED}'
             )
         if self.lost:
             reasons.append(f'not known: the last {self._unjudged} snapshots were not judged')
@@ -481,8 +409,3 @@ class SeriesMonitor:
             reasons.append('place unknown: no comb stands out of the averaged envelope')
         reasons += [f'{count} snapshots not judged: {why}' for why, count in self._refused.items()]
         return tuple(reasons)
-
-
-def _table(rows: Iterable[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Levels of several snapshots, shape (snapshots, measures)."""
-    return np.array(list(rows), dtype=np.float64).reshape(-1, len(MEASURES))

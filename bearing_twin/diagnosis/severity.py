@@ -22,6 +22,7 @@ __all__ = [
     'HIGHEST_LIMIT',
     'ISO_LIMITS',
     'LEAST',
+    'MEASURES',
     'SLOW_HZ',
     'Levels',
     'acceleration_factor',
@@ -33,6 +34,11 @@ __all__ = [
 
 BANDS_HZ = ((10.0, 1000.0), (1000.0, 5000.0), (5000.0, 20000.0))
 """Standard bands of ``band_rms``, Hz; a band beyond half the sample rate counts as empty."""
+
+MEASURES = ('whole band', *(f'{low:g} to {high:g} Hz' for low, high in BANDS_HZ[1:]))
+"""Levels that are watched over time: from 10 Hz to 20 kHz, and in the bands in which bearings
+ring. Below 10 Hz a sway or a drift of the sensor decides, and below 1 kHz the shaft, its
+neighbours and the foundation."""
 
 ISO_LIMITS: dict[tuple[int, str], tuple[float, float, float]] = {
     (1, 'rigid'): (2.3, 4.5, 7.1),
@@ -196,7 +202,7 @@ def measure_severity(
         See :func:`iso_zone`.
     shaft_hz
         Shaft speed, Hz. Below 600 1/min the velocity is that from 2 Hz on, which is no less than
-        the one measured here, from 10 Hz on: there is no zone but D.
+        the one measured here, from 10 Hz on: the zone is at least C or D, and no A or B is given.
 
     >>> x = np.sin(2.0 * np.pi * 100.0 * np.arange(25600) / 25600.0)
     >>> found = measure_severity(Levels.of(x, np.fft.rfft(x) / len(x), 25600.0), unit='m/s^2')
@@ -210,7 +216,7 @@ def measure_severity(
     factor = acceleration_factor(unit)
     velocity = 1e3 * factor * math.sqrt(levels.powers[-1])
     zone = iso_zone(velocity, power_group, mounting)
-    if shaft_hz < SLOW_HZ and zone != 'D':
+    if shaft_hz < SLOW_HZ and zone in ('A', 'B'):
         zone = ''
     return Severity(
         rms=rms,
@@ -227,9 +233,7 @@ def measure_severity(
 
 def watched(severity: Severity) -> NDArray[np.float64]:
     """
-    Levels that are watched over time, dB: from 10 Hz to 20 kHz, and in each band from 1 kHz on.
-
-    Below 10 Hz a sway or a drift of the sensor decides, and not the bearing.
+    Levels of the :data:`MEASURES`, dB.
 
     >>> turns = 2.0 * np.pi * np.arange(25600) / 25600.0
     >>> x = 2.0 * np.sin(100.0 * turns) + 2.0 * np.sin(5.0 * turns)
@@ -240,8 +244,8 @@ def watched(severity: Severity) -> NDArray[np.float64]:
     """
     powers = np.square(severity.band_rms)
     # An empty band, such as one beyond half the sample rate, never rises over the whole.
-    heights = np.array([powers.sum(), *powers[1:]])
-    return np.asarray(10.0 * np.log10(np.maximum(heights, 1e-18 * heights[0] + 1e-300)))
+    heights = np.array([powers.sum(), *powers[1:]]) + 1e-300
+    return np.asarray(np.round(10.0 * np.log10(np.maximum(heights, 1e-18 * heights[0])), 6))
 
 
 def of_length(severity: Severity, count: int, sample_rate: float) -> Severity:

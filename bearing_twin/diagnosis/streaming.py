@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ['StreamingDiagnoser', 'checked_block']
 
-_VERSION = 7
+_VERSION = 8
 _MOST_PARTS = 64
 
 
@@ -273,14 +273,13 @@ class StreamingDiagnoser:
         self.other_source = ''
         if not self._trend.takes(source):
             self.other_source = f'baseline and trend are of {self._trend.source}, this is {source}'
-        if analysis.window is None:
-            return analysis.conclude()
-        earlier = self._before(excerpt, wanted)
-        # Another speed may have other bands.
-        bands = analysis.window.orders.carrier.shape
-        earlier = [orders for orders in earlier if orders.carrier.shape == bands]
-        if full and settings.averages:
-            self._earlier.append((excerpt.end, analysis.window.orders))
+        earlier: list[OrderSpectra] = []
+        if analysis.window is not None:
+            # Another speed may have other bands.
+            bands = analysis.window.orders.carrier.shape
+            earlier = [w for w in self._before(excerpt, wanted) if w.carrier.shape == bands]
+            if full and settings.averages:
+                self._earlier.append((excerpt.end, analysis.window.orders))
         found, trend = analysis.conclude(earlier), self._trend
         if self.other_source:
             found = replace(found, reasons=(*found.reasons, self.other_source))

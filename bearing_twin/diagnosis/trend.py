@@ -9,10 +9,11 @@ import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS, PLACES, RESULTS
-from bearing_twin.diagnosis.dependence import Condition, HealthyRecord, Law
-from bearing_twin.diagnosis.level import FALLEN, FAULT_DB, raised, staged
+from bearing_twin.diagnosis.baseline import Memory, SETTLED
+from bearing_twin.diagnosis.dependence import Condition, Z90
+from bearing_twin.diagnosis.level import FALLEN, FAULT_DB, raised, staged, SUSPECT_DB
 from bearing_twin.diagnosis.onset import Rise
-from bearing_twin.diagnosis.severity import watched
+from bearing_twin.diagnosis.severity import MEASURES, watched
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
@@ -25,13 +26,14 @@ _SAME_RATE = 0.05
 _DOUBTFUL = 0.1
 """Share of doubtful windows above which the baseline says that it was learnt beside them."""
 _NOT_YET = (
-    'no baseline: {doubtful} windows were suspect or faulty and {count} of {wanted} healthy; '
-    'what combs and the ISO zone say holds without it'
+    'no baseline: {doubtful} windows were suspect or faulty and {count} healthy, not {wanted} in '
+    f'a row {SETTLED}; what combs and the ISO zone say holds without it'
 )
 _LEARNT_IN_DOUBT = (
     'the baseline was learnt from {wanted} healthy windows among {doubtful} that were suspect or '
     'faulty: a level over it may be that over a damaged machine; ~/reset learns it anew'
 )
+_LOWEST = 'no baseline yet: over the lowest level so far; ~/reset if the machine was idle then'
 _FIRST = 60
 """Minutes over which a rise is looked for: what a machine does in its first healthy hour."""
 
@@ -75,22 +77,12 @@ class Trend:
     """Healthy windows learnt from so far."""
     doubtful: int = 0
     """Windows that were suspect or faulty meanwhile."""
-    mean: float = 0.0
-    """Their mean level, dB."""
-    temperature: float = math.nan
-    """Their mean temperature, degC; NaN if unknown."""
-    octaves: float = math.nan
-    """Mean base-2 logarithm of their shaft speed in Hz; NaN if unknown."""
-    temperature_count: int = 0
-    """Healthy windows with a temperature."""
-    octaves_count: int = 0
-    """Healthy windows with a speed."""
-    record: HealthyRecord = field(default_factory=HealthyRecord)
-    """Level, temperature and speed of each healthy minute."""
+    memory: Memory = field(default_factory=Memory)
+    """What levels it had, and the baseline made of them."""
     first: list[list[float]] = field(default_factory=list)
-    """Temperature, octaves and level of the first healthy minutes."""
+    """Temperature, octaves and level of the whole signal of the first healthy minutes."""
     minute: list[list[float]] = field(default_factory=list)
-    """The same of the windows of the present minute."""
+    """Temperature, octaves and all levels of the windows of the present minute."""
     rise: Rise = field(default_factory=Rise)
     sensor: str = ''
     bearing: str = ''
@@ -152,82 +144,84 @@ class Trend:
         severity = diagnosis.severity
         if not severity.rms > 0.0:
             return self._shown(diagnosis, hold, full)
-        level = float(watched(severity)[0])
+        levels, memory = watched(severity), self.memory
         now = Condition.at(diagnosis.temperature, diagnosis.shaft_hz)
         if not self.sample_rate:
             self.sensor, self.bearing, self.unit, self.sample_rate = source
-        if self.count < wanted:
+        if memory.base is None:
             alone = raised(diagnosis).level
             self.doubtful += full and alone in ('suspect', 'fault')
+            louder = memory.over(levels, now)[0] >= SUSPECT_DB
             # A healthy window among faulty ones shows a damaged machine.
-            if alone == 'ok' and self.level in ('', 'ok'):
-                self._learn(level, now)
-        if self.doubtful > _DOUBTFUL * wanted:
-            said = _NOT_YET if self.count < wanted else _LEARNT_IN_DOUBT
-            said = said.format(count=self.count, wanted=wanted, doubtful=self.doubtful)
-            diagnosis = replace(diagnosis, reasons=(*diagnosis.reasons, said))
-        over = math.nan
-        if self.count >= wanted:
-            law = next(iter(self.record.laws()), Law())
-            base = Condition(self.temperature, self.octaves)
-            if law.comparable(now, base):
-                correction, deviation = law.correct(now, base)
-                over = level - correction - self.mean
-                severity = replace(severity, correction=correction, correction_sd=deviation)
-            else:
-                said = f'baseline is of {2.0**base.octaves:.4g} Hz: not compared at this speed'
-                diagnosis = replace(diagnosis, reasons=(*diagnosis.reasons, said))
-            severity = replace(severity, correction_basis=str(law))
-        if over <= -FAULT_DB:
+            if alone == 'ok' and (louder or self.level in ('', 'ok')):
+                self.count += 1
+                if memory.learn(self.count, levels.tolist(), now, wanted):
+                    memory.windows.clear()
+        own = raised(self._compared(diagnosis, now, wanted))
+        if full:
+            self.minute.append([*now, *levels.tolist()])
+            if len(self.minute) >= minute:
+                self._take_minute(healthy=own.level == 'ok')
+        return self._shown(own, hold, full)
+
+    def _compared(self, diagnosis: Diagnosis, now: Condition, wanted: int) -> Diagnosis:
+        """Return a diagnosis with what its levels are over those of this machine so far."""
+        memory, said, severity = self.memory, list(diagnosis.reasons), diagnosis.severity
+        base, laws = memory.base, memory.laws()
+        if self.doubtful > _DOUBTFUL * wanted or (base is None and self.count > wanted):
+            text = _LEARNT_IN_DOUBT if base else _NOT_YET
+            said.append(text.format(count=self.count, wanted=wanted, doubtful=self.doubtful))
+        changes, deviations = np.array([law.correct(now, memory.at) for law in laws]).T
+        same = [law.comparable(now, memory.at) for law in laws]
+        none = -math.inf if same[0] else math.nan
+        over = np.where(same, memory.over(watched(severity) - changes, now), none)
+        most = int(np.argmax(over - Z90 * deviations))
+        severity = replace(
+            severity,
+            level_over_baseline=float(over[most]),
+            rising=self.rise.lasting if self.rise.found else 0,
+            correction=float(changes[most]),
+            correction_sd=float(deviations[most]),
+            correction_basis=str(laws[most]) if base else '',
+        )
+        if not same[0]:
+            hertz = 2.0**memory.at.octaves
+            said.append(f'baseline is of {hertz:.4g} Hz: not compared at this speed')
+        elif base is None and over[0] >= SUSPECT_DB:
+            said.append(_LOWEST)
+        elif over[0] <= -FAULT_DB:
             # Neither combs nor a low level of a sensor that hears nothing say that all is well.
             diagnosis = replace(
                 diagnosis, result='insufficient', level='none', faults=(), confidence=0.0,
                 fault_code=FAULT_CODES['insufficient'], kind='',
-                reasons=(*diagnosis.reasons, f'{over:.1f} dB over the baseline: {FALLEN}'),
             )  # fmt: skip
-        rising = self.rise.lasting if self.rise.found else 0
-        severity = replace(severity, level_over_baseline=over, rising=rising)
-        own = raised(replace(diagnosis, severity=severity))
-        if full:
-            self.minute.append([*now, level])
-            if len(self.minute) >= minute:
-                self._take_minute(healthy=own.level == 'ok')
-        return self._shown(own, hold, full)
+            said.append(f'{over[0]:.1f} dB over the baseline: {FALLEN}')
+        elif most:
+            said.append(f'{MEASURES[most]}: {over[most]:+.1f} dB over the baseline')
+        return replace(diagnosis, severity=severity, reasons=tuple(said))
 
     def _shown(self, own: Diagnosis, hold: int, full: bool) -> Diagnosis:
         """Return what is shown of a window; one that tells nothing does not end an alarm."""
         held = own.level != 'none' or self.level in ('suspect', 'fault')
         return staged(self._held(own, hold, full) if held else own)
 
-    def _learn(self, level: float, now: Condition) -> None:
-        self.count += 1
-        self.mean += (level - self.mean) / self.count
-        for name, value in zip(('temperature', 'octaves'), now, strict=True):
-            if math.isfinite(value):
-                # Of the windows that know it, which may be fewer than all.
-                known = getattr(self, f'{name}_count') + 1
-                before = getattr(self, name) if known > 1 else value
-                setattr(self, f'{name}_count', known)
-                setattr(self, name, before + (value - before) / known)
-
     def _take_minute(self, *, healthy: bool) -> None:
         """Take a minute into the healthy record, and look for a rise over the first ones."""
-        heat, octaves, level = np.median(self.minute, axis=0).tolist()
+        heat, octaves, *levels = np.median(self.minute, axis=0).tolist()
         self.minute.clear()
-        now = Condition(heat, octaves)
+        now, memory = Condition(heat, octaves), self.memory
         if healthy:
-            self.record.add([level], now)
+            memory.record.add(levels, now)
         if len(self.first) < _FIRST:
-            self.first += [[heat, octaves, level]] * healthy
+            self.first += [[heat, octaves, levels[0]]] * healthy
             return
-        base = Condition(self.temperature, self.octaves)
-        law = next(iter(self.record.laws()), Law())
+        base, law = memory.at, memory.laws()[0]
         rows = [(Condition(h, o), was) for h, o, was in self.first]
         floors = [was - law.correct(c, base)[0] for c, was in rows if law.comparable(c, base)]
-        if floors and law.comparable(now, base):
+        if memory.base and floors and law.comparable(now, base):
             floor = float(np.median(floors))
             scatter = 1.4826 * float(np.median(np.abs(np.array(floors) - floor)))
-            self.rise.add(level - law.correct(now, base)[0] - floor, scatter)
+            self.rise.add(levels[0] - law.correct(now, base)[0] - floor, scatter)
 
     def _held(self, own: Diagnosis, hold: int, full: bool) -> Diagnosis:
         """Return a window's own diagnosis with the level and the answer that are held."""
@@ -297,7 +291,7 @@ class Trend:
         trend = cls()
         for name, default in vars(cls()).items():
             value = values.get(name) if isinstance(values, dict) else None
-            if isinstance(value, dict) and isinstance(default, HealthyRecord | Rise):
+            if isinstance(value, dict) and isinstance(default, Memory | Rise):
                 value = type(default).of(value)
             right = type(value) is type(default) or (type(default) is float and type(value) is int)
             if not right:
@@ -305,21 +299,14 @@ class Trend:
                 raise BearingTwinError(msg)
             setattr(trend, name, value)
         known = ('', *LEVELS)
-        sound = trend.level in known and trend.pending in known and math.isfinite(trend.mean)
+        sound = trend.level in known and trend.pending in known
         sound &= 0.0 <= trend.sample_rate < math.inf
         words = f'{trend.answer} {trend.other}'.split()
         sound &= set(words) <= {*RESULTS, *PLACES} and 0.0 <= trend.confidence <= 1.0
         sound &= bool(trend.level) == bool(trend.answer)
-        readings = [*trend.first, *trend.minute]
-        sound &= all(isinstance(row, list) and len(row) == 3 for row in readings)
-        counts = (
-            trend.count,
-            trend.doubtful,
-            trend.pending_count,
-            trend.other_count,
-            trend.temperature_count,
-            trend.octaves_count,
-        )
+        for rows, width in ((trend.first, 3), (trend.minute, 2 + len(MEASURES))):
+            sound &= all(isinstance(row, list) and len(row) == width for row in rows)
+        counts = (trend.count, trend.doubtful, trend.pending_count, trend.other_count)
         if not sound or min(counts) < 0:
             msg = f'saved trend is out of range: {values}; use what save() returned'
             raise BearingTwinError(msg)

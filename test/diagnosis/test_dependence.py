@@ -129,9 +129,11 @@ def test_a_machine_that_is_louder_when_hot_teaches_it_and_is_then_compared_fairl
     last = found[-1].severity
     assert '+0.12' in last.correction_basis
     assert last.level_over_baseline == pytest.approx(0.0, abs=1.5)
-    hot = live([(0.12 * 60.0, 60.0)] * 5, trend)[1][-1].severity
-    assert hot.correction == pytest.approx(0.12 * (60.0 - 40.0), abs=0.3)
-    assert 0.0 < hot.correction_sd < 0.3
+    # The baseline is of the windows over which the temperature stayed: near its highest.
+    cold = live([(0.12 * 40.0, 40.0)] * 5, trend)[1][-1].severity
+    assert trend.memory.at.temperature == pytest.approx(60.0, abs=2.0)
+    assert cold.correction == pytest.approx(0.12 * (40.0 - 60.0), abs=0.3)
+    assert 0.0 < cold.correction_sd < 0.3
     # Saved and resumed it says the same.
     again = Trend.of(trend.values())
     resumed, straight = (live(readings[:50], one)[1] for one in (again, trend))

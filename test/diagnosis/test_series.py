@@ -420,3 +420,14 @@ def test_blades_beside_an_order_of_the_bearing_name_no_place():
             x *= 2.5 * (0.5 + 0.5 * np.cos(phase)) ** 3
         (loud if number >= 60 else quiet).add(x, RATE, 25.0)
     assert loud.place(find_bearing('6312'), quiet) is None
+
+
+def test_each_of_two_speeds_is_learnt_by_itself():
+    """25 and 35 Hz in turn, 5 dB apart; then 10 dB more at both."""
+    rng, monitor = np.random.default_rng(0), SeriesMonitor(None)
+    for number in range(360):
+        height = 5.0 * (number % 2) + 10.0 * (number >= 300)
+        x = 10.0 ** (height / 20.0) * rng.standard_normal(COUNT)
+        monitor.add(600.0 * number, x, RATE, 35.0 if number % 2 else 25.0)
+        assert number != 299 or monitor.report().level == 'ok'
+    assert monitor.report().level == 'suspect'
