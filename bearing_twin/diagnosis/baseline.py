@@ -16,7 +16,6 @@ from bearing_twin.diagnosis.dependence import (
     SAME_OCTAVES,
     Z90,
 )
-from bearing_twin.diagnosis.level import SUSPECT_DB
 from bearing_twin.diagnosis.severity import MEASURES
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -37,14 +36,10 @@ MOST_SCATTER_DB = 2.0
 """Scatter up to which a machine has a baseline. Six times as much are 12 dB: a machine that
 scatters more would be called ok at four times its level. Several machines in one series do."""
 
-MOST_OVER_DB = 0.5 * SUSPECT_DB
-"""Level over the lowest from which on a settled machine has no baseline: one that settles on its
-way to 10 dB is suspect in the end all the same."""
-
 SETTLED = (
     f'over which the level moved by less than {SETTLED_DB:g} dB and the temperature by less than '
-    f'{SETTLED_K:g} K, with a scatter of at most {MOST_SCATTER_DB:g} dB, less than '
-    f'{MOST_OVER_DB:g} dB above the lowest before'
+    f'{SETTLED_K:g} K, with a scatter of at most {MOST_SCATTER_DB:g} dB, less than {{most:g}} dB '
+    'above the lowest before'
 )
 """What levels do that make a baseline."""
 
@@ -127,11 +122,11 @@ class Memory:
     Examples
     --------
     >>> memory, now = Memory(), Condition.at(60.0, 25.0)
-    >>> [memory.learn(t, [1.0, 0.0, 0.0], now, 20) for t in range(20)][-2:]
+    >>> [memory.learn(t, [1.0, 0.0, 0.0], now, 20, 3.0) for t in range(20)][-2:]
     [False, True]
     >>> worn = Memory()
     >>> for t in range(200):
-    ...     _ = worn.learn(t, [min(0.1 * t, 9.0), 0.0, 0.0], now, 20)
+    ...     _ = worn.learn(t, [min(0.1 * t, 9.0), 0.0, 0.0], now, 20, 3.0)
     >>> worn.base is None, round(worn.over(np.zeros(3), now)[0])
     (True, 9)
 
@@ -145,12 +140,12 @@ class Memory:
     record: HealthyRecord = field(default_factory=HealthyRecord)
 
     def learn(
-        self, time: float, levels: list[float], now: Condition, wanted: int, doubted: bool = False
+        self, time: float, levels: list[float], now: Condition, wanted: int, most: float
     ) -> bool:
         """
         Take levels in, dB, one a measure; tell whether they made a baseline, or a lower one.
 
-        It needs ``wanted`` of them, and a machine that is not ``doubted``: suspect or worse.
+        It needs ``wanted`` of them which are less than ``most`` dB above the lowest before.
         """
         speed = _speed(now)
         window = self.windows.setdefault(speed, [])
@@ -160,10 +155,10 @@ class Memory:
         if len(window) >= count:
             last = np.median(np.array(window[-count:])[:, [3, 1]], axis=0).tolist()
             self.medians[speed] = [min(self.medians.get(speed, [last])[0], last), last]
-        if len(window) < wanted or doubted:
+        if len(window) < wanted:
             return False
         new, base = settled(window), self.base
-        if not new or self._over_lowest(speed, new.levels[0], new.temperature) >= MOST_OVER_DB:
+        if not new or self._over_lowest(speed, new.levels[0], new.temperature) >= most:
             return False
         if base and base.levels[0] - new.levels[0] < max(SETTLED_DB, 2.0 * base.scatter[0]):
             return False

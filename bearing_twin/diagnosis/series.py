@@ -169,8 +169,9 @@ class SeriesMonitor:
             self._leave_out(_FALLEN)
             return None
         self._unjudged, self._source = 0, Source(unit=unit, sample_rate=sample_rate)
-        doubted = self._held in ('suspect', 'fault')
-        if memory.learn(time, levels.tolist(), now, self._settings.baseline, doubted):
+        # One that is suspect is not learnt from.
+        most = -math.inf if self._held in ('suspect', 'fault') else SUSPECT_DB
+        if memory.learn(time, levels.tolist(), now, self._settings.baseline, most):
             # A machine that has run in, or was repaired, is compared with what it is now.
             self._rise = Rise()
             self._quiet.clear()
@@ -386,7 +387,7 @@ class SeriesMonitor:
         if base is None:
             reasons.append(
                 f'no baseline: {len(self._points)} snapshots, not {self._settings.baseline} in '
-                f'a row {SETTLED}'
+                f'a row {SETTLED.format(most=SUSPECT_DB)}'
             )
         if self.lost:
             reasons.append(f'not known: the last {self._unjudged} snapshots were not judged')

@@ -34,6 +34,9 @@ _LEARNT_IN_DOUBT = (
     'faulty: a level over it may be that over a damaged machine; ~/reset learns it anew'
 )
 _LOWEST = 'no baseline yet: over the lowest level so far; ~/reset if the machine was idle then'
+_MOST_OVER_DB = 0.5 * SUSPECT_DB
+"""Level over the lowest from which on a stream that has settled has no baseline: one that settles
+on its way to 10 dB is suspect in the end all the same."""
 _FIRST = 60
 """Minutes over which a rise is looked for: what a machine does in its first healthy hour."""
 
@@ -155,7 +158,7 @@ class Trend:
             # A healthy window among faulty ones shows a damaged machine.
             if alone == 'ok' and (louder or self.level in ('', 'ok')):
                 self.count += 1
-                if memory.learn(self.count, levels.tolist(), now, wanted):
+                if memory.learn(self.count, levels.tolist(), now, wanted, _MOST_OVER_DB):
                     memory.windows.clear()
         own = raised(self._compared(diagnosis, now, wanted))
         if full:
@@ -170,7 +173,8 @@ class Trend:
         base, laws = memory.base, memory.laws()
         if self.doubtful > _DOUBTFUL * wanted or (base is None and self.count > wanted):
             text = _LEARNT_IN_DOUBT if base else _NOT_YET
-            said.append(text.format(count=self.count, wanted=wanted, doubtful=self.doubtful))
+            known = {'count': self.count, 'doubtful': self.doubtful, 'most': _MOST_OVER_DB}
+            said.append(text.format(wanted=wanted, **known))
         changes, deviations = np.array([law.correct(now, memory.at) for law in laws]).T
         same = [law.comparable(now, memory.at) for law in laws]
         none = -math.inf if same[0] else math.nan
