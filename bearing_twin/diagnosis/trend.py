@@ -9,6 +9,7 @@ import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS, PLACES, RESULTS
+from bearing_twin.bearing.vocabulary import STAGES
 from bearing_twin.diagnosis.baseline import Memory, SETTLED
 from bearing_twin.diagnosis.dependence import Condition, Z90
 from bearing_twin.diagnosis.level import FALLEN, FAULT_DB, raised, staged, SUSPECT_DB
@@ -37,6 +38,8 @@ _LOWEST = 'no baseline yet: over the lowest level so far; ~/reset if the machine
 _MOST_OVER_DB = 0.5 * SUSPECT_DB
 """Level over the lowest from which on a stream that has settled has no baseline: one that settles
 on its way to 10 dB is suspect in the end all the same."""
+_NOTHING_SHOWS = ('run_together', 'few_shaft_turns', 'uncertain_health', 'two_faint_places')
+"""Rules that say of a window that no fault shows, and not that the machine is healthy."""
 _FIRST = 60
 """Minutes over which a rise is looked for: what a machine does in its first healthy hour."""
 
@@ -101,6 +104,8 @@ class Trend:
     """Answer that is held at that level, with its faults: ``'ambiguous ball cage'``."""
     confidence: float = 0.0
     """Confidence of that answer."""
+    stage: int = 0
+    """Its stage."""
     other: str = ''
     """Answer of the same level that wants to take over."""
     other_count: int = 0
@@ -155,8 +160,10 @@ class Trend:
             alone = raised(diagnosis).level
             self.doubtful += full and alone in ('suspect', 'fault')
             louder = memory.over(levels, now)[0] >= SUSPECT_DB
+            # Where no fault could show the level is as good as that of a healthy window.
+            silent = full and alone == 'none' and diagnosis.rule in _NOTHING_SHOWS
             # A healthy window among faulty ones shows a damaged machine.
-            if alone == 'ok' and (louder or self.level in ('', 'ok')):
+            if (alone == 'ok' or silent) and (louder or self.level in ('', 'ok')):
                 self.count += 1
                 if memory.learn(self.count, levels.tolist(), now, wanted, _MOST_OVER_DB):
                     memory.windows.clear()
@@ -194,11 +201,12 @@ class Trend:
         elif base is None and over[0] >= SUSPECT_DB:
             said.append(_LOWEST)
         elif over[0] <= -FAULT_DB:
-            # Neither combs nor a low level of a sensor that hears nothing say that all is well.
-            diagnosis = replace(
-                diagnosis, result='insufficient', level='none', faults=(), confidence=0.0,
-                fault_code=FAULT_CODES['insufficient'], kind='',
-            )  # fmt: skip
+            # A sensor that hears nothing does not say that all is well; a place it would not hear.
+            if not diagnosis.faults:
+                diagnosis = replace(
+                    diagnosis, result='insufficient', level='none', confidence=0.0,
+                    fault_code=FAULT_CODES['insufficient'], kind='',
+                )  # fmt: skip
             said.append(f'{over[0]:.1f} dB over the baseline: {FALLEN}')
         elif most:
             said.append(f'{MEASURES[most]}: {over[most]:+.1f} dB over the baseline')
@@ -207,7 +215,14 @@ class Trend:
     def _shown(self, own: Diagnosis, hold: int, full: bool) -> Diagnosis:
         """Return what is shown of a window; one that tells nothing does not end an alarm."""
         held = own.level != 'none' or self.level in ('suspect', 'fault')
-        return staged(self._held(own, hold, full) if held else own)
+        shown = staged(self._held(own, hold, full) if held else own)
+        stage = shown.severity.stage
+        if own.level == shown.level:
+            self.stage = stage
+        elif shown.level == 'fault' and stage < self.stage:
+            # A window without the fault does not know how far it has come.
+            return replace(shown, severity=replace(shown.severity, stage=self.stage))
+        return shown
 
     def _take_minute(self, *, healthy: bool) -> None:
         """Take a minute into the healthy record, and look for a rise over the first ones."""
@@ -233,8 +248,12 @@ class Trend:
             # The first full window sets the level; before it none is known.
             return replace(own, level='none', window=(own.result, own.level))
         said = ' '.join((own.result, *own.faults))
-        known = own.level != 'none'
+        # A fault is held for as long as nothing is known, a suspicion for a while.
+        known = own.level != 'none' or self.level == 'suspect'
         before, level = self.level, self._hold(own.level, hold) if known else self.level
+        if level == 'none':
+            self.level = self.answer = ''
+            return own
         if own.level != level:
             self.other, self.other_count = '', 0
         elif level != before or said == self.answer or self._another(said, hold):
@@ -247,7 +266,8 @@ class Trend:
         if own.level != level:
             count, words = self.pending_count, f'{_spoken(said)}, {own.level}'
         text = f'{_spoken(self.answer)}, {level} held: '
-        text += f'{count} of {hold} verdicts say {words}' if known else 'this window tells nothing'
+        nothing = 'this window tells nothing; after a repair reset the diagnosis'
+        text += f'{count} of {hold} verdicts say {words}' if known else nothing
         return replace(
             own,
             result=result,
@@ -311,6 +331,7 @@ class Trend:
         for rows, width in ((trend.first, 3), (trend.minute, 2 + len(MEASURES))):
             sound &= all(isinstance(row, list) and len(row) == width for row in rows)
         counts = (trend.count, trend.doubtful, trend.pending_count, trend.other_count)
+        sound &= trend.stage in range(len(STAGES))
         if not sound or min(counts) < 0:
             msg = f'saved trend is out of range: {values}; use what save() returned'
             raise BearingTwinError(msg)

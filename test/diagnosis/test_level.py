@@ -163,13 +163,44 @@ def test_a_window_that_says_nothing_does_not_end_an_alarm():
     # Broken samples have no level at all; those of a clipped or short window have one.
     for lost in (nothing, replace(nothing, severity=replace(nothing.severity, rms=math.nan))):
         assert _answers([lost] * 4)[-1].result == 'insufficient'
-        held = _answers([said('inner', 'fault', 'inner')] * 4 + [lost] * 9)[-1]
+        inner = replace(said('inner', 'fault', 'inner'), modulation_index={'inner': 1.5})
+        held = _answers([inner] * 4 + [lost] * 9)[-1]
         assert (held.result, held.level, held.window) == (
             'inner',
             'fault',
             ('insufficient', 'none'),
         )
-        assert held.reasons[-1] == 'inner, fault held: this window tells nothing'
+        text = 'inner, fault held: this window tells nothing; after a repair reset the diagnosis'
+        assert held.reasons[-1] == text
+        assert held.severity.stage == 2
+
+
+def test_a_suspicion_ends_after_windows_that_show_nothing():
+    nothing = said('insufficient', 'none')
+    shown = _answers([said('suspect', 'suspect'), nothing, nothing, nothing, nothing])
+    levels = [(d.result, d.level) for d in shown]
+    assert levels == [('suspect', 'suspect')] * 3 + [('insufficient', 'none')] * 2
+
+
+@pytest.mark.parametrize(('rule', 'level'), [('run_together', 'fault'), ('few_steps', 'none')])
+def test_windows_in_which_no_fault_could_show_teach_the_level(rule, level):
+    trend, known = Trend(), {'wanted': 5, 'hold': 3, 'full': True}
+    for _ in range(8):
+        trend.update(replace(said('insufficient', 'none'), rule=rule), MACHINE, **known)
+    shown = [
+        trend.update(replace(said('insufficient', 'none', rms=10.0), rule=rule), MACHINE, **known)
+        for _ in range(3)
+    ]
+    assert shown[-1].level == level
+
+
+def test_a_named_fault_far_below_the_baseline_is_no_dead_sensor():
+    trend, known = Trend(), {'wanted': 5, 'hold': 1, 'full': True}
+    for _ in range(6):
+        trend.update(said('healthy', 'ok'), MACHINE, **known)
+    quiet = trend.update(said('inner', 'fault', 'inner', rms=0.2), MACHINE, **known)
+    assert (quiet.result, quiet.level) == ('inner', 'fault')
+    assert 'is the sensor loose or dead?' in quiet.reasons[-1]
 
 
 def test_a_signal_far_below_its_baseline_is_not_ok():
