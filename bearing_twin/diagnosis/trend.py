@@ -186,6 +186,8 @@ class Trend:
         same = [law.comparable(now, memory.at) for law in laws]
         none = -math.inf if same[0] else math.nan
         over = np.where(same, memory.over(watched(severity) - changes, now), none)
+        if base is None and not over[0] >= SUSPECT_DB:
+            over[:] = math.nan
         most = int(np.argmax(over - Z90 * deviations))
         severity = replace(
             severity,
