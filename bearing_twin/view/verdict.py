@@ -34,7 +34,9 @@ __all__ = [
 
 SUSTAINED = 3
 """Windows in a row from which on a verdict is no passing one."""
-URGENCY = {3: 0, 0: 1, 1: 2, 2: 3}
+NO_LEVEL = 3
+"""Constant ``LEVEL_NONE`` of a Diagnosis."""
+URGENCY = {NO_LEVEL: 0, 0: 1, 1: 2, 2: 3}
 """Rank of the constants ``LEVEL_...`` of a Diagnosis: none, ok, suspect, fault."""
 RIVAL = 0.7
 """Part of the significance of the family named from which another one is a rival."""
@@ -271,9 +273,16 @@ class Headline:
         return max(told, key=lambda t: (t.windows, urgency(t.best)))
 
     @property
-    def passed(self) -> bool:
-        """Whether the recording ends with another verdict than the worst."""
-        return bool(self.count) and self.worst.best.result_name != self.last.result_name
+    def ending(self) -> str:
+        """How it stands at the end, where no window says what the worst verdict says any more."""
+        if not self.count:
+            return ''
+        end, shaft = '', ', shaft standing' if shaft_speed(self.last) == 'standing' else ''
+        if self.worst.best.result_name != self.last.result_name:
+            end = title_of(self.last).lower()
+        elif recorded(self.last, 'window_level') == NO_LEVEL != self.last.level:
+            end = 'held'
+        return f'{end}{shaft}' if end else ''
 
     @property
     def span(self) -> str:
@@ -283,11 +292,8 @@ class Headline:
             f'{worst.windows} of {self.count} windows, from {worst.first:.0f} s to '
             f'{worst.last:.0f} s'
         )
-        if not self.passed:
-            return f'{text}; so it stands at the end'
-        end = title_of(self.last).lower()
-        shaft = ', shaft standing' if shaft_speed(self.last) == 'standing' else ''
-        return f'{text}; at the end: {end}{shaft}'
+        end = self.ending
+        return f'{text}; at the end: {end}' if end else f'{text}; so it stands at the end'
 
 
 def urgency(diagnosis: Any) -> int:

@@ -149,7 +149,7 @@ READ = {
     'none': ('healthy', ('next step', 'no fault comb')),
     'outer': ('outer race fault', ('found', 'hz, expected', 'next step', 'outer: comb at')),
     'stopped': (
-        'inner race fault at the end: insufficient',
+        'inner race fault at the end: held, shaft standing',
         ('windows, from', 'shaft standing', 'hz, expected', 'next step', 'inner: comb at'),
     ),
 }

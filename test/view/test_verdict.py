@@ -55,6 +55,14 @@ def test_a_fault_before_the_stop_is_the_headline():
     )
 
 
+def test_a_fault_that_is_held_over_a_stop_says_so():
+    held = verdict('inner', shaft=0.0)
+    held.level, held.window_level, held.shaft_hz = 2, 3, math.nan
+    found = headline(*['inner'] * 24, *[held] * 10)
+    assert found.span == '34 of 34 windows, from 1 s to 34 s; at the end: held, shaft standing'
+    assert headline(*['inner'] * 24).span.endswith('; so it stands at the end')
+
+
 def test_a_passing_verdict_is_no_headline():
     found = headline(*['healthy'] * 20, 'outer', 'outer', *['healthy'] * 5)
     assert found.worst.best.result_name == 'healthy'

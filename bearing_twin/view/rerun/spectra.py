@@ -67,7 +67,7 @@ class SpectrumBars(Picture):
     def finish(self) -> None:
         """Show the window of the worst sustained verdict, where the card shows it."""
         headline = self.asset.headline
-        if not headline.passed:
+        if not headline.ending:
             return
         message = headline.spectra.get(self._kind)
         if message is not None and (picture := SpectrumPicture.of(message, headline.worst.best)):

@@ -72,11 +72,10 @@ class VerdictPicture(Picture):
 
     def finish(self) -> None:
         """Show the worst sustained verdict, where the recording ends with another one."""
-        if not self._headline.passed:
+        if not (end := self._headline.ending):
             return
         worst, time = self._headline.worst.best, self.asset.judged + 1
-        end = f'at the end: {title_of(self._headline.last).lower()}'
-        image = _card(int(worst.result), title_of(worst), end)
+        image = _card(int(worst.result), title_of(worst), f'at the end: {end}')
         self.canvas.put('card', time, rr.EncodedImage(contents=image, media_type='image/png'))
         lines = [f'**{title_of(worst)}** in {self._headline.span}.', '', self._words(worst)]
         words = rr.TextDocument('\n'.join(lines), media_type=rr.MediaType.MARKDOWN)
