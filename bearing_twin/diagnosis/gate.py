@@ -72,7 +72,7 @@ class Extent:
 
     >>> import numpy as np
     >>> Extent.of(np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0]))
-    Extent(count=6, bad=0, low=-1.0, high=1.0, at_low=3, at_high=3, steps=0.5)
+    Extent(count=6, bad=0, low=-1.0, high=1.0, at_low=3, at_high=3, steps=inf)
 
     """
 
