@@ -26,6 +26,7 @@ from bearing_twin.diagnosis.spectra import (
     squared_envelopes,
     whiten,
 )
+from bearing_twin.diagnosis.thresholds import KURTOSIS
 import numpy as np
 from scipy import fft
 
@@ -115,8 +116,8 @@ class Segment:
     """Squared one-sided amplitude spectrum, bin k at k sample_rate / (hop + lap)."""
     levels: Levels
     kurtosis: float
-    """Of the samples without single shocks, or of the whitened ones where it is less: there steady
-    pulses, of belts and cams, are lines, which are capped."""
+    """Of the samples without single shocks; above ``KURTOSIS`` that of the whitened ones, if less:
+    there steady pulses, of belts and cams, are lines, which are capped."""
 
 
 @functools.lru_cache(maxsize=64)
@@ -238,19 +239,22 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
     slow[: len(ends)] *= ends
     slow[-len(ends) :] *= _fade(lap)[::-1][::step]
     white = whiten(scaled, layout.floor_width, cap=layout.cap)
-    flat = fft.irfft(white[0], n=length)[length - len(x) + lap : length - lap]
+    kurtosis = _kurtosis(limited)
+    if kurtosis > KURTOSIS:
+        flat = fft.irfft(white[0], n=length)[length - len(x) + lap : length - lap]
+        kurtosis = min(kurtosis, _kurtosis(flat))
     return Segment(
         squared_envelopes(white, layout.tree, points),
         slow,
         power * np.float32((2.0 * length / taper_sum) ** 2),
         levels,
-        min(_kurtosis(limited), _kurtosis(flat)),
+        kurtosis,
     )
 
 
 def _kurtosis(x: NDArray[np.floating]) -> float:
     square = x * x
-    return float((square * square).mean() / max(float(square.mean()) ** 2, 1e-30))
+    return float((square * square).mean() / max(float(square.mean()) ** 2, 1e-300))
 
 
 def _spectrum(
