@@ -85,9 +85,9 @@ def next_step(result: str, stage: int = 0, *, urgent: bool = False, standing: bo
     stage : int
         Stage of the defect, an index of ``STAGES``; it decides where a place is named.
     urgent : bool
-        Whether the vibration is that of a damaged machine; it decides where no place is named.
+        Whether the vibration is that of a damaged machine; asked where no place is named.
     standing : bool
-        Whether the shaft stands still; it decides where nothing is said.
+        Whether the shaft stands still; asked where the answer is *insufficient*.
 
     Returns
     -------

@@ -26,7 +26,7 @@ __all__ = [
 ]
 
 SAID = ('bearing', 'geometry', 'shaft_hz', 'rpm', 'sample_rate', 'channel', 'unit')
-"""What is said of vibration files."""
+"""Options that describe vibration files."""
 UNITS = ('m/s^2', 'g')
 FILES = ('.npz', '.mat', '.wav', '.csv', '.txt', '.tsv')
 
@@ -79,7 +79,7 @@ def as_recordings(paths: Sequence[Path], args: argparse.Namespace, folder: Path)
     Raises
     ------
     BearingTwinError
-        If there is none, it cannot be read, or what is said of vibration files meets none.
+        If there is none, if it cannot be read, or if such options are given without such a file.
 
     """
     if not any(path.suffix.lower() in FILES for path in paths):

@@ -74,7 +74,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Show; status 0 once it is shown. What could not be drawn is said on stderr."""
+    """Show; status 0 once it is shown. Topics that cannot be drawn are named on stderr."""
     if bool(args.live) == bool(args.recordings):
         msg = 'name a recording, or --live for what is running'
         raise BearingTwinError(msg)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What can show in the samples, and what is said where it cannot."""
+"""Faults that samples can show, and the answer where they cannot show one."""
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis import diagnose_record, StreamingDiagnoser
