@@ -155,7 +155,8 @@ TOPICS = {
 }
 
 SERVICES = {
-    'reset': 'start again: the twin at its seed, the diagnosis with a new window and baseline',
+    'reset': 'start again: the twin at its seed, the diagnosis with a new window and baseline, '
+    'the calibration with a new healthy twin',
     'save_state': 'write the complete state to a new file in the state folder',
     'load_state': 'go on from a saved state',
     'inject_defect': 'put a defect into the running twin, or remove it',

@@ -5,140 +5,59 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 import json
 import math
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.calibration_task import Task
+from bearing_twin.assets.calibration_verdict import Heard, Verdicts
 from bearing_twin.assets.diagnosis_parameters import build_bearing
-from bearing_twin.assets.fitted import GEOMETRY
+from bearing_twin.assets.fitted import GEOMETRY, Likeness
 from bearing_twin.assets.messages import floats, message_header
-from bearing_twin.bearing import PLACES
 from bearing_twin.calibration import Calibration as Fitted
-from bearing_twin.calibration import fit
-from bearing_twin.calibration.fit import decimated, fitted_vibration
-from bearing_twin.calibration.impacts import Impacts
-from bearing_twin.calibration.joint import compared
+from bearing_twin.calibration.fit import decimated
 from bearing_twin.calibration.passage import load_range
-from bearing_twin.calibration.residual import Residual, spectral_levels, Unexplained
+from bearing_twin.calibration.residual import Residual, Unexplained
 from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.dynamics.parameters import check_bearing
-from bearing_twin.dynamics.sensor_path import BAND_HZ, band_levels
+from bearing_twin.dynamics.sensor_path import BAND_HZ, band_levels, distance
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import samples_ns
 from bearing_twin_msgs.msg import Calibration
 import numpy as np
-from scipy import signal
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bearing_twin.bearing import Bearing
+    from bearing_twin.assets.calibration_task import Fit
+    from bearing_twin.calibration.impacts import Impacts
     from bearing_twin.streams.vibration_input import VibrationBlock
     from bearing_twin_msgs.msg import Diagnosis
     from numpy.typing import NDArray
 
-__all__ = ['CalibrationCore', 'Fit', 'Task', 'work']
+__all__ = ['CalibrationCore']
 
 _VERSION = 2003
 SHARE = 1.0 / 3.0
 """Most of one core that is used, over time: 10 s each 30 s."""
-SHOWN_S = 2.0
-"""Length of the fitted twin's vibration that is shown beside the machine's, s."""
 MOST_SEEN = 100
 """Fits whose spacing of the impacts is compared with the newest, at another speed."""
 DECISION_S = 60.0
 """Time from one decision on the residual to the next: its alarm rate is counted for that."""
+STALE_PERIODS = 3.0
+"""Age of the newest calibration from which on it is stale, over the time between two."""
+REPAIRED_S = 60.0
+"""Time for which a bearing with a defect has to be healthy to be another one, s. The diagnosis
+holds an answer over several windows, of some seconds each."""
+REPAIRED = (
+    'the bearing was repaired since the healthy twin was fitted: call ~/reset to learn it anew'
+)
 MOVED = 0.02
 """Most that the speed may move within a record, from the slowest to the fastest over the mean. The
 lines of the shaft then stay where `residual.ORDER_WIDTH` looks for them. On impact trains with a
 ramp, 2 % leaves the spacing of the impacts within 0.1 % and nine tenths of its prominence; 10 %
 makes it up to 1.5 % too short."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Task:
-    """A record to be fitted; plain values that go to another process."""
-
-    samples: NDArray[np.float64]
-    sample_rate: float
-    bearing: Bearing
-    shaft_hz: float
-    temperature: float
-    unit: str
-    place: str | None
-    load: tuple[float, float] | None
-    candidates: int
-    others: tuple[Impacts, ...]
-    """What the fits before have seen of the impacts of a passage."""
-    reference: dict[str, Any] | None
-    """The calibration that the residual is taken from; None: the one that is found."""
-    stamp: int
-    """ns."""
-    frame_id: str
-    first_sample: int
-
-
-@dataclass(frozen=True, kw_only=True)
-class Fit:
-    """What became of a task."""
-
-    found: dict[str, Any]
-    """The calibration, as plain values."""
-    bands: tuple[str, ...]
-    measured: NDArray[np.float64]
-    """Level of the machine in each band, dB, shape (m,)."""
-    twin: NDArray[np.float64]
-    """Level of the twin of the reference, dB, shape (m,)."""
-    spectrum: NDArray[np.float64]
-    """`band_levels` of the fitted twin, dB; those of the machine are in ``found``."""
-    turns: NDArray[np.float64]
-    """One revolution of machine and fitted twin, shape (2, n)."""
-
-
-def work(task: Task) -> Fit:
-    """
-    Fit a record, and take the spectra of machine and twin; in a process of its own.
-
-    Raises
-    ------
-    BearingTwinError
-        If the record cannot be fitted.
-
-    """
-    found = fit(
-        task.samples, task.sample_rate, task.bearing, task.shaft_hz, load=task.load,
-        temperature=task.temperature, unit=task.unit, place=task.place,
-        candidates=task.candidates,
-    )  # fmt: skip
-    found = compared(found, task.others)
-    reference = Fitted.from_dict(task.reference) if task.reference else found
-    here = reference.at(shaft_hz=task.shaft_hz)
-    if math.isfinite(task.temperature):
-        here = here.at(temperature=task.temperature)
-    seconds = len(task.samples) / task.sample_rate
-    # The twin may run at a lower rate than the sensor; bands beyond it are not compared.
-    bands, measured = spectral_levels(task.samples, task.sample_rate, task.shaft_hz)
-    names, levels = spectral_levels(
-        fitted_vibration(here, seconds), here.situation.sample_rate, task.shaft_hz
-    )
-    own = dict(zip(names, levels, strict=True))
-    twin = np.array([own.get(band, math.nan) for band in bands])
-    rate = found.situation.sample_rate
-    shown = fitted_vibration(found, max(SHOWN_S, 2.0 / task.shaft_hz))
-    slow = decimated(task.samples - task.samples.mean(), task.sample_rate)[0]
-    length = int(rate / task.shaft_hz)
-    # The second one: the filter has settled.
-    turn = slow[length : 2 * length]
-    turn = turn - turn.mean()
-    # The twin turns at an angle of its own: shown where it is most like the machine.
-    alike = signal.correlate(np.abs(shown), np.abs(turn), 'valid')
-    first = int(np.argmax(alike))
-    return Fit(
-        found=found.to_dict(), bands=bands, measured=measured, twin=twin,
-        spectrum=band_levels(shown, rate),
-        turns=np.array([turn, shown[first : first + len(turn)]]),
-    )  # fmt: skip
 
 
 @dataclass
@@ -149,19 +68,19 @@ class _Record:
     speeds: deque[float] = field(default_factory=deque)
     """Hz; NaN where it is not known."""
     held: int = 0
-    following: tuple[int, float, str] = (-1, 0.0, '')
-    """Index, sample rate and unit of a block that goes on."""
+    following: tuple[int, float, str, str] = (-1, 0.0, '', '')
+    """Index, sample rate, unit and sensor of a block that goes on."""
 
     def add(self, block: VibrationBlock, shaft_hz: float, most: int) -> None:
-        if (block.first_sample, block.sample_rate, block.unit) != self.following:
+        source = block.sample_rate, block.unit, block.frame_id
+        if (block.first_sample, *source) != self.following:
             self.parts.clear()
             self.speeds.clear()
             self.held = 0
         self.parts.append(block.samples)
         self.speeds.append(shaft_hz)
         self.held += len(block.samples)
-        end = block.first_sample + len(block.samples)
-        self.following = (end, block.sample_rate, block.unit)
+        self.following = (block.first_sample + len(block.samples), *source)
         while self.held - len(self.parts[0]) >= most:
             self.held -= len(self.parts.popleft())
             self.speeds.popleft()
@@ -210,29 +129,28 @@ class CalibrationCore:
         check_bearing(self.bearing)
         load_range(self.bearing, self._load)
         self._record = _Record()
-        self._place: str | None = None
-        self._heard = self._well = False
-        self._next = -math.inf
-        self._decided = -math.inf
+        self._verdicts = Verdicts(self.bearing.name)
+        self._next = self._rested = self._decided = self._compared = -math.inf
         self._residual = Residual()
         self._reference: dict[str, Any] | None = None
         self._seen: deque[Impacts] = deque(maxlen=MOST_SEEN)
+        self._latest: Fitted | None = None
+        self._concluded = -math.inf
+        self._repairs = 0
+        # Of a repair: whether a defect was named, and when health was first heard after it.
+        self._damaged, self._well_since = False, math.inf
+        self._changed = ''
         self.unexplained = Unexplained(math.nan, '', math.nan, 'nothing was fitted yet')
         self.waiting = ''
         """What is missing for a fit, besides vibration; '' if nothing."""
 
     def verdict(self, message: Diagnosis) -> None:
         """Take what the diagnosis says: where a defect is looked for, and what health is."""
-        self._heard = True
-        place = message.faults[0] if message.faults else ''
-        fault = message.level == message.LEVEL_FAULT and place in PLACES
-        self._place = place if fault else 'none'
-        self._well = message.level == message.LEVEL_OK
+        self._verdicts.take(message, self._record.following[3] if self._record.held else None)
 
     def take(
-        self, block: VibrationBlock, *, stamp: int, frame_id: str, temperature: float,
-        shaft_hz: float, now: float,
-    ) -> Task | None:  # fmt: skip
+        self, block: VibrationBlock, *, temperature: float, shaft_hz: float, now: float
+    ) -> Task | None:
         """
         Take a block; return what is to be fitted, if it is due.
 
@@ -240,10 +158,6 @@ class CalibrationCore:
         ----------
         block
             The block.
-        stamp
-            Of its first sample, ns.
-        frame_id
-            Of the sensor.
         temperature
             Of the bearing, degC; NaN where there is none.
         shaft_hz
@@ -255,49 +169,133 @@ class CalibrationCore:
         wanted = round(self._values['window'] * block.sample_rate)
         known = shaft_hz if math.isnan(block.shaft_hz) else block.shaft_hz
         self._record.add(block, known, wanted)
+        heard = self._heard()
+        self._follow_repair(heard, now)
         full = self._record.held >= wanted
         hertz, self.waiting = self._record.shaft_hz() if full else (math.nan, '')
-        if not full or now < self._next or self.waiting:
+        if not full or self.waiting:
             return None
-        self._next = now + self._values['period']
-        samples = np.concatenate(self._record.parts)[-wanted:].astype(np.float64)
+        if now >= self._compared + self._values['window']:
+            self._compared = now
+            self._changed = self._compare(wanted, hertz)
+        if now < (self._rested if self._contradicted(heard) else self._next):
+            return None
+        self._next, self._rested = now + self._values['period'], math.inf
         first = self._record.following[0] - wanted
         return Task(
-            samples=samples, sample_rate=block.sample_rate, bearing=self.bearing,
-            shaft_hz=hertz, temperature=temperature, unit=block.unit, place=self._place,
+            samples=self._samples(wanted), sample_rate=block.sample_rate, bearing=self.bearing,
+            shaft_hz=hertz, temperature=temperature, unit=block.unit, place=heard.place,
             load=self._load, candidates=self._values['candidates'], others=tuple(self._seen),
-            reference=self._reference,
-            stamp=stamp + samples_ns(first - block.first_sample, block.sample_rate),
-            frame_id=frame_id, first_sample=first,
+            reference=self._reference, repairs=self._repairs,
+            stamp=block.stamp + samples_ns(first - block.first_sample, block.sample_rate),
+            frame_id=block.frame_id, first_sample=first,
         )  # fmt: skip
+
+    def _samples(self, wanted: int) -> NDArray[np.float64]:
+        """Return the newest samples of the record."""
+        return np.concatenate(self._record.parts)[-wanted:].astype(np.float64)
+
+    def _heard(self) -> Heard:
+        """Return what the diagnosis says of the record."""
+        end, rate, _, frame_id = self._record.following
+        return self._verdicts.of(frame_id, end, rate)
+
+    def _follow_repair(self, heard: Heard, now: float) -> None:
+        """Forget the defect of a bearing that has been healthy for long enough."""
+        if heard.place is None:
+            return
+        if not heard.healthy:
+            self._damaged, self._well_since = True, math.inf
+            return
+        self._well_since = min(self._well_since, now)
+        if self._damaged and now - self._well_since >= REPAIRED_S:
+            self._damaged = False
+            self._repairs += 1
+            self._seen.clear()
+
+    def _contradicted(self, heard: Heard) -> bool:
+        """Whether the diagnosis names another part than the newest calibration."""
+        old = self._latest
+        return old is not None and heard.place not in (None, old.defect)
+
+    def _compare(self, wanted: int, shaft_hz: float) -> str:
+        """Return how the vibration has changed since it was fitted; '' if it has not."""
+        old = self._latest
+        if old is None or abs(shaft_hz / old.situation.shaft_hz - 1.0) > MOVED:
+            return ''
+        x, rate = decimated(self._samples(wanted), self._record.following[1])
+        if (rate, self._record.following[2]) != (old.situation.sample_rate, old.sensor_unit):
+            return 'its sample rate or unit is another one'
+        x = x - x.mean()
+        level = 20.0 * math.log10(max(float(x.std()), 1e-300) / max(old.rms, 1e-300))
+        alike = Likeness(distance(band_levels(x, rate), old.spectrum), level)
+        # What is not finite is refused by the fit.
+        if not alike.far or math.isnan(level):
+            return ''
+        return (
+            f'the vibration is {level:+.1f} dB over that of the record that was fitted, at a '
+            f'log-spectral distance of {alike.distance:.1f} dB'
+        )
+
+    def stale(self, now: float) -> str:
+        """Return why the newest calibration no longer holds; '' if it does, or there is none."""
+        old, heard = self._latest, self._heard()
+        if old is None:
+            return ''
+        if self._contradicted(heard):
+            has, says = (
+                'no defect' if place == 'none' else f'a defect of the {place}'
+                for place in (old.defect, heard.place)
+            )
+            return f'the diagnosis finds {says}, and the last calibration has {has}'
+        if self._changed:
+            return self._changed
+        age = now - self._concluded
+        if age > STALE_PERIODS * self._values['period']:
+            return f'it is {age:.0f} s old'
+        return ''
 
     def conclude(self, task: Task, done: Fit, now: float) -> Calibration:
         """Take what was fitted; return the message, and put the next fit off if it cost much."""
         cost = float(done.found['cost_s'])
-        self._next = max(self._next, now + cost * (1.0 / SHARE - 1.0))
-        if done.found['impacts'] is not None:
-            self._seen.append(Impacts.of(done.found['impacts']))
+        self._rested = now + cost * (1.0 / SHARE - 1.0)
+        self._next = max(self._next, self._rested)
+        self._latest, self._concluded = Fitted.from_dict(done.found), now
+        self._compared, self._changed = -math.inf, ''
+        if self._latest.impacts is not None and task.repairs == self._repairs:
+            self._seen.append(self._latest.impacts)
+        heard = self._heard()
         decides = now - self._decided >= DECISION_S
         if self._reference is None:
-            said = self._no_reference(done.found['defect'])
+            said = self._no_reference(heard, done.found['defect'])
             if not said:
                 self._reference = done.found
                 said = 'this calibration is the healthy twin: the next ones are compared with it'
             self.unexplained = Unexplained(math.nan, '', math.nan, said)
         elif decides:
             self._decided = now
-            difference = done.measured - done.twin
-            self.unexplained = self._residual.update(done.bands, difference, healthy=self._well)
+            found = self._residual.update(
+                done.bands, done.measured - done.twin, healthy=heard.healthy
+            )
+            if found.alarm and self._repairs:
+                found = replace(found, reason=f'{found.reason}; {REPAIRED}')
+            self.unexplained = found
         return self._message(task, done)
 
-    def _no_reference(self, defect: str) -> str:
+    def _no_reference(self, heard: Heard, defect: str) -> str:
         """Return why a calibration is not that of the healthy machine; '' if it is."""
-        none = 'no calibration of the healthy machine yet: '
-        if not self._heard:
-            return f'{none}no diagnosis was heard, start the diagnosis node beside this one'
-        if not self._well:
-            return f'{none}the diagnosis is not ok'
-        return '' if defect == 'none' else f'{none}this one has a defect ({defect})'
+        why = heard.why or ('' if heard.healthy else 'the diagnosis is not ok')
+        if not why and defect != 'none':
+            why = f'this one has a defect ({defect})'
+        return f'no calibration of the healthy machine yet: {why}' if why else ''
+
+    def forget(self) -> str:
+        """Learn the healthy machine anew, as after a repair; return what a service answers."""
+        self._residual, self._reference, self._repairs = Residual(), None, 0
+        self._seen.clear()
+        said = 'the healthy twin and its residual are learnt anew'
+        self.unexplained = Unexplained(math.nan, '', math.nan, said)
+        return said
 
     def _message(self, task: Task, done: Fit) -> Calibration:
         found, said = done.found, self.unexplained
@@ -357,6 +355,7 @@ class CalibrationCore:
             'geometry': self._geometry,
             'reference': self._reference,
             'residual': asdict(self._residual),
+            'repairs': self._repairs,
         }
         return pack(_VERSION, values, {})
 
@@ -381,4 +380,4 @@ class CalibrationCore:
         if reference is not None:
             Fitted.from_dict(reference)
         self._residual = Residual.of(values.get('residual', {}))
-        self._reference = reference
+        self._reference, self._repairs = reference, int(values.get('repairs', 0))

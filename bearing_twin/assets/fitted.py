@@ -25,6 +25,10 @@ __all__ = ['Fitted', 'Likeness', 'Sensor', 'read_fitted']
 GEOMETRY = ('n_balls', 'd_ball', 'd_pitch', 'contact_angle')
 SAME = 1e-6
 """Greatest difference of two geometries or sample rates that are the same, over either."""
+FARTHEST, LOUDEST = 3.0, 3.0
+"""Log-spectral distance and level, dB, from which on a vibration does not pass for its machine's:
+between the 0.3 to 0.6 dB of fits to healthy records and the 6 dB that are an alarm of the
+diagnosis."""
 COMPARED_S = 2.0
 """Length of the vibration that is compared with the machine's, s."""
 
@@ -179,6 +183,11 @@ class Likeness(NamedTuple):
     """Log-spectral distance, dB."""
     level: float
     """Level of the twin over the machine's, dB."""
+
+    @property
+    def far(self) -> bool:
+        """Whether the one does not pass for the other."""
+        return not (self.distance <= FARTHEST and abs(self.level) <= LOUDEST)
 
 
 class Sensor:

@@ -15,8 +15,9 @@ import threading
 import time
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.calibration import CalibrationCore, work
+from bearing_twin.assets.calibration import CalibrationCore
 from bearing_twin.assets.calibration_parameters import SPECS
+from bearing_twin.assets.calibration_task import work
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.diagnosis_topics import SILENT_AFTER
 from bearing_twin.ros.health import Health, Level, Status
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from concurrent.futures import Future
 
-    from bearing_twin.assets.calibration import Fit, Task
+    from bearing_twin.assets.calibration_task import Fit, Task
     from rclpy.subscription import MessageInfo
 
 __all__ = ['SPECS', 'CalibrationNode', 'main']
@@ -77,6 +78,7 @@ class CalibrationNode(ManagedNode):
         self._out = self.create_lifecycle_publisher(
             Calibration, 'calibration', own(RESULT), qos_overriding_options=OVERRIDES
         )
+        self._reset = self.offer('~/reset', self._forget)
         self._health = Health(self, p['hardware_id'] or self.get_namespace())
         self._health.add('calibration', self.status)
         self._health.add('residual', self.residual_status)
@@ -106,6 +108,7 @@ class CalibrationNode(ManagedNode):
         _end(self._worker)
         self._states.release()
         self._health.destroy()
+        self.destroy_service(self._reset)
         self.destroy_lifecycle_publisher(self._out)
 
     def apply(self, values: Mapping[str, Any]) -> None:
@@ -119,6 +122,13 @@ class CalibrationNode(ManagedNode):
                 kept = self._states.set_aside(name)
                 self.get_logger().warning(f'{name} is of another bearing; {kept}')
         self._shaft.set_nominal(values['shaft_hz'] or math.nan)
+
+    def _forget(self) -> str:
+        # A fit that runs is compared with the healthy twin that is given up.
+        self._running = None
+        said = self._core.forget()
+        self._keep_state()
+        return said
 
     def _on_temperature(self, message: Temperature, _: MessageInfo) -> None:
         stamp = stamp_ns(message.header.stamp)
@@ -142,8 +152,6 @@ class CalibrationNode(ManagedNode):
         self._arrived, self._refused = now, ''
         task = self._core.take(
             block,
-            stamp=stamp_ns(message.header.stamp),
-            frame_id=message.header.frame_id,
             temperature=self._gate.at(now).taken,
             shaft_hz=self._shaft.hz,
             now=now,
@@ -219,6 +227,8 @@ class CalibrationNode(ManagedNode):
             return Status(Level.WARN, f'not fitted: {problem}', values)
         if found is None:
             return Status(Level.STALE, 'no calibration yet', values)
+        if stale := self._core.stale(time.monotonic()):
+            return Status(Level.STALE, f'stale, {found.statement}: {stale}', values, kind='stale')
         return Status(Level.OK, found.statement, values, kind='calibration')
 
     def residual_status(self) -> Status:

@@ -24,10 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ['TwinCalibration', 'named']
 
-FARTHEST, LOUDEST = 3.0, 3.0
-"""Log-spectral distance and level, dB, from which on a twin does not pass for its machine: between
-the 0.3 to 0.6 dB of fits to healthy records and the 6 dB that are an alarm of the diagnosis."""
-
 
 def named(values: Mapping[str, Any]) -> Fitted | None:
     """
@@ -116,9 +112,8 @@ class TwinCalibration:
         if alike is None:
             return Status(Level.OK, f'taken: {fitted.statement}', values, kind='taken')
         values |= {'distance_db': alike.distance, 'level_over_machine_db': alike.level}
-        far = not (alike.distance <= FARTHEST and abs(alike.level) <= LOUDEST)
         text = (
             f'{alike.level:+.1f} dB over the machine, log-spectral distance '
             f'{alike.distance:.1f} dB; {fitted.statement}'
         )
-        return Status(Level.WARN if far else Level.OK, text, values, kind='compared')
+        return Status(Level.WARN if alike.far else Level.OK, text, values, kind='compared')

@@ -10,8 +10,9 @@ import subprocess
 import sys
 import tempfile
 
-from bearing_twin.assets.calibration import CalibrationCore, Fit, Task, work
+from bearing_twin.assets.calibration import CalibrationCore
 from bearing_twin.assets.calibration_parameters import SPECS
+from bearing_twin.assets.calibration_task import Fit, Task, work
 from bearing_twin.bearing import find_bearing
 from bearing_twin.calibration import Calibration as Fitted
 from bearing_twin.calibration import fit
@@ -33,13 +34,43 @@ RATE = 25600.0
 
 def block(number, samples=1024, shaft_hz=25.0):
     x = np.random.default_rng(number).standard_normal(samples).astype(np.float32)
-    return VibrationBlock(number * 1024, x, RATE, shaft_hz, 'm/s^2', False)
+    return VibrationBlock(number * 1024, x, RATE, shaft_hz, 'm/s^2', False, frame_id='imu')
 
 
-def take(core, numbers, **given):
-    known = {'stamp': 0, 'frame_id': 'imu', 'temperature': 40.0, 'shaft_hz': math.nan}
-    tasks = [core.take(block(n), **known | given | {'now': n * 0.04}) for n in numbers]
+def take(core, numbers, **changed):
+    known = {'temperature': 40.0, 'shaft_hz': math.nan}
+    tasks = [core.take(replace(block(n), **changed), now=n * 0.04, **known) for n in numbers]
     return [task for task in tasks if task is not None]
+
+
+def verdict(number, level, place='', bearing='6307', frame_id='imu', sample_rate=RATE):
+    """Verdict of the window of 2 s that ends with a block."""
+    from bearing_twin_msgs.msg import Diagnosis
+    from std_msgs.msg import Header
+
+    return Diagnosis(
+        level=level, faults=[place] if place else [], bearing=bearing, sample_rate=sample_rate,
+        header=Header(frame_id=frame_id), first_sample=max(0, (number - 49) * 1024),
+        sample_count=50 * 1024,
+    )  # fmt: skip
+
+
+OK, SUSPECT, FAULT = 0, 1, 2
+
+
+@pytest.fixture(scope='module')
+def healthy():
+    """Fit noise; what costs much is asked for less often, so that the cost is given."""
+    noise = np.random.default_rng(1).standard_normal(51200)
+    found = fit(noise, RATE, find_bearing('6307'), 25.0, place='none', candidates=64).to_dict()
+    return found | {'cost_s': 1.0, 'machine': found['machine'] | {'unit': 'm/s^2'}}
+
+
+def done(found, levels=(0.0, 0.0)):
+    return Fit(
+        found=found, bands=('25 Hz', 'order 1'), measured=np.array(levels), twin=np.zeros(2),
+        spectrum=np.zeros(129), turns=np.ones((2, 1024)),
+    )  # fmt: skip
 
 
 def test_a_record_is_due_each_period_whole_and_without_a_gap():
@@ -54,8 +85,7 @@ def test_a_record_is_due_each_period_whole_and_without_a_gap():
     assert take(core, range(1049, 1051))[0].first_sample == 1000 * 1024
     # Without a speed there are no fault frequencies to fit to.
     still = CalibrationCore(VALUES | {'window': 2.0})
-    assert still.take(block(0, 51200, math.nan), stamp=0, frame_id='', temperature=40.0,
-                      shaft_hz=math.nan, now=0.0) is None  # fmt: skip
+    assert take(still, range(50), shaft_hz=math.nan) == []
     assert 'set shaft_hz' in still.waiting and core.waiting == ''
 
 
@@ -74,14 +104,9 @@ def test_what_no_fit_takes_is_refused_before_one_begins(change, text):
         CalibrationCore(VALUES | change)
 
 
-def blocks(core, speeds, **changed):
+def blocks(core, speeds):
     """Tasks of a stream of blocks of these speeds, Hz."""
-    known = {'stamp': 0, 'frame_id': 'imu', 'temperature': 40.0, 'shaft_hz': math.nan}
-    tasks = [
-        core.take(replace(block(n, shaft_hz=hz), **changed), **known, now=n * 0.04)
-        for n, hz in enumerate(speeds)
-    ]
-    return [task for task in tasks if task is not None]
+    return [task for n, hz in enumerate(speeds) for task in take(core, [n], shaft_hz=hz)]
 
 
 def test_a_record_has_its_mean_speed_and_one_whose_speed_moves_is_not_fitted():
@@ -109,14 +134,13 @@ def test_a_record_has_its_mean_speed_and_one_whose_speed_moves_is_not_fitted():
     assert blocks(still, np.zeros(50)) == [] and 'stands still' in still.waiting
 
 
-@pytest.mark.parametrize('changed', [{'unit': 'g'}, {'sample_rate': 25000.0}])
+@pytest.mark.parametrize(
+    'changed', [{'unit': 'g'}, {'sample_rate': 25000.0}, {'frame_id': 'motor'}]
+)
 def test_samples_of_another_unit_or_rate_are_another_record(changed):
     core = CalibrationCore(VALUES | {'window': 2.0, 'period': 1.0})
     assert blocks(core, np.full(45, 25.0)) == []
-    known = {'stamp': 0, 'frame_id': 'imu', 'temperature': 40.0, 'shaft_hz': math.nan}
-    assert [
-        core.take(replace(block(n), **changed), **known, now=n * 0.04) for n in range(45, 80)
-    ] == [None] * 35
+    assert take(core, range(45, 80), **changed) == []
 
 
 def test_a_turn_of_a_fast_sensor_has_no_image_of_what_lies_above_its_band():
@@ -127,7 +151,7 @@ def test_a_turn_of_a_fast_sensor_has_no_image_of_what_lies_above_its_band():
     task = Task(
         samples=noise + tone, sample_rate=rate, bearing=find_bearing('6307'), shaft_hz=25.0,
         temperature=40.0, unit='m/s^2', place='none', load=None, candidates=64, others=(),
-        reference=None, stamp=0, frame_id='', first_sample=0,
+        reference=None, repairs=0, stamp=0, frame_id='', first_sample=0,
     )  # fmt: skip
     measured = work(task).turns[0]
     assert len(measured) == 2048
@@ -135,40 +159,114 @@ def test_a_turn_of_a_fast_sensor_has_no_image_of_what_lies_above_its_band():
     assert measured.std() == pytest.approx(math.sqrt(0.5), rel=0.15)
 
 
-def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new():
-    """One decision a minute; the levels come by hand, the calibration is a real one."""
-    from bearing_twin_msgs.msg import Diagnosis
-
-    noise = np.random.default_rng(1).standard_normal(51200)
-    found = fit(noise, RATE, find_bearing('6307'), 25.0, place='none', candidates=64).to_dict()
-    # Whatever it cost here: what costs much is asked for less often.
-    found['cost_s'] = 1.0
+def test_the_verdict_of_a_record_is_of_its_sensor_its_bearing_and_its_time():
     core = CalibrationCore(VALUES | {'window': 2.0, 'period': 1.0})
-    bands, rng = ('25 Hz', 'order 1'), np.random.default_rng(2)
+    assert take(core, range(100))[-1].place is None
+    for number, said, place in (
+        (130, {'level': FAULT, 'place': 'outer'}, 'outer'),
+        (160, {'level': OK}, 'none'),
+        # Another sensor, another bearing of the same sensor, and no part: the last one stays.
+        (190, {'level': FAULT, 'place': 'inner', 'frame_id': 'motor'}, 'none'),
+        (220, {'level': FAULT, 'place': 'inner', 'bearing': '6205'}, 'none'),
+        # A weak comb is not health: the fit looks for itself.
+        (250, {'level': SUSPECT, 'place': 'inner'}, None),
+        (280, {'level': FAULT, 'place': 'inner', 'sample_rate': 12800.0}, None),
+        (310, {'level': FAULT, 'place': 'inner'}, 'inner'),
+    ):
+        take(core, range(number - 30, number))
+        core.verdict(verdict(number - 1, **said))
+        [*_, task] = take(core, range(number, number + 26))
+        assert task.place == place, number
+    # 10 s old, then more: 250 blocks.
+    take(core, range(336, 340))
+    assert take(core, range(340, 555))[-1].place == 'inner'
+    assert take(core, range(555, 600))[-1].place is None
+    # The source starts anew: its index goes back, and what was said is of other samples.
+    [task] = [core.take(block(n), temperature=40.0, shaft_hz=math.nan, now=100.0)
+              for n in range(50)][-1:]  # fmt: skip
+    assert task.place is None and task.first_sample == 0
+
+
+def test_a_repaired_machine_is_fitted_at_once_and_its_old_impacts_are_forgotten(healthy):
+    core = CalibrationCore(VALUES | {'window': 2.0, 'period': 40.0})
+    impacts = {
+        'place': 'outer', 'shaft_hz': 20.0, 'spacing_s': 3e-3, 'lobe_s': 1e-4, 'rivals_s': []
+    }  # fmt: skip
+    outer = healthy | {'defect': 'outer', 'impacts': impacts}
+    take(core, range(40))
+    core.verdict(verdict(39, FAULT, 'outer'))
+    [task] = take(core, range(40, 60))
+    core.conclude(task, done(outer), 2.4)
+    assert core.stale(2.4) == ''
+    core.verdict(verdict(59, OK))
+    assert core.stale(2.4) == (
+        'the diagnosis finds no defect, and the last calibration has a defect of the outer'
+    )
+    # A fit of a second is followed by two of rest, not by a period.
+    assert take(core, range(60, 110)) == []
+    [task] = take(core, range(110, 120))
+    assert task.place == 'none' and len(task.others) == 1
+    core.conclude(task, done(healthy), 4.6)
+    assert core.stale(4.6) == ''
+    # A minute of health is another bearing; a fit that was begun before it is of the old one.
+    old = replace(task, repairs=0)
+    for number in range(120, 1700, 100):
+        core.verdict(verdict(number, OK))
+        tasks = take(core, range(number, number + 100))
+    assert [each.others for each in tasks] in ([], [()])
+    core.conclude(old, done(outer), 68.0)
+    core.verdict(verdict(1720, FAULT, 'outer'))
+    [task, *_] = take(core, range(1720, 3000))
+    assert task.others == () and task.repairs == 1
+
+
+def test_a_calibration_is_stale_when_the_machine_has_changed_or_it_is_old(healthy):
+    core = CalibrationCore(VALUES | {'window': 2.0, 'period': 40.0})
+    [task] = take(core, range(50))
+    assert core.stale(2.0) == ''
+    core.conclude(task, done(healthy), 2.0)
+    take(core, range(50, 150))
+    assert core.stale(6.0) == ''
+    for n in range(150, 260):
+        core.take(replace(block(n), samples=2.0 * block(n).samples), temperature=40.0,
+                  shaft_hz=math.nan, now=n * 0.04)  # fmt: skip
+    assert core.stale(10.4).startswith('the vibration is +6.1 dB over that of the record that was')
+    # At another speed another vibration is none of another machine.
+    take(core, range(260, 370), shaft_hz=27.0)
+    assert core.stale(15.0) == ''
+    assert core.stale(123.0) == 'it is 121 s old'
+
+
+def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy):
+    """One decision a minute; the levels come by hand, the calibration is a real one."""
+    core = CalibrationCore(VALUES | {'window': 2.0, 'period': 1.0})
+    found, rng, level = healthy, np.random.default_rng(2), None
 
     def minute(number, extra):
-        [task] = take(core, range(2000 * (number + 3), 2000 * (number + 3) + 50))
-        levels = rng.standard_normal(2) + extra
-        done = Fit(
-            found=found, bands=bands, measured=levels, twin=np.zeros(2), spectrum=np.zeros(129),
-            turns=np.ones((2, 1024)),
-        )  # fmt: skip
-        return core.conclude(task, done, 60.0 * number)
+        first = 2000 * (number + 3)
+        take(core, range(first, first + 49))
+        if level is not None:
+            core.verdict(verdict(first + 49, level, 'outer' if level == FAULT else ''))
+        [task] = take(core, [first + 49])
+        return core.conclude(task, done(found, rng.standard_normal(2) + extra), 60.0 * number)
 
     none = 'no calibration of the healthy machine yet: '
     assert minute(-3, 0.0).residual_reason == (
-        none + 'no diagnosis was heard, start the diagnosis node beside this one'
+        none + 'no diagnosis was heard, start the diagnosis node beside this'
     )
-    core.verdict(Diagnosis(level=Diagnosis.LEVEL_FAULT))
+    level = SUSPECT
     assert minute(-2, 0.0).residual_reason == none + 'the diagnosis is not ok'
-    core.verdict(Diagnosis(level=Diagnosis.LEVEL_OK))
-    sound, found = found, found | {'defect': 'outer'}
-    assert minute(-1, 0.0).residual_reason == none + 'this one has a defect (outer)'
-    found = sound
-    assert minute(0, 0.0).residual_reason == (
+    level = None
+    assert minute(-1, 0.0).residual_reason == (
+        none + 'the last verdict is 80 s old, and 10 s is the most'
+    )
+    level, found = OK, healthy | {'defect': 'outer'}
+    assert minute(0, 0.0).residual_reason == none + 'this one has a defect (outer)'
+    found = healthy
+    assert minute(1, 0.0).residual_reason == (
         'this calibration is the healthy twin: the next ones are compared with it'
     )
-    for number in range(1, 45):
+    for number in range(2, 46):
         message = minute(number, 0.0)
     assert message.residual < 1.0 and not message.residual_alarm
     resumed = CalibrationCore(VALUES)
@@ -178,7 +276,7 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new():
     other = CalibrationCore(VALUES | {'bearing': '6205'})
     with pytest.raises(BearingTwinError, match='not of 6205; choose another state_name'):
         other.load(core.save())
-    for number in range(45, 50):
+    for number in range(46, 51):
         message = minute(number, np.array([0.0, 20.0]))
     assert message.residual_alarm and message.residual_where == 'order 1'
     assert message.residual_over == pytest.approx(20.0, abs=2.0)
@@ -186,6 +284,17 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new():
     assert list(message.quantity) == list(found['quantities'])
     with pytest.raises(BearingTwinError):
         resumed.load(b'nothing')
+    # After a repair the healthy twin is of another bearing, which is said.
+    level = FAULT
+    minute(51, 0.0)
+    level = OK
+    for number in range(52, 57):
+        message = minute(number, np.array([0.0, 20.0]))
+    assert message.residual_alarm and message.residual_reason.endswith(
+        'call ~/reset to learn it anew'
+    )
+    assert 'learnt anew' in core.forget()
+    assert minute(57, 0.0).residual_reason.startswith('this calibration is the healthy twin')
     # Report and Rerun show it.
     message.band, message.measured_level, message.twin_level = ['25 Hz'], [3.0], [1.0]
     shown = figures(Machine(namespace='', calibrations=[(0.0, message), (30.0, message)]), 'a')

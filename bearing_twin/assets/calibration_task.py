@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A record of a machine, fitted in a process of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.calibration import Calibration, fit
+from bearing_twin.calibration.fit import decimated, fitted_vibration
+from bearing_twin.calibration.joint import compared
+from bearing_twin.calibration.residual import spectral_levels
+from bearing_twin.dynamics.sensor_path import band_levels
+import numpy as np
+from scipy import signal
+
+if TYPE_CHECKING:
+    from bearing_twin.bearing import Bearing
+    from bearing_twin.calibration.impacts import Impacts
+    from numpy.typing import NDArray
+
+__all__ = ['Fit', 'Task', 'work']
+
+SHOWN_S = 2.0
+"""Length of the fitted twin's vibration that is shown beside the machine's, s."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """A record to be fitted; plain values that go to another process."""
+
+    samples: NDArray[np.float64]
+    sample_rate: float
+    bearing: Bearing
+    shaft_hz: float
+    temperature: float
+    unit: str
+    place: str | None
+    load: tuple[float, float] | None
+    candidates: int
+    others: tuple[Impacts, ...]
+    """What the fits before have seen of the impacts of a passage."""
+    reference: dict[str, Any] | None
+    """The calibration that the residual is taken from; None: the one that is found."""
+    repairs: int
+    """Before it."""
+    stamp: int
+    """ns."""
+    frame_id: str
+    first_sample: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """What became of a task."""
+
+    found: dict[str, Any]
+    """The calibration, as plain values."""
+    bands: tuple[str, ...]
+    measured: NDArray[np.float64]
+    """Level of the machine in each band, dB, shape (m,)."""
+    twin: NDArray[np.float64]
+    """Level of the twin of the reference, dB, shape (m,)."""
+    spectrum: NDArray[np.float64]
+    """`band_levels` of the fitted twin, dB; those of the machine are in ``found``."""
+    turns: NDArray[np.float64]
+    """One revolution of machine and fitted twin, shape (2, n)."""
+
+
+def work(task: Task) -> Fit:
+    """
+    Fit a record, and take the spectra of machine and twin; in a process of its own.
+
+    Raises
+    ------
+    BearingTwinError
+        If the record cannot be fitted.
+
+    """
+    found = fit(
+        task.samples, task.sample_rate, task.bearing, task.shaft_hz, load=task.load,
+        temperature=task.temperature, unit=task.unit, place=task.place,
+        candidates=task.candidates,
+    )  # fmt: skip
+    found = compared(found, task.others)
+    reference = Calibration.from_dict(task.reference) if task.reference else found
+    here = reference.at(shaft_hz=task.shaft_hz)
+    if math.isfinite(task.temperature):
+        here = here.at(temperature=task.temperature)
+    seconds = len(task.samples) / task.sample_rate
+    # The twin may run at a lower rate than the sensor; bands beyond it are not compared.
+    bands, measured = spectral_levels(task.samples, task.sample_rate, task.shaft_hz)
+    names, levels = spectral_levels(
+        fitted_vibration(here, seconds), here.situation.sample_rate, task.shaft_hz
+    )
+    own = dict(zip(names, levels, strict=True))
+    twin = np.array([own.get(band, math.nan) for band in bands])
+    rate = found.situation.sample_rate
+    shown = fitted_vibration(found, max(SHOWN_S, 2.0 / task.shaft_hz))
+    slow = decimated(task.samples - task.samples.mean(), task.sample_rate)[0]
+    length = int(rate / task.shaft_hz)
+    # The second one: the filter has settled.
+    turn = slow[length : 2 * length]
+    turn = turn - turn.mean()
+    # The twin turns at an angle of its own: shown where it is most like the machine.
+    alike = signal.correlate(np.abs(shown), np.abs(turn), 'valid')
+    first = int(np.argmax(alike))
+    return Fit(
+        found=found.to_dict(), bands=bands, measured=measured, twin=twin,
+        spectrum=band_levels(shown, rate),
+        turns=np.array([turn, shown[first : first + len(turn)]]),
+    )  # fmt: skip
