@@ -24,7 +24,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         'recording',
         type=Path,
-        help='MCAP file, bag folder, folder of a demo, or .npz .mat .wav .csv as diagnose reads',
+        help='MCAP file, bag folder, folder of a demo, or .npz .mat .wav .csv or a Parquet set as '
+        'diagnose reads',
     )
     parser.add_argument(
         '-o', '--output', type=Path, help='page to write, .html or .pdf (default: NAME.html here)'

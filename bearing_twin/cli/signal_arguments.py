@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.bearing import Bearing, find_bearing, named_bearing, own_bearing
 from bearing_twin.cli.terminal import refuse_given
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.dataset import is_dataset
 from bearing_twin.recording.finding import find_recording
 
 if TYPE_CHECKING:
@@ -82,14 +83,19 @@ def as_recordings(paths: Sequence[Path], args: argparse.Namespace, folder: Path)
         If there is none, if it cannot be read, or if such options are given without such a file.
 
     """
-    if not any(path.suffix.lower() in FILES for path in paths):
-        refuse_given(args, SAID, f'for {", ".join(FILES)} only; a recording says it itself')
+    if not any(map(_is_signal, paths)):
+        kinds = f'{", ".join(FILES)} and Parquet sets'
+        refuse_given(args, SAID, f'for {kinds} only; a recording says it itself')
     # Files of one name each have a folder for themselves.
     return [_as_recording(path, args, folder / str(k)) for k, path in enumerate(paths)]
 
 
+def _is_signal(path: Path) -> bool:
+    return path.suffix.lower() in FILES or is_dataset(path)
+
+
 def _as_recording(path: Path, args: argparse.Namespace, folder: Path) -> Path:
-    if path.suffix.lower() not in FILES:
+    if not _is_signal(path):
         return find_recording(path)
     # Loaded when needed: the messages and scipy take a second.
     from bearing_twin.offline.signal_run import record_signal

@@ -35,8 +35,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs='*',
         type=Path,
         metavar='RECORDING',
-        help='MCAP file, bag folder, folder of a demo, .rrd, or .npz .mat .wav .csv as diagnose '
-        'reads; several stand side by side',
+        help='MCAP file, bag folder, folder of a demo, .rrd, or .npz .mat .wav .csv or a Parquet '
+        'set as diagnose reads; several stand side by side',
     )
     parser.add_argument(
         '--live',

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the vibration of a bearing is simulated or measured, and by what."""
+"""Whether the vibration of a bearing is simulated or measured, by what, and of what machine."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.twin_parameters import build_parameters
 from bearing_twin.bearing.catalogue import find_bearing
@@ -17,6 +17,10 @@ from bearing_twin.streams.vibration_input import (
     SOURCE_SIMULATED,
     SOURCE_UNKNOWN,
 )
+from bearing_twin.view.trends import LOUD, zone_limits
+
+if TYPE_CHECKING:
+    from bearing_twin.view.trends import Limit
 
 __all__ = ['Source', 'bearing_in_words', 'fleet_tables', 'twin_in_words']
 
@@ -24,12 +28,14 @@ PLACE = {'inner': 'inner race', 'outer': 'outer race', 'ball': 'ball', 'cage': '
 
 
 class Source:
-    """What the vibration itself says of its source, and the twin that made it."""
+    """What the vibration itself says of its source, the twin that made it, and the machine."""
 
     def __init__(self) -> None:
         self._twin = ''
         self.frame = ''
         """Frame of the vibration: the sensor."""
+        self.zones: tuple[Limit, ...] = (LOUD,)
+        """Velocities at which the zones of the machine begin."""
         self._sources: set[int] = set()
 
     def vibration(self, message: Any) -> None:
@@ -43,15 +49,16 @@ class Source:
 
     def checkpoint(self, message: Any) -> None:
         """Take a Checkpoint message."""
-        if str(message.kind) == 'twin':
-            self.twin(
-                str(message.node),
-                load_plain(str(message.configuration), 'the configuration of a twin'),
-            )
+        node, kind = str(message.node), str(message.kind)
+        if kind in ('twin', 'diagnosis'):
+            self.parameters(node, kind, load_plain(str(message.configuration), f'the {kind}'))
 
-    def twin(self, node: str, values: Any) -> None:
-        """Take the parameters of the twin, which a node computes."""
-        self._twin = f'{node}, {twin_in_words(values)}'
+    def parameters(self, node: str, kind: str, values: Any) -> None:
+        """Take the parameters of the twin or the diagnosis that a node runs."""
+        if kind == 'twin':
+            self._twin = f'{node}, {twin_in_words(values)}'
+        elif isinstance(values, dict):
+            self.zones = zone_limits(values.get('power_group'), values.get('mounting'))
 
     @property
     def text(self) -> str:

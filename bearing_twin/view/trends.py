@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import math
 from typing import Any, NamedTuple
 
+from bearing_twin.diagnosis.level import FAULT_DB, SUSPECT_DB
+from bearing_twin.diagnosis.severity import HIGHEST_LIMIT, ISO_LIMITS
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
 from bearing_twin.view.style import Colour, FAMILIES, LINE
 import numpy as np
@@ -15,12 +17,15 @@ import numpy as np
 __all__ = [
     'CALIBRATION',
     'DIAGNOSIS',
+    'LOUD',
     'OVER_LIMITS',
     'TWIN_STATE',
+    'ZERO',
     'Limit',
     'Panel',
     'Trend',
     'recorded',
+    'zone_limits',
 ]
 
 
@@ -78,6 +83,36 @@ class Limit(NamedTuple):
 
     label: str
     value: float
+    mark: str = ''
+    """Written beside it on a page, where a panel has several."""
+
+
+ZERO = Limit('zero', 0.0)
+LOUD = Limit(f'zone D of every machine above {HIGHEST_LIMIT:g}', HIGHEST_LIMIT, 'D')
+
+
+def zone_limits(power_group: object, mounting: object) -> tuple[Limit, ...]:
+    """
+    Return the velocities in mm/s at which the zones of ISO 20816-3 begin.
+
+    Where group or mounting is not known, only the one that is in zone D for every machine.
+
+    Examples
+    --------
+    >>> [(limit.mark, limit.value) for limit in zone_limits(2, 'rigid')]
+    [('B', 1.4), ('C', 2.8), ('D', 4.5)]
+    >>> [(limit.mark, limit.value) for limit in zone_limits(0, '')]
+    [('D', 11.0)]
+
+    """
+    # Compared, not looked up: a recording may hold anything.
+    limits = next((v for key, v in ISO_LIMITS.items() if key == (power_group, mounting)), None)
+    if limits is None:
+        return (LOUD,)
+    return tuple(
+        Limit(f'zone {zone} above {value:g}', value, zone)
+        for zone, value in zip('BCD', limits, strict=True)
+    )
 
 
 @dataclass(frozen=True)
@@ -89,7 +124,7 @@ class Panel:
     """With the unit, where all quantities share one; ``[unit]`` is that of the message."""
     trends: tuple[Trend, ...]
     """Where the first has no values there is no panel: the others only say more of it."""
-    limit: Limit | None = None
+    limits: tuple[Limit, ...] = ()
     from_zero: bool = False
     band: tuple[str, ...] = ()
     """Keys of the two quantities between which a page is filled."""
@@ -164,7 +199,7 @@ OVER_LIMITS = Panel(
         )
         for k, family in enumerate(FAMILIES)
     ),
-    Limit(f'fault above 1, suspect above {INDEX_SUSPECT / INDEX_FAULT:g}', 1.0),
+    (Limit(f'fault above 1, suspect above {INDEX_SUSPECT / INDEX_FAULT:g}', 1.0),),
     from_zero=True,
 )
 """Of a Diagnosis: a fault needs significance and modulation index, so the lower one decides."""
@@ -174,13 +209,13 @@ DIAGNOSIS = (
         'significance',
         'Significance [σ over noise]',
         _per_family('score'),
-        Limit(f'fault above {Z_FAULT:g}, cage {Z_CAGE:g}', Z_FAULT),
+        (Limit(f'fault above {Z_FAULT:g}, cage {Z_CAGE:g}', Z_FAULT),),
     ),
     Panel(
         'modulation',
         'Modulation index [1]',
         _per_family('modulation_index'),
-        Limit(f'fault above {INDEX_FAULT:g}', INDEX_FAULT),
+        (Limit(f'fault above {INDEX_FAULT:g}', INDEX_FAULT),),
         from_zero=True,
     ),
     _one('level', 'Vibration level [unit] rms', 'blue', 'rms', from_zero=True),
@@ -196,6 +231,10 @@ DIAGNOSIS = (
                 LINE['red'],
                 'level_correction',
             ),
+        ),
+        (
+            Limit(f'suspect above {SUSPECT_DB:g}', SUSPECT_DB, 'suspect'),
+            Limit(f'fault above {FAULT_DB:g}', FAULT_DB, 'fault'),
         ),
     ),
     Panel(
@@ -225,7 +264,7 @@ CALIBRATION = (
         'residual',
         'What the twin does not explain [limits]',
         (Trend('residual', 'residual', LINE['orange'], 'residual'),),
-        Limit('alarm above 1', 1.0),
+        (Limit('alarm above 1', 1.0),),
         from_zero=True,
     ),
     Panel(

@@ -25,6 +25,7 @@ __all__ = [
     'next_step',
     'number',
     'pretty',
+    'reasons',
     'rival',
     'same_window',
     'shaft_speed',
@@ -150,6 +151,13 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
         rows.append(('Band', band))
     rows.append(('Next step', next_step(diagnosis)))
     return rows
+
+
+def reasons(diagnosis: Any) -> list[str]:
+    """Return why the verdict is so: what decides, why no other place is named, then the rest."""
+    said = [str(reason) for reason in diagnosis.reasons]
+    other = rival(diagnosis)
+    return [*said[:1], *([other] if other else []), *said[1:]]
 
 
 def rival(diagnosis: Any) -> str:

@@ -245,6 +245,14 @@ def test_parquet_form_of_bearing_datasets(parquet_set, capsys):
     assert 'cannot be read as Parquet' in capsys.readouterr().err
 
 
+def test_one_signal_of_a_parquet_set_is_shown_as_a_file_is(parquet_set, tmp_path, capsys):
+    page = tmp_path / 'page.html'
+    assert main(['report', str(parquet_set), '--channel', 'r0/DE', '-o', str(page)]) == 0
+    assert 'Inner race fault' in page.read_text()
+    assert main(['report', str(parquet_set), '-o', str(page)]) == 1
+    assert 'r0/DE, r0/FE, r1/DE' in capsys.readouterr().err
+
+
 def test_parquet_form_is_what_the_package_itself_reads(parquet_set):
     bearing_datasets = pytest.importorskip('bearing_datasets', reason='pip install it')
     from bearing_datasets.schema import validate

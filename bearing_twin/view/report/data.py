@@ -119,7 +119,7 @@ def _take_fleet(fleet: Machine, machines: dict[str, Machine]) -> None:
             machine = machines.get(namespace)
             if machine is not None:
                 machine.parameters[f'{namespace} in {node}'] = 'twin', table
-                machine.source.twin(node, table)
+                machine.source.parameters(node, 'twin', table)
 
 
 class _Collector:

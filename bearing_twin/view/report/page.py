@@ -31,7 +31,7 @@ from bearing_twin.view.verdict import (
     next_step,
     number,
     pretty,
-    rival,
+    reasons,
     title_of,
     urgency,
 )
@@ -228,8 +228,5 @@ def _against(value: float, limit: float) -> str:
 
 
 def _reasons(worst: Any) -> str:
-    reasons = [str(reason) for reason in worst.reasons]
-    if why := rival(worst):
-        reasons.append(why)
-    items = ''.join(f'<li>{escape(reason)}</li>' for reason in reasons)
+    items = ''.join(f'<li>{escape(reason)}</li>' for reason in reasons(worst))
     return f'<ul>{items}</ul>' if items else ''

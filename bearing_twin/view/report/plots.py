@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from bearing_twin.view.report.data import Machine
-    from bearing_twin.view.trends import Panel
+    from bearing_twin.view.trends import Limit, Panel
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
@@ -298,12 +298,14 @@ def _deciding(machine: Machine) -> tuple[str, ...]:
 
 def _evidence(machine: Machine) -> tuple[str, Figure] | None:
     panels = [panel for panel in DIAGNOSIS if panel.key in _deciding(machine)]
-    return _panels('What decides, window by window. Dashed: limit', panels, machine.diagnoses)
+    caption = 'What decides, window by window. Dashed: limit'
+    return _panels(caption, panels, machine.diagnoses, machine.source.zones)
 
 
 def _other_evidence(machine: Machine) -> tuple[str, Figure] | None:
     panels = [panel for panel in DIAGNOSIS if panel.key not in _deciding(machine)]
-    return _panels('Other quantities, window by window', panels, machine.diagnoses)
+    caption = 'Other quantities, window by window. Dashed: limit'
+    return _panels(caption, panels, machine.diagnoses, machine.source.zones)
 
 
 def _model(machine: Machine) -> tuple[str, Figure] | None:
@@ -319,9 +321,16 @@ def _fitted(machine: Machine) -> tuple[str, Figure] | None:
 
 
 def _panels(
-    caption: str, panels: Sequence[Panel], items: Sequence[tuple[float, Any]]
+    caption: str,
+    panels: Sequence[Panel],
+    items: Sequence[tuple[float, Any]],
+    zones: Sequence[Limit] = (),
 ) -> tuple[str, Figure] | None:
-    """Draw the panels that have values, three in a row, over one range of time."""
+    """
+    Draw the panels that have values, three or four in a row, over one range of time.
+
+    ``zones`` are the limits of the velocity.
+    """
     time = _times(items)
     shown = []
     for panel in panels:
@@ -331,9 +340,11 @@ def _panels(
             shown.append((panel, lines))
     if not shown:
         return None
-    rows = -(-len(shown) // 3)
+    # Four in two rows would take a third sheet.
+    columns = 4 if len(shown) == 4 else 3
+    rows = -(-len(shown) // columns)
     figure = Figure(figsize=(WIDTH, 0.2 + 1.45 * rows), layout='constrained')
-    grid = figure.subplots(rows, 3, sharex=True, squeeze=False).ravel()
+    grid = figure.subplots(rows, columns, sharex=True, squeeze=False).ravel()
     named: dict[str, Any] = {}
     unit = str(getattr(items[-1][1], 'unit', ''))
     for axes, (panel, lines) in zip(grid, shown, strict=False):
@@ -343,10 +354,14 @@ def _panels(
         of = {trend.key: values for trend, values in lines}
         if panel.band and of.keys() >= set(panel.band):
             axes.fill_between(time, *(of[key] for key in panel.band), color='#bbdefb')
-        if panel.limit is not None:
-            axes.axhline(panel.limit.value, color='#616161', linewidth=0.8, dashes=(4, 2))
+        for limit in zones if panel.key == 'velocity' else panel.limits:
+            axes.axhline(limit.value, color='#616161', linewidth=0.8, dashes=(4, 2))
+            axes.annotate(
+                limit.mark, (1.0, limit.value), (0, 1), xycoords=('axes fraction', 'data'),
+                textcoords='offset points', ha='right', color='#616161', fontsize='small',
+            )  # fmt: skip
         title = panel.title.replace('[unit]', f'[{pretty(unit)}]')
-        axes.set_title('\n'.join(wrap(title, 30)))
+        axes.set_title('\n'.join(wrap(title, 90 // columns)))
         if panel.from_zero:
             axes.set_ylim(bottom=0.0)
         if len(lines) > 1:
@@ -356,7 +371,7 @@ def _panels(
         axes.ticklabel_format(useOffset=False)
     for axes in grid[len(shown) :]:
         axes.remove()
-    for axes in grid[: len(shown)][-3:]:
+    for axes in grid[: len(shown)][-columns:]:
         axes.set_xlabel('time [s]')
         axes.tick_params(axis='x', labelbottom=True)
     if named:

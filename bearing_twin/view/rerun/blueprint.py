@@ -396,10 +396,8 @@ def _narrow(scene: Scene, title: str, timeline: str) -> View:
     page = _rows(
         (5.3, [*_card(scene, title, (1, 5)), *([rrb.Vertical(*seen)] if seen else [])]),
         (1.5, _lane(scene)),
-        (
-            2.2,
-            [*_waveforms(scene, timeline)[:1], *_waterfalls(scene), *_temperatures(scene)],
-        ),
+        # A waterfall as wide as a sixth of the screen would be all labels.
+        (2.2, [*_waveforms(scene, timeline)[:1], *_temperatures(scene)]),
         name=title,
     )
     assert page is not None

@@ -13,7 +13,7 @@ from bearing_twin.view.over_temperature import OverTemperature
 from bearing_twin.view.rerun.scales import Scales
 from bearing_twin.view.source import Source
 from bearing_twin.view.style import LINE
-from bearing_twin.view.trends import Limit
+from bearing_twin.view.trends import ZERO
 from bearing_twin.view.verdict import Headline, pretty
 import numpy as np
 
@@ -147,14 +147,13 @@ class Trends:
                     )
             if drawn:
                 self._asset.panels.add(panel.key)
-            levels = [panel.limit] if panel.limit is not None else []
-            levels += [Limit('zero', 0.0)] if panel.from_zero else []
-            for level in levels if drawn else ():
+            limits = self._asset.source.zones if panel.key == 'velocity' else panel.limits
+            for limit in (*limits, *([ZERO] if panel.from_zero else ())) if drawn else ():
                 self._canvas.line(
-                    f'{panel.key}/{"zero" if level.value == 0.0 else "limit"}',
+                    f'{panel.key}/limit/{limit.value:g}',
                     times[[0, -1]],
-                    np.full(2, level.value),
-                    label=level.label,
+                    np.full(2, limit.value),
+                    label=limit.label,
                     colour=LINE['ground'],
                     slow=True,
                 )

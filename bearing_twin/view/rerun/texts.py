@@ -27,7 +27,7 @@ class CheckpointPicture(Picture):
         values = load_plain(str(message.configuration), f'the configuration of {message.node}')
         tables = fleet_tables(str(message.node), str(message.kind), values)
         for namespace, table in tables.items():
-            self.asset.sources[namespace].twin(str(message.node), table)
+            self.asset.sources[namespace].parameters(str(message.node), 'twin', table)
         lines = [f'### {message.node}: {message.kind}, bearing_twin {message.version}', '']
         for name, table in parameter_tables(values).items():
             lines += [f'#### {name}', ''] if name else []

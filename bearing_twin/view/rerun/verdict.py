@@ -14,7 +14,7 @@ from bearing_twin.view.rerun.lanes import Lane
 from bearing_twin.view.rerun.picture import Asset, Picture
 from bearing_twin.view.style import VERDICTS
 from bearing_twin.view.trends import DIAGNOSIS, OVER_LIMITS
-from bearing_twin.view.verdict import facts, Headline, judged_by_velocity, rival, title_of
+from bearing_twin.view.verdict import facts, Headline, judged_by_velocity, reasons, title_of
 from PIL import Image, ImageDraw, ImageFont
 import rerun as rr
 
@@ -26,7 +26,7 @@ __all__ = ['VerdictPicture']
 CARD = (640, 150)
 """Width and height of the card, pixels."""
 MARGIN = 22
-SHORT, NARROW = 52, 38
+SHORT, NARROW = 52, 40
 """Longest text of a table cell that fits beside the bearing, and beside another recording."""
 BELOW = 40
 """Height of a line below the verdict."""
@@ -99,9 +99,7 @@ class VerdictPicture(Picture):
         lines.insert(1, '|---|---|')
         for name, text in rows:
             lines += ['', f'**{name}:** {text}'] if len(text) > longest else []
-        lines += ['', *(f'- {reason}' for reason in diagnosis.reasons)]
-        if why := rival(diagnosis):
-            lines += ['', why]
+        lines += ['', *(f'- {reason}' for reason in reasons(diagnosis))]
         return '\n'.join(lines)
 
 
