@@ -7,6 +7,7 @@ from __future__ import annotations
 from bearing_twin.assets.spec import fixed, parameter
 
 __all__ = [
+    'AUTOSTART',
     'CHECKPOINT_PERIOD',
     'GEOMETRY',
     'HARDWARE_ID',
@@ -15,6 +16,11 @@ __all__ = [
     'STATE_RATE',
     'SUBSCRIBERS',
 ]
+
+AUTOSTART = fixed(
+    'autostart', True, 'Configure and activate at start; false leaves that to a lifecycle '
+    'manager.', read_only=True,
+)  # fmt: skip
 
 CHECKPOINT_PERIOD = fixed(
     'checkpoint_period', 10.0, 'Time between checkpoints, from which a recording can be re-run.',

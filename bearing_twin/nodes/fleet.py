@@ -12,7 +12,7 @@ import sys
 import time
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets import twin_parameters
+from bearing_twin.assets import realtime_parameters, twin_parameters
 from bearing_twin.assets.checkpoints import Checkpoints
 from bearing_twin.assets.fleet import build_fleet, read_assets, SHARED
 from bearing_twin.assets.shared_specs import STATE_RATE, SUBSCRIBERS
@@ -59,7 +59,7 @@ SPECS = (
     fixed('slots', 4, 'Wake-ups a block period over which the publishing is spread.', '', 1, 40),
     fixed('threads', 1, 'Cores that share the equations, sixteen bearings at a time; no sample '
           'depends on it.', '', 1, 64),
-    *realtime.SPECS,
+    *realtime_parameters.SPECS,
     SUBSCRIBERS,
     replace(STATE_RATE, default=5.0),
 )  # fmt: skip

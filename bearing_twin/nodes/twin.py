@@ -7,10 +7,10 @@ from __future__ import annotations
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.shared_specs import STATE_RATE, SUBSCRIBERS
+from bearing_twin.assets.realtime_parameters import PUBLISHING
 from bearing_twin.assets.twin import Twin
 from bearing_twin.assets.twin_messages import StateTurns
-from bearing_twin.assets.twin_parameters import build_parameters, FITTED, SPECS
+from bearing_twin.assets.twin_parameters import build_parameters, SPECS
 from bearing_twin.dynamics.presets import PRESETS
 from bearing_twin.dynamics.stability import steps
 from bearing_twin.dynamics.trend import trend_sentence
@@ -29,9 +29,6 @@ if TYPE_CHECKING:
     from bearing_twin.streams.pacer import Due
 
 __all__ = ['PUBLISHING', 'SPECS', 'TwinNode', 'main']
-
-PUBLISHING = (*realtime.SPECS, SUBSCRIBERS, STATE_RATE, *FITTED)
-"""Parameters of the node that its twin does not have."""
 
 
 class TwinNode(ManagedNode):

@@ -14,7 +14,7 @@ import time
 import traceback
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.spec import fixed, Spec
+from bearing_twin.assets.shared_specs import AUTOSTART
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.ros.executor import LeanExecutor, PolledGroup
@@ -32,12 +32,13 @@ from std_srvs.srv import Trigger
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
+    from bearing_twin.assets.spec import Spec
     from rclpy.executors import Executor
     from rclpy.lifecycle import LifecycleState
     from rclpy.service import Service
     from rclpy.subscription import MessageInfo, Subscription
 
-__all__ = ['AUTOSTART', 'ManagedNode', 'answered', 'run']
+__all__ = ['ManagedNode', 'answered', 'run']
 
 PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
 TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
@@ -53,11 +54,6 @@ POLL_PERIOD = 0.1
 THREAD = 'compiler'
 PART = 'real time'
 """Part of the node that a status speaks of; every node that compiles has it later on, too."""
-
-AUTOSTART = fixed(
-    'autostart', True, 'Configure and activate at start; false leaves that to a lifecycle '
-    'manager.', read_only=True,
-)  # fmt: skip
 
 
 class ManagedNode(LifecycleNode):

@@ -19,9 +19,9 @@ import pytest
 
 pytest.importorskip('rclpy')
 
+from bearing_twin.assets import realtime_parameters
 from bearing_twin.assets.spec import Spec
 from bearing_twin.nodes.adapter import AdapterNode
-from bearing_twin.ros import realtime
 from bearing_twin.ros.cycle import BlockCycle
 from bearing_twin.ros.lifecycle import ManagedNode
 from builtin_interfaces.msg import Time
@@ -147,7 +147,7 @@ def test_an_absurd_time_ends_no_node(nodes, probe, tmp_path, absurd):
 @pytest.mark.ros
 def test_work_before_the_first_block_is_no_cycle(ros_domain):
     specs = (
-        *realtime.SPECS,
+        *realtime_parameters.SPECS,
         Spec(name='block_size', default=1024, description='Samples.'),
         Spec(name='sample_rate', default=25600.0, description='Rate.'),
     )

@@ -7,13 +7,14 @@ import pytest
 
 pytest.importorskip('rclpy', reason='ROS 2 is not installed')
 
+from bearing_twin.assets import realtime_parameters
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros import realtime
 from bearing_twin.ros.health import Level
 from bearing_twin.streams.timing import CycleStatistics
 
 PERIOD = 0.04
-VALUES = {spec.name: spec.default for spec in realtime.SPECS} | {
+VALUES = {spec.name: spec.default for spec in realtime_parameters.SPECS} | {
     'block_size': 1024,
     'sample_rate': 25600.0,
 }
@@ -91,7 +92,7 @@ def test_an_execution_time_that_varies_is_reported(longest, level):
     assert ('what a cycle takes varies' in found.message) == (level != Level.OK)
 
 
-@pytest.mark.parametrize('name', [each.name for each in realtime.THRESHOLDS])
+@pytest.mark.parametrize('name', [each.name for each in realtime_parameters.THRESHOLDS])
 def test_a_warning_above_the_error_is_refused(name):
     with pytest.raises(BearingTwinError, match=f'{name}.warn=9 must not be above'):
         realtime.check_thresholds(VALUES | {f'{name}.warn': 9.0, f'{name}.error': 8.0})

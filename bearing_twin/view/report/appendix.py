@@ -8,7 +8,13 @@ from html import escape
 from pathlib import PurePath
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets import diagnosis_parameters, twin_parameters
+from bearing_twin.assets import (
+    diagnosis_parameters,
+    realtime_parameters,
+    recorder_parameters,
+    twin_parameters,
+)
+from bearing_twin.assets.shared_specs import AUTOSTART
 from bearing_twin.bearing.vocabulary import STAGE_STEPS, STAGES
 from bearing_twin.view.report.html import table
 from bearing_twin.view.verdict import number
@@ -22,7 +28,11 @@ if TYPE_CHECKING:
 
 __all__ = ['appendix', 'off_default']
 
-SPECS = {'twin': twin_parameters.SPECS, 'diagnosis': diagnosis_parameters.SPECS}
+SPECS = {
+    'twin': (*twin_parameters.SPECS, *realtime_parameters.PUBLISHING),
+    'diagnosis': diagnosis_parameters.SPECS,
+    'recorder': recorder_parameters.SPECS,
+}
 PATHS = ('output', 'rerun_file', 'state_directory', 'recording', 'assets_file', 'source')
 """Parameters that are paths."""
 TERMS = (
@@ -71,13 +81,20 @@ def appendix(
 def off_default(kind: str, values: Any) -> list[tuple[str, str]]:
     """Return the parameters of a node that differ from their defaults, with these."""
     rows = []
-    specs = {spec.name: spec for spec in SPECS.get(kind, ())}
+    specs = {spec.name: spec for spec in (*SPECS.get(kind, ()), AUTOSTART)}
     for name, value in values.items() if isinstance(values, dict) else ():
         spec = specs.get(name)
-        if spec is None or value != spec.default:
+        # Metadata holds texts.
+        if spec is None or str(value) != str(spec.default):
             default = f' (default {spec.default!r})' if spec is not None else ''
             rows.append((str(name), f'{_shown(str(name), value)}{default}'))
     return rows
+
+
+def _off_default(node: str, kind: str, values: Any) -> list[str]:
+    rows = off_default(kind, values)
+    heading = f'<h2>Parameters of {escape(node)} that differ from the defaults</h2>'
+    return [heading, table(rows) if rows else '<p>None.</p>']
 
 
 def _parameters(info: RecordingInfo, machines: list[Machine]) -> list[str]:
@@ -85,14 +102,14 @@ def _parameters(info: RecordingInfo, machines: list[Machine]) -> list[str]:
     for machine in machines:
         for node, (kind, values) in sorted(machine.parameters.items()):
             known.add(node.strip('/').replace('/', '.'))
-            parts.append(f'<h2>Parameters of {escape(node)} that differ from the defaults</h2>')
-            rows = off_default(kind, values)
-            parts.append(table(rows) if rows else '<p>None.</p>')
+            parts += _off_default(node, kind, values)
     for name, values in sorted(info.metadata.items()):
         if not name.startswith('bearing_twin.'):
             continue
         kind, _, node = name.removeprefix('bearing_twin.').partition('.')
-        if node not in known:
+        if kind in SPECS:
+            parts += _off_default(node or kind, kind, values) if node not in known else []
+        elif node not in known:
             heading = f'{kind} of {node}' if node else kind
             parts.append(f'<h2>{escape(heading.capitalize())}</h2>')
             parts.append(
