@@ -133,7 +133,7 @@ def _page(said: str, report: SeriesReport, summary: dict[str, Any]) -> str:
         ('trend', 'unknown' if math.isnan(report.trend) else f'{report.trend:+.2g} dB/h'),
         *(('why' if not index else '', text) for index, text in enumerate(report.reasons)),
     ]  # fmt: skip
-    head = by_level(f'{said} and what follows: {len(points)} snapshots in {length}', 'bold')
+    head = by_level(f'from {said} on: {len(points)} snapshots in {length}', 'bold')
     return '\n'.join([head, *(f'{name:<9} {text}' for name, text in rows)])
 
 

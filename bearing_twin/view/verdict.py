@@ -131,13 +131,13 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
     rows.append(('Shaft', shaft_speed(diagnosis)))
     stage, sure = _stage(diagnosis), float(diagnosis.confidence)
     # Nothing is certain, and where there is no statement there is nothing to be sure of.
-    confidence = 'over 99 %' if sure > 0.99 else f'{100.0 * sure:.0f} %'
+    confidence = '> 99 %' if sure > 0.99 else f'{100.0 * sure:.0f} %'
     if stage:
         rows.append(('Stage', f'{stage} of 4, {STAGES[stage]}; confidence {confidence}'))
     elif sure > 0.0:
         rows.append(('Confidence', confidence))
     if math.isfinite(diagnosis.rms):
-        level = number(diagnosis.rms, f'{unit} rms')
+        level = number(diagnosis.rms, f'{unit} rms' if diagnosis.unit else f'rms ({unit})')
         if math.isfinite(diagnosis.level_over_baseline):
             level += f', {diagnosis.level_over_baseline:+.1f} dB over its baseline'
         rows.append(('Level', level))

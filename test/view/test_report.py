@@ -5,6 +5,7 @@
 from dataclasses import replace
 import html
 from html.parser import HTMLParser
+import math
 from pathlib import Path
 import re
 
@@ -13,6 +14,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.view.over_temperature import STRIP_SECONDS
+from bearing_twin.view.report.appendix import off_default
 from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.page import report_page
 from bearing_twin.view.report.plots import appended_figures, figures
@@ -188,12 +190,44 @@ def test_a_velocity_that_decides_is_drawn_beside_what_decides(recording, zone, v
     for k, (time, message) in enumerate(machine.diagnoses):
         message = replace(message, iso_zone=zone, velocity_rms=velocity)
         machine.diagnoses[k] = time, message
+    if zone:
+        told = {'power_group': 2, 'mounting': 'rigid'}
+        machine.source.parameters('/diagnosis', 'diagnosis', told)
     page, appendix = (dict(made(machine, 'a')) for made in (figures, appended_figures))
     (deciding,) = (svg for caption, svg in page.items() if caption.startswith('What decides'))
     (other,) = (svg for caption, svg in appendix.items() if caption.startswith('Other'))
     # In place of the level, so that the page stays two sheets.
     assert ('Velocity' in deciding, 'Velocity' in other) == (decides, not decides)
     assert ('Vibration level' in deciding, 'Vibration level' in other) == (not decides, decides)
+    marks = [mark for mark in 'BCD' if f'>{mark}</text>' in (deciding if decides else other)]
+    assert marks == (['B', 'C', 'D'] if zone else ['D'])
+
+
+def test_a_level_over_baseline_has_its_limits_and_takes_no_third_sheet(recording):
+    (machine,) = collect(recording).values()
+    heights = []
+    for level in (math.nan, 7.0):
+        machine.diagnoses = [
+            (time, replace(message, level_over_baseline=level))
+            for time, message in machine.diagnoses
+        ]
+        page = dict(figures(machine, 'a'))
+        (drawn,) = (svg for caption, svg in page.items() if caption.startswith('What decides'))
+        heights.append(re.search(r'height="([\d.]+)pt"', drawn)[1])
+    assert heights[0] == heights[1]
+    assert '>suspect</text>' in drawn
+    assert '>fault</text>' in drawn
+
+
+def test_only_parameters_off_their_defaults_are_listed():
+    twin = {'defect': 'inner', 'late_after': 0.02, 'autostart': True, 'wait_for_subscribers': 2}
+    assert off_default('twin', twin) == [
+        ('defect', "inner (default 'none')"),
+        ('wait_for_subscribers', '2 (default 0)'),
+    ]
+    recorder = {'topics': "['']", 'max_cache_size': '64', 'autostart': 'True', 'snapshot': 'True'}
+    assert off_default('recorder', recorder) == [('snapshot', 'True (default False)')]
+    assert off_default('diagnosis', {'of_another_version': 1}) == [('of_another_version', '1')]
 
 
 @pytest.mark.parametrize('base', ['', '/plant'])

@@ -426,22 +426,35 @@ def test_nothing_that_a_message_holds_reaches_the_caller(tmp_path):
     assert list(RrdReader(tmp_path / 'odd.rrd').stream())
 
 
-@pytest.mark.parametrize(('zone', 'views'), [('', 1), ('D', 2)])
-def test_a_velocity_with_a_zone_is_on_the_first_page_too(recording, tmp_path, zone, views):
-    rrd = tmp_path / 'zone.rrd'
-    with RerunLogger(recording_id='zone', rrd=rrd) as logger:
-        for message in read_messages(recording, topics=['/diagnosis']):
-            made = replace(message.decode(), iso_zone=zone, velocity_rms=8.0)
-            logger.log(message.topic, message.type_name, made, message.log_time)
-    assert logger.problems == {}
-    store = RrdReader(rrd)
-    names = {}
+def view_names(rrd):
+    store, names = RrdReader(rrd), {}
     for blueprint in store.blueprints():
         for chunk in store.stream(store=blueprint):
             for name, values in chunk.to_record_batch().to_pydict().items():
                 if name == 'ViewBlueprint:display_name':
                     names[str(chunk.entity_path)] = values[0][0]
-    assert sum(name.startswith('Velocity') for name in names.values()) == views
+    return list(names.values())
+
+
+@pytest.mark.parametrize(('zone', 'views'), [('', 1), ('D', 2)])
+def test_a_velocity_with_a_zone_is_on_the_first_page_too(recording, tmp_path, zone, views):
+    rrd = tmp_path / 'zone.rrd'
+    told = '{power_group: 2, mounting: rigid}' if zone else '{}'
+    checkpoint = SimpleNamespace(
+        node='/diagnosis', kind='diagnosis', version='0', configuration=told
+    )
+    with RerunLogger(recording_id='zone', rrd=rrd) as logger:
+        first = next(read_messages(recording)).log_time
+        kind = 'bearing_twin_msgs/msg/Checkpoint'
+        logger.log('/diagnosis_checkpoint', kind, checkpoint, first)
+        for message in read_messages(recording, topics=['/diagnosis']):
+            made = replace(message.decode(), iso_zone=zone, velocity_rms=8.0)
+            logger.log(message.topic, message.type_name, made, message.log_time)
+    assert logger.problems == {}
+    assert sum(name.startswith('Velocity') for name in view_names(rrd)) == views
+    entities = {str(chunk.entity_path) for chunk in RrdReader(rrd).stream()}
+    limits = {name.rpartition('/')[2] for name in entities if 'velocity/limit' in name}
+    assert limits == ({'0', '1.4', '2.8', '4.5'} if zone else {'0', '11'})
 
 
 def test_namespaces_are_scenes_of_their_own(recording, tmp_path):
@@ -458,6 +471,8 @@ def test_namespaces_are_scenes_of_their_own(recording, tmp_path):
     for bearing in ('/line3/bearing_7', '/line3/bearing_8'):
         assert f'{bearing}/diagnosis/verdict' in entities
         assert f'{bearing}/vibration/samples/y' in entities
+        # On the page of all, and on that of its own.
+        assert {f'Verdict: {bearing}', 'Verdict'} <= set(view_names(rrd))
 
 
 def test_a_client_that_never_reads_holds_nothing_up(recording, tmp_path):

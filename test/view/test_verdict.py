@@ -114,7 +114,7 @@ def test_a_machine_in_zone_d_is_not_only_recorded_again():
 
 def test_nothing_is_certain():
     inner, silent = verdict('inner', confidence=0.9999), verdict('insufficient', confidence=0.0)
-    assert dict(facts(inner))['Confidence'] == 'over 99 %'
+    assert dict(facts(inner))['Confidence'] == '> 99 %'
     assert 'Confidence' not in dict(facts(silent))
 
 

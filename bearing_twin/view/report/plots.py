@@ -56,14 +56,13 @@ def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
     """
     plots = (
         _envelope_spectrum, _history, _over_temperature, _evidence, _waterfall, _fitted,
-        explained, over_each_other,
     )  # fmt: skip
     return _all(machine, prefix, plots)
 
 
 def appended_figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
     """Return the pictures of the appendix like :func:`figures`."""
-    return _all(machine, prefix, (_spectrum, _other_evidence, _model))
+    return _all(machine, prefix, (_spectrum, _other_evidence, _model, explained, over_each_other))
 
 
 def _all(
@@ -219,9 +218,10 @@ def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
     duration = max(line[-1, 0] for line in lines)
     axes.set(xlim=(0.0, duration), ylim=(-1.6, len(strips) + 0.6), xlabel='time [ms]')
     axes.grid(axis='y', visible=False)
+    known = np.isfinite(temperatures).any()
     caption = (
-        'Waveform over temperature, one strip every 5 K, to one scale: the largest swing is '
-        f'{peak:.3g} {pretty(machine.unit)}'
+        f'Waveform{" over temperature, one strip every 5 K, to one scale" if known else ""}: the '
+        f'largest swing is {peak:.3g} {pretty(machine.unit)}'
     )
     return caption, figure
 

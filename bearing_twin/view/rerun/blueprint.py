@@ -27,6 +27,9 @@ CLOSE = 0.25
 WIDE = 10.0
 """Length of the waveform's envelope, s."""
 
+MOST_CARDS = 12
+"""Bearings up to which each has a card on the page of all; more could not be read."""
+
 View = rrb.View | rrb.Container
 
 
@@ -65,9 +68,10 @@ def layout(
     elif len(shown) == 1 and bearings:
         parts = [page for scene in shown.values() for page in _pages(scene, timeline)]
     else:
-        lanes = [v for scene in shown.values() for v in _lane_contents(scene)]
-        parts = [_lanes('All bearings', lanes)] if lanes else []
-        parts += [_wide(s, timeline, name=title, page=page) for title, s in shown.items()]
+        wide = [_wide(s, timeline, name=title, page=page) for title, s in shown.items()]
+        parts = [*_all_bearings(shown), *wide]
+        # The page is one of the first bearing's.
+        page = str(wide[0].name) if bearings and page not in ('', 'Nodes') else page
     nodes = _nodes(scenes.values())
     if nodes:
         parts.append(rrb.Vertical(*nodes, name='Nodes'))
@@ -154,18 +158,32 @@ def _lanes(name: str, contents: Sequence[str]) -> rrb.StateTimelineView:
     return rrb.StateTimelineView(origin='/', contents=list(contents), name=name)
 
 
+def _verdict(path: str, title: str) -> View:
+    name = f'Verdict: {title}' if title else 'Verdict'
+    return rrb.Spatial2DView(origin=f'{path}/card', name=name)
+
+
 def _card(scene: Scene, title: str = '', shares: tuple[float, float] = (3, 10)) -> list[View]:
     """Return card and reasons, with their shares of the height."""
     return [
         rrb.Vertical(
-            rrb.Spatial2DView(
-                origin=f'{path}/card', name=f'Verdict: {title}' if title else 'Verdict'
-            ),
+            _verdict(path, title),
             rrb.TextDocumentView(origin=f'{path}/words', name='Reasons'),
             row_shares=shares,
         )
         for path in _of(scene, 'diagnosis')
     ]
+
+
+def _all_bearings(scenes: Mapping[str, Scene]) -> list[View]:
+    """Return the page of the verdicts of several bearings: over time, and as cards."""
+    lanes = [v for scene in scenes.values() for v in _lane_contents(scene)]
+    cards = [_verdict(v, t) for t, scene in scenes.items() for v in _of(scene, 'diagnosis')]
+    if not lanes:
+        return []
+    views: list[View] = [_lanes('Verdicts over time', lanes)]
+    views += [rrb.Grid(*cards)] if len(cards) <= MOST_CARDS else []
+    return [rrb.Vertical(*views, name='All bearings')]
 
 
 def _lane_contents(scene: Scene) -> list[str]:

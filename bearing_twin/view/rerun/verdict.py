@@ -26,7 +26,7 @@ __all__ = ['VerdictPicture']
 CARD = (640, 150)
 """Width and height of the card, pixels."""
 MARGIN = 22
-SHORT, NARROW = 52, 40
+SHORT, NARROW = 52, 38
 """Longest text of a table cell that fits beside the bearing, and beside another recording."""
 BELOW = 40
 """Height of a line below the verdict."""
