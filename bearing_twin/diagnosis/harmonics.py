@@ -11,16 +11,26 @@ between its harmonics.
 from __future__ import annotations
 
 import functools
+import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.comb import HARMONICS, NEUTRAL
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from bearing_twin.diagnosis.comb import OrderSpectra
     from numpy.typing import NDArray
 
-__all__ = ['MISSING', 'denser_series', 'line_heights', 'masked_by_shaft', 'missing_harmonics']
+__all__ = [
+    'MISSING',
+    'denser_series',
+    'line_heights',
+    'masked_by_shaft',
+    'missing_harmonics',
+    'unshared_height',
+]
 
 _SPREAD = 0.42
 """Standard deviation of log(1 + E) for E ~ Exp(1), one window."""
@@ -38,7 +48,8 @@ as equally high: 3 dB of power. The sidebands of a load that varies as 1 + cos a
 
 MISSING = 0.25
 """Height of harmonics over that of their multiples below which they are missing: half of
-``_SHARE``, because one or two harmonics of a faint comb are uncertain by half their height."""
+``_SHARE``, because one or two harmonics of a faint comb are uncertain by half their height. Those
+of pulses at a multiple of an order are below it, those of faults are not (half_pulses)."""
 
 _SLOWEST = 0.12
 """Lowest fundamental order of a denser series."""
@@ -78,13 +89,18 @@ def line_heights(
 
 
 def missing_harmonics(
-    spectra: OrderSpectra, order: float, columns: NDArray[np.intp], hidden: NDArray[np.bool_]
+    spectra: OrderSpectra,
+    order: float,
+    bands: Callable[[float], NDArray[np.intp]],
+    hidden: NDArray[np.bool_],
 ) -> int:
     """
     Multiple of ``order`` at which the true fundamental lies, 1 if that is ``order`` itself.
 
     Only the second and fourth harmonic show, or only the third, or only the fourth: the comb
-    belongs to a series of that multiple, or of a fraction of it.
+    belongs to a series of that multiple, or of a fraction of it. This is looked at in the bands in
+    which that series is highest. Those in which the comb is highest are those in which noise is
+    high where its harmonics are missing: there they need only be less than half as high.
 
     Parameters
     ----------
@@ -92,8 +108,8 @@ def missing_harmonics(
         Envelope spectra.
     order
         Fundamental of the comb.
-    columns
-        Bands in which the comb is highest, one of each whitening.
+    bands
+        Columns of the bands in which the comb of an order is highest, one of each whitening.
     hidden
         (K,) mask of the bins that are not to be used.
 
@@ -106,21 +122,64 @@ def missing_harmonics(
     >>> excess[rows] = 1.0
     >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
     >>> nothing = np.zeros(2000, bool)
-    >>> missing_harmonics(spectra, 3.07, np.array([0]), nothing)
+    >>> missing_harmonics(spectra, 3.07, lambda order: np.array([0]), nothing)
     2
-    >>> missing_harmonics(spectra, 6.14, np.array([0]), nothing)
+    >>> missing_harmonics(spectra, 6.14, lambda order: np.array([0]), nothing)
     1
+
+    """
+    for multiple in range(HARMONICS, 1, -1):
+        own = unshared_height(spectra, order, multiple, bands(order), hidden)
+        if (
+            own < _SHARE
+            and unshared_height(spectra, order, multiple, bands(multiple * order), hidden)
+            < MISSING
+        ):
+            return multiple
+    return 1
+
+
+def unshared_height(
+    spectra: OrderSpectra,
+    order: float,
+    multiple: int,
+    columns: NDArray[np.intp],
+    hidden: NDArray[np.bool_],
+) -> float:
+    """
+    Height of a comb's harmonics that a series of a multiple lacks, over that of the shared ones.
+
+    Parameters
+    ----------
+    spectra, order, hidden
+        As in :func:`missing_harmonics`.
+    multiple
+        Of the order: where the fundamental of the series lies.
+    columns
+        Bands, one of each whitening.
+
+    Returns
+    -------
+    0 for pulses at the multiple, 1 for impacts at the order; infinite where nothing is shared.
+
+    >>> import numpy as np
+    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> logs = np.full((2000, 1), NEUTRAL, np.float32)
+    >>> logs[[306, 613, 920, 1227]] += np.array([[0.3], [3.0], [0.3], [3.0]], np.float32)
+    >>> spectra = OrderSpectra(0.01, logs, 0.0 * logs, np.zeros(1, np.float32))
+    >>> nothing = np.zeros(2000, bool)
+    >>> round(unshared_height(spectra, 3.07, 2, np.array([0]), nothing), 2)
+    0.1
 
     """
     harmonics = np.arange(1, HARMONICS + 1)
     heights = line_heights(spectra, harmonics * order, columns)
     alive = ~hidden[spectra.rows(harmonics * order)]
-    for multiple in range(HARMONICS, 1, -1):
-        shared = harmonics % multiple == 0
-        on, off = heights[shared & alive], heights[~shared & alive]
-        if len(on) and len(off) and off.mean() < MISSING * on.mean():
-            return multiple
-    return 1
+    shared = harmonics % multiple == 0
+    on, off = heights[shared & alive], heights[~shared & alive]
+    if not len(on) or not len(off) or on.mean() <= 0.0:
+        return math.inf
+    return float(off.mean() / on.mean())
 
 
 def denser_series(
@@ -139,8 +198,10 @@ def denser_series(
 
     Parameters
     ----------
-    spectra, order, columns, hidden
+    spectra, order, hidden
         As in :func:`missing_harmonics`.
+    columns
+        Bands in which the comb is highest, one of each whitening.
     mine
         (K,) mask of the bins in which the candidate has harmonics, or lines that may be as high.
     sidebands
@@ -222,7 +283,7 @@ def masked_by_shaft(
     Parameters
     ----------
     spectra, order, columns
-        As in :func:`missing_harmonics`.
+        As in :func:`denser_series`.
     precision
         Relative error of the shaft speed that is expected.
     uncertainty

@@ -178,7 +178,7 @@ class CombSearch:
             farther = self._off_shaft(grid, self._scores.score(self.spectra, grid))
             found = max(found, farther, key=lambda c: c.z)
         # Of impacts beyond the orders looked at a fraction shows, without its first harmonics.
-        multiple = missing_harmonics(self._all, found.order, self._columns(found), self._silent)
+        multiple = missing_harmonics(self._all, found.order, self.columns, self._silent)
         return replace(found, order=multiple * found.order)
 
     def _off_shaft(self, grid: NDArray[np.float64], z: NDArray[np.float64]) -> Candidate:
@@ -239,7 +239,7 @@ class CombSearch:
         lines = lines[~self._silent[self.spectra.rows(lines)]]
         if not len(lines):
             return 0.0
-        return float(line_heights(self.spectra, lines, self._columns(candidate)).mean())
+        return float(line_heights(self.spectra, lines, self.columns(candidate.order)).mean())
 
     def smooth(self, candidate: Candidate, *, masked: bool = False) -> bool:
         """
@@ -250,7 +250,7 @@ class CombSearch:
         spectra = self._all if masked else self.spectra
         lines = candidate.order * np.array([1.0, 3.0, 4.0])
         shown = (masked | ~self._silent[self.spectra.rows(lines)]) & (lines <= self.top)
-        first, *others = line_heights(spectra, lines, self._columns(candidate))
+        first, *others = line_heights(spectra, lines, self.columns(candidate.order))
         others = [height for height, known in zip(others, shown[1:], strict=True) if known]
         return bool(shown[0] and others) and float(np.mean(others)) < MISSING * float(first)
 
@@ -407,8 +407,8 @@ class CombSearch:
 
         Harmonics of the comb are missing, or lines that it does not explain lie between them.
         """
-        order, columns = candidate.order, self._columns(candidate)
-        multiple = missing_harmonics(self._all, order, columns, self._silent)
+        order = candidate.order
+        multiple = missing_harmonics(self._all, order, self.columns, self._silent)
         if multiple > 1:
             return multiple * order
         # A ball that strikes one race only has lines at its spin, as high as its harmonics.
@@ -423,7 +423,7 @@ class CombSearch:
         return denser_series(
             self._all,
             order,
-            columns,
+            self.columns(order),
             self._silent,
             mine,
             sidebands,
@@ -436,14 +436,14 @@ class CombSearch:
         return masked_by_shaft(
             self._all,
             candidate.order,
-            self._columns(candidate),
+            self.columns(candidate.order),
             precision=self._precision,
             uncertainty=self._uncertainty,
         )
 
-    def _columns(self, candidate: Candidate) -> NDArray[np.intp]:
-        """Bands in which a comb is highest, one of each whitening."""
-        bands = self._scores.bands(self._all, candidate.order)
+    def columns(self, order: float) -> NDArray[np.intp]:
+        """Bands in which the comb at an order is highest, one of each whitening."""
+        bands = self._scores.bands(self._all, order)
         return np.asarray(bands.argmax(axis=1) + bands.shape[1] * np.arange(len(bands)))
 
     def mains_hz(self, candidate: Candidate) -> float:

@@ -4,10 +4,16 @@
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis import diagnose_record
-from bearing_twin.diagnosis.comb import OrderSpectra
-from bearing_twin.diagnosis.harmonics import denser_series, masked_by_shaft, missing_harmonics
+from bearing_twin.diagnosis.comb import NEUTRAL, OrderSpectra
+from bearing_twin.diagnosis.harmonics import (
+    denser_series,
+    masked_by_shaft,
+    MISSING,
+    missing_harmonics,
+)
 from bearing_twin.diagnosis.search import Candidate, CombSearch
 from bearing_twin.diagnosis.shaft import ShaftSpeed
+from bearing_twin.studies.half_pulses import measured
 import numpy as np
 import pytest
 
@@ -107,7 +113,7 @@ def test_comb_of_its_own_is_seldom_denied(rng):
     for _ in range(400):
         order = rng.uniform(2.5, 6.5)
         spectra = _spectra(rng, order * np.arange(1, 5))
-        denied += missing_harmonics(spectra, order, COLUMNS, nothing) > 1
+        denied += missing_harmonics(spectra, order, lambda _: COLUMNS, nothing) > 1
         denied += denser_series(spectra, order, COLUMNS, nothing, nothing, nothing, 0.002) > 0.0
     assert denied <= 8
 
@@ -129,9 +135,33 @@ def test_missing_harmonics_tell_the_true_order(rng):
     nothing = np.zeros(3000, bool)
     for multiple in (2, 3, 4):
         spectra = _spectra(rng, 4.57 * multiple * np.arange(1, 3), 100.0)
-        found = missing_harmonics(spectra, 4.57, COLUMNS, nothing)
+        found = missing_harmonics(spectra, 4.57, lambda _: COLUMNS, nothing)
         assert found > 1
         assert found % multiple == 0
+
+
+def test_harmonics_are_missed_where_their_series_is_highest(rng):
+    """The best of many bands of a comb is one whose noise is high at the missing harmonics."""
+    nothing, order, bands = np.zeros(3000, bool), 3.023, 50
+    heights = np.full((3000, bands), NEUTRAL) + 0.3 * rng.standard_normal((3000, bands))
+    rows = np.rint(order * np.arange(1, 5) / 0.01).astype(int) - 1
+    heights[rows[1::2]] = 4.0 + NEUTRAL
+    # Chance, and the tail of an eccentric pulse: the comb is highest here.
+    heights[rows[::2], 18] = 1.5 + NEUTRAL
+    blank = np.zeros(1, np.float32)
+    spectra = OrderSpectra(0.01, heights.astype(np.float32), np.zeros((3000, bands)), blank)
+
+    def highest(fundamental):
+        at = np.rint(fundamental * np.arange(1, 5) / 0.01).astype(int) - 1
+        return np.array([heights[at].sum(axis=0).argmax()])
+
+    assert highest(order) == 18
+    assert highest(2.0 * order) != 18
+    assert missing_harmonics(spectra, order, highest, nothing) == 2
+    # A fault has them all; pulses at twice its order in another band do not hide it.
+    heights[rows, 18] = 4.5 + NEUTRAL
+    fault = OrderSpectra(0.01, heights.astype(np.float32), spectra.excess, blank)
+    assert missing_harmonics(fault, order, highest, nothing) == 1
 
 
 def test_comb_beside_the_shaft_needs_to_stand_out(rng):
@@ -161,3 +191,15 @@ def test_harmonics_beyond_the_spectrum_are_not_counted_as_noise(rng):
     assert search.impacts(Candidate('elsewhere', 6.15, 0.0, 9.0, 0.8)) > 0.5
     # None of them is in the spectrum: nothing is known.
     assert search.impacts(Candidate('elsewhere', 20.3, 0.0, 9.0, 0.8)) == 0.0
+
+
+def test_pulses_at_twice_the_order_of_a_race_are_no_alarm_and_faults_are():
+    """Some of the records of the study that the limit of missing harmonics rests on."""
+    pulses = [found for n in range(20, 40) if (found := measured('pulses', n))]
+    assert len(pulses) > 6
+    assert not any(alarm for _, alarm in pulses)
+    for kind in ('fault', 'two edges'):
+        faults = [found for n in range(6) if (found := measured(kind, n))]
+        assert len(faults) > 3
+        assert all(height > MISSING for height, _ in faults)
+        assert sum(alarm for _, alarm in faults) >= len(faults) - 1
