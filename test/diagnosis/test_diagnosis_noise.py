@@ -51,6 +51,16 @@ def test_no_alarm_on_the_healthy_twin(clearance, axis):
     assert said.result == 'healthy'
 
 
+@pytest.mark.parametrize('degrees', [20.0, 60.0, 100.0])
+def test_the_sound_twin_of_a_first_run_is_healthy(degrees):
+    """The default machine without a defect, at the temperatures of the default schedule."""
+    twin = Simulator(preset('paper', defect='none'), seed=0, temperature=degrees)
+    twin.advance(12_800, degrees, 25.4)
+    x = twin.advance(8 * 25_600, degrees, 25.4).y
+    said = diagnose_record(x, 25600.0, find_bearing('6307'), 25.4, unit='m/s^2')
+    assert said.result == 'healthy', said.reasons
+
+
 @pytest.mark.parametrize('fault', ['inner', 'outer', 'ball', 'cage'])
 @pytest.mark.parametrize('severity', ['incipient', 'paper'])
 def test_faults_of_the_twin_are_named(fault, severity):
