@@ -23,7 +23,10 @@ EXECUTABLE = """#!/bin/sh
 prefix=$(dirname "$(readlink -f "$0")")/../..
 python=$prefix/bin/python3
 [ -x "$python" ] || python=python3
-exec "$python" -m {module} "$@"
+# While the interpreter itself starts, an interrupt waits until the program can answer it.
+hold='env --block-signal=INT'
+$hold true 2>/dev/null || hold=
+exec $hold "$python" -m bearing_twin{words} "$@"
 """
 
 
@@ -58,17 +61,17 @@ def executables() -> list[tuple[str, list[str]]]:
         return []
     folder = Path('build') / 'executables'
     folder.mkdir(parents=True, exist_ok=True)
-    modules = {node: f'{NAME}.nodes.{node}' for node in NODES} | {'bearing-twin': NAME}
-    for name, module in modules.items():
+    names = ('bearing-twin', *NODES)
+    for name in names:
         path = folder / name
-        path.write_text(EXECUTABLE.format(module=module))
+        path.write_text(EXECUTABLE.format(words=f' run {name}' if name in NODES else ''))
         path.chmod(0o755)
-    return [(f'lib/{NAME}', [str(folder / name) for name in modules])]
+    return [(f'lib/{NAME}', [str(folder / name) for name in names])]
 
 
 def scripts() -> list[str]:
     """Return the nodes as console scripts for colcon: not into a venv's bin, under such names."""
-    return [f'{node} = {NAME}.nodes.{node}:main' for node in NODES] if by_colcon() else []
+    return [f'{node} = {NAME}.start:{node}' for node in NODES] if by_colcon() else []
 
 
 def command() -> list[tuple[str, list[str]]]:
@@ -111,7 +114,7 @@ setup(
     zip_safe=False,
     entry_points={
         'console_scripts': [
-            'bearing-twin = bearing_twin.cli:main',
+            'bearing-twin = bearing_twin.start:command',
             *scripts(),
         ]
     },

@@ -4,6 +4,6 @@
 
 import sys
 
-from bearing_twin.cli import main
+from bearing_twin.start import command
 
-sys.exit(main())
+sys.exit(command())

@@ -16,6 +16,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import os
+import signal
 import sys
 from typing import TYPE_CHECKING
 
@@ -85,6 +86,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         parser.print_help()
         return 0
     keep_freed_memory()
+    if args.command != 'run':
+        # From here on there is something to lose; nodes see to that themselves.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         status: int = args.run(args)
     except BearingTwinError as error:

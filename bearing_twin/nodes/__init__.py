@@ -5,15 +5,16 @@
 from importlib.util import find_spec
 
 from bearing_twin import threads as threads
+from bearing_twin.errors import BearingTwinError
 
 if find_spec('bearing_twin_msgs') is None:
     msg = (
         "bearing_twin_msgs is not there: build it with 'colcon build --base-paths . msg_defs' in "
         "the folder of bearing_twin and source install/setup.bash, or 'pip install ./msg_defs'"
     )
-    raise ModuleNotFoundError(msg, name='bearing_twin_msgs')
+    raise BearingTwinError(msg)
 
 for _name in ('mcap', 'rosbags'):
     if find_spec(_name) is None:
         msg = f"{_name} is not there, and rosdep does not bring it: 'pip install mcap rosbags'"
-        raise ModuleNotFoundError(msg, name=_name)
+        raise BearingTwinError(msg)

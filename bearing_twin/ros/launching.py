@@ -25,10 +25,10 @@ LOADING = 'loading the kernel'
 """The same where the kernel has been compiled before."""
 RUN_NODE = (
     'import sys; sys.path[:] = filter(None, sys.path); '
-    "import runpy; runpy.run_module(sys.argv.pop(1), run_name='__main__', alter_sys=True)"
+    'from bearing_twin.start import command; sys.exit(command())'
 )
-"""As ``python -m`` does, but nothing is imported from the working directory, whatever lies there:
-the option for that, -P, is one of Python 3.11."""
+"""As ``bearing-twin`` does, but nothing is imported from the working directory, whatever lies
+there: the option for that, -P, is one of Python 3.11."""
 
 
 def local_environment(domain_id: int) -> dict[str, str]:
@@ -101,12 +101,12 @@ class NodeProcesses:
         within: tuple[str, ...] = (),
     ) -> None:
         """
-        Start ``bearing_twin.nodes.MODULE`` with parameters.
+        Start a node with parameters.
 
         Parameters
         ----------
         module
-            Module of the node.
+            Its name, which is that of its module.
         parameters : mapping
             Its parameters.
         name
@@ -118,7 +118,7 @@ class NodeProcesses:
 
         """
         words = [*within, sys.executable, '-c', RUN_NODE]
-        words += [f'bearing_twin.nodes.{module}', '--ros-args']
+        words += ['run', module, '--ros-args']
         for key, value in parameters.items():
             words += ['-p', f'{key}:={_yaml(value)}']
         name = name or module

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-A node that is told to end more than once still finishes its work.
+A node that is told to end early ends in order; told more than once, it still finishes its work.
 
 Who presses Ctrl-C twice does that, and 'ros2 launch' without a terminal too: the whole process
 group gets the signal, and the launcher passes it on once more.
@@ -10,16 +10,27 @@ group gets the signal, and the launcher passes it on once more.
 from __future__ import annotations
 
 import os
+from pathlib import Path
 import signal
+import subprocess
+import sys
 import time
-from typing import TYPE_CHECKING
 
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.launching import NodeProcesses
 import pytest
 
-if TYPE_CHECKING:
-    from pathlib import Path
+HOOK = """
+import os, signal, sys
+
+class Interrupt:
+    def find_spec(self, name, path=None, target=None):
+        if name == os.environ['INTERRUPT_AT']:
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Interrupt())
+"""
+"""Presses Ctrl-C where a module is about to be loaded."""
 
 PAUSES = (0.0, 0.001, 0.01, 0.05)
 """From the first interrupt to the second, s."""
@@ -44,3 +55,50 @@ def test_a_second_interrupt_leaves_no_torn_recording(
         assert nodes.end('recorder') == 0
     assert recording_info(bag).finished
     assert (bag / 'metadata.yaml').exists()
+
+
+@pytest.mark.parametrize(
+    ('words', 'module', 'status'),
+    [
+        (['-m', 'bearing_twin', 'run', 'twin'], 'argparse', 0),
+        (['-m', 'bearing_twin', 'run', 'twin'], 'bearing_twin.nodes', 0),
+        (['-m', 'bearing_twin', 'run', 'twin'], 'numpy', 0),
+        (['-m', 'bearing_twin', 'run', 'recorder'], 'rclpy', 0),
+        (['-c', 'from bearing_twin.start import twin; twin()'], 'rclpy', 0),
+        (['-m', 'bearing_twin', 'info', 'x.mcap'], 'argparse', 130),
+        (['-m', 'bearing_twin', 'info', 'x.mcap'], 'mcap', 130),
+    ],
+)
+def test_an_interrupt_while_libraries_load_prints_nothing(
+    words: list[str], module: str, status: int, tmp_path: Path
+) -> None:
+    (tmp_path / 'sitecustomize.py').write_text(HOOK)
+    ran = subprocess.run(
+        [sys.executable, *words],
+        env={**os.environ, 'PYTHONPATH': str(tmp_path), 'INTERRUPT_AT': module},
+        cwd=Path(__file__).parents[2],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert (ran.returncode, ran.stdout, ran.stderr) == (status, '', '')
+
+
+def test_missing_messages_are_a_sentence() -> None:
+    """Where colcon has built the package and not the messages inside it."""
+    code = (
+        "import sys; sys.modules['bearing_twin_msgs'] = None; "
+        'from bearing_twin.start import twin; sys.exit(twin())'
+    )
+    ran = subprocess.run(
+        [sys.executable, '-c', code],
+        cwd=Path(__file__).parents[2],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert ran.returncode == 1
+    assert ran.stderr.startswith('bearing-twin run: bearing_twin_msgs is not there: build it with')
+    assert ran.stderr.count('\n') == 1

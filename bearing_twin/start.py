@@ -1,0 +1,39 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Where the command and the nodes start: Ctrl-C ends them without a traceback while they still load.
+
+Their libraries take a second or more to load. Until a command or a node begins to work there is
+nothing to lose, so that an interrupt ends the process at once.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+import os
+import signal
+import sys
+
+__all__ = ['adapter', 'calibration', 'command', 'diagnosis', 'fleet', 'recorder', 'replay', 'twin']
+
+
+def command() -> int:
+    """Run ``bearing-twin``; an interrupt makes the status 130, that of a node 0 as ever."""
+    status = 0 if sys.argv[1:2] == ['run'] else 130
+    signal.signal(signal.SIGINT, lambda *_: os._exit(status))
+    # The scripts of 'ros2 run' have it held while the interpreter starts.
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+    from bearing_twin.cli import main
+
+    return main()
+
+
+def _node(name: str) -> int:
+    """Run a node: what ``bearing-twin run NAME`` does, for ``ros2 run`` and ``ros2 launch``."""
+    sys.argv[1:1] = ['run', name]
+    return command()
+
+
+adapter, calibration, diagnosis, fleet, recorder, replay, twin = (
+    partial(_node, name) for name in __all__ if name != 'command'
+)
