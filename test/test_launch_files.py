@@ -38,11 +38,21 @@ STARTS = {
     'machine': ({'record': 'true', 'output': 'bag'}, 'listening to /line1/samples'),
     'replay': ({'rate': 2, 'loop': 'true', 'clock_rate': 10, 'start_offset': 1}, 'at pace 2'),
     'twin': (
-        {'rerun_port': 0, 'shaft_hz': 20, 'bearing': 6205, 'defect': 'outer', 'output': 'bag'},
+        {
+            **{'rerun_port': 0, 'shaft_hz': 20, 'bearing': 6205, 'defect': 'outer'},
+            **{'output': 'bag', 'params_file': 'own.yaml'},
+        },
         'twin of 6205, defect outer',
     ),
 }
 """Arguments of each type, and what a node then says."""
+OWN = """
+/**:
+  ros__parameters: {use_sim_time: false}
+/**/twin:
+  ros__parameters: {defect: none, bearing: '6307'}
+"""
+"""A parameter file over which arguments win."""
 
 
 def described(path):
@@ -88,6 +98,7 @@ def test_arguments_that_cannot_be_used_are_refused(name, arguments, said):
 @pytest.mark.parametrize('name', STARTS)
 def test_launch_file_starts_its_nodes(name, ros_domain, tmp_path):
     arguments, said = STARTS[name]
+    (tmp_path / 'own.yaml').write_text(OWN)
     given = [f'{key}:={value}' for key, value in arguments.items()]
     command = ['ros2', 'launch', str(FOLDER / f'{name}.launch.py'), 'namespace:=line1', *given]
     log = tmp_path / 'log'
@@ -105,5 +116,5 @@ def test_launch_file_starts_its_nodes(name, ros_domain, tmp_path):
             os.killpg(launched.pid, signal.SIGINT)
             launched.wait(120.0)
     assert launched.returncode == 0
-    # A node that is still being loaded ends by the signal itself (-2).
+    # Where the interpreter itself is still starting it ends by the signal (-2).
     assert not re.search(r'process has died.*exit code (?!-2)', log.read_text())

@@ -92,6 +92,8 @@ def launch_description(
                 Node(
                     package=PACKAGE,
                     executable=executable,
+                    # Parameters of a named node win over those of a file for all nodes.
+                    name=executable,
                     namespace=LaunchConfiguration('namespace'),
                     parameters=[*([file] if file else []), *([chosen] if chosen else [])],
                     condition=IfCondition(LaunchConfiguration(condition)) if condition else None,
