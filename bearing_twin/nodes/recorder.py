@@ -91,7 +91,8 @@ class RecorderNode(ManagedNode):
             )
         self._arrivals = ArrivalTimes()
         self._qos: dict[str, str] = {}
-        self._early: deque[tuple[str, str, bytes, MessageInfo]] = deque(maxlen=SUBSCRIPTION_DEPTH)
+        self._early: deque[tuple[str, str, bytes, MessageInfo]] = deque()
+        self._early_size = 0
         self._lost = 0
         self._heard: dict[tuple[str, str], int] = {}
         self._skipped = 0
@@ -128,6 +129,7 @@ class RecorderNode(ManagedNode):
                 f'{len(self._early)} messages are lost: there was no time on /clock for them'
             )
             self._early.clear()
+            self._early_size = 0
         self._flush()
 
     def teardown(self) -> None:
@@ -158,13 +160,21 @@ class RecorderNode(ManagedNode):
             self._count_missed(topic, info)
         received = self._log_time(topic, info)
         if not received:
-            self._lost += len(self._early) == self._early.maxlen
-            self._early.append((topic, type_name, cdr, info))
+            self._wait_for_clock(topic, type_name, cdr, info)
             return
         while self._early:
-            early = self._early.popleft()
-            self._write(*early, received)
+            self._write(*self._early.popleft(), received)
+        self._early_size = 0
         self._write(topic, type_name, cdr, info, received)
+
+    def _wait_for_clock(self, topic: str, type_name: str, cdr: bytes, info: MessageInfo) -> None:
+        """Keep a message until /clock tells a time; the oldest are lost where memory ends."""
+        self._early.append((topic, type_name, cdr, info))
+        self._early_size += len(cdr)
+        most = self.parameters['max_cache_size'] * MIB
+        while self._early and (len(self._early) > SUBSCRIPTION_DEPTH or self._early_size > most):
+            self._early_size -= len(self._early.popleft()[2])
+            self._lost += 1
 
     def _count_missed(self, topic: str, info: MessageInfo) -> None:
         """

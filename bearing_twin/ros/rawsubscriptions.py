@@ -133,6 +133,10 @@ class RawSubscriptions:
             kinds = {(info.topic_type, str(info.topic_type_hash)) for info in publishers}
             if not publishers or kinds == self._refused.get(topic):
                 continue
+            if (renamed := self._node.resolve_topic_name(topic)) != topic:
+                # A subscription to it would be one to the other topic.
+                self._leave_out(topic, f'a remap rule of this node makes {renamed} of it')
+                continue
             known = self._subscriptions.get(topic)
             former = self._types[topic] if known else ''
             same = [info for info in publishers if info.topic_type == former] or publishers

@@ -125,3 +125,52 @@ def test_a_second_type_for_a_moment_ends_no_recording(
     assert '/text is not recorded: ' in said
     assert f'/level is recorded in one type only: {beside}' in said
     assert all(f'{topic} is recorded, all of it' in said for topic in ('/level', '/text'))
+
+
+def test_a_topic_that_is_remapped_away_is_left_out_and_told(
+    ros_domain: int, tmp_path: Path
+) -> None:
+    bag = tmp_path / 'bag'
+    rclpy.init(args=['--ros-args', '-p', f'output:={bag}', '-r', 'level:=/fan/level'])
+    try:
+        recorder = RecorderNode()
+        recorder.trigger_configure()
+        source = node_of_its_own('source')
+        level = source.create_publisher(Float64, 'level', 10)
+        fan = source.create_publisher(Float64, '/fan/level', 10)
+        until(
+            lambda: (
+                {'/level', '/fan/level'} <= {t for t, _ in recorder.get_topic_names_and_types()}
+            )
+        )
+        recorder.trigger_activate()
+        until(lambda: fan.get_subscription_count() == 1)
+        for k in range(SENT):
+            level.publish(Float64(data=11.0))
+            fan.publish(Float64(data=float(k)))
+        assert fan.wait_for_all_acked(rclpy.duration.Duration(seconds=60))
+        assert 'a remap rule' in recorder._topics.left_out['/level']
+        time.sleep(0.5)
+        recorder.shut_down()
+    finally:
+        rclpy.shutdown()
+    found = [(m.topic, m.decode().data) for m in read_messages(bag) if 'level' in m.topic]
+    assert found == [('/fan/level', float(k)) for k in range(SENT)]
+
+
+def test_what_waits_for_a_clock_is_bounded_by_memory(ros_domain: int, tmp_path: Path) -> None:
+    words = [f'output:={tmp_path / "bag"}', 'use_sim_time:=true', 'max_cache_size:=1']
+    rclpy.init(args=['--ros-args', *(part for word in words for part in ('-p', word))])
+    try:
+        recorder = RecorderNode()
+        recorder.trigger_configure()
+        info: dict = dict.fromkeys(
+            ('received_timestamp', 'source_timestamp', 'publication_sequence_number'), 0
+        )
+        for _ in range(20):
+            recorder._on_message('/x', 'std_msgs/msg/String', bytes(300_000), info)
+        # Three of them are less than 1 MiB.
+        assert (len(recorder._early), recorder._lost) == (3, 17)
+        recorder.shut_down()
+    finally:
+        rclpy.shutdown()
