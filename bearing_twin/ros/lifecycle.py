@@ -153,7 +153,9 @@ class ManagedNode(LifecycleNode):
             for sentence in unknown_at_start(self):
                 self.get_logger().warning(sentence)
             # A full collection takes tens of milliseconds with these libraries loaded: what
-            # exists now stays, so the collector need not look at it again.
+            # exists now stays, so the collector need not look at it again until the next time:
+            # what a former life of the node has left is then freed.
+            gc.unfreeze()
             gc.collect()
             gc.freeze()
         return result
