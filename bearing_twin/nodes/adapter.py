@@ -17,7 +17,7 @@ from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode, run
 from bearing_twin.ros.qos import OVERRIDES, own, SENSOR, STREAM
 from bearing_twin.ros.subscribing import subscribe
-from bearing_twin.stamps import samples_ns, stamp_ns
+from bearing_twin.stamps import NANO, samples_ns, stamp_ns
 from bearing_twin.streams.samplerate import RateMeter, REFUSED
 from bearing_twin.streams.sampling import (
     BlockBuilder,
@@ -98,6 +98,7 @@ class AdapterNode(ManagedNode):
         self._problem = ''
         self._refused = 0
         self._arrived = math.nan
+        self._until = 0
         self._vibration = self.create_lifecycle_publisher(
             Vibration, 'vibration', own(STREAM), qos_overriding_options=OVERRIDES
         )
@@ -144,8 +145,14 @@ class AdapterNode(ManagedNode):
         missing = self._sequence.missing(
             info.get('publisher_gid'), info['publication_sequence_number']
         )
+        pause = (published - self._until) / NANO - count * (1 + max(0, missing)) / rate
         if missing:
             self._gap(missing * count)
+        elif self._until and pause > SILENT_AFTER:
+            # The driver has sent nothing for so long: how many samples it left out is not known.
+            self._gap(-1)
+            self._meter = RateMeter()
+        self._until = published
         self._measure(count * (1 + max(0, missing)), published)
         stamp = published - samples_ns(count, rate)
         self._publish(self._builder.push(samples, stamp=stamp, rate=rate), rate)
@@ -153,6 +160,10 @@ class AdapterNode(ManagedNode):
     def _on_imu(self, message: Imu, info: MessageInfo) -> None:
         self._arrived = time.monotonic()
         if not self._sources.accept(info.get('publisher_gid'), self._arrived):
+            return
+        if message.linear_acceleration_covariance[0] == -1.0:
+            # sensor_msgs/Imu: 'if your sensor doesn't produce an estimate for one of the data'.
+            self._refuse('the Imu says that it measures no acceleration (covariance -1)')
             return
         self._problem = ''
         self._frame = self.parameters['frame_id'] or message.header.frame_id
