@@ -20,13 +20,21 @@ from bearing_twin.diagnosis import DiagnosisSettings, StreamingDiagnoser
 from bearing_twin.diagnosis.snapshots import SeriesDiagnoser
 from bearing_twin.quantity import quantities
 from bearing_twin.streams.shaft import FASTEST_SHAFT
+from bearing_twin.streams.statefile import StateFolder
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from bearing_twin.bearing import Bearing
 
-__all__ = ['SPECS', 'build_bearing', 'build_diagnoser', 'build_settings', 'nominal_speed']
+__all__ = [
+    'SPECS',
+    'build_bearing',
+    'build_diagnoser',
+    'build_settings',
+    'check_diagnosis',
+    'nominal_speed',
+]
 
 _SETTINGS = tuple(field_spec(DiagnosisSettings, name) for name in quantities(DiagnosisSettings))
 
@@ -73,6 +81,22 @@ def build_settings(values: Mapping[str, Any]) -> DiagnosisSettings:
 
     """
     return DiagnosisSettings(**field_values(_SETTINGS, values))
+
+
+def check_diagnosis(values: Mapping[str, Any]) -> None:
+    """
+    Refuse parameters that do not fit together.
+
+    Raises
+    ------
+    BearingTwinError
+        If one cannot be used.
+
+    """
+    build_bearing(values)
+    build_settings(values)
+    if values['state_name']:
+        StateFolder(values['state_directory']).path(values['state_name'])
 
 
 def build_diagnoser(values: Mapping[str, Any]) -> StreamingDiagnoser | SeriesDiagnoser:

@@ -73,7 +73,18 @@ def read_assets(path: str, names: list[str]) -> list[Asset]:
         if not NAME.fullmatch(asset.name):
             msg = f"asset '{asset.name}' is no ROS namespace: letters, digits, _, parts split by /"
             raise BearingTwinError(msg)
+        for other in assets[:index]:
+            if _state(asset) is not None and _state(asset) == _state(other):
+                msg = f'{other.name} and {asset.name} have one state_name; give each its own'
+                raise BearingTwinError(msg)
     return assets
+
+
+def _state(asset: Asset) -> tuple[Any, Any] | None:
+    """Return where the diagnosis of an asset keeps its baseline; None where it keeps none."""
+    values = asset.diagnosis or {}
+    name = values.get('state_name')
+    return (values.get('state_directory'), name) if name else None
 
 
 class _EachOnce(yaml.SafeLoader):

@@ -23,6 +23,7 @@ from bearing_twin.dynamics.saved import Envelope
 from bearing_twin.dynamics.successor import successor
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.shaft import ShaftSpeed
+from bearing_twin.streams.vibration_input import SEVERAL, SourceLock
 from bearing_twin.thermal.gate import TemperatureGate
 import numpy as np
 
@@ -70,15 +71,17 @@ class TwinChannel:
         self._gate = TemperatureGate(
             start=values['start_temperature'], timeout=values['temperature_timeout']
         )
+        # Another source is heard when the last temperature of the first is stale.
+        self._sources = SourceLock(self._gate.timeout, self._gate.timeout)
         self._shaft = ShaftSpeed(
             nominal=values['shaft_hz'], joint=values['joint'], highest=FASTEST_LIVE_SHAFT
         )
 
-    def take_temperature(self, message: Any, _: object = None) -> None:
-        """Take a ``sensor_msgs/Temperature``."""
-        self._gate.offer(
-            message.temperature, stamp=stamp_ns(message.header.stamp), now=self._clock()
-        )
+    def take_temperature(self, message: Any, info: Mapping[str, Any] | None = None) -> None:
+        """Take a ``sensor_msgs/Temperature``; of several publishers the first one's only."""
+        now = self._clock()
+        if self._sources.accept((info or {}).get('publisher_gid'), now):
+            self._gate.offer(message.temperature, stamp=stamp_ns(message.header.stamp), now=now)
 
     def take_joints(self, message: Any, _: object = None) -> None:
         """Take a ``sensor_msgs/JointState``."""
@@ -88,14 +91,16 @@ class TwinChannel:
         """Return temperature and shaft speed for the block to be computed now."""
         return TwinInputs(self._gate.at(self._clock()), self._shaft.hz)
 
-    def shaft_problem(self) -> str:
-        """Return what is wrong with the shaft speed; '' if nothing."""
-        return self._shaft.problem(self._clock())
+    def problems(self) -> tuple[str, str]:
+        """Return what is wrong with the shaft speed and with the sources; '' if nothing."""
+        now = self._clock()
+        return self._shaft.problem(now), SEVERAL if self._sources.contested(now) else ''
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters."""
         self.values = dict(values)
         self._gate.timeout = values['temperature_timeout']
+        self._sources.timeout = self._sources.remember = self._gate.timeout
         self._shaft.set_nominal(values['shaft_hz'])
 
 

@@ -23,7 +23,7 @@ from bearing_twin.nodes.diagnosis_topics import SILENT_AFTER
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode, run
 from bearing_twin.ros.qos import MEASUREMENT, OVERRIDES, own, RESULT, STREAM
-from bearing_twin.ros.subscribing import subscribe
+from bearing_twin.ros.subscribing import receiver_clock, subscribe
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.statefile import StateFolder
@@ -61,6 +61,8 @@ class CalibrationNode(ManagedNode):
     def check(self, values: Mapping[str, Any]) -> None:
         """Refuse parameters that do not fit together."""
         CalibrationCore(values)
+        if values['state_name']:
+            StateFolder(values['state_directory']).path(values['state_name'])
 
     def setup(self) -> None:
         """Create the publisher, the statuses and the worker."""
@@ -68,6 +70,8 @@ class CalibrationNode(ManagedNode):
         self._core = CalibrationCore(p.values)
         self._shaft = ShaftSpeed(nominal=p['shaft_hz'] or math.nan, joint=p['joint'])
         self._sources, self._gate = SourceLock(), TemperatureGate()
+        self._now = receiver_clock(self)
+        self._thermometers = SourceLock(self._gate.timeout, self._gate.timeout)
         self._arrived = math.nan
         # Of the newest block, and of the newest fit.
         self._refused, self._problem, self._latest = '', '', None
@@ -130,9 +134,10 @@ class CalibrationNode(ManagedNode):
         self._keep_state()
         return said
 
-    def _on_temperature(self, message: Temperature, _: MessageInfo) -> None:
-        stamp = stamp_ns(message.header.stamp)
-        self._gate.offer(message.temperature, stamp=stamp, now=time.monotonic())
+    def _on_temperature(self, message: Temperature, info: MessageInfo) -> None:
+        if self._thermometers.accept(info.get('publisher_gid'), now := self._now()):
+            stamp = stamp_ns(message.header.stamp)
+            self._gate.offer(message.temperature, stamp=stamp, now=now)
 
     def _on_joints(self, message: JointState, _: MessageInfo) -> None:
         self._shaft.offer(message.name, message.velocity, now=time.monotonic())
@@ -152,7 +157,7 @@ class CalibrationNode(ManagedNode):
         self._arrived, self._refused = now, ''
         task = self._core.take(
             block,
-            temperature=self._gate.at(now).taken,
+            temperature=self._gate.at(self._now()).taken,
             shaft_hz=self._shaft.hz,
             now=now,
         )

@@ -7,7 +7,7 @@ from __future__ import annotations
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.diagnosis_parameters import build_bearing, build_settings, SPECS
+from bearing_twin.assets.diagnosis_parameters import check_diagnosis, SPECS
 from bearing_twin.diagnosis.warming import warm_up
 from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics
 from bearing_twin.ros.health import Health
@@ -27,8 +27,7 @@ class DiagnosisNode(ManagedNode):
 
     def check(self, values: Mapping[str, Any]) -> None:
         """Refuse parameters that do not fit together."""
-        build_bearing(values)
-        build_settings(values)
+        check_diagnosis(values)
 
     def prepare(self) -> None:
         """Compile the kernels."""

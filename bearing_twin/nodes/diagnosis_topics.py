@@ -15,11 +15,16 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
-from bearing_twin.ros.subscribing import subscribe
+from bearing_twin.ros.subscribing import receiver_clock, subscribe
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.statefile import StateFolder
-from bearing_twin.streams.vibration_input import GapCounter, read_vibration, SourceLock
+from bearing_twin.streams.vibration_input import (
+    GapCounter,
+    read_vibration,
+    SEVERAL,
+    SourceLock,
+)
 from bearing_twin.thermal.gate import TemperatureGate
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
 from sensor_msgs.msg import JointState, Temperature
@@ -78,7 +83,9 @@ class DiagnosisTopics:
         self._shaft = ShaftSpeed(nominal=self._core.nominal_hz, joint=p['joint'])
         self._sources = SourceLock()
         self._gaps = GapCounter()
-        self._gate = TemperatureGate()
+        self._gate, self._now = TemperatureGate(), receiver_clock(node)
+        self._thermometers = SourceLock(self._gate.timeout, self._gate.timeout)
+        self._unkept = ''
         self._blocks = 0
         self._refused = 0
         self._problem = ''
@@ -162,9 +169,10 @@ class DiagnosisTopics:
         self._shaft.set_nominal(self._core.nominal_hz)
         self._checkpoints.ask()
 
-    def _on_temperature(self, message: Temperature, _: MessageInfo) -> None:
-        stamp = stamp_ns(message.header.stamp)
-        self._gate.offer(message.temperature, stamp=stamp, now=time.monotonic())
+    def _on_temperature(self, message: Temperature, info: MessageInfo) -> None:
+        if self._thermometers.accept(info.get('publisher_gid'), now := self._now()):
+            stamp = stamp_ns(message.header.stamp)
+            self._gate.offer(message.temperature, stamp=stamp, now=now)
 
     def _on_joints(self, message: JointState, _: MessageInfo) -> None:
         self._shaft.offer(message.name, message.velocity, now=time.monotonic())
@@ -172,7 +180,7 @@ class DiagnosisTopics:
     def _on_vibration(self, message: Vibration, info: MessageInfo) -> None:
         # Jazzy does not tell who sent it: then all is one source.
         if self._sources.accept(info.get('publisher_gid'), time.monotonic()):
-            self.take(message, self._gate.at(time.monotonic()).taken)
+            self.take(message, self._gate.at(self._now()).taken)
 
     def take(self, message: Vibration, temperature: float) -> None:
         """
@@ -255,17 +263,19 @@ class DiagnosisTopics:
         name = self.parameters['state_name']
         if not name or self._latest is None:
             return
-        if other := self._core.diagnoser.other_source:
-            self._node.get_logger().error(
-                f'{self._states.path(name)} stays as it is: {other}; choose another state_name, '
-                f'or call ~/reset to learn anew',
-                throttle_duration_sec=60.0,
-            )
-            return
         try:
+            if other := self._core.diagnoser.other_source:
+                msg = (
+                    f'{self._states.path(name)} stays as it is: {other}; choose another '
+                    'state_name, or call ~/reset to learn anew'
+                )
+                raise BearingTwinError(msg)
             self._states.replace(name, self._core.diagnoser.save())
         except BearingTwinError as error:
-            self._node.get_logger().error(str(error), throttle_duration_sec=60.0)
+            self._unkept = str(error)
+            self._node.get_logger().error(self._unkept, throttle_duration_sec=60.0)
+        else:
+            self._unkept = ''
 
     def input_status(self) -> Status:
         """Status of the vibration stream for /diagnostics."""
@@ -280,6 +290,10 @@ class DiagnosisTopics:
             gaps=self._gaps,
             rate_problem=self._core.rate_problem,
             shaft_problem=self._shaft.problem(now),
+            others=(
+                SEVERAL if self._thermometers.contested(self._now()) else '',
+                self._unkept and f'baseline and trend are not kept: {self._unkept}',
+            ),
         )
 
     def verdict_status(self) -> Status:
@@ -298,6 +312,7 @@ def input_status(
     gaps: GapCounter,
     rate_problem: str,
     shaft_problem: str,
+    others: tuple[str, ...] = (),
 ) -> Status:
     """
     Status of the vibration stream.
@@ -320,8 +335,11 @@ def input_status(
         How the sample rate is wrong; '' if it is not.
     shaft_problem
         What is wrong with the shaft speed; '' if nothing.
+    others
+        Further sentences; empty strings are ignored.
 
     """
+    problems = '; '.join(filter(None, (rate_problem, shaft_problem, *others)))
     if not blocks and not problem:
         level, message = Level.STALE, 'no vibration yet'
     elif age > SILENT_AFTER:
@@ -330,8 +348,8 @@ def input_status(
         level, message = Level.ERROR, f'block refused: {problem}'
     elif contested:
         level, message = Level.ERROR, 'several sources on one topic: only the first is used'
-    elif rate_problem or shaft_problem:
-        level, message = Level.WARN, rate_problem or shaft_problem
+    elif problems:
+        level, message = Level.WARN, problems
     else:
         level, message = Level.OK, 'vibration is fresh'
     return Status(

@@ -31,6 +31,7 @@ from bearing_twin.ros.cycle import BlockCycle
 from bearing_twin.ros.health import Health
 from bearing_twin.ros.lifecycle import ManagedNode, run
 from bearing_twin.ros.qos import CHECKPOINT
+from bearing_twin.ros.subscribing import receiver_clock
 from bearing_twin.streams.pacer import Due
 from bearing_twin_msgs.msg import Checkpoint
 import yaml
@@ -158,7 +159,7 @@ class FleetNode(ManagedNode):
         p = member.twin_parameters
         if p is None:
             return
-        member.channel = TwinChannel(p.values)
+        member.channel = TwinChannel(p.values, clock=receiver_clock(self))
         shared = self.parameters
         period = shared['block_size'] / shared['sample_rate']
         member.twin = TwinTopics(

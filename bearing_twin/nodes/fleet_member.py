@@ -7,7 +7,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.diagnosis_parameters import build_bearing, build_settings
+from bearing_twin.assets.diagnosis_parameters import check_diagnosis
 from bearing_twin.assets.fleet import DIAGNOSIS_SPECS, SHARED, TWIN_SPECS
 from bearing_twin.assets.twin_parameters import build_parameters
 from bearing_twin.dynamics.stability import steps
@@ -86,7 +86,7 @@ class Member:
                 self.diagnosis_parameters = ParameterSet(
                     node,
                     DIAGNOSIS_SPECS,
-                    check=_check_diagnosis,
+                    check=check_diagnosis,
                     apply=partial(apply_diagnosis, self),
                     locked=lambda: node.configured,
                     prefix=f'{prefix}.diagnosis.',
@@ -108,8 +108,3 @@ class Member:
 
 def _check_twin(values: Mapping[str, Any]) -> None:
     steps(build_parameters(values), values['sample_rate'])
-
-
-def _check_diagnosis(values: Mapping[str, Any]) -> None:
-    build_bearing(values)
-    build_settings(values)

@@ -21,6 +21,7 @@ from bearing_twin.ros import realtime
 from bearing_twin.ros.cycle import BlockCycle
 from bearing_twin.ros.health import Health
 from bearing_twin.ros.lifecycle import ManagedNode, run
+from bearing_twin.ros.subscribing import receiver_clock
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -59,7 +60,9 @@ class TwinNode(ManagedNode):
     def setup(self) -> None:
         """Warm the kernel; create publishers, subscriptions, services."""
         p = self.parameters
-        self._twin = Twin(p.values, node=self.get_fully_qualified_name())
+        self._twin = Twin(
+            p.values, node=self.get_fully_qualified_name(), clock=receiver_clock(self)
+        )
         self._twin.warm()
         self.get_logger().info(
             f'preset {p["preset"]} ({PRESETS[p["preset"]]}): '

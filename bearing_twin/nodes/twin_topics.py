@@ -137,7 +137,7 @@ class TwinTopics:
 
     def status(self) -> Status:
         """Status of the inputs for /diagnostics."""
-        return temperature_status(self._twin.inputs().temperature, self._twin.shaft_problem())
+        return temperature_status(self._twin.inputs().temperature, *self._twin.problems())
 
     def validity(self) -> Status:
         """Limits of model and life that are passed, for /diagnostics."""

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -20,12 +21,23 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
     from rclpy.subscription import MessageInfo, Subscription
 
-__all__ = ['read_message', 'subscribe', 'validated']
+__all__ = ['read_message', 'receiver_clock', 'subscribe', 'validated']
 
 HEADER = 4
 """Bytes before the message: its encoding, and how many bytes of padding end it."""
 LARGEST = 16 * 1024 * 1024
 """Most bytes of a message: twice the longest block of both axes."""
+
+
+def receiver_clock(node: Node) -> Callable[[], float]:
+    """Return the clock by which inputs of a node age, s: simulated time where it follows that."""
+
+    def now() -> float:
+        if node.get_parameter('use_sim_time').value:
+            return float(node.get_clock().now().nanoseconds / NANO)
+        return time.monotonic()
+
+    return now
 
 
 def read_message(cdr: bytes, kind: type) -> Any:

@@ -121,6 +121,10 @@ class GapCounter:
         return restarted
 
 
+SEVERAL = 'several sources of temperature: only the first is used'
+"""What a status says where a :class:`SourceLock` for temperatures is contested."""
+
+
 class SourceLock:
     """
     Listen to one publisher where several send on one topic.

@@ -5,6 +5,7 @@
 import random
 import time
 import tracemalloc
+import weakref
 
 from bearing_twin.assets.messages import time_message
 from bearing_twin.errors import BearingTwinError
@@ -22,13 +23,16 @@ pytest.importorskip('rclpy')
 from bearing_twin.assets import realtime_parameters
 from bearing_twin.assets.spec import Spec
 from bearing_twin.nodes.adapter import AdapterNode
+from bearing_twin.nodes.twin import TwinNode
 from bearing_twin.ros.cycle import BlockCycle
+from bearing_twin.ros.health import Level
 from bearing_twin.ros.lifecycle import ManagedNode
 from builtin_interfaces.msg import Time
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import Imu
+from sensor_msgs.msg import Imu, Temperature
+from std_msgs.msg import Float32MultiArray
 
 UPTIME, EPOCH = 1000 * NANO, 1_700_000_000 * NANO
 PERIOD = NANO // 1000
@@ -222,6 +226,105 @@ def test_lost_samples_are_no_other_rate(ros_domain):
         # A single loss may pass as jitter.
         assert node._lost == pytest.approx(lost, rel=0.01)
         assert 'of 400 samples a second arrive, others are lost' in node._input_status().message
+        node.shut_down()
+    finally:
+        rclpy.shutdown()
+
+
+@pytest.mark.ros
+def test_a_pause_of_the_driver_is_a_gap_and_slow_messages_are_none(ros_domain):
+    rclpy.init(args=['--ros-args', '-p', 'sample_rate:=1000.0', '-p', 'block_size:=64'])
+    try:
+        node = AdapterNode()
+        node.trigger_configure()
+        now, number = EPOCH, 0
+
+        def send(samples):
+            nonlocal number
+            number += 1
+            info = {'source_timestamp': now, 'publication_sequence_number': number}
+            node._on_array(Float32MultiArray(data=[0.0] * samples), {'publisher_gid': 'a', **info})
+
+        # Messages of 5 s follow one another without a pause.
+        for _ in range(3):
+            now += 5 * NANO
+            send(5000)
+        assert (node._restarts, node._builder.next_sample) == (0, 15000 // 64 * 64)
+        # The driver sends nothing for 8 s, and numbers its messages as if nothing had been.
+        now += 8 * NANO + NANO // 10
+        send(100)
+        assert node._restarts == 1
+        assert node._builder.next_sample == 64
+        # Messages that are lost on the way are counted, however long they lasted.
+        now, number = now + 5 * NANO, number + 49
+        send(100)
+        assert (node._restarts, node._lost) == (1, 4900)
+        node.shut_down()
+    finally:
+        rclpy.shutdown()
+
+
+@pytest.mark.ros
+def test_an_imu_without_acceleration_is_refused(ros_domain):
+    rclpy.init(args=['--ros-args', '-p', 'source:=imu'])
+    try:
+        node = AdapterNode()
+        node.trigger_configure()
+        message = Imu()
+        message.linear_acceleration_covariance[0] = -1.0
+        for k in range(400):
+            message.header.stamp = time_message(EPOCH + k * NANO // 200)
+            node._on_imu(message, {'publisher_gid': 'a'})
+        status = node._input_status()
+        assert status.level is Level.ERROR
+        assert 'measures no acceleration' in status.message
+        assert node._sent == 0
+        node.shut_down()
+    finally:
+        rclpy.shutdown()
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize('pace', [0.1, 1.0, 10.0])
+def test_inputs_age_by_the_time_that_the_node_follows(pace, ros_domain):
+    rclpy.init(args=['--ros-args', '-p', 'use_sim_time:=true'])
+    try:
+        node = TwinNode()
+        node.trigger_configure()
+        clock = rclpy.create_node('clock').create_publisher(Clock, '/clock', 10)
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+
+        def go_on(seconds):
+            clock.publish(Clock(clock=time_message(EPOCH + round(seconds * NANO))))
+            end = time.monotonic() + 60.0
+            while abs(node.get_clock().now().nanoseconds - EPOCH - seconds * NANO) > 1e6:
+                assert time.monotonic() < end
+                executor.spin_once(timeout_sec=0.01)
+
+        end = time.monotonic() + 60.0
+        while not clock.get_subscription_count():
+            assert time.monotonic() < end
+            time.sleep(0.02)
+        go_on(0.0)
+        node._twin.take_temperature(Temperature(temperature=60.0))
+        go_on(4.0 * pace)
+        assert node._twin.inputs().temperature.age == pytest.approx(4.0 * pace)
+        node.shut_down()
+    finally:
+        rclpy.shutdown()
+
+
+@pytest.mark.ros
+def test_a_former_life_of_a_node_is_freed(ros_domain):
+    rclpy.init()
+    try:
+        node = TwinNode()
+        node.trigger_configure()
+        former = weakref.ref(node._topics)
+        node.trigger_cleanup()
+        node.trigger_configure()
+        assert former() is None
         node.shut_down()
     finally:
         rclpy.shutdown()

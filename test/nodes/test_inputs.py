@@ -349,3 +349,43 @@ def test_the_shipped_aggregator_file_names_every_status():
     for part in parts:
         assert any(text in f'renamed: {part}' for text in wanted), part
     assert any(text in 'renamed: pump/left bearing' for text in wanted)
+
+
+def test_one_of_two_thermometers_is_heard_and_the_other_is_told():
+    from bearing_twin.assets.twin import TwinChannel
+    from bearing_twin.assets.twin_parameters import SPECS
+    from sensor_msgs.msg import Temperature
+
+    now = 0.0
+    values = {spec.name: spec.default for spec in SPECS} | {'temperature_timeout': 5.0}
+    twin = TwinChannel(values, clock=lambda: now)
+    for _ in range(10):
+        now += 0.2
+        twin.take_temperature(Temperature(temperature=25.0), {'publisher_gid': 'a'})
+        twin.take_temperature(Temperature(temperature=95.0), {'publisher_gid': 'b'})
+        assert twin.inputs().temperature.used == 25.0
+    assert 'several sources of temperature: only the first is used' in twin.problems()
+    # The first falls silent: the other is heard when the last temperature is stale.
+    now += 5.1
+    twin.take_temperature(Temperature(temperature=95.0), {'publisher_gid': 'b'})
+    assert twin.inputs().temperature.used == 95.0
+    assert not any(twin.problems())
+
+
+@pytest.mark.parametrize('name', ['line2/fan', '..', 'a\0b'])
+def test_a_state_name_that_is_no_file_name_is_refused_with_the_parameters(name):
+    from bearing_twin.assets.diagnosis_parameters import check_diagnosis, SPECS
+
+    values = {spec.name: spec.default for spec in SPECS} | {'state_name': name}
+    with pytest.raises(BearingTwinError, match='is not a plain file name'):
+        check_diagnosis(values)
+
+
+def test_two_assets_do_not_share_a_state(tmp_path):
+    from bearing_twin.assets.fleet import read_assets
+
+    path = tmp_path / 'assets.yaml'
+    part = 'diagnosis: {state_name: fan}'
+    path.write_text(f'assets:\n  a: {{{part}}}\n  b: {{{part}}}\n')
+    with pytest.raises(BearingTwinError, match='a and b have one state_name'):
+        read_assets(str(path), [])
