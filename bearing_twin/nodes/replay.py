@@ -25,6 +25,7 @@ from bearing_twin.ros.qos import RESULT
 from bearing_twin.ros.rawtopics import message_class, replay_qos
 from bearing_twin.ros.remapping import check_remapping, remapping
 from rclpy.duration import Duration
+from rclpy.exceptions import NameValidationException
 from rosgraph_msgs.msg import Clock
 
 if TYPE_CHECKING:
@@ -110,7 +111,8 @@ class ReplayNode(ManagedNode):
                 self._topics[name] = self.create_publisher(
                     message_class(topic.type_name), names.get(name, name), replay_qos(topic.qos)
                 )
-            except BearingTwinError as error:
+            except (BearingTwinError, NameValidationException) as error:
+                # Other recorders take names that ROS does not have.
                 self._left_out[name] = str(error)
                 self.get_logger().error(f'{name} is left out: {error}')
         self._clock_publisher = (
