@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import gc
 import os
-from pathlib import Path
 import signal
 import sys
 import threading
@@ -17,14 +16,15 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.shared_specs import AUTOSTART
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
+from bearing_twin.ros.entities import destroy_new, entities
 from bearing_twin.ros.executor import LeanExecutor, PolledGroup
+from bearing_twin.ros.fastdds import set_up_fast_dds
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.launching import COMPILING, ensure_log_folder, LOADING
 from bearing_twin.ros.parameters import ParameterSet, unknown_at_start
 from bearing_twin.ros.subscribing import validated
 import rclpy
 from rclpy.executors import ExternalShutdownException
-from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
@@ -39,11 +39,6 @@ if TYPE_CHECKING:
     from rclpy.subscription import MessageInfo, Subscription
 
 __all__ = ['ManagedNode', 'answered', 'run']
-
-PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
-TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
-MODE = 'RMW_FASTRTPS_PUBLICATION_MODE'
-"""Settings of Fast DDS in the environment."""
 
 SLOW = 2.0
 """Time after which a node says why its preparation takes long, s."""
@@ -146,7 +141,7 @@ class ManagedNode(LifecycleNode):
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Build; rclpy's callback."""
         self._managed = True
-        result = self._attempt(self.setup)
+        result = self._attempt_or_undo(self.setup)
         if result == TransitionCallbackReturn.SUCCESS:
             self.configured = True
             # No error: a file of parameters may be shared with other nodes.
@@ -164,9 +159,16 @@ class ManagedNode(LifecycleNode):
         """Start; rclpy's callback."""
         if super().on_activate(state) != TransitionCallbackReturn.SUCCESS:
             return TransitionCallbackReturn.FAILURE
-        result = self._attempt(self.start)
+        result = self._attempt_or_undo(self.start)
         self.active = result == TransitionCallbackReturn.SUCCESS
+        if not self.active:
+            super().on_deactivate(state)
         return result
+
+    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Tear down after a defect of ours; rclpy's callback."""
+        self.shut_down()
+        return TransitionCallbackReturn.SUCCESS
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop; rclpy's callback."""
@@ -205,6 +207,14 @@ class ManagedNode(LifecycleNode):
         if self.configured:
             self.apply(values)
 
+    def _attempt_or_undo(self, step: Any) -> TransitionCallbackReturn:
+        """Attempt a step; where it fails, what it has made does not go on beside the next one."""
+        before = entities(self)
+        result = self._attempt(step)
+        if result != TransitionCallbackReturn.SUCCESS:
+            destroy_new(self, before)
+        return result
+
     def _attempt(self, step: Any) -> TransitionCallbackReturn:
         try:
             step()
@@ -237,28 +247,6 @@ def answered(response: Any, action: Callable[[], str]) -> Any:
 
 def _without_info(callback: Callable[[Any], None]) -> Callable[[Any, MessageInfo], None]:
     return lambda message, _: callback(message)
-
-
-def _set_up_fast_dds() -> None:
-    """
-    Let Fast DDS neither hold up a publisher nor keep the memory of large messages.
-
-    By default its sockets block for seconds when the other host has gone, and so would every
-    deadline: what a pulled cable cannot take is dropped, and sent again if it is still in the
-    writer's history. And by default each place of a queue stays as large as the largest message
-    that it has ever held. A user who has set up either, or the mode of publication, keeps it;
-    other middleware does not look at this.
-    """
-    if any(name in os.environ for name in PROFILES):
-        return
-    os.environ.setdefault(TRANSPORTS, 'DEFAULT?non_blocking=true')
-    if MODE in os.environ:
-        # Fast DDS would not look at it beside a profile.
-        return
-    # Fast DDS 2 (Jazzy, whose timers lack this) knows only the older name; 3 warns of that one.
-    name = PROFILES[0 if hasattr(_rclpy.Timer, 'call_timer_with_info') else 1]
-    os.environ[name] = str(Path(__file__).with_name('fastdds.xml'))
-    os.environ.setdefault('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')
 
 
 def _prepare(node: ManagedNode, executor: Executor) -> None:
@@ -333,7 +321,7 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
             file=sys.stderr,
         )
         return 2
-    _set_up_fast_dds()
+    set_up_fast_dds()
     ensure_log_folder()
     keep_freed_memory()
     status = _run(node_class, args)

@@ -1,0 +1,37 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a node has in the graph, and how what a failed step has added is taken back."""
+
+from __future__ import annotations
+
+from typing import Any, TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterable
+
+    from rclpy.lifecycle import LifecycleNode
+
+__all__ = ['destroy_new', 'entities']
+
+
+def entities(node: LifecycleNode) -> list[Any]:
+    """Return publishers, subscriptions, services, clients and timers of a node."""
+    return [
+        *(*node.publishers, *node.subscriptions),
+        *(*node.services, *node.clients, *node.timers),
+    ]
+
+
+def destroy_new(node: LifecycleNode, before: Collection[Any]) -> None:
+    """Destroy what is not in ``before``, the newest first."""
+    destroyers: tuple[tuple[Iterable[Any], Callable[[Any], bool]], ...] = (
+        (node.timers, node.destroy_timer),
+        (node.clients, node.destroy_client),
+        (node.services, node.destroy_service),
+        (node.subscriptions, node.destroy_subscription),
+        (node.publishers, node.destroy_lifecycle_publisher),
+    )
+    for made, destroy in destroyers:
+        for entity in list(made):
+            if entity not in before:
+                destroy(entity)

@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Transitions that fail leave a node as it was before."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bearing_twin.errors import BearingTwinError
+from mcap.writer import Writer
+import pytest
+
+pytest.importorskip('rclpy')
+
+from bearing_twin.nodes.replay import ReplayNode
+from bearing_twin.ros.entities import entities
+from bearing_twin.ros.health import Health
+from bearing_twin.ros.lifecycle import ManagedNode
+import rclpy
+from rclpy.lifecycle import TransitionCallbackReturn
+from std_msgs.msg import String
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+pytestmark = pytest.mark.ros
+
+SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
+
+
+class Failing(ManagedNode):
+    """A node whose steps fail as often as it is told."""
+
+    def __init__(self, error: Exception, *steps: str) -> None:
+        super().__init__('failing', ())
+        self.error = error
+        self.steps = list(steps)
+        self.torn_down = 0
+
+    def setup(self) -> None:
+        """Make what a node has."""
+        self.health = Health(self, '')
+        self.out = self.create_lifecycle_publisher(String, 'out', 10)
+        self.answer = self.offer('~/reset', str)
+        self.fail('setup')
+
+    def start(self) -> None:
+        """Listen, and fail."""
+        self.input = self.create_subscription(String, 'in', print, 10)
+        self.fail('start')
+
+    def fail(self, step: str) -> None:
+        """Raise where this step is to fail once more."""
+        if step in self.steps:
+            self.steps.remove(step)
+            raise self.error
+
+    def stop(self) -> None:
+        """Stop listening."""
+        self.destroy_subscription(self.input)
+
+    def teardown(self) -> None:
+        """Give up what setup made."""
+        self.health.destroy()
+        self.destroy_lifecycle_publisher(self.out)
+        self.destroy_service(self.answer)
+        self.torn_down += 1
+
+
+def test_a_refused_configure_leaves_nothing_beside_the_next(ros_domain: int) -> None:
+    rclpy.init()
+    try:
+        node = Failing(BearingTwinError('no'), 'setup', 'setup')
+        before = entities(node)
+        for _ in range(2):
+            assert node.trigger_configure() == FAILURE
+            assert entities(node) == before
+        assert node.trigger_configure() == SUCCESS
+        assert node.count_publishers('/diagnostics') == 1
+        node.shut_down()
+    finally:
+        rclpy.shutdown()
+
+
+def test_a_refused_activate_listens_to_nothing(ros_domain: int) -> None:
+    rclpy.init()
+    try:
+        node = Failing(BearingTwinError('no'), 'start')
+        node.trigger_configure()
+        before = entities(node)
+        assert node.trigger_activate() == FAILURE
+        assert entities(node) == before
+        assert not node.out.is_activated
+        assert node.trigger_activate() == SUCCESS
+        assert node.count_subscribers('/in') == 1
+        node.shut_down()
+    finally:
+        rclpy.shutdown()
+
+
+def test_a_defect_leaves_a_node_that_can_be_configured_anew(ros_domain: int) -> None:
+    rclpy.init()
+    try:
+        node = Failing(KeyError('a defect'), 'start')
+        before = entities(node)
+        node.trigger_configure()
+        node.trigger_activate()
+        assert (node.configured, node.active, node.torn_down) == (False, False, 1)
+        assert entities(node) == before
+        assert node.trigger_configure() == SUCCESS
+        assert node.trigger_activate() == SUCCESS
+        node.shut_down()
+    finally:
+        rclpy.shutdown()
+
+
+def test_a_topic_whose_name_ros_does_not_have_costs_only_itself(
+    ros_domain: int, tmp_path: Path
+) -> None:
+    path = tmp_path / 'a.mcap'
+    with path.open('wb') as file:
+        writer = Writer(file)
+        writer.start(profile='ros2')
+        schema = writer.register_schema('std_msgs/msg/String', 'ros2msg', b'string data')
+        for topic in ('/ok', '/bad name', '/1x', '/a//b', '/end/'):
+            channel = writer.register_channel(topic, 'cdr', schema)
+            writer.add_message(channel, 1, b'\0\1\0\0\2\0\0\0a\0', 1)
+        writer.finish()
+    rclpy.init(args=['--ros-args', '-p', f'recording:={path}'])
+    try:
+        node = ReplayNode()
+        assert node.trigger_configure() == SUCCESS
+        assert list(node._topics) == ['/ok']
+        assert len(node._left_out) == 4
+        node.shut_down()
+    finally:
+        rclpy.shutdown()
