@@ -93,6 +93,19 @@ def test_arguments_that_cannot_be_used_are_refused(name, arguments, said):
         start.visit(context)
 
 
+def test_an_argument_that_is_misspelt_is_told(capsys):
+    description = described(FOLDER / 'twin.launch.py')
+    context = launch.LaunchService(argv=[]).context
+    context.launch_configurations.update({'defct': 'inner', 'map_of_the_hall': 'x.yaml'})
+    for declared in description.get_launch_arguments():
+        declared.visit(context)
+    [start] = [a for a in description.entities if isinstance(a, launch.actions.OpaqueFunction)]
+    start.visit(context)
+    assert capsys.readouterr().out.splitlines() == [
+        "[WARNING] [bearing_twin]: there is no argument 'defct'; is 'defect' meant?"
+    ]
+
+
 @pytest.mark.ros
 @pytest.mark.skipif(not INSTALLED, reason='ros2 does not find this package')
 @pytest.mark.parametrize('name', STARTS)

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,7 @@ from bearing_twin.errors import BearingTwinError
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.conditions import IfCondition
+from launch.logging import get_logger
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
@@ -78,6 +80,11 @@ def launch_description(
     conditions, remappings = conditions or {}, remappings or {}
 
     def start(context: LaunchContext) -> list[Node]:
+        declared = [each.name for each in arguments]
+        for name in context.launch_configurations.keys() - set(declared):
+            # Others may belong to the launch file that includes this one.
+            for close in get_close_matches(name, declared, n=1):
+                get_logger(PACKAGE).warning(f"there is no argument '{name}'; is '{close}' meant?")
         texts = {each.name: LaunchConfiguration(each.name).perform(context) for each in arguments}
         given = {each.name: _value(each, context) for each in arguments if texts[each.name]}
         file = texts.get('params_file', '')
