@@ -16,7 +16,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode, run
 from bearing_twin.ros.qos import OVERRIDES, own, SENSOR, STREAM
-from bearing_twin.ros.subscribing import subscribe
+from bearing_twin.ros.subscribing import subscribe, unheard
 from bearing_twin.stamps import NANO, samples_ns, stamp_ns
 from bearing_twin.streams.samplerate import RateMeter, REFUSED
 from bearing_twin.streams.sampling import (
@@ -36,8 +36,9 @@ if TYPE_CHECKING:
 
     from bearing_twin.streams.sampling import SampledBlock
     from rclpy.subscription import MessageInfo
+    from std_msgs.msg import MultiArrayLayout
 
-__all__ = ['SPECS', 'AdapterNode', 'check_adapter', 'main']
+__all__ = ['SPECS', 'AdapterNode', 'check_adapter', 'check_layout', 'main']
 
 SILENT_AFTER = 2.0
 ARRAY = 'float32_multi_array'
@@ -130,6 +131,7 @@ class AdapterNode(ManagedNode):
         p = self.parameters
         rate = p['sample_rate']
         try:
+            check_layout(message.layout, p['channels'], interleaved=p['interleaved'])
             samples = split_channels(
                 np.asarray(message.data), p['channels'], interleaved=p['interleaved']
             )
@@ -255,6 +257,8 @@ class AdapterNode(ManagedNode):
         wrong = self._meter.problem(rate) if rate else None
         if math.isnan(age):
             level, message = Level.STALE, 'no samples yet'
+            if self.active:
+                message = unheard(self, self._input, message)
         elif self._problem:
             level, message = Level.ERROR, f'message refused: {self._problem}'
         elif age > SILENT_AFTER:
@@ -315,6 +319,37 @@ def check_adapter(values: Mapping[str, Any]) -> None:
         raise BearingTwinError(msg)
     if values['scale'] == 0.0:
         msg = 'scale=0 would silence the sensor; give the factor from its values to unit'
+        raise BearingTwinError(msg)
+
+
+def check_layout(layout: MultiArrayLayout, channels: int, *, interleaved: bool) -> None:
+    """
+    Refuse an array that says of itself that it is arranged in another way.
+
+    Parameters
+    ----------
+    layout
+        What the message says; many drivers leave it empty.
+    channels, interleaved
+        Parameters of the adapter.
+
+    Raises
+    ------
+    BearingTwinError
+        If its two dimensions are not samples and channels as the parameters say, or its data
+        begin behind others.
+
+    """
+    if layout.data_offset:
+        msg = f'data_offset={layout.data_offset}: arrays whose data begin at 0 are taken'
+        raise BearingTwinError(msg)
+    sizes = [each.size for each in layout.dim]
+    if len(sizes) == 2 and sizes[1 if interleaved else 0] != channels:
+        if sizes[0 if interleaved else 1] == channels > 1:
+            remedy = f'interleaved to {str(not interleaved).lower()}'
+        else:
+            remedy = f'channels to {sizes[1 if interleaved else 0]}'
+        msg = f'the message says {sizes[0]} x {sizes[1]}, not {channels} channels: set {remedy}'
         raise BearingTwinError(msg)
 
 

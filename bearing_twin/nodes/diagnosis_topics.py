@@ -15,7 +15,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
-from bearing_twin.ros.subscribing import receiver_clock, subscribe
+from bearing_twin.ros.subscribing import receiver_clock, subscribe, unheard
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.statefile import StateFolder
@@ -280,7 +280,7 @@ class DiagnosisTopics:
     def input_status(self) -> Status:
         """Status of the vibration stream for /diagnostics."""
         now = time.monotonic()
-        return input_status(
+        status = input_status(
             age=now - self._arrived,
             blocks=self._blocks,
             refused=self._refused,
@@ -295,6 +295,10 @@ class DiagnosisTopics:
                 self._unkept and f'baseline and trend are not kept: {self._unkept}',
             ),
         )
+        heard = self._blocks or self._problem or not self._node.active
+        if heard or self._inputs[0].msg_type is not Vibration:
+            return status
+        return status._replace(message=unheard(self._node, self._inputs[0], status.message))
 
     def verdict_status(self) -> Status:
         """Status of the bearing for /diagnostics."""

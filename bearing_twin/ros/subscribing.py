@@ -10,6 +10,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.qos import OVERRIDES, own
 from bearing_twin.stamps import LATEST, NANO, stamp_ns
+from rclpy.qos import qos_check_compatible, QoSCompatibility
 from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
     from rclpy.subscription import MessageInfo, Subscription
 
-__all__ = ['read_message', 'receiver_clock', 'subscribe', 'validated']
+__all__ = ['read_message', 'receiver_clock', 'subscribe', 'unheard', 'validated']
 
 HEADER = 4
 """Bytes before the message: its encoding, and how many bytes of padding end it."""
@@ -111,6 +112,25 @@ def subscribe(
         callback_group=group,
         qos_overriding_options=OVERRIDES,
     )
+
+
+def unheard(node: Node, subscription: Subscription[Any], text: str) -> str:
+    """Return ``text`` with the reasons why publishers of a topic are not heard, if there are."""
+    kind = subscription.msg_type
+    name = f'{kind.__module__.split(".")[0]}/msg/{kind.__name__}'
+    reasons = []
+    for info in node.get_publishers_info_by_topic(subscription.topic_name):
+        if info.topic_type != name:
+            reasons.append(f'it is published as {info.topic_type}, not {name}')
+            continue
+        fits, why = qos_check_compatible(info.qos_profile, subscription.qos_profile)
+        if fits == QoSCompatibility.ERROR:
+            reasons.append(
+                f'the QoS of its publisher does not match ({why.strip(" ;")}): set qos_overrides.'
+                f'{subscription.topic_name}.subscription.reliability to best_effort'
+            )
+    where = f' on {subscription.topic_name}: ' if reasons else ''
+    return f'{text}{where}{"; ".join(dict.fromkeys(reasons))}'
 
 
 def validated(

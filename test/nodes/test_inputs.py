@@ -10,6 +10,7 @@ from pathlib import Path
 import select
 import subprocess
 import sys
+import time
 from types import SimpleNamespace
 
 from bearing_twin.errors import BearingTwinError
@@ -389,3 +390,63 @@ def test_two_assets_do_not_share_a_state(tmp_path):
     path.write_text(f'assets:\n  a: {{{part}}}\n  b: {{{part}}}\n')
     with pytest.raises(BearingTwinError, match='a and b have one state_name'):
         read_assets(str(path), [])
+
+
+@pytest.mark.parametrize(
+    ('sizes', 'channels', 'interleaved', 'text'),
+    [
+        ((1000, 3), 1, True, 'set channels to 3'),
+        ((3, 1000), 3, True, 'set interleaved to false'),
+        ((1000, 3), 3, False, 'set interleaved to true'),
+        ((1000, 3), 3, True, ''),
+        ((3, 1000), 3, False, ''),
+        ((1000,), 1, True, ''),
+        ((), 2, True, ''),
+    ],
+)
+def test_an_array_that_is_arranged_in_another_way_is_refused(sizes, channels, interleaved, text):
+    from bearing_twin.nodes.adapter import check_layout
+    from std_msgs.msg import MultiArrayDimension, MultiArrayLayout
+
+    layout = MultiArrayLayout(dim=[MultiArrayDimension(size=size) for size in sizes])
+    if not text:
+        check_layout(layout, channels, interleaved=interleaved)
+        layout.data_offset, text = 8, 'begin at 0'
+    with pytest.raises(BearingTwinError, match=text):
+        check_layout(layout, channels, interleaved=interleaved)
+
+
+@pytest.mark.ros
+def test_why_a_publisher_is_not_heard_is_told(ros_domain):
+    from bearing_twin.nodes.diagnosis import DiagnosisNode
+    from bearing_twin_msgs.msg import Vibration
+    import rclpy
+    from rclpy.qos import QoSProfile, ReliabilityPolicy
+    from std_msgs.msg import Float32MultiArray
+
+    rclpy.init()
+    try:
+        node = DiagnosisNode()
+        node.trigger_configure()
+        node.trigger_activate()
+        assert node._topics.input_status().message == 'no vibration yet'
+        other = rclpy.Context()
+        other.init()
+        for kind, said in (
+            (Vibration, 'set qos_overrides./vibration.subscription.reliability to best_effort'),
+            (Float32MultiArray, 'it is published as std_msgs/msg/Float32MultiArray'),
+        ):
+            # Within one context, the middleware refuses a second type.
+            source = rclpy.create_node('source', context=other)
+            qos = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+            publisher = source.create_publisher(kind, 'vibration', qos)
+            end = time.monotonic() + 60.0
+            while said not in node._topics.input_status().message:
+                assert time.monotonic() < end, node._topics.input_status().message
+                time.sleep(0.05)
+            source.destroy_publisher(publisher)
+            source.destroy_node()
+        node.shut_down()
+        rclpy.shutdown(context=other)
+    finally:
+        rclpy.shutdown()
