@@ -76,6 +76,10 @@ holds against the preset, also where it equals the default. Whole numbers are ac
 and `string` at start (`bearing:=6307`). A parameter name that the node does not have is logged as
 a warning with the nearest names; a file of assets and an offline run refuse it.
 
+ROS 2 joins the sections `/**` of all parameter files and of `-p` to the first one. Where a file
+begins with `/**` and sets a parameter in a section `/**/twin` behind it, `-p` loses against it
+(`ros2 launch` with our launch files does not): write such a file without `/**`.
+
 Names with a point are nested tables in a parameter file (`lubricant: {viscosity_40: 4.6e-05}`). A
 file of assets accepts both forms. A checkpoint, and the configuration in a recording, omits the
 parameters of machine, sensor, oil and thermal laws that have their default.

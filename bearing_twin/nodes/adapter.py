@@ -70,7 +70,8 @@ class AdapterNode(ManagedNode):
     Turn samples as other drivers publish them into blocks that the diagnosis takes.
 
     ``std_msgs/Float32MultiArray`` holds many samples and no stamp: the time of publishing counts
-    as that of the last sample, and gaps are seen from the middleware's message numbers.
+    as that of the last sample. Gaps are seen from the middleware's message numbers, and where the
+    driver sends nothing for 2 s; what it leaves out for a shorter time is not seen.
     ``sensor_msgs/Imu`` holds one sample: time and gaps come from its stamps.
     In simulated time, what comes without a stamp before ``/clock`` has no time and is left out.
     """

@@ -295,10 +295,12 @@ class DiagnosisTopics:
                 self._unkept and f'baseline and trend are not kept: {self._unkept}',
             ),
         )
-        heard = self._blocks or self._problem or not self._node.active
-        if heard or self._inputs[0].msg_type is not Vibration:
+        if self._blocks or self._problem or not self._node.active:
             return status
-        return status._replace(message=unheard(self._node, self._inputs[0], status.message))
+        text = status.message
+        for each in self._inputs:
+            text = unheard(self._node, each, text) if each.msg_type is Vibration else text
+        return status._replace(message=text)
 
     def verdict_status(self) -> Status:
         """Status of the bearing for /diagnostics."""
