@@ -28,17 +28,20 @@ settings.register_profile('untimed', deadline=None, suppress_health_check=[Healt
 settings.load_profile('untimed')
 
 
-def pytest_itemcollected(item: pytest.Item) -> None:
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """
-    Divide the tests among the processes of ``pytest -n``.
+    Put the files with real nodes evenly among the others: those wait while these compute.
 
-    Those with real processes follow one another in one of them, so that nothing but the tests of
-    one other file runs beside a node; files stay whole for what their fixtures prepare.
+    The processes of ``pytest -n`` take file after file in this order.
     """
-    live = 'ros_domain' in getattr(item, 'fixturenames', ()) or any(
-        item.get_closest_marker(name) for name in ('ros', 'vulkan')
-    )
-    item.add_marker(pytest.mark.xdist_group('live' if live else str(item.path)))
+    files: dict[Path, list[pytest.Item]] = {}
+    for item in items:
+        files.setdefault(item.path, []).append(item)
+    kinds: dict[bool, list[Path]] = {True: [], False: []}
+    for path, tests in files.items():
+        kinds[any(test.get_closest_marker('ros') for test in tests)].append(path)
+    places = {p: (k + 0.5) / len(some) for some in kinds.values() for k, p in enumerate(some)}
+    items.sort(key=lambda item: places[item.path])
 
 
 @pytest.fixture(scope='session')
