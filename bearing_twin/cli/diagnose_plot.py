@@ -9,10 +9,10 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing.vocabulary import TITLES
-from bearing_twin.recording.wholefile import whole_file
 from bearing_twin.view.report.spectra import CAPTION, draw_envelope_spectrum, draw_spectrum
 from bearing_twin.view.report.svg import STYLE
 from bearing_twin.view.spectrum import SpectrumPicture
+from bearing_twin.wholefile import whole_file
 import matplotlib as mpl
 from matplotlib.figure import Figure
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearing_twin.calibration.fit import fitted_vibration
-from bearing_twin.recording.wholefile import whole_file
 from bearing_twin.view.report.svg import STYLE
 from bearing_twin.view.verdict import pretty
+from bearing_twin.wholefile import whole_file
 import matplotlib as mpl
 from matplotlib.figure import Figure
 import numpy as np

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recordings
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.wholefile import whole_file
+from bearing_twin.wholefile import whole_file
 
 if TYPE_CHECKING:
     import argparse

@@ -17,10 +17,10 @@ from urllib.parse import urlsplit
 from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recordings
 from bearing_twin.cli.terminal import percent, refuse_given, shown
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.wholefile import whole_file
 from bearing_twin.view.rerun.blueprint import PAGES
 from bearing_twin.view.rerun.opening import draw_recordings
 from bearing_twin.view.rerun.viewer import HeadlessViewer, live_url, show, show_in_browser
+from bearing_twin.wholefile import whole_file
 
 if TYPE_CHECKING:
     import argparse

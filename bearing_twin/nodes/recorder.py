@@ -18,7 +18,6 @@ from bearing_twin.recording.health import SENT_BEFORE
 from bearing_twin.recording.recover import find_unfinished
 from bearing_twin.recording.snapshot import SnapshotWriter
 from bearing_twin.recording.topics import OWN_TOPICS
-from bearing_twin.recording.wholefile import free_path
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode, run
@@ -28,6 +27,7 @@ from bearing_twin.ros.rawtopics import offered_qos_yaml, SUBSCRIPTION_DEPTH
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.arrival import ArrivalTimes
 from bearing_twin.view.rerun.ending import leave
+from bearing_twin.wholefile import free_path
 from rclpy.clock import Clock, ClockType
 from rclpy.logging import get_logger
 

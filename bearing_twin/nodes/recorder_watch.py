@@ -17,7 +17,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.recording.schema import message_schema, store_from_text
 from bearing_twin.recording.snapshot import SnapshotWriter
-from bearing_twin.recording.wholefile import free_path
+from bearing_twin.wholefile import free_path
 import yaml
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ import os
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.recording.qos import read_qos
-from bearing_twin.recording.wholefile import whole_file
+from bearing_twin.wholefile import whole_file
 import yaml
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import stat
 from typing import BinaryIO
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.wholefile import whole_file
+from bearing_twin.wholefile import whole_file
 
 __all__ = ['StateFolder']
 
