@@ -200,7 +200,10 @@ class DiagnosisCheck:
             with contextlib.suppress(BearingTwinError):
                 # The node refuses such a block as well.
                 run.take(
-                    block, temperature=math.nan, joint_hz=speed, measured=not math.isnan(speed)
+                    read_vibration(block, values['axis']),
+                    temperature=math.nan,
+                    joint_hz=speed,
+                    measured=not math.isnan(speed),
                 )
         run.load(state)
         return run

@@ -12,7 +12,6 @@ from bearing_twin.assets.checkpoints import Checkpoints, parameters_of
 from bearing_twin.assets.diagnosis import DiagnosisCore
 from bearing_twin.diagnosis.streaming import StreamingDiagnoser
 from bearing_twin.offline.output import output
-from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.vibration_input import read_vibration
 import yaml
 
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.assets.diagnosis import DueVerdict, Verdict
     from bearing_twin.offline.output import Output
+    from bearing_twin.streams.vibration_input import VibrationBlock
 
 __all__ = ['DiagnosisRun']
 
@@ -78,16 +78,16 @@ class DiagnosisRun:
         self._text = yaml.safe_dump(self.values)
         self._core.reconfigure(values)
 
-    def needs_checkpoint(self, message: Any) -> bool:
-        """Whether a checkpoint is to precede the vibration ``message``."""
-        return self._checkpoints.is_due(message.first_sample)
+    def needs_checkpoint(self, block: VibrationBlock) -> bool:
+        """Whether a checkpoint is to precede a block."""
+        return self._checkpoints.is_due(block.first_sample)
 
-    def checkpoint(self, message: Any) -> Output:
-        """Return the checkpoint before the vibration ``message``."""
+    def checkpoint(self, block: VibrationBlock) -> Output:
+        """Return the checkpoint before a block."""
         checkpoint = self._checkpoints.make(
-            message.first_sample,
-            stamp=stamp_ns(message.header.stamp),
-            sample_rate=message.sample_rate,
+            block.first_sample,
+            stamp=block.stamp,
+            sample_rate=block.sample_rate,
             configuration=self._text,
             state=self.state,
         )
@@ -95,24 +95,24 @@ class DiagnosisRun:
 
     def push(self, message: Any, **known: Any) -> Iterator[Output]:
         """Yield what the node publishes of one vibration message; ``known`` as in :meth:`take`."""
-        for due in self.take(message, **known):
+        for due in self.take(read_vibration(message, self.values['axis']), **known):
             yield from self.outputs(due.judge(due.analyse()))
 
     def take(
         self,
-        message: Any,
+        block: VibrationBlock,
         *,
         temperature: float,
         joint_hz: float = math.nan,
         measured: bool = False,
     ) -> list[DueVerdict]:
         """
-        Take one vibration message; return the verdicts that are due.
+        Take one block; return the verdicts that are due.
 
         Parameters
         ----------
-        message
-            Vibration with the fields of the ROS message.
+        block
+            Of the axis in the parameters.
         temperature
             Last bearing temperature, degC; NaN where there is none.
         joint_hz
@@ -123,10 +123,9 @@ class DiagnosisRun:
         Raises
         ------
         BearingTwinError
-            If the message cannot be used.
+            If its sample rate cannot be trusted.
 
         """
-        block = read_vibration(message, self.values['axis'])
         self._core.admit(block)
         return self._core.take(
             block, temperature=temperature, joint_hz=joint_hz, measured=measured

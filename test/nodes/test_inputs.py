@@ -145,7 +145,8 @@ def dated(seconds, rate):
         stamp = SimpleNamespace(sec=ns // 10**9, nanosec=ns % 10**9)
         header = SimpleNamespace(stamp=stamp, frame_id='')
         block = signal[first : first + 1000]
-        yield message(first_sample=first, x=[], y=block, header=header)
+        sent = message(first_sample=first, x=[], y=block, header=header)
+        yield read_vibration(sent, 'y')
 
 
 @pytest.mark.ros
