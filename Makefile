@@ -24,10 +24,10 @@ demo: setup
 	$(BIN)/bearing-twin demo
 
 # Tests with real nodes wait more than they compute: more processes than a small machine has cores.
-# Each takes whole files, whose fixtures are then prepared once. (With --dist loadgroup, which
-# pytest-xdist 3.8 no longer follows under pytest 9.2, every test of a file went its own way.)
+# Each takes whole files, whose fixtures are then prepared once (pytest-xdist 3.8 does not follow
+# --dist loadgroup under pytest 9.2).
 test: lint
-	$(BIN)/python -m pytest -n 3 --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest -n 4 --dist loadfile --no-loadscope-reorder
 
 lint: setup
 	$(BIN)/ruff check .
