@@ -75,6 +75,7 @@ class RecorderNode(ManagedNode):
         choice = TopicChoice(p.values, named, self.get_namespace())
         self._topics = RawSubscriptions(self, choice, self._on_message)
         self._writer = build_writer(p.values)
+        self._told = ''
         try:
             self._begin()
         except Exception:
@@ -219,6 +220,8 @@ class RecorderNode(ManagedNode):
             publish_time=max(0, info['source_timestamp'] or received),
             qos=qos,
         )
+        # A writer that the timer keeps waiting flushes by itself.
+        self._tell_problem()
         self._watch.see(topic, type_name, cdr, received)
 
     def _offered(self, topic: str) -> str:
@@ -231,12 +234,17 @@ class RecorderNode(ManagedNode):
             return ''
 
     def _flush(self) -> None:
-        before = self._writer.problem
         self._writer.flush()
-        if self._writer.problem and self._writer.problem != before:
-            self.get_logger().error(f'not recording: {self._writer.problem}')
-        elif before and not self._writer.problem:
+        self._tell_problem()
+
+    def _tell_problem(self) -> None:
+        """Log what keeps messages from the disk, where it begins and where it ends."""
+        problem = self._writer.problem
+        if problem and problem != self._told:
+            self.get_logger().error(f'not recording: {problem}')
+        elif self._told and not problem:
             self.get_logger().info('the disk takes data again: recording goes on')
+        self._told = problem
 
     def _split(self) -> str:
         if isinstance(self._writer, SnapshotWriter):
