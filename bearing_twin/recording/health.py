@@ -118,14 +118,14 @@ def recording_health(path: Path) -> RecordingHealth:
 
 
 def sent_before(diagnostics: Any) -> dict[str, int]:
-    """Return how many messages of each topic a recorder says were sent before it heard them."""
+    """Return how many messages of a topic were sent before a recorder heard it, where any were."""
     return {
         topic: int(count)
         for status in diagnostics.status
         for item in status.values
         if item.key == SENT_BEFORE
         for topic, _, count in (entry.rpartition(' ') for entry in item.value.split('; '))
-        if count.isdecimal()
+        if count.isdecimal() and int(count)
     }
 
 

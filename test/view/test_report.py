@@ -180,6 +180,11 @@ def test_a_twin_beside_the_sensor_is_not_what_the_page_is_about(recording, tmp_p
     assert machine.vibration == single.vibration
     assert machine.sensors == {'/vibration', '/vibration_twin'}
     assert '/vibration, /vibration_twin' in report_page(both)
+    topics = {'/vibration': ['/vibration', '/twin/vibration']}
+    made = tmp_path / 'below'
+    below = rewritten(recording, made, rename=lambda t: topics.get(t, [t]), until=end)
+    (machine,) = collect(below).values()
+    assert machine.sensors == {'/vibration', '/twin/vibration'}
 
 
 @pytest.mark.parametrize(

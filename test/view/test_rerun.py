@@ -431,7 +431,7 @@ def view_names(rrd):
     for blueprint in store.blueprints():
         for chunk in store.stream(store=blueprint):
             for name, values in chunk.to_record_batch().to_pydict().items():
-                if name == 'ViewBlueprint:display_name':
+                if name.endswith('Blueprint:display_name'):
                     names[str(chunk.entity_path)] = values[0][0]
     return list(names.values())
 
@@ -455,6 +455,23 @@ def test_a_velocity_with_a_zone_is_on_the_first_page_too(recording, tmp_path, zo
     entities = {str(chunk.entity_path) for chunk in RrdReader(rrd).stream()}
     limits = {name.rpartition('/')[2] for name in entities if 'velocity/limit' in name}
     assert limits == ({'0', '1.4', '2.8', '4.5'} if zone else {'0', '11'})
+
+
+def test_a_twin_beside_its_machine_is_no_second_bearing(recording, tmp_path):
+    rrd = tmp_path / 'beside.rrd'
+    names = ['/diagnosis', '/twin_state', '/vibration']
+    with RerunLogger(recording_id='beside', rrd=rrd) as logger:
+        for k, message in enumerate(read_messages(recording, topics=names)):
+            both = ['', '/twin'] if message.topic == '/vibration' else ['']
+            for name in both:
+                topic = f'/fan{name}{message.topic}'
+                logger.log(topic, message.type_name, message.decode(), message.log_time)
+            if k > 200:
+                break
+    names = view_names(rrd)
+    assert 'Vibration: /fan/twin' in names
+    assert 'All bearings' not in names
+    assert 'Verdict' in names
 
 
 def test_namespaces_are_scenes_of_their_own(recording, tmp_path):

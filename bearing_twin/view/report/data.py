@@ -78,9 +78,14 @@ class Machine:
         return next((str(name) for name in named if name), '')
 
     @property
+    def only_vibration(self) -> bool:
+        """Whether no twin and no verdict is in it."""
+        return not (self.diagnoses or self.headline.spectra or self.states)
+
+    @property
     def empty(self) -> bool:
         """Whether there is nothing of a bearing in it."""
-        return not (self.diagnoses or self.headline.spectra or self.states or self.vibration)
+        return self.only_vibration and not self.vibration
 
 
 def collect(path: Path) -> dict[str, Machine]:
@@ -102,6 +107,12 @@ def collect(path: Path) -> dict[str, Machine]:
     found = {name: c.machine for name, c in sorted(machines.items()) if not c.machine.empty}
     for c in machines.values():
         _take_fleet(c.machine, found)
+    for name, machine in [*found.items()]:
+        parent = found.get(name.rpartition('/')[0])
+        if machine.only_vibration and parent is not None and parent.states:
+            # Of the twin beside the machine, as twin/vibration.
+            parent.sensors |= machine.sensors
+            del found[name]
     if not found:
         msg = (
             f'{path} holds neither vibration nor diagnosis of type bearing_twin_msgs, so that '

@@ -9,6 +9,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT
 from bearing_twin.view.report.svg import BINS, FAMILY_COLOURS
 from bearing_twin.view.spectrum import HARMONICS, highest, SpectrumPicture
+from matplotlib.ticker import MaxNLocator
 import numpy as np
 
 if TYPE_CHECKING:
@@ -58,6 +59,7 @@ def draw_envelope_spectrum(figure: Figure, picture: SpectrumPicture) -> None:
         axes.axhline(INDEX_FAULT, color='#b71c1c', linewidth=0.7, dashes=(6, 3))
     if near is not None:
         grid[0, 1].set_title('first harmonic from near')
+        grid[0, 1].xaxis.set_major_locator(MaxNLocator(3))
 
 
 def draw_spectrum(axes: Axes, picture: SpectrumPicture, band: tuple[float, float]) -> None:

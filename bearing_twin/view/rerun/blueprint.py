@@ -57,6 +57,8 @@ def layout(
     """
     bearings = {title: scene for title, scene in scenes.items() if _is_bearing(scene)}
     others = {title: scene for title, scene in scenes.items() if scene.contents}
+    besides = {t: s for t, s in bearings.items() if _is_of_twin(s, bearings.values())}
+    bearings = {title: scene for title, scene in bearings.items() if title not in besides}
     shown = bearings or others
     parts: list[View]
     if side_by_side:
@@ -72,6 +74,9 @@ def layout(
         parts = [*_all_bearings(shown), *wide]
         # The page is one of the first bearing's.
         page = str(wide[0].name) if bearings and page not in ('', 'Nodes') else page
+    if not side_by_side:
+        pages = (_vibration(s, timeline, name=f'Vibration: {t}') for t, s in besides.items())
+        parts += [page for page in pages if page is not None]
     nodes = _nodes(scenes.values())
     if nodes:
         parts.append(rrb.Vertical(*nodes, name='Nodes'))
@@ -118,6 +123,13 @@ def _is_bearing(scene: Scene) -> bool:
     return bool(kinds & {'vibration', 'twin_state', 'diagnosis', 'spectrum', 'envelope_spectrum'})
 
 
+def _is_of_twin(scene: Scene, bearings: Iterable[Scene]) -> bool:
+    """Whether it is the vibration of a twin beside its machine, as twin/vibration."""
+    above = scene.root.rpartition('/')[0]
+    beside = any(s.root == above and 'twin_state' in s.contents.values() for s in bearings)
+    return beside and set(scene.contents.values()) <= {'vibration'}
+
+
 def _of(scene: Scene, kind: str) -> list[str]:
     return [_join(scene.root, name) for name, known in scene.contents.items() if known == kind]
 
@@ -134,6 +146,16 @@ def _window(timeline: str, seconds: float) -> rrb.VisibleTimeRange:
     )
 
 
+def _all_time() -> rrb.TimeAxis:
+    """
+    Return the axis of views over time: from the beginning to the end.
+
+    With the axis that views share Rerun opens at half a minute on either side of the cursor.
+    """
+    ends = rrb.TimeRange(rrb.TimeRangeBoundary.infinite(), rrb.TimeRangeBoundary.infinite())
+    return rrb.TimeAxis(link=rrb.components.LinkAxis.Independent, view_range=ends)
+
+
 def _lines(
     name: str,
     contents: Sequence[str],
@@ -142,12 +164,11 @@ def _lines(
     legend: bool = False,
     span: tuple[float, float] | None = None,
 ) -> rrb.TimeSeriesView:
-    link = rrb.components.LinkAxis.Independent if window else rrb.components.LinkAxis.LinkToGlobal
     return rrb.TimeSeriesView(
         origin='/',
         contents=list(contents),
         name=name,
-        axis_x=rrb.TimeAxis(link=link),
+        axis_x=rrb.TimeAxis(link=rrb.components.LinkAxis.Independent) if window else _all_time(),
         axis_y=rrb.ScalarAxis(range=span) if span else None,
         plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=legend),
         time_ranges=[window] if window else None,
@@ -155,7 +176,9 @@ def _lines(
 
 
 def _lanes(name: str, contents: Sequence[str]) -> rrb.StateTimelineView:
-    return rrb.StateTimelineView(origin='/', contents=list(contents), name=name)
+    return rrb.StateTimelineView(
+        origin='/', contents=list(contents), name=name, time_view=_all_time()
+    )
 
 
 def _verdict(path: str, title: str) -> View:
@@ -359,11 +382,10 @@ def _columns(left: Sequence[View], right: Sequence[View], *, name: str) -> View 
 
 def _pages(scene: Scene, timeline: str) -> list[View]:
     """Return the pages of a bearing: what each answers fits a laptop's screen."""
-    envelope, amplitude = _envelope_spectra(scene), _spectra(scene)
-    waves = _waveforms(scene, timeline)
+    envelope, waves = _envelope_spectra(scene), _waveforms(scene, timeline)
     twin = _panels(scene, 'twin_state', TWIN_STATE[1:])
     evidence = _panels(scene, 'diagnosis', DIAGNOSIS)
-    verdict = [*_card(scene), *_solid(scene), *envelope] or [*waves[:1], *amplitude]
+    verdict = [*_card(scene), *_solid(scene), *envelope] or [*waves[:1], *_spectra(scene)]
     levels = ('level', 'velocity') if 'severity' in scene.asset.panels else ('level',)
     trends = [
         *_lane(scene),
@@ -376,7 +398,7 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
     ]
     pages = (
         _rows((5.6, verdict), (2.4, trends), name='Verdict'),
-        _rows((4, waves[:2]), (4, [*waves[2:], *amplitude]), name='Vibration'),
+        _vibration(scene, timeline, name='Vibration'),
         _rows((5, evidence[:3]), (0.5, _colours(scene)), (5, evidence[3:]), name='Evidence'),
         _columns(
             [*_waterfalls(scene), *_solid(scene)],
@@ -392,6 +414,11 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
         ),
     )
     return [page for page in pages if page is not None]
+
+
+def _vibration(scene: Scene, timeline: str, *, name: str) -> View | None:
+    waves = _waveforms(scene, timeline)
+    return _rows((4, waves[:2]), (4, [*waves[2:], *_spectra(scene)]), name=name)
 
 
 def _wide(scene: Scene, timeline: str, *, name: str, page: str) -> View:
