@@ -6,10 +6,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 import functools
+import itertools
 import math
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
+from bearing_twin.bearing import PLACES
 from bearing_twin.diagnosis.chain import Excerpt
+from bearing_twin.diagnosis.gate import SHAFT_TURNS
 from bearing_twin.diagnosis.level import raised, staged
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.shaft import Turning
@@ -17,9 +20,11 @@ from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.result import Diagnosis
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
 __all__ = ['diagnose_record']
 
@@ -28,6 +33,13 @@ _WINDOW_TURNS = 256.0
 
 _TOO_WEAK = 'weak_modulation'
 """Rule whose answer gets a second look at windows that are whitened as a whole."""
+
+_FAINT = (_TOO_WEAK, 'no_comb', 'uncertain_health', 'two_faint_places')
+"""Rules whose answer gets a look at the parts of a record whose speed is one number: where the
+speed moves, the lines of a fault smear over the whole and not over its parts."""
+
+_PART_TURNS = 2.0 * SHAFT_TURNS
+"""Least shaft turns of a part: twice those without which nothing is said."""
 
 _BURSTS = 'second by second the modulation is weaker: the impacts come in bursts'
 
@@ -107,17 +119,10 @@ def diagnose_record(
     if speeds.size > 1 and np.ptp(speeds) > 0.0 and speed_tolerance is None:
         settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
     lengths = np.full(max(speeds.size, 1), len(signal) // max(speeds.size, 1))
-    cut = functools.partial(
-        Excerpt.of,
-        signal,
-        Turning(np.atleast_1d(speeds), lengths),
-        sample_rate,
-        bearing,
-        settings,
-        longest=_WINDOW_TURNS,
-        temperature=temperature,
-        unit=unit,
-    )
+    known: dict[str, Any] = {'longest': _WINDOW_TURNS, 'temperature': temperature, 'unit': unit}
+    fixed = sample_rate, bearing, settings
+    turning = Turning(np.atleast_1d(speeds), lengths)
+    cut = functools.partial(Excerpt.of, signal, turning, *fixed, **known)
     excerpt = cut()
     found = excerpt.analyse().conclude()
     if found.rule == _TOO_WEAK and len(excerpt.stretches) > excerpt.pieces:
@@ -126,4 +131,50 @@ def diagnose_record(
         whole = cut(divided=False).analyse().conclude()
         if whole.level == 'fault':
             found = replace(whole, reasons=(*whole.reasons, _BURSTS))
+    if found.rule in _FAINT and speeds.size == 1:
+
+        def judged(part: NDArray[np.float64]) -> Diagnosis:
+            part_turning = Turning(np.atleast_1d(speeds), np.array([len(part)]))
+            return Excerpt.of(part, part_turning, *fixed, **known).analyse().conclude()
+
+        turns = len(signal) / sample_rate * float(speeds)
+        found = _moving(found, signal, turns, judged) or found
     return staged(raised(found))
+
+
+def _moving(
+    whole: Diagnosis,
+    signal: NDArray[np.float64],
+    turns: float,
+    judged: Callable[[NDArray[np.float64]], Diagnosis],
+) -> Diagnosis | None:
+    """
+    Fault that two neighbouring parts of a record name at two frequencies; None without one.
+
+    The frequencies are more than a line apart, so that the lines of the whole smear. That two
+    parts agree keeps false names as rare as those of one.
+    """
+    for count in (2, 4):
+        if turns < count * _PART_TURNS:
+            break
+        parts = [judged(part) for part in np.array_split(signal, count)]
+        for one, other in itertools.pairwise(parts):
+            line_hz = one.sample_rate / min(one.sample_count, other.sample_count)
+            moved = abs(other.fault_hz - one.fault_hz)
+            named = one.level == other.level == 'fault' and one.result in PLACES
+            if not (named and one.faults == other.faults and moved > line_hz):
+                continue
+            text = (
+                f'in two neighbouring parts of {turns / count:.0f} turns it is at '
+                f'{one.fault_hz:.1f} and {other.fault_hz:.1f} Hz: the speed moves within the '
+                'record, so the whole does not show it; give the speed of each sample'
+            )
+            return replace(
+                other,
+                reasons=(*other.reasons, text),
+                first_sample=whole.first_sample,
+                sample_count=whole.sample_count,
+                severity=whole.severity,
+                spectrum=whole.spectrum,
+            )
+    return None

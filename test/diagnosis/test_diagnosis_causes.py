@@ -265,3 +265,44 @@ def test_pulsation_of_blades_is_no_alarm(rng):
     said = diagnose_record(swell * rng.standard_normal(len(t)), RATE, find_bearing('6203'), 25.0)
     assert (said.result, said.level) == ('suspect', 'suspect')
     assert any('blades' in reason for reason in said.reasons)
+
+
+def _drifting(place, drift, seed):
+    """8 s of impacts of a 6206, or of none, at 24.6 Hz that drift by a share of it."""
+    rng = np.random.default_rng(seed)
+    rate, count = 20480.0, 8 * 20480
+    times = np.arange(count) / rate
+    turns = np.cumsum(24.6 * (1.0 + drift * (times / 8.0 - 0.5))) / rate
+    x = rng.standard_normal(count)
+    for harmonic in (1, 2, 3, 4):
+        x += 0.3 * np.sin(2.0 * np.pi * harmonic * turns + rng.uniform(0.0, 6.0))
+    if place:
+        order = fault_orders(find_bearing('6206'), 0.01).impacts(place)
+        at = np.cumsum(1.0 + 0.005 * rng.standard_normal(int(turns[-1] * order) - 2)) / order
+        heights = 1.0 + 0.2 * rng.standard_normal(len(at))
+        if place == 'inner':
+            heights *= 1.0 + 0.7 * np.cos(2.0 * np.pi * at)
+        impacts = np.zeros(count)
+        index = np.searchsorted(turns, at)
+        np.add.at(impacts, index[index < count], heights[index < count])
+        angle = 2.0 * np.pi * 3500.0 * np.arange(300) / rate
+        ringing = np.convolve(impacts, np.exp(-0.04 * angle) * np.sin(angle))[:count]
+        x += 0.8 * ringing / ringing.std()
+    return x, rate
+
+
+@pytest.mark.parametrize('place', ['inner', 'outer'])
+@pytest.mark.parametrize('drift', [0.05, 0.15])
+def test_a_fault_whose_speed_drifts_within_the_record_is_named(place, drift):
+    """Its lines smear over the whole record, and not over its parts."""
+    for seed in range(2):
+        x, rate = _drifting(place, drift, seed)
+        said = diagnose_record(x, rate, find_bearing('6206'), 24.6)
+        assert (said.result, said.level) == (place, 'fault'), said.reasons
+        assert said.sample_count == len(x)
+
+
+def test_a_sound_machine_whose_speed_drifts_has_no_alarm():
+    for seed in range(4):
+        x, rate = _drifting('', 0.15, seed)
+        assert diagnose_record(x, rate, find_bearing('6206'), 24.6).level == 'ok'
