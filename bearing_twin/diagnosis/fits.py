@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from numpy.typing import NDArray
 
-__all__ = ['fitting_bearings', 'fitting_speeds']
+__all__ = ['fitting_bearings', 'fitting_speeds', 'what_fits']
 
 _SLIPS = (0.0, 0.015)
 """Slips of a loaded cage."""
@@ -90,3 +90,25 @@ def fitting_speeds(order: float, shaft_hz: float, bearing: Bearing) -> list[str]
         for place, hertz in speeds.items()
         if abs(hertz / shaft_hz - 1.0) <= _REACH
     ]
+
+
+def what_fits(order: float, step: float, shaft_hz: float, bearing: Bearing) -> str:
+    """
+    Speeds and bearings that would explain impacts, to be added to a sentence.
+
+    Parameters
+    ----------
+    order, step, shaft_hz, bearing
+        As in :func:`fitting_bearings` and :func:`fitting_speeds`.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> what_fits(3.76, 0.001, 24.0, find_bearing('6205')).split(';')[1]
+    ' a speed of 25.2 Hz (outer) would fit'
+
+    """
+    speeds, bearings = (
+        fitting_speeds(order, shaft_hz, bearing),
+        fitting_bearings(order, step, bearing),
+    )
+    text = f'; a speed of {" or ".join(speeds)} would fit' if speeds else ''
+    return text + (f'; in the catalogue {", ".join(bearings)} would fit' if bearings else '')

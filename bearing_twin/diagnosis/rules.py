@@ -22,7 +22,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.diagnosis.confidence import confidence, LEAST_CONFIDENCE, Trust
 from bearing_twin.diagnosis.demodulation import highest_fault_order
-from bearing_twin.diagnosis.fits import fitting_bearings, fitting_speeds
+from bearing_twin.diagnosis.fits import what_fits
 from bearing_twin.diagnosis.gate import (
     CAGE_TURNS,
     CONVERTER_STEPS,
@@ -33,6 +33,7 @@ from bearing_twin.diagnosis.thresholds import (
     CARRIER,
     IMPACTS,
     INDEX_FAULT,
+    INDEX_SMOOTH,
     INDEX_STRIKE,
     INDEX_SUSPECT,
     KURTOSIS,
@@ -173,6 +174,15 @@ def _masked_candidate(e: Evidence) -> Verdict | None:
     )
 
 
+@_rule('suspect', 'What rings low only may be an outer race, or its variable compliance.')
+def _low_bands(e: Evidence) -> Verdict | None:
+    outer = e.candidates['outer']
+    shown = outer.z >= Z_FAULT and outer.harmonics >= 2 and e.outer_index >= INDEX_FAULT
+    if e.remaining or not shown or e.impacts.get('outer', 0.0) < IMPACTS:
+        return None
+    return _suspect(e, outer, _rings_low(e))
+
+
 @_rule('suspect', 'Impacts repeat at an order that no part of this bearing makes.')
 def _impacts_elsewhere(e: Evidence) -> Verdict | None:
     comb = e.elsewhere
@@ -219,7 +229,7 @@ def _two_faint_places(e: Evidence) -> Verdict | None:
         'too weak for a fault, but two places of one bearing are not chance: compare with an '
         'earlier record of this machine, and repeat it with a longer window or a nearer sensor'
     )
-    return _insufficient(e, *map(str, e.faint), text)
+    return _insufficient(e, text)
 
 
 @_rule('insufficient', 'Of machines with such combs more are damaged than sound.')
@@ -246,7 +256,7 @@ def _few_shaft_turns(e: Evidence) -> Verdict | None:
     if e.remaining or e.turns >= HEALTHY_TURNS:
         return None
     text = (
-        f'{e.turns:.0f} shaft turns show strong faults only, and none is there: '
+        f'{e.turns:.0f} shaft turns show strong faults only, and no such one is there: '
         f'{HEALTHY_TURNS:g} are needed to call it healthy, {HEALTHY_TURNS / e.shaft_hz:.1f} s'
     )
     return _insufficient(e, text)
@@ -272,7 +282,8 @@ def _no_comb(e: Evidence) -> Verdict | None:
     if e.remaining:
         return None
     text = f'no fault comb above z {Z_FAULT:g} with modulation index {INDEX_SUSPECT:g}'
-    return Verdict(result='healthy', level='ok', reasons=(text,), candidates=e.candidates)
+    heard = (f'{c}: too weak for a remark alone; compare with an earlier record' for c in e.faint)
+    return Verdict(result='healthy', level='ok', reasons=(text, *heard), candidates=e.candidates)
 
 
 @_rule('ambiguous', "Two faults that explain each other's lines cannot be told apart.")
@@ -432,8 +443,9 @@ def _contested_comb(e: Evidence) -> Verdict | None:
 )
 def _uncertain_second(e: Evidence) -> Verdict | None:
     doubtful = _doubtful(e)
+    # Beside a leading comb that is too weak for an alarm, the alarm is the other's.
     named = e.leading.index >= INDEX_FAULT
-    if not (named and doubtful and max(c.z for c in doubtful) * RIVAL > e.leading.z):
+    if not doubtful or (named and max(c.z for c in doubtful) * RIVAL <= e.leading.z):
         return None
     places = (e.leading.place, *(c.place for c in doubtful))
     texts = (*map(str, _in_order(e)[1:]), _GIVE_SPEED)
@@ -442,30 +454,23 @@ def _uncertain_second(e: Evidence) -> Verdict | None:
 
 @_rule('suspect', 'A significant comb that modulates the envelope little is no alarm.')
 def _weak_modulation(e: Evidence) -> Verdict | None:
-    combs = _in_order(e)
+    places = tuple(c.place for c in _in_order(e))
     if any(c.index >= INDEX_FAULT for c in (e.leading, *_certain(e))):
         return None
-    text = f'modulation index below {INDEX_FAULT:g}: not an alarm'
-    return Verdict(
-        result='suspect',
-        level='suspect',
-        faults=tuple(c.place for c in combs),
-        reasons=(*map(str, combs), text),
-        candidates=_updated(e),
-        strongest=e.leading,
-    )
+    texts = (*map(str, _in_order(e)[1:]), f'modulation index below {INDEX_FAULT:g}: not an alarm')
+    found = _ambiguous(e, places, e.leading, *texts, candidates=_updated(e))
+    return replace(found, result='suspect')
 
 
 @_rule('suspect', 'Sound parts, blades and vanes modulate smoothly; impacts have all harmonics.')
 def _smooth(e: Evidence) -> Verdict | None:
-    # What has sidebands of its own place is no blade: a ball leads with the cage's only.
-    sided = e.leading.place == 'ball' or (
-        e.leading.place == 'inner' and e.leading.shaft_sideband_ratio >= SWAY and not e.half_turn
-    )
-    if sided or not e.smooth:
+    # What has the sidebands of its place is no blade; these and lobes pass at whole or half turns.
+    place, sways = e.leading.place, e.leading.shaft_sideband_ratio >= SWAY
+    sided = place == 'ball' or (not e.half_turn and sways == (place == 'inner'))
+    if sided or not e.smooth or e.leading.index > INDEX_SMOOTH:
         return None
     text = (
-        'its third and fourth harmonic are missing: a smooth modulation and no impacts; an error '
+        'its third and fourth harmonic are missing, so it is smooth: an extended spall, an error '
         'of form, or the pulses of blades, vanes or lobes? check bearing and speed'
     )
     return _suspect(e, e.leading, text)
@@ -514,14 +519,10 @@ def _trust(e: Evidence, comb: Candidate | None) -> Trust:
     """Return what an answer about a comb, or about none, rests on."""
     # The comb is one at any order itself, also where it lies on a multiple of the shaft.
     strongest = max(e.elsewhere, comb or e.elsewhere, key=lambda c: c.z)
-    anywhere = Trust(
-        elsewhere_z=strongest.z,
-        elsewhere_index=strongest.index,
-        impacts=e.impacts.get(strongest.place, 0.0),
-        turns=e.turns,
-        steady=e.steady,
-    )
-    return replace(anywhere, z=comb.z, index=comb.index, slip=comb.slip) if comb else anywhere
+    impacts = e.impacts.get(strongest.place, 0.0)
+    own = {'z': comb.z, 'index': comb.index, 'slip': comb.slip} if comb else {}
+    anywhere = {'elsewhere_z': strongest.z, 'elsewhere_index': strongest.index}
+    return Trust(**own, **anywhere, impacts=impacts, turns=e.turns, steady=e.steady)
 
 
 _GIVE_SPEED = (
@@ -581,33 +582,31 @@ def _ambiguous(
     )
 
 
-def _insufficient(e: Evidence, *texts: str) -> Verdict:
-    return Verdict(result='insufficient', level='none', reasons=texts, candidates=e.candidates)
+def _insufficient(e: Evidence, text: str) -> Verdict:
+    reasons = (*map(str, e.faint), text)
+    return Verdict(result='insufficient', level='none', reasons=reasons, candidates=e.candidates)
 
 
 def _elsewhere(e: Evidence, what: str) -> Verdict:
     """Verdict on impacts that no part of the bearing makes, with what would explain them."""
     comb, outer = e.elsewhere, e.candidates['outer']
     if abs(comb.order - outer.order) <= 2.0 * e.step:
-        text = (
-            f'it modulates by {e.outer_index:.2f} in bands below {CARRIER:g} times its frequency '
-            'only, where the variable compliance of a sound bearing shows as well'
-        )
-        return _suspect(e, outer, text)
+        return _suspect(e, outer, _rings_low(e))
     if abs(comb.order - 1.0) < 0.1:
         text = f'the shaft seems to turn at {comb.order * e.shaft_hz:.4g} Hz: check the speed'
     else:
         text = f'periodic impacts at {comb.order:.3f} orders {what} a {e.bearing.name}: check '
-        text += 'bearing and speed'
-        speeds = fitting_speeds(comb.order, e.shaft_hz, e.bearing)
-        bearings = fitting_bearings(comb.order, 2.0 * e.step, e.bearing)
-        text += f'; a speed of {" or ".join(speeds)} would fit' if speeds else ''
-        text += f'; in the catalogue {", ".join(bearings)} would fit' if bearings else ''
-    found = (
-        f'impacts at {comb.order:.3f} orders, z {comb.z:.1f}, modulation index {comb.index:.2f}'
-    )
+        text += f'bearing and speed{what_fits(comb.order, 2.0 * e.step, e.shaft_hz, e.bearing)}'
+    found = str(comb).replace('elsewhere: comb', 'impacts')
     return Verdict(
         result='suspect', level='suspect', reasons=(found, text), candidates=e.candidates
+    )
+
+
+def _rings_low(e: Evidence) -> str:
+    return (
+        f'it modulates by {e.outer_index:.2f} in bands below {CARRIER:g} times its frequency '
+        'only, where the variable compliance of a sound bearing shows as well'
     )
 
 

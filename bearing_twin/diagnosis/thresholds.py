@@ -11,6 +11,7 @@ __all__ = [
     'INDEX_FAULT',
     'INDEX_NOISE',
     'INDEX_NOISE_TURNS',
+    'INDEX_SMOOTH',
     'INDEX_STRIKE',
     'INDEX_SUSPECT',
     'JOINT_SLIP',
@@ -68,6 +69,10 @@ INDEX_NOISE_TURNS = 100.0
 KURTOSIS = 3.0 * 35.0 / 18.0
 """Most that noise has whose force varies as 1 + cos, the most that a rotating load does:
 mean (1 + cos)^4 over the square of mean (1 + cos)^2 is 35/18. Impacts and bursts have more."""
+
+INDEX_SMOOTH = 17.0**0.5 / 3.0
+"""Modulation index of 1 + cos, the most that a load does: squared, it has lines of 4/3 and 1/3 of
+its mean. Above it no sound part modulates."""
 
 INDEX_STRIKE = 2.0
 """Modulation index of the cage's comb above which the envelope is more strike than ripple: half of

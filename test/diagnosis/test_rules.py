@@ -62,6 +62,12 @@ CASES = {
         'suspect',
         ('ball',),
     ),
+    'low_bands': (
+        Evidence.of(comb('outer', z=15.0, index=0.0), outer_index=0.8, impacts={'outer': 2.3}),
+        'suspect',
+        'suspect',
+        ('outer',),
+    ),
     'impacts_elsewhere': (
         Evidence.of(elsewhere=comb('elsewhere', order=3.76, z=8.1, index=0.7)),
         'suspect',
@@ -327,7 +333,43 @@ def test_an_unknown_quantity_is_refused():
 def test_what_has_sidebands_of_its_own_place_is_no_blade():
     assert decide(Evidence.of(INNER, smooth=True)).rule == 'fault'
     assert decide(Evidence.of(BALL, smooth=True)).rule == 'fault'
-    assert decide(Evidence.of(OUTER, smooth=True)).rule == 'smooth'
+    # Nor does an outer race need whole or half turns; off them no blade or lobe passes.
+    still = comb('outer', shaft_sideband_ratio=0.1)
+    assert decide(Evidence.of(still, smooth=True)).rule == 'fault'
+    assert decide(Evidence.of(still, smooth=True, half_turn=True)).rule == 'smooth'
+    swaying = comb('outer', shaft_sideband_ratio=0.35)
+    assert decide(Evidence.of(swaying, smooth=True)).rule == 'smooth'
+    # 1 + cos has an index of 1.37: what modulates more is not smooth, wherever it lies.
+    wide = comb('outer', index=1.4)
+    assert decide(Evidence.of(wide, smooth=True, half_turn=True)).rule == 'fault'
+
+
+def test_a_second_place_does_not_take_the_alarm_of_the_first_away():
+    """At a nameplate speed the second is not sure; that one of the two is damaged is."""
+    outer, inner = comb('outer', z=20.4, index=0.49), comb('inner', z=9.3, index=0.63)
+    said = decide(Evidence.of(outer, inner, others=(inner,), steady=False))
+    assert (said.rule, said.result, said.level) == ('uncertain_second', 'ambiguous', 'fault')
+    assert said.faults == ('outer', 'inner')
+    faint = comb('inner', z=9.3, index=0.4)
+    assert decide(Evidence.of(outer, faint, others=(faint,), steady=False)).level == 'suspect'
+
+
+def test_healthy_says_which_comb_it_heard():
+    said = decide(Evidence.of(comb('outer', z=8.3, index=0.18)))
+    assert said.result == 'healthy'
+    assert 'z 8.3' in said.reasons[-1]
+    assert 'too weak' in said.reasons[-1]
+    assert len(decide(Evidence.of()).reasons) == 1
+    # So does a window that is too short to say it.
+    short = decide(Evidence.of(comb('outer', z=9.1, index=0.18), turns=33.0))
+    assert short.rule == 'few_shaft_turns'
+    assert 'z 9.1' in short.reasons[0]
+
+
+def test_an_outer_race_that_rings_low_needs_the_harmonics_of_impacts():
+    outer = comb('outer', z=15.0, index=0.0)
+    smooth = Evidence.of(outer, outer_index=0.8, impacts={'outer': 0.5, 'elsewhere': 0.0})
+    assert decide(smooth).rule not in ('low_bands', 'impacts_elsewhere')
 
 
 def test_a_smooth_modulation_elsewhere_is_no_impact():
