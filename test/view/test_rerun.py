@@ -210,10 +210,10 @@ def test_a_fleet_says_what_simulated_each_vibration(tmp_path):
     assert sources == {'vibration plant/line3/p2': f'{text}no defect'}
 
 
-def vibration(k, time, amplitude=1.0):
+def vibration(k, time, amplitude=1.0, unit='m/s^2'):
     """Return the k-th block of a tenth of a second."""
     return SimpleNamespace(
-        **vars(stamp(time)), sample_rate=2560.0, first_sample=256 * k, unit='m/s^2',
+        **vars(stamp(time)), sample_rate=2560.0, first_sample=256 * k, unit=unit,
         source=SOURCE_SIMULATED, x=[], y=amplitude * np.sin(np.arange(256.0)),
     )  # fmt: skip
 
@@ -232,9 +232,12 @@ def test_every_sensor_follows_the_temperature(tmp_path, sensors):
                 warm.temperature, warm.variance = 20.0 + 10.0 * (k // 10), 0.0
                 logger.log('/temperature', 'sensor_msgs/msg/Temperature', warm, time)
             for name in sensors[: 1 + k]:
-                block = vibration(k, time, 1.0 + growth[name] * (k // 10))
+                unit = 'g' if name == 'nde' else 'm/s^2'
+                block = vibration(k, time, 1.0 + growth[name] * (k // 10), unit)
                 logger.log(f'/{name}', VIBRATION, block, time)
     assert logger.problems == {}
+    views = {name for name in view_names(rrd) if name.endswith('last 0.25 s')}
+    assert views == {'Vibration [g], last 0.25 s', 'Vibration [m/s²], last 0.25 s'}
     for name in sensors:
         drawn = {}
         for part in ('abscissa', 'values'):

@@ -57,7 +57,9 @@ class Asset:
     headline: Headline = field(default_factory=Headline)
     over_temperature: OverTemperature = field(default_factory=OverTemperature)
     unit: str = ''
-    """Of the vibration."""
+    """Of the vibration that the verdict is about."""
+    units: dict[str, str] = field(default_factory=dict)
+    """Of each topic of vibration."""
     panels: set[str] = field(default_factory=set)
     """Keys of the panels over time that have values, and paths of those over temperature;
     ``severity`` where the level of a verdict depends on the velocity."""

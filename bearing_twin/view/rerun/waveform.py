@@ -78,11 +78,11 @@ class Waveform(Picture):
         self._pieces: list[_Piece] = []
         self._time = 0
         self._step: int | None = None
-        self._source, self._over = asset.source, asset.over_temperature
+        self._source, self._over, self._apart = asset.source, asset.over_temperature, False
 
     def stand_apart(self) -> None:
         """Be another sensor than that of the verdict: at its temperature, with own means."""
-        self._source, self._over = Source(), OverTemperature()
+        self._source, self._over, self._apart = Source(), OverTemperature(), True
 
     def draw(self, message: Any, time: int) -> bool:
         """Hold a block for the next flush; ``time`` of its first sample in ns."""
@@ -97,7 +97,8 @@ class Waveform(Picture):
         if not (self._pieces and self._pieces[-1].goes_on(axes, time, rate, unit)):
             self._pieces.append(_Piece(time, rate, unit))
         self._pieces[-1].add(axes)
-        self.asset.unit = pretty(unit)
+        self.asset.units[self.canvas.root] = pretty(unit)
+        self.asset.unit = self.asset.unit if self._apart else pretty(unit)
         self.asset.panels.update(AXES[axis][0] for axis in axes)
         self._source.vibration(message)
         samples, temperature = next(iter(axes.values())), self.asset.temperature
