@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, BinaryIO, TYPE_CHECKING
+from typing import Any, BinaryIO, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.chunks import Chunks, NEW_DESCRIPTION, SpentRecording
@@ -54,8 +54,7 @@ class RecordedChannel:
     """``RIHS01_...``; '' where the file has none."""
 
 
-@dataclass(frozen=True)
-class RecordedMessage:
+class RecordedMessage(NamedTuple):
     """One message; times in ns."""
 
     channel: RecordedChannel

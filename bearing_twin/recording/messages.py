@@ -145,7 +145,10 @@ class _OpenChunk:
     def pop(self) -> RecordedMessage:
         at, size = map(int, self._places[self._next])
         self._next += 1
-        return _message(self._catalogue, self._data, at, size, self._offset)
+        identity, log_time, publish_time = message_head(self._data, at, size, self._offset)
+        cdr = self._data[at + MESSAGE_HEAD.size : at + size]
+        channel = self._catalogue.channels[identity]
+        return RecordedMessage(channel, log_time, publish_time, cdr)
 
 
 def in_file_order(
@@ -189,10 +192,10 @@ def in_file_order(
             return None
         if opcode != Opcode.MESSAGE:
             return None
-        identity, log_time, _ = message_head(data, at, length, offset)
+        identity, log_time, publish_time = message_head(data, at, length, offset)
+        cdr = data[at + MESSAGE_HEAD.size : at + length]
         channel = catalogue.channels.get(identity)
         if channel is None:
-            cdr = data[at + MESSAGE_HEAD.size : at + length]
             channel = catalogue.channel(identity, cdr)
         if channel is None:
             if damaged is None:
@@ -202,7 +205,7 @@ def in_file_order(
             return None
         if not keep.wants(channel, log_time):
             return None
-        return _message(catalogue, data, at, length, offset)
+        return RecordedMessage(channel, log_time, publish_time, cdr)
 
     wanted = (*DEFINITIONS, Opcode.MESSAGE, Opcode.CHUNK, *(EXTRAS if extra else ()))
     for raw, data in sound_records(chunks, wanted, damaged):
@@ -233,14 +236,6 @@ def in_file_order(
         for identity, (messages, octets) in lost.items():
             text = f'{messages} messages of channel {identity}, whose description is lost'
             damaged(BrokenRecording(text, size, octets))
-
-
-def _message(
-    catalogue: Catalogue, data: bytes, at: int, length: int, offset: int
-) -> RecordedMessage:
-    identity, log_time, publish_time = message_head(data, at, length, offset)
-    cdr = data[at + MESSAGE_HEAD.size : at + length]
-    return RecordedMessage(catalogue.channels[identity], log_time, publish_time, cdr)
 
 
 def _known(catalogue: Catalogue, identity: int, offset: int) -> RecordedChannel:

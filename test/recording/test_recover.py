@@ -373,6 +373,37 @@ def test_millions_of_empty_records_are_stepped_over_and_what_follows_is_read(
     assert len(problems) < 5
 
 
+@pytest.mark.parametrize('body', [b'', bytes(4), bytes(5000)])
+def test_messages_without_chunks_are_read_alike_whatever_their_length(
+    tmp_path: Path, body: bytes
+) -> None:
+    path, expected = tmp_path / 'plain.mcap', []
+    with path.open('wb') as file:
+        writer = Writer(file, use_chunking=False)
+        writer.start(profile='ros2')
+        schema = writer.register_schema('std_msgs/msg/Empty', 'ros2msg', b'')
+        channels = [writer.register_channel(f'/x{k}', 'cdr', schema) for k in range(3)]
+        for k in range(3000):
+            data = body[: len(body) - k % 3]
+            writer.add_message(channels[k % 3], k, data, k)
+            expected.append((f'/x{k % 3}', k, data))
+            if k % 1000 == 500:
+                # A run ends at whatever is no message.
+                writer.add_metadata(f'm{k}', {})
+        writer.finish()
+    for recover_it in (False, True):
+        found = read_messages(path, recover=recover_it)
+        assert [(m.topic, m.log_time, m.cdr) for m in found] == expected
+    # A message that claims to be longer than the rest of the file costs itself.
+    whole = path.read_bytes()
+    assert whole.count(b'\x05') > 3000
+    torn = tmp_path / 'torn.mcap'
+    torn.write_bytes(whole[: len(whole) // 2])
+    kept = [(m.topic, m.log_time, m.cdr) for m in read_messages(torn, recover=True)]
+    assert kept == expected[: len(kept)]
+    assert len(kept) > 1400
+
+
 def test_messages_of_another_encoding_cost_only_themselves(tmp_path: Path) -> None:
     path = tmp_path / 'a.mcap'
     with path.open('wb') as file:
