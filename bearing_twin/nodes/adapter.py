@@ -260,10 +260,10 @@ class AdapterNode(ManagedNode):
             level, message = Level.STALE, 'no samples yet'
             if self.active:
                 message = unheard(self, self._input, message)
-        elif self._problem:
-            level, message = Level.ERROR, f'message refused: {self._problem}'
         elif age > SILENT_AFTER:
             level, message = Level.STALE, f'no samples for {age:.1f} s'
+        elif self._problem:
+            level, message = Level.ERROR, f'message refused: {self._problem}'
         elif self._sources.contested(time.monotonic()):
             level, message = Level.ERROR, 'several sources on one topic: only the first is used'
         elif self._untimed and not self._builder.next_sample:

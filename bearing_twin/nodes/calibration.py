@@ -167,7 +167,8 @@ class CalibrationNode(ManagedNode):
     def _begin(self, task: Task) -> None:
         try:
             self._running = (task, self._worker.submit(work, task))
-        except BrokenProcessPool:
+        except (BrokenProcessPool, OSError):
+            # Its process is made here: the machine may have no room for one.
             self._renew_worker()
 
     def _renew_worker(self) -> None:

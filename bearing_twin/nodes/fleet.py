@@ -217,7 +217,8 @@ class FleetNode(ManagedNode):
     def stop(self) -> None:
         """Stop the clock of the blocks and listening."""
         self._cycle.stop()
-        self._pending.clear()
+        # They have been counted as published.
+        self._publish_share(1.0)
         for member in self._members:
             if member.diagnosis is not None:
                 member.diagnosis.stop()
