@@ -11,6 +11,7 @@ import math
 import threading
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.bearing import PLACES
 from bearing_twin.diagnosis.comb import accumulate, OrderSpectra
 from bearing_twin.diagnosis.demodulation import (
     choose_layout,
@@ -357,12 +358,14 @@ def _verdict(
     if speed.shaft_hz == given_hz:
         return verdict, speed
     # A fault beside an integer order can pass for a shaft that runs a little off: the speed under
-    # which the fault shows more clearly is then the right one.
+    # which the fault shows more clearly is then the right one. Places that do not part at the
+    # given speed show nothing more clearly: so do the lines of a loose shaft beside it.
     apart = abs(speed.shaft_hz / given_hz - 1.0)
     given = ShaftSpeed(given_hz, max(speed.uncertainty, apart), 0.0, speed.tolerance)
     at_given = accumulate([window.at_given_speed() for window in windows])
     other = decided(at_given, given)
-    clearer = other.level == 'fault' and other.weight > _CLEARER * verdict.weight
+    sure = other.level == 'fault' and other.result in PLACES
+    clearer = sure and other.weight > _CLEARER * verdict.weight
     if clearer and _mistaken(at_given, other, speed.shaft_hz / given_hz):
         return other, given
     return verdict, speed

@@ -52,6 +52,21 @@ def test_fault_shows_among_single_shocks(rng):
     assert said.faults == ('outer',), said.reasons
 
 
+@pytest.mark.parametrize('name', ['6312', '6203'])
+@pytest.mark.parametrize('off', [-0.001, 0.0012])
+def test_a_loose_shaft_beside_the_given_speed_is_no_fault(rng, name, off):
+    """Strikes once a turn have lines at 3 and 5 turns, where races lie at the speed given."""
+    turns = np.arange(1.0, SECONDS * SHAFT_HZ - 1.0)
+    jitter, heights = rng.standard_normal((2, len(turns)))
+    x = _strikes((turns + 0.01 * jitter) / SHAFT_HZ, 10.0 * (1.0 + 0.3 * heights))
+    phase = 2.0 * np.pi * SHAFT_HZ * np.arange(N) / RATE
+    x += sum(2.0 / k * np.cos(k * phase) for k in range(1, 11)) + rng.standard_normal(N)
+    given_hz = SHAFT_HZ * (1.0 + off)
+    said = diagnose_record(x, RATE, find_bearing(name), given_hz, speed_tolerance=0.002)
+    assert said.level == 'suspect', said.reasons
+    assert said.shaft_hz == pytest.approx(SHAFT_HZ, rel=5e-4)
+
+
 def test_pulses_of_the_mains_are_no_fault(rng):
     bearing = find_bearing('6307')
     # Twice the mains falls on the order of the inner race at this speed.
