@@ -485,6 +485,9 @@ class Evidence:
     def elsewhere_explains(self) -> bool:
         """Whether a more significant comb at another order makes the lines of the leading one."""
         comb, leading = self.elsewhere, self.leading
+        # The outer race's own, in bands of the variable compliance, is a comb of the bearing.
+        if abs(comb.order - self.candidates['outer'].order) <= 2.0 * self.step:
+            return False
         ratio = leading.order / comb.order
         multiple = max(round(ratio), 1)
         shares_lines = abs(ratio / multiple - 1.0) <= SLIP_COST

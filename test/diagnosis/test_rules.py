@@ -384,3 +384,14 @@ def test_turns_of_several_windows_do_not_resolve_the_cage():
     """Eight windows of one second: eighty turns of the cage, ten in each."""
     assert decide(Evidence.of(*CAGE_IMPACTS, turns=200.0)).rule == 'cage_impacts'
     assert decide(Evidence.of(*CAGE_IMPACTS, turns=200.0, step=0.04)).rule == 'few_cage_turns'
+
+
+def test_the_outer_races_own_comb_takes_no_ball_away():
+    """Below ``CARRIER`` the outer race's comb is the highest: it is the bearing's all the same."""
+    outer = Candidate('outer', order=3.557, slip=0.006, z=26.0, index=0.28)
+    ball = Candidate('ball', order=4.651, slip=0.006, z=21.6, index=1.99)
+    impacts = Candidate('elsewhere', order=3.557, slip=0.0, z=26.0, index=1.2)
+    evidence = Evidence.of(outer, ball, elsewhere=impacts)
+    assert evidence.leading is ball
+    # Computed anew, where ``of`` takes it as undisturbed.
+    assert not Evidence.__dict__['elsewhere_explains'].func(evidence)
