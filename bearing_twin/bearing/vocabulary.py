@@ -83,7 +83,8 @@ def next_step(result: str, stage: int = 0, *, urgent: bool = False, standing: bo
     result : str
         The answer, one of ``RESULTS``.
     stage : int
-        Stage of the defect, an index of ``STAGES``; it decides where a place is named.
+        Stage of the defect, an index of ``STAGES``; it decides where a place is named, and where
+        it is one of several.
     urgent : bool
         Whether the vibration is that of a damaged machine; asked where no place is named.
     standing : bool
@@ -102,6 +103,8 @@ def next_step(result: str, stage: int = 0, *, urgent: bool = False, standing: bo
     'find the cause of the high vibration now: balance, alignment, looseness, bearing'
     >>> next_step('cage', 1)
     'plan to replace the bearing soon: a cage fails without much warning'
+    >>> next_step('ambiguous', 2).partition('; record')[0]
+    'order a bearing; measure daily'
 
     """
     if result in PLACES and not (result == 'cage' and stage < 3):
@@ -110,4 +113,7 @@ def next_step(result: str, stage: int = 0, *, urgent: bool = False, standing: bo
         return 'find the cause of the high vibration now: balance, alignment, looseness, bearing'
     if standing and result == 'insufficient':
         return 'measure while the shaft turns'
+    if result == 'ambiguous' and stage:
+        # The bearing is damaged, in whichever of its places.
+        return f'{STAGE_STEPS[stage]}; {_STEPS[result]}'
     return _STEPS.get(result, STAGE_STEPS[0])

@@ -306,7 +306,9 @@ def diagnose_file(task: Task) -> dict[str, Any]:
         'next_step': next_step(
             diagnosis.result,
             diagnosis.severity.stage,
-            urgent=is_urgent(diagnosis.level, diagnosis.severity.velocity_rms),
+            urgent=is_urgent(
+                diagnosis.level, diagnosis.severity.velocity_rms, diagnosis.severity.stage
+            ),
             standing=diagnosis.shaft_hz_given == 0.0,
         ),
     }

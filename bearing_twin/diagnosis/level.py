@@ -43,9 +43,12 @@ _DEEP = 1.0
 """Modulation index from which on the envelope is fully modulated."""
 
 
-def is_urgent(level: str, velocity_rms: float) -> bool:
+def is_urgent(level: str, velocity_rms: float, stage: int = 0) -> bool:
     """
     Whether the cause of a vibration is to be found now, whichever part it is.
+
+    That of a fault of stage 1 or 2 is known: combs of the bearing raised its level, and neither
+    the vibration over the baseline nor a zone did.
 
     Parameters
     ----------
@@ -53,14 +56,18 @@ def is_urgent(level: str, velocity_rms: float) -> bool:
         Of the diagnosis.
     velocity_rms
         mm/s; NaN where it is not known.
+    stage
+        Of the fault; 0 where it is not known.
 
     Examples
     --------
     >>> is_urgent('fault', float('nan')), is_urgent('suspect', 56.0), is_urgent('suspect', 2.0)
     (True, True, False)
+    >>> is_urgent('fault', 2.0, 2), is_urgent('fault', 2.0, 4), is_urgent('fault', 56.0, 2)
+    (False, True, True)
 
     """
-    return level == 'fault' or velocity_rms > HIGHEST_LIMIT
+    return (level == 'fault' and stage not in (1, 2)) or velocity_rms > HIGHEST_LIMIT
 
 
 def raised(diagnosis: Diagnosis) -> Diagnosis:

@@ -103,7 +103,7 @@ def next_step(diagnosis: Any) -> str:
     step = next_step_of(
         str(diagnosis.result_name),
         _stage(diagnosis),
-        urgent=is_urgent(level, recorded(diagnosis, 'velocity_rms')),
+        urgent=is_urgent(level, recorded(diagnosis, 'velocity_rms'), _stage(diagnosis)),
         standing=shaft_speed(diagnosis) == 'standing',
     )
     return f'{step[0].upper()}{step[1:]}.'
