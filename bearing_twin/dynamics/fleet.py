@@ -395,8 +395,13 @@ class Fleet:
         padded = np.empty(-(-size // L) * L)
         padded[:size] = values
         padded[size:] = padded[size - 1]
-        for extreme in (padded.min(), padded.max()):  # NaN is both
-            check(float(extreme))
+        index = 0
+        try:
+            for index in (int(padded.argmin()), int(padded.argmax())):  # NaN is both
+                check(float(padded[index]))
+        except BearingTwinError as error:
+            which = f'bearing {min(index, size - 1)}: ' if values.ndim else ''
+            raise BearingTwinError(f'{which}{error}') from None
         return padded
 
     def _check_index(self, index: int) -> None:

@@ -3,6 +3,7 @@
 """Many bearings in one call, against one at a time."""
 
 import dataclasses
+import math
 
 from bearing_twin.dynamics import Fleet, preset, Simulator
 from bearing_twin.dynamics.compiled import compiled
@@ -227,3 +228,14 @@ def test_fleet_reconfigures_one_bearing_and_leaves_the_others():
     changed, same = fleet.advance(4096, 20.0, 25.4), other.advance(4096, 20.0, 25.4)
     assert np.array_equal(changed.y[[0, 2]], same.y[[0, 2]])
     assert changed.y[1].std() > 5.0 * same.y[1].std()
+
+
+@pytest.mark.parametrize('bad', [120.0, 10.0, math.nan])
+def test_a_refused_input_names_its_bearing(bad):
+    fleet = Fleet([preset('incipient')] * 3)
+    before = fleet.save()
+    with pytest.raises(BearingTwinError, match=f'^bearing 1: temperature {bad} degC is outside'):
+        fleet.advance(256, [40.0, bad, 50.0], 25.0)
+    with pytest.raises(BearingTwinError, match=r'^temperature'):
+        fleet.advance(256, bad, 25.0)
+    assert fleet.save() == before
