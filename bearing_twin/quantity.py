@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, MISSING
 import functools
+from numbers import Integral
 from types import MappingProxyType
 from typing import Any, cast, TYPE_CHECKING
 
@@ -20,7 +21,7 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ['Quantity', 'check_fields', 'check_range', 'quantities', 'quantity']
+__all__ = ['Quantity', 'check_fields', 'check_range', 'check_whole', 'quantities', 'quantity']
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +80,13 @@ def check_range(
     if not low <= value <= high:
         limits = f'{low:g}..{high:g} {unit}'.rstrip()
         msg = f'{name}={value} is outside {limits}; choose a value inside{remedy}'
+        raise BearingTwinError(msg)
+
+
+def check_whole(name: str, value: int) -> None:
+    """Refuse a ``value`` that is no whole number: it would lose its fraction on the way."""
+    if not isinstance(value, Integral):
+        msg = f'{name}={value!r} is not a whole number; give one without a decimal point'
         raise BearingTwinError(msg)
 
 

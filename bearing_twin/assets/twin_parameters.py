@@ -20,8 +20,7 @@ from bearing_twin.dynamics.parameters import Defect, TwinParameters
 from bearing_twin.dynamics.presets import preset, PRESET_FIELDS, PRESETS
 from bearing_twin.dynamics.simulator import Simulator
 from bearing_twin.quantity import quantities
-from bearing_twin.thermal.gate import TABLE_HIGH, TABLE_LOW
-from bearing_twin.thermal.gcr15 import Beta0
+from bearing_twin.thermal.gcr15 import Beta0, TABLE_HIGH, TABLE_LOW
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin.thermal.rings import ThermalNetwork
 

@@ -13,7 +13,7 @@ from bearing_twin.bearing import fault_frequencies, radial_factor
 from bearing_twin.calibration.passage import contact_speed, load_range, widest
 from bearing_twin.calibration.summaries import summarise, Summary
 from bearing_twin.dynamics import Defect, Fleet, TwinParameters
-from bearing_twin.thermal.gcr15 import TEMPERATURES
+from bearing_twin.thermal.gcr15 import TABLE_HIGH
 from bearing_twin.thermal.rings import clearance_change, CLEARANCE_LOW, ThermalNetwork
 import numpy as np
 import numpy.typing as npt
@@ -112,7 +112,7 @@ def unknowns(situation: Situation) -> dict[str, Unknown]:
     """
     low, high = load_range(situation.bearing, situation.load)
     # What the twin bears at the hottest: a large bearing loses more of its clearance.
-    hot = float(TEMPERATURES[-1])
+    hot = TABLE_HIGH
     lost = clearance_change(
         hot + ThermalNetwork().inner_excess(hot), hot, situation.bearing.d_pitch
     )

@@ -10,9 +10,9 @@ from typing import get_args, Literal
 
 from bearing_twin.bearing import Bearing, Place, PLACES, radial_factor
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.quantity import check_fields, check_range, quantities, quantity
+from bearing_twin.quantity import check_fields, check_range, check_whole, quantities, quantity
 from bearing_twin.thermal.friction import SERIES
-from bearing_twin.thermal.gcr15 import Beta0, FRICTION_TABLE, TEMPERATURES
+from bearing_twin.thermal.gcr15 import Beta0, FRICTION_TABLE, TABLE_HIGH, TABLE_LOW
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin.thermal.rings import (
     clearance_change,
@@ -145,6 +145,7 @@ class Defect:
 
     def __post_init__(self) -> None:
         check_fields(self, 'defect ')
+        check_whole('defect ball', self.ball)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -407,7 +408,7 @@ class TwinParameters:
         return radial_factor(self.bearing)
 
     def _check_clearance(self) -> None:
-        for outer in (float(TEMPERATURES[0]), float(TEMPERATURES[-1])):
+        for outer in (TABLE_LOW, TABLE_HIGH):
             excess = self.network.inner_excess(outer)
             left = self.clearance + clearance_change(outer + excess, outer, self.bearing.d_pitch)
             if not CLEARANCE_LOW <= left <= CLEARANCE_HIGH:

@@ -19,6 +19,7 @@ from bearing_twin.dynamics.stability import steps
 from bearing_twin.dynamics.tables import ball_table, defect_table, machine
 from bearing_twin.dynamics.waviness import Surfaces, surfaces
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.quantity import check_whole
 from bearing_twin.thermal.gcr15 import check_temperature
 import numpy as np
 import numpy.typing as npt
@@ -464,6 +465,7 @@ def _condition(
 
 
 def _checked(seed: int) -> int:
+    check_whole('seed', seed)
     if not 0 <= seed < 2**32:
         msg = f'seed={seed} is outside 0..4294967295'
         raise BearingTwinError(msg)

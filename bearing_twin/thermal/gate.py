@@ -8,12 +8,9 @@ from dataclasses import dataclass
 import enum
 import math
 
-from bearing_twin.thermal.gcr15 import TEMPERATURES
+from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 
-__all__ = ['TABLE_HIGH', 'TABLE_LOW', 'GatedTemperature', 'TemperatureGate', 'TemperatureStatus']
-
-TABLE_LOW, TABLE_HIGH = float(TEMPERATURES[0]), float(TEMPERATURES[-1])
-"""Lowest and highest temperature of the paper's tables 1-3, degC."""
+__all__ = ['GatedTemperature', 'TemperatureGate', 'TemperatureStatus']
 
 PHYSICAL_LOW = -273.15
 PHYSICAL_HIGH = 1000.0

@@ -22,6 +22,8 @@ __all__ = [
     'EXPANSION_TABLE',
     'FRICTION_TABLE',
     'HARDNESS_TABLE',
+    'TABLE_HIGH',
+    'TABLE_LOW',
     'TEMPERATURES',
     'Beta0',
     'alpha',
@@ -42,6 +44,7 @@ def _column(*values: float) -> FloatArray:
 
 TEMPERATURES = _column(20, 30, 40, 50, 60, 70, 80, 90, 100, 110)
 """Nodes of the three tables, degC."""
+TABLE_LOW, TABLE_HIGH = float(TEMPERATURES[0]), float(TEMPERATURES[-1])
 EXPANSION_TABLE = _column(5, 6, 7, 9, 9.5, 10, 12, 13, 15, 16)
 """Table 1, instantaneous thermal expansion coefficient in its printed unit (see `alpha`)."""
 HARDNESS_TABLE = _column(67.1, 65.2, 63.6, 63.6, 63.7, 63.8, 63.2, 63.0, 62.8, 62.4)
@@ -71,11 +74,10 @@ def check_temperature(temperature: float) -> float:
     60.0
 
     """
-    low, high = TEMPERATURES[0], TEMPERATURES[-1]
-    if not low <= temperature <= high:
+    if not TABLE_LOW <= temperature <= TABLE_HIGH:
         msg = (
-            f'temperature {temperature} degC is outside {low:g}..{high:g} degC, the range of '
-            'tables 1 to 3; clamp or hold it before it reaches the model'
+            f'temperature {temperature} degC is outside {TABLE_LOW:g}..{TABLE_HIGH:g} degC, the '
+            'range of tables 1 to 3; clamp or hold it before it reaches the model'
         )
         raise BearingTwinError(msg)
     return temperature
@@ -198,9 +200,7 @@ class Beta0:
     delta_mu: float = quantity(
         0.02, 'Weight of friction in beta0, which must stay in 0.5..1.5.', '', 0.0, 2.0
     )
-    reference_temperature: float = quantity(
-        20.0, 'T0 of beta0.', 'degC', float(TEMPERATURES[0]), float(TEMPERATURES[-1])
-    )
+    reference_temperature: float = quantity(20.0, 'T0 of beta0.', 'degC', TABLE_LOW, TABLE_HIGH)
     reference_hardness: float = quantity(63.6, 'H0 of beta0.', 'HRC', 1.0, 100.0)
     reference_friction: float = quantity(
         0.0150, 'mu0 of beta0 and of slip in proportion to mu.', '', 1e-4, 10.0

@@ -6,7 +6,7 @@ import math
 from bearing_twin.bearing import Bearing
 from bearing_twin.dynamics import Fleet, preset, PRESETS, Simulator
 from bearing_twin.dynamics.kernel import FAST_HZ
-from bearing_twin.dynamics.parameters import PROFILES
+from bearing_twin.dynamics.parameters import Defect, PROFILES
 from bearing_twin.dynamics.reference import solve
 from bearing_twin.dynamics.statics import contact, healthy_balls
 from bearing_twin.errors import BearingTwinError
@@ -258,6 +258,16 @@ def test_many_balls_agree_with_an_adaptive_solver(n_balls):
     reference = solve(parameters, 1280, temperature=20.0, shaft_hz=5.0)
     block = Simulator(parameters, shaft_hz=5.0).advance(1280, 20.0, 5.0)
     assert relative(np.array([block.x, block.y]), np.array([reference.x, reference.y])) < 2e-3
+
+
+def test_a_fraction_of_a_ball_or_of_a_seed_is_refused():
+    with pytest.raises(BearingTwinError, match=r'seed=1\.7 is not a whole number'):
+        Simulator(preset('incipient'), seed=1.7)
+    with pytest.raises(BearingTwinError, match=r'defect ball=1\.5 is not a whole number'):
+        Defect(place='ball', width=1e-3, depth=2e-5, ball=1.5)
+    # One that has been read from an array is whole.
+    ball = np.arange(3)[2]
+    assert Defect(place='ball', width=1e-3, depth=2e-5, ball=ball).ball == 2
 
 
 @pytest.mark.parametrize('temperature', [19.9, 110.1, math.nan, math.inf])

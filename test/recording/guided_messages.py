@@ -17,7 +17,8 @@ from bearing_twin.ros.subscribing import read_message
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.vibration_input import GapCounter, read_vibration
-from bearing_twin.thermal.gate import TABLE_HIGH, TABLE_LOW, TemperatureGate
+from bearing_twin.thermal.gate import TemperatureGate
+from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 from bearing_twin_msgs.msg import Vibration
 import numpy as np
 from rclpy.serialization import serialize_message
