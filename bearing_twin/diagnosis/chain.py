@@ -154,7 +154,8 @@ class Excerpt:
         count, pieces, stretches = len(samples), 1, 1
         if count and math.isfinite(sample_rate) and sample_rate > 0.0:
             turns = count / sample_rate * turning.mean_hz
-            pieces = max(1, round(turns / longest)) if math.isfinite(turns) else 1
+            # A shaft that turns in less than two samples, or at no speed, has no turns to count.
+            pieces = max(1, round(turns / longest)) if turns < count / 2 else 1
             if divided:
                 stretches = max(1, round(count / pieces / (SECONDS * sample_rate)))
         length = fft.prev_fast_len(max(count // (pieces * stretches), 1), real=True)

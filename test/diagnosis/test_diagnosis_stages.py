@@ -8,6 +8,7 @@ from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.comb import accumulate, comb_scores, NEUTRAL, order_spectra
 from bearing_twin.diagnosis.demodulation import choose_layout
 from bearing_twin.diagnosis.gate import check_record
+from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.report import coarse_spectrum
 from bearing_twin.diagnosis.severity import iso_zone, Levels, measure_severity
 from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample, Turning
@@ -304,3 +305,9 @@ def test_coarse_spectrum_keeps_the_height_and_place_of_lines():
     same, start_hz, bin_hz = coarse_spectrum(amplitude, 1.0)
     assert np.array_equal(same, amplitude)
     assert (start_hz, bin_hz) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize('speed', [12800.0, 1e20, 3.4e38, np.inf])
+def test_a_speed_that_no_sample_shows_is_no_reason_to_divide_a_record(speed):
+    verdict = diagnose_record(np.ones(3), 25600.0, find_bearing('6307'), speed)
+    assert verdict.result == 'insufficient'
