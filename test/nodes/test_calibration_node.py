@@ -19,7 +19,7 @@ from bearing_twin.calibration import fit
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.streams.vibration_input import VibrationBlock
 from bearing_twin.view.report.data import Machine
-from bearing_twin.view.report.plots import figures
+from bearing_twin.view.report.plots import appended_figures, figures
 from bearing_twin.view.rerun.calibration import CalibrationPicture
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.picture import Asset
@@ -297,7 +297,8 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy)
     assert minute(57, 0.0).residual_reason.startswith('this calibration is the healthy twin')
     # Report and Rerun show it.
     message.band, message.measured_level, message.twin_level = ['25 Hz'], [3.0], [1.0]
-    shown = figures(Machine(namespace='', calibrations=[(0.0, message), (30.0, message)]), 'a')
+    machine = Machine(namespace='', calibrations=[(0.0, message), (30.0, message)])
+    shown = [*figures(machine, 'a'), *appended_figures(machine, 'b')]
     assert [caption.split(';')[0].split(':')[0] for caption, _ in shown] == [
         'The twin fitted to the machine',
         'Machine and fitted twin',
