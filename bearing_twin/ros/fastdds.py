@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 
-__all__ = ['set_up_fast_dds']
+__all__ = ['PROFILES', 'set_up_fast_dds']
 
 PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
 TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'

@@ -8,8 +8,8 @@ import os
 from pathlib import Path
 
 from bearing_twin.recording.reader import recording_info
+from bearing_twin.ros.fastdds import PROFILES
 from bearing_twin.ros.launching import NodeProcesses
-from bearing_twin.ros.lifecycle import PROFILES
 from bearing_twin.view.rerun.viewer import free_port
 import psutil
 import pytest
