@@ -18,7 +18,7 @@ from bearing_twin.ros.launching import NodeProcesses
 from block_streams import block_end
 import pytest
 
-TIMEOUT = 120.0
+TIMEOUT = 300.0
 """After it a test gives up; no bound on how long anything may take, s."""
 
 
