@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 import json
 import math
 from typing import Any, TYPE_CHECKING
@@ -18,7 +18,7 @@ from bearing_twin.assets.messages import floats, message_header
 from bearing_twin.calibration import Calibration as Fitted
 from bearing_twin.calibration.fit import decimated
 from bearing_twin.calibration.passage import load_range
-from bearing_twin.calibration.residual import Residual, Unexplained
+from bearing_twin.calibration.residual import MOVED, Residuals, Unexplained
 from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.dynamics.parameters import check_bearing
 from bearing_twin.dynamics.sensor_path import BAND_HZ, band_levels, distance
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 __all__ = ['CalibrationCore']
 
-_VERSION = 2003
+_VERSION = 2004
 SHARE = 1.0 / 3.0
 """Most of one core that is used, over time: 10 s each 30 s."""
 MOST_SEEN = 100
@@ -53,11 +53,6 @@ holds an answer over several windows, of some seconds each."""
 REPAIRED = (
     'the bearing was repaired since the healthy twin was fitted: call ~/reset to learn it anew'
 )
-MOVED = 0.02
-"""Most that the speed may move within a record, from the slowest to the fastest over the mean. The
-lines of the shaft then stay where `residual.ORDER_WIDTH` looks for them. On impact trains with a
-ramp, 2 % leaves the spacing of the impacts within 0.1 % and nine tenths of its prominence; 10 %
-makes it up to 1.5 % too short."""
 
 
 @dataclass
@@ -131,7 +126,7 @@ class CalibrationCore:
         self._record = _Record()
         self._verdicts = Verdicts(self.bearing.name)
         self._next = self._rested = self._decided = self._compared = -math.inf
-        self._residual = Residual()
+        self._residuals = Residuals()
         self._reference: dict[str, Any] | None = None
         self._seen: deque[Impacts] = deque(maxlen=MOST_SEEN)
         self._latest: Fitted | None = None
@@ -180,13 +175,15 @@ class CalibrationCore:
             self._changed = self._compare(wanted, hertz)
         if now < (self._rested if self._contradicted(heard) else self._next):
             return None
+        if self._reference and self._reference['machine']['unit'] != block.unit:
+            self.forget()
         self._next, self._rested = now + self._values['period'], math.inf
         first = self._record.following[0] - wanted
         return Task(
             samples=self._samples(wanted), sample_rate=block.sample_rate, bearing=self.bearing,
             shaft_hz=hertz, temperature=temperature, unit=block.unit, place=heard.place,
             load=self._load, candidates=self._values['candidates'], others=tuple(self._seen),
-            reference=self._reference, repairs=self._repairs,
+            reference=self._reference, healthy=heard.healthy, repairs=self._repairs,
             stamp=block.stamp + samples_ns(first - block.first_sample, block.sample_rate),
             frame_id=block.frame_id, first_sample=first,
         )  # fmt: skip
@@ -265,33 +262,35 @@ class CalibrationCore:
         if self._latest.impacts is not None and task.repairs == self._repairs:
             self._seen.append(self._latest.impacts)
         heard = self._heard()
+        # A fault that began within the record is named after it.
+        healthy = task.healthy and heard.healthy
         decides = now - self._decided >= DECISION_S
         if self._reference is None:
-            said = self._no_reference(heard, done.found['defect'])
+            said = self._no_reference(heard.why, done.found['defect'], healthy=healthy)
             if not said:
                 self._reference = done.found
                 said = 'this calibration is the healthy twin: the next ones are compared with it'
             self.unexplained = Unexplained(math.nan, '', math.nan, said)
         elif decides:
             self._decided = now
-            found = self._residual.update(
-                done.bands, done.measured - done.twin, healthy=heard.healthy
+            found = self._residuals.update(
+                done.bands, done.measured - done.twin, task.shaft_hz, healthy=healthy
             )
             if found.alarm and self._repairs:
                 found = replace(found, reason=f'{found.reason}; {REPAIRED}')
             self.unexplained = found
         return self._message(task, done)
 
-    def _no_reference(self, heard: Heard, defect: str) -> str:
+    def _no_reference(self, why: str, defect: str, *, healthy: bool) -> str:
         """Return why a calibration is not that of the healthy machine; '' if it is."""
-        why = heard.why or ('' if heard.healthy else 'the diagnosis is not ok')
+        why = why or ('' if healthy else 'the diagnosis is not ok')
         if not why and defect != 'none':
             why = f'this one has a defect ({defect})'
         return f'no calibration of the healthy machine yet: {why}' if why else ''
 
     def forget(self) -> str:
         """Learn the healthy machine anew, as after a repair; return what a service answers."""
-        self._residual, self._reference, self._repairs = Residual(), None, 0
+        self._residuals, self._reference, self._repairs = Residuals(), None, 0
         self._seen.clear()
         said = 'the healthy twin and its residual are learnt anew'
         self.unexplained = Unexplained(math.nan, '', math.nan, said)
@@ -354,7 +353,7 @@ class CalibrationCore:
         values = {
             'geometry': self._geometry,
             'reference': self._reference,
-            'residual': asdict(self._residual),
+            'residuals': self._residuals.save(),
             'repairs': self._repairs,
         }
         return pack(_VERSION, values, {})
@@ -379,5 +378,5 @@ class CalibrationCore:
         reference = values.get('reference')
         if reference is not None:
             Fitted.from_dict(reference)
-        self._residual = Residual.of(values.get('residual', {}))
+        self._residuals = Residuals.of(values.get('residuals'))
         self._reference, self._repairs = reference, int(values.get('repairs', 0))

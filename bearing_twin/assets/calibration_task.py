@@ -44,6 +44,8 @@ class Task:
     """What the fits before have seen of the impacts of a passage."""
     reference: dict[str, Any] | None
     """The calibration that the residual is taken from; None: the one that is found."""
+    healthy: bool
+    """Whether the diagnosis said so before the fit."""
     repairs: int
     """Before it."""
     stamp: int

@@ -5,12 +5,13 @@
 from dataclasses import asdict
 import math
 
-from bearing_twin.calibration.residual import LEAST, Residual, spectral_levels
+from bearing_twin.calibration.residual import LEAST, Residual, Residuals, spectral_levels
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies import residual as study
 from bearing_twin.studies.residual import CHANGES, false_alarms, poisson_bound, seen_after
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from scipy.stats import poisson
 
 SHOWS = {
@@ -46,6 +47,55 @@ def test_healthy_decisions_that_were_not_learnt_from_stay_below(kind):
     alarms, largest = false_alarms(5, 300, seed=7, **kind)
     assert alarms == 0
     assert 0.1 < largest < 1.0
+
+
+def test_a_band_that_remembers_longer_than_the_others_has_a_limit_of_its_own():
+    """Few do on a real machine, as the level of a flow; with one memory for all, alarms came."""
+    rng = np.random.default_rng(4)
+    keep = math.exp(-1.0 / 60.0)
+    drawn = rng.standard_normal((3000, 64))
+    drawn[:, :8] = lfilter([2.0 * math.sqrt(1.0 - keep**2)], [1.0, -keep], drawn[:, :8], axis=0)
+    residual, names = Residual(), tuple(map(str, range(64)))
+    for row in drawn[1000:1512]:
+        residual.learn(names, row)
+    assert sum(residual.judge(names, row).alarm for row in drawn[1512:]) == 0
+    few = Residual()
+    for row in drawn[1000:1060]:
+        few.learn(names, row)
+    assert sum(few.judge(names, row).alarm for row in drawn[1060:2060]) < 50
+
+
+def test_a_machine_is_known_at_the_speeds_at_which_it_was_healthy():
+    """Unbalance of a drive with a converter, through third octaves that do not turn with it."""
+    rng = np.random.default_rng(5)
+
+    def levels(hz):
+        t = np.arange(25600) / 12800.0
+        return spectral_levels(
+            rng.standard_normal(25600) + np.sin(2 * np.pi * hz * t), 12800.0, hz
+        )
+
+    residuals = Residuals()
+    for _ in range(40):
+        found = residuals.update(*levels(25.0 + 0.2 * rng.uniform(-1, 1)), 25.0, healthy=True)
+    assert found.number < 1.0
+    for _ in range(LEAST + 5):
+        found = residuals.update(*levels(30.0), 30.0, healthy=True)
+        assert math.isnan(found.number)
+    assert found.reason.endswith('limit needs at 30 Hz; known at 25 Hz')
+    for _ in range(8):
+        found = residuals.update(*levels(30.0), 30.0, healthy=True)
+        assert found.number < 1.0
+        assert residuals.update(*levels(25.0), 25.0, healthy=True).number < 1.0
+    again = Residuals.of(residuals.save())
+    assert again == residuals
+    for broken in (None, [{}], [{'shaft_hz': 0.0}], {'shaft_hz': 1.0}, [{'shaft_hz': 25.0}]):
+        with pytest.raises(BearingTwinError, match='use what was saved'):
+            Residuals.of(broken)
+    # A speed that was only passed by is given up for a new one.
+    for hz in range(40, 120, 4):
+        residuals.update(*levels(float(hz)), float(hz), healthy=True)
+    assert {round(hz) for hz, _ in residuals.known} >= {25, 30, 116} and len(residuals.known) == 16
 
 
 def test_only_independent_alarms_have_the_bound_of_a_poisson_number():

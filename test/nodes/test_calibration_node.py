@@ -151,7 +151,7 @@ def test_a_turn_of_a_fast_sensor_has_no_image_of_what_lies_above_its_band():
     task = Task(
         samples=noise + tone, sample_rate=rate, bearing=find_bearing('6307'), shaft_hz=25.0,
         temperature=40.0, unit='m/s^2', place='none', load=None, candidates=64, others=(),
-        reference=None, repairs=0, stamp=0, frame_id='', first_sample=0,
+        reference=None, healthy=False, repairs=0, stamp=0, frame_id='', first_sample=0,
     )  # fmt: skip
     measured = work(task).turns[0]
     assert len(measured) == 2048
@@ -210,6 +210,7 @@ def test_a_repaired_machine_is_fitted_at_once_and_its_old_impacts_are_forgotten(
     assert core.stale(4.6) == ''
     # A minute of health is another bearing; a fit that was begun before it is of the old one.
     old = replace(task, repairs=0)
+    assert old.healthy
     for number in range(120, 1700, 100):
         core.verdict(verdict(number, OK))
         tasks = take(core, range(number, number + 100))
@@ -295,6 +296,15 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy)
     )
     assert 'learnt anew' in core.forget()
     assert minute(57, 0.0).residual_reason.startswith('this calibration is the healthy twin')
+    # A fault that is named while the fit runs began in the record: it teaches nothing.
+    core.forget()
+    number = 2000 * 61
+    take(core, range(number, number + 49))
+    core.verdict(verdict(number + 49, OK))
+    [task] = take(core, [number + 49])
+    core.verdict(verdict(number + 50, FAULT, 'outer'))
+    said = core.conclude(task, done(found), 3600.0).residual_reason
+    assert said == none + 'the diagnosis is not ok'
     # Report and Rerun show it.
     message.band, message.measured_level, message.twin_level = ['25 Hz'], [3.0], [1.0]
     machine = Machine(namespace='', calibrations=[(0.0, message), (30.0, message)])
