@@ -190,7 +190,9 @@ def vibrations(
     """
     count = len(values['load'])
     rng = np.random.default_rng([seed, 1])
-    rate, hz, temperature = situation.sample_rate, situation.shaft_hz, situation.temperature
+    rate, hz = situation.sample_rate, situation.shaft_hz
+    # As the twin's gate does: colder and hotter than the tables of the steel is their end.
+    temperature = float(np.clip(situation.temperature, TEMPERATURES[0], TEMPERATURES[-1]))
     for first in range(0, count, _BATCH):
         batch = range(first, min(first + _BATCH, count))
         fleet = Fleet(

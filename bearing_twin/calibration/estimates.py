@@ -145,16 +145,17 @@ def of_defect(
                     f'from impacts {spacing:.2f} mm apart on the race; the rest is the path of a '
                     'ball over the edges, without which the lower bound does'
                 )
-            elif refusal.kind is Kind.TOO_WIDE:
+            elif refusal.kind in (Kind.ONE_IMPACT, Kind.TOO_WIDE):
                 # A ball is always in a defect that is wider than the distance of two balls.
                 high, why = 1e3 * situation.speed / situation.strikes, refusal.why
+                low = 0.0 if refusal.kind is Kind.ONE_IMPACT else low
             elif refusal.kind is Kind.NO_IMPACTS:
                 low, high, why = 0.0, about.high, refusal.why
             elif refusal.kind is Kind.MANY_WIDTHS:
                 why = refusal.why
             else:
                 # What hides the spacing hides it in narrower defects too, whatever was supposed.
-                longest = max(resolved(measured), measured.spacing if measured.seen else 0.0)
+                longest = max(resolved(measured), measured.spacing)
                 hidden = longest * situation.speed + taken_off(situation, 0.95)
                 high = max(high, min(about.high, 1e3 * hidden))
                 low, why = 0.0, f'at most {high:.2f} mm: {refusal.why}'

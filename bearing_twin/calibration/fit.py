@@ -165,7 +165,7 @@ def fitted_vibration(found: Calibration, seconds: float, seed: int = 0) -> Float
     typical['noise_ratio'] = np.zeros(1)
     path = found.path
     settle = REACH_S + SETTLE_S
-    twin = next(vibrations(found.situation, typical, seconds + settle, seed))[0]
+    twin = next(vibrations(found.twin_situation, typical, seconds + settle, seed))[0]
     settled = int(settle * found.situation.sample_rate)
     return path.filter(seed).apply(twin)[settled:]
 
@@ -260,14 +260,17 @@ def _fitted(
     else:
         left = posterior.supposed(situation, seed=seed)
     values, weights = left.values, left.weights
-    path, twin = _path(x, situation, values, weights, seed)
+    unseen = refusal is not None and refusal.kind.unseen
+    twin_of = replace(situation, place='none') if unseen else situation
+    path, twin = _path(x, twin_of, values, weights, seed)
     factor = acceleration_factor(unit)
     before = twin + NOISE * np.random.default_rng(seed).standard_normal(len(twin))
     scale = factor if math.isfinite(factor) else float(before.std() / x.std())
     quantities = of_path(x, path, modes, situation, unit)
     if defective:
         quantities |= of_defect(left, situation, measured, refusal)
-        statement = in_words(situation.place, quantities['defect_width_mm'])
+        kind = None if refusal is None else refusal.kind
+        statement = in_words(situation.place, quantities['defect_width_mm'], kind)
         if refusal is not None and refusal.kind is Kind.NO_IMPACTS:
             statement = f'no width: {refusal.why}'
     else:

@@ -70,7 +70,7 @@ def _with(found: Calibration, width: Estimate, refusal: Kind | None) -> Calibrat
     return replace(
         found,
         quantities=found.quantities | {WIDTH: width},
-        statement=in_words(found.defect, width),
+        statement=in_words(found.defect, width, refusal),
         refusal=refusal,
     )
 
@@ -162,4 +162,5 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     )
     if all(each.refusal is Kind.NO_IMPACTS for each in found):
         return found, width, found[0].statement
-    return found, width, in_words(places[0], width)
+    unlimited = [each.refusal for each in found if each.refusal is Kind.ONE_IMPACT]
+    return found, width, in_words(places[0], width, *unlimited[:1])

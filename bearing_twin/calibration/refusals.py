@@ -54,6 +54,8 @@ class Kind(str, Enum):
     """The part that was named does not strike."""
     TOO_WIDE = 'too_wide'
     """The defect may be wider than any that is simulated."""
+    ONE_IMPACT = 'one_impact'
+    """One impact a passage is heard: the defect is narrow, or its other edge is faint or far."""
     HIDDEN = 'hidden'
     """The ringing of one impact hides a second."""
     SEVERAL_SPACINGS = 'several_spacings'
@@ -66,6 +68,11 @@ class Kind(str, Enum):
     """Candidates of many widths are."""
     SAME_AT_ANOTHER_SPEED = 'same_at_another_speed'
     """Another record shows the same time between impacts at another speed."""
+
+    @property
+    def unseen(self) -> bool:
+        """Whether nothing is known of the defect, so that a twin has none."""
+        return self in (Kind.NO_IMPACTS, Kind.NOT_FITTED)
 
 
 class Refusal(NamedTuple):
@@ -164,16 +171,21 @@ def unresolved(measured: Summary) -> Refusal | None:
     >>> from bearing_twin.calibration.summaries import summarise
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> unresolved(summarise(noise, 12800.0, 5e-4)).kind.value
-    'hidden'
+    'one_impact'
 
     """
     shortest = posterior.resolved(measured)
-    if not measured.seen or measured.spacing < shortest:
-        seen = f'{1e3 * measured.spacing:.2f} ms apart' if measured.seen else 'not told apart'
+    if not measured.seen:
+        return Refusal(
+            Kind.ONE_IMPACT,
+            'one impact a passage is heard: of a narrow defect, or of one whose other edge is '
+            'faint, or farther away than any that is simulated',
+        )
+    if measured.spacing < shortest:
         return Refusal(
             Kind.HIDDEN,
-            f'the impacts of a passage are {seen}; the ringing of one hides a second up to '
-            f'{1e3 * shortest:.2f} ms',
+            f'the impacts of a passage are {1e3 * measured.spacing:.2f} ms apart; the ringing of '
+            f'one hides a second up to {1e3 * shortest:.2f} ms',
         )
     return None
 

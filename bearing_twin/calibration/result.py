@@ -38,9 +38,18 @@ class Estimate:
     why: str
 
 
-def in_words(place: str, width: Estimate) -> str:
+def in_words(place: str, width: Estimate, refusal: Kind | None = None) -> str:
     """
     Return place and width of a race defect in words.
+
+    Parameters
+    ----------
+    place
+        Of the defect.
+    width
+        Of the defect, mm.
+    refusal
+        Why the width is not told; None if it is.
 
     Examples
     --------
@@ -54,6 +63,8 @@ def in_words(place: str, width: Estimate) -> str:
     if width.identifiable:
         between = f'{width.q05:.2f} to {width.q95:.2f}'
         return f'{place} race defect, {width.median:.2f} mm wide ({between})'
+    if refusal is Kind.ONE_IMPACT:
+        return f'{place} race defect, width not told: one impact a passage is heard'
     return f'{place} race defect, at most {width.q95:.2f} mm wide'
 
 
@@ -102,6 +113,12 @@ class Calibration:
         """What the fitted twin leaves unexplained of the spectrum: log-spectral distance, dB."""
         return self.distance
 
+    @property
+    def twin_situation(self) -> Situation:
+        """Situation of the twin: without a defect of which nothing is seen, not even an impact."""
+        unseen = self.refusal is not None and self.refusal.unseen
+        return replace(self.situation, place='none') if unseen else self.situation
+
     def typical(self) -> dict[str, float]:
         """Return the weighted median of each unknown of the candidates."""
         return {
@@ -116,7 +133,7 @@ class Calibration:
         Its sensor has neither noise nor resonance: both are in `path`, whose filter turns its
         acceleration into what the machine's sensor would give.
         """
-        return parameters(self.situation, self.typical())
+        return parameters(self.twin_situation, self.typical())
 
     def _running(self) -> dict[str, Any]:
         """Return what a twin takes that already runs, as plain numbers."""

@@ -9,15 +9,19 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_frequencies
-from bearing_twin.calibration.cloud import SETTLE_S, vibrations
+from bearing_twin.calibration.cloud import IMPACTS, SETTLE_S, vibrations
+from bearing_twin.calibration.passage import load_range
 from bearing_twin.calibration.path import REACH_S
 from bearing_twin.calibration.summaries import squared_envelope, summarise
 from bearing_twin.diagnosis import diagnose_record
+from bearing_twin.diagnosis.dependence import PER_KELVIN, PER_OCTAVE
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.thermal.gcr15 import TEMPERATURES
 import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
+    from bearing_twin.calibration.cloud import Situation
     from bearing_twin.calibration.result import Calibration
 
 __all__ = ['Expectation', 'Interval', 'expect', 'features']
@@ -145,18 +149,28 @@ def expect(
             'a width is given, and the fit found no defect; fit again with --place inner or outer'
         )
         raise BearingTwinError(msg)
+    known = found.twin_situation if width_mm is None else found.situation
+    place = known.place
     situation = replace(
-        found.situation,
+        known,
         shaft_hz=found.situation.shaft_hz if shaft_hz is None else shaft_hz,
         temperature=found.situation.temperature if temperature is None else temperature,
     )
     if not 0.5 <= situation.shaft_hz <= 500.0:
         msg = f'a shaft speed of {situation.shaft_hz:g} Hz is outside 0.5..500 Hz'
         raise BearingTwinError(msg)
+    coldest, hottest = TEMPERATURES[0], TEMPERATURES[-1]
+    if temperature is not None and not coldest <= temperature <= hottest:
+        msg = (
+            f'a temperature of {temperature:g} degC is outside {coldest:g}..{hottest:g} degC, in '
+            'which the steel of the twin is known'
+        )
+        raise BearingTwinError(msg)
     rng = np.random.default_rng([seed, 3])
     drawn = rng.choice(len(found.weights), size=candidates, p=found.weights)
     values = {name: v[drawn] for name, v in found.candidates.items()}
     if load is not None:
+        load = load_range(situation.bearing, load)
         values['load'] = load[0] * (load[1] / load[0]) ** rng.random(candidates)
     if width_mm is not None:
         values['defect_width_mm'] = np.full(candidates, width_mm)
@@ -175,10 +189,17 @@ def expect(
             if len(verdicts) < DIAGNOSED:
                 said = diagnose_record(y, rate, situation.bearing, situation.shaft_hz)
                 verdicts.append(said.result)
+    gains = (
+        _healthy_gains(found, situation, candidates, rng)
+        if place == 'none'
+        else _gains(found, known, {n: v[drawn] for n, v in found.candidates.items()}, seed)
+    )
     units = {'rms': unit, 'peak': unit, 'spacing_ms': 'ms'}
     vibration = {}
     for name in rows[0]:
-        column = np.array([row[name] for row in rows])
+        column = np.array([row[name] for row in rows]) * (
+            gains if units.get(name) == unit else 1.0
+        )
         column = column[np.isfinite(column)]
         if len(column) > len(rows) // 4:
             low, median, high = np.quantile(column, (0.05, 0.5, 0.95))
@@ -194,3 +215,39 @@ def expect(
         vibration=vibration,
         verdicts={name: verdicts.count(name) / len(verdicts) for name in sorted(set(verdicts))},
     )
+
+
+def _gains(
+    found: Calibration, situation: Situation, values: dict[str, FloatArray], seed: int
+) -> FloatArray:
+    """
+    Gain of the sensor's path for each candidate, over that of the typical one.
+
+    The product of gain and strength of the impacts is known: it is the level of the record.
+    """
+    values = values | {'noise_ratio': np.zeros(len(values['load']))}
+    settle = SETTLE_S + REACH_S
+    skipped = int(settle * situation.sample_rate)
+    levels = [
+        found.path.filter(seed).apply(x)[skipped:].std()
+        for batch in vibrations(situation, values, IMPACTS / situation.strikes + settle, seed)
+        for x in batch
+    ]
+    return found.rms / np.array(levels)
+
+
+def _healthy_gains(
+    found: Calibration, situation: Situation, candidates: int, rng: np.random.Generator
+) -> FloatArray:
+    """
+    Change of the level of a healthy machine with its speed and temperature, as a factor.
+
+    Most of it is noise of the machine around the bearing, which no twin has: what is supposed of
+    machines takes its place.
+    """
+    octaves = math.log2(situation.shaft_hz / found.situation.shaft_hz)
+    kelvins = situation.temperature - found.situation.temperature
+    decibels = octaves * rng.normal(*PER_OCTAVE, candidates) + kelvins * rng.normal(
+        *PER_KELVIN, candidates
+    )
+    return np.asarray(10.0 ** (decibels / 20.0))

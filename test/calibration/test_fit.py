@@ -11,6 +11,7 @@ from bearing_twin.bearing import fault_frequencies, find_bearing
 from bearing_twin.calibration import Calibration, fit
 from bearing_twin.calibration.cloud import parameters, Situation, unknowns
 from bearing_twin.calibration.estimates import taken_off
+from bearing_twin.calibration.fit import fitted_vibration
 from bearing_twin.calibration.impacts import follows_speed, Impacts, impacts_of
 from bearing_twin.calibration.joint import compared, joined
 from bearing_twin.calibration.passage import (
@@ -528,3 +529,57 @@ def test_a_width_no_ball_fits_is_refused(slot):
     found = fit(*slot, BEARING, 15.0, candidates=64, place='inner')
     with pytest.raises(BearingTwinError, match='half a ball'):
         expect(found, width_mm=6.0, candidates=16)
+
+
+def test_a_hall_in_winter_is_fitted_and_what_if_keeps_to_its_limits():
+    noise = 0.01 * np.random.default_rng(1).standard_normal(51200)
+    cold = fit(noise, RATE, BEARING, 20.0, place='none', temperature=-5.0, candidates=64)
+    assert cold.situation.temperature == -5.0
+    assert expect(cold, load=(50.0, 50.0), candidates=16).load == pytest.approx((50.0, 50.0))
+    for load in ((0.0, 100.0), (100.0, 50.0)):
+        with pytest.raises(BearingTwinError, match='give the least and the largest'):
+            expect(cold, load=load)
+    with pytest.raises(BearingTwinError, match=r'temperature of 5 degC is outside 20\.\.110'):
+        expect(cold, temperature=5.0)
+
+
+@pytest.mark.parametrize('place', ['outer', 'ball'])
+def test_a_twin_has_no_defect_of_which_nothing_is_seen(place):
+    noise = np.random.default_rng(1).standard_normal(51200)
+    found = fit(noise, RATE, BEARING, 20.0, place=place, candidates=64)
+    assert found.refusal in (Kind.NO_IMPACTS, Kind.NOT_FITTED)
+    assert found.defect == place and found.to_dict()['twin']['defects'] == []
+    twin = fitted_vibration(found, 2.0)
+    assert twin.std() == pytest.approx(1.0, rel=0.2)
+    assert float(((twin - twin.mean()) ** 4).mean() / twin.var() ** 2) < 4.0
+
+
+def test_a_second_impact_that_is_not_heard_is_no_limit_of_the_width():
+    """The other edge is faint, or it is farther away than two balls are: nothing says which."""
+    rng = np.random.default_rng(3)
+    train = np.zeros(4 * int(RATE))
+    strikes = fault_frequencies(BEARING, 20.0).impacts('outer')
+    times = np.cumsum(1.0 + 0.004 * rng.standard_normal(int(4 * strikes) - 4)) / strikes
+    train[np.round(times[times < 3.99] * RATE).astype(int)] = 1.0
+    x = ring(train)
+    x += 0.3 * x.std() * rng.standard_normal(len(x))
+    found = fit(x, RATE, BEARING, 20.0, place='outer', candidates=64)
+    width = found.quantities['defect_width_mm']
+    assert found.refusal is Kind.ONE_IMPACT and not width.identifiable
+    assert found.statement == 'outer race defect, width not told: one impact a passage is heard'
+    assert (width.q05, width.q95) == (0.0, pytest.approx(math.pi * (39.04 + 7.94) / 9, rel=1e-3))
+    assert joined([found, found])[2] == found.statement
+
+
+def test_what_if_of_a_healthy_machine_changes_its_level_as_machines_do_with_speed():
+    """10 +- 4 dB a doubling; a faulty one has the level of its record where nothing changes."""
+    noise = np.random.default_rng(1).standard_normal(51200)
+    healthy = fit(noise, RATE, BEARING, 20.0, unit='m/s^2', place='none', candidates=64)
+    same, twice = (expect(healthy, shaft_hz=hz).vibration['rms'] for hz in (20.0, 40.0))
+    assert same.q95 / same.q05 < 1.2
+    assert 20.0 * math.log10(twice.median / same.median) == pytest.approx(10.0, abs=3.0)
+    assert 20.0 * math.log10(twice.q95 / twice.q05) == pytest.approx(2 * 1.645 * 4.0, rel=0.3)
+    x = impact_train(2e-3, 'outer', 12.0)
+    faulty = fit(x, RATE, BEARING, 12.0, place='outer', candidates=64)
+    level = expect(faulty, candidates=24).vibration['rms']
+    assert level.q05 < x.std() < level.q95 < 1.6 * level.q05
