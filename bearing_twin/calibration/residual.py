@@ -296,9 +296,9 @@ class Residuals:
                 self.known.remove(min(self.known, key=lambda each: len(each[1].rows)))
             residual = Residual()
             self.known.append((shaft_hz, residual))
-        found = residual.update(names, difference, healthy=healthy)
         speeds = [f'{hz:.3g}' for hz, each in self.known if len(each.rows) >= LEAST]
-        if len(residual.rows) >= LEAST or not speeds:
+        found = residual.update(names, difference, healthy=healthy)
+        if math.isfinite(found.number) or not speeds:
             return found
         said = f'{found.reason} at {shaft_hz:.3g} Hz; known at {", ".join(speeds)} Hz'
         return replace(found, reason=said)
