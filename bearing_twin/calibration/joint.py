@@ -16,12 +16,13 @@ from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
+    from bearing_twin.calibration.cloud import Situation
     from bearing_twin.calibration.impacts import Impacts
     from bearing_twin.calibration.result import Calibration
 
-__all__ = ['compared', 'joined']
+__all__ = ['compared', 'joined', 'passage_width']
 
 WIDTH = 'defect_width_mm'
 
@@ -63,7 +64,9 @@ def compared(found: Calibration, others: Iterable[Impacts]) -> Calibration:
         told = replace(width, q05=0.0, identifiable=False, why=why)
         return _with(found, told, refusal.kind)
     alike = follows_speed(seen, others)
-    return _with(found, _passage_width(found, alike), None) if alike else found
+    if not alike:
+        return found
+    return _with(found, passage_width(found.situation, (seen, *alike)), None)
 
 
 def _with(found: Calibration, width: Estimate, refusal: Kind | None) -> Calibration:
@@ -75,23 +78,43 @@ def _with(found: Calibration, width: Estimate, refusal: Kind | None) -> Calibrat
     )
 
 
-def _passage_width(found: Calibration, alike: tuple[Impacts, ...]) -> Estimate:
-    """Width of a passage that several records show, in closed form."""
-    here = found.situation
-    seen = [impacts for impacts in (found.impacts, *alike) if impacts is not None]
+def passage_width(here: Situation, seen: Sequence[Impacts]) -> Estimate:
+    """
+    Width of a passage that several records show, in closed form.
+
+    Parameters
+    ----------
+    here
+        Situation of the first of them.
+    seen
+        Impacts of the passage in each.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration.cloud import Situation
+    >>> from bearing_twin.calibration.impacts import Impacts
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=20.0, sample_rate=25600.0
+    ... )
+    >>> seen = [Impacts('outer', hz, 0.04 / hz, 1e-4) for hz in (20.0, 30.0)]
+    >>> round(passage_width(machine, seen).median, 2)
+    2.76
+
+    """
     # On the race, mm: the speed of the contact follows that of the shaft.
     turns = np.array([each.turn for each in seen])
     lobes = np.array([each.lobe_s * each.shaft_hz for each in seen])
     scale = 1e3 * here.speed / here.shaft_hz
-    low, high = (f'{end(each.shaft_hz for each in alike):.1f}' for end in (min, max))
+    low, high = (f'{end(each.shaft_hz for each in seen[1:]):.1f}' for end in (min, max))
     speeds = low if low == high else f'{low} to {high}'
     most, middle = (1e3 * taken_off(here, share) for share in (0.95, 0.5))
-    return replace(
-        found.quantities[WIDTH],
+    return Estimate(
         # As for one record: impacts at the edges themselves, each as sharp as it looks.
         q05=max(0.0, scale * float((turns - lobes).min())),
         median=scale * float(np.median(turns)) + middle,
         q95=scale * float(turns.max()) + most,
+        unit='mm',
         identifiable=True,
         why=f'the impacts are {scale * seen[0].turn:.2f} mm apart on the race, and as far at '
         f'{speeds} Hz: a passage; the rest is the path of a ball over the edges',

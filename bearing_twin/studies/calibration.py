@@ -13,6 +13,7 @@ it prints the tables of all lines. No interval was set by these machines but for
 from __future__ import annotations
 
 from concurrent.futures import as_completed, ProcessPoolExecutor
+import functools
 from itertools import zip_longest
 import json
 import math
@@ -23,6 +24,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies import calibration_machines as machines
+from bearing_twin.studies.calibration_speeds import KINDS, look_at_speeds
 from bearing_twin.studies.output import arguments, print_table, read_lines
 import numpy as np
 from scipy import stats
@@ -37,11 +39,13 @@ __all__ = ['main', 'print_tables', 'summary', 'tasks']
 
 BINS = 10
 """Of the histogram of ranks."""
-SIMULATED = {
+SPEEDS = 'at several speeds: '
+SIMULATED: dict[str, Callable[[int], list[Row]]] = {
     'twins': machines.fit_twin,
     'impacts at the edges': machines.fit_edges,
     "impacts of a ball's path": machines.fit_slot,
     'paths': machines.fit_path,
+    **{SPEEDS + kind: functools.partial(look_at_speeds, kind) for kind in KINDS},
 }
 
 
@@ -107,11 +111,16 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser = arguments(sys.modules[__name__], writes=True)
     parser.add_argument('count', type=int, nargs='?', default=100, help='of each simulated group')
     parser.add_argument('--data', type=Path, help='folder of the real recordings')
+    parser.add_argument('--only', default='', help='groups whose name begins so')
     parser.add_argument('--jobs', type=int, default=len(os.sched_getaffinity(0)))
     args = parser.parse_args(argv)
     lines = read_lines(args.output)
     done = {(line['group'], line['name']) for line in lines}
-    left = [task for task in tasks(args.count, args.data) if task[:2] not in done]
+    left = [
+        task
+        for task in tasks(args.count, args.data)
+        if task[:2] not in done and task[0].startswith(args.only)
+    ]
     with ProcessPoolExecutor(args.jobs) as pool, args.output.open('a', encoding='utf-8') as out:
         running = {pool.submit(task[2], *task[3]): task[:2] for task in left}
         for future in as_completed(running):
@@ -131,7 +140,11 @@ def print_tables(lines: Iterable[Row]) -> None:
     groups: dict[str, list[Row]] = {}
     for line in sorted(lines, key=lambda line: line['name']):
         groups.setdefault(line['group'], []).extend(line['rows'])
-    fits = [name for name in ('HIT-SM', 'CWRU', *SIMULATED) if name in groups and name != 'paths']
+    fits = [
+        name
+        for name in ('HIT-SM', 'CWRU', *SIMULATED)
+        if name in groups and name != 'paths' and not name.startswith(SPEEDS)
+    ]
     print_table(
         ('width of a race defect', 'machines', 'told', 'in 90 %, told', 'in 90 %, all',
          'in 50 %, told', 'median error from 0.5 mm', 'Spearman', 'ranks in ten bins',
@@ -148,6 +161,12 @@ def print_tables(lines: Iterable[Row]) -> None:
         print_table(
             (column, 'compared', 'in 90 %', 'median error'), _quantities(groups.get(name, []))
         )
+    print()
+    print_table(
+        ('machines at two or three speeds', 'compared', 'passage proved', 'in 90 %',
+         'median error'),
+        _speeds(groups),
+    )  # fmt: skip
     print()
     print_table(
         ('sample rate, kHz', 'fits', 'processor time, s: median', 'most'),
@@ -175,6 +194,20 @@ def _quantities(rows: Sequence[Row]) -> Iterator[tuple[object, ...]]:
         errors = [abs(row['median'] / row['truth'] - 1.0) for row in of]
         held = _share(of, 'q05', 'q95', 'truth')
         yield name, len(of), f'{held:.2f}', f'{100.0 * np.median(errors):.1f} %'
+
+
+def _speeds(groups: dict[str, list[Row]]) -> Iterator[tuple[object, ...]]:
+    """Yield how often a passage was proved, and how its width holds where there was one."""
+    for kind in KINDS:
+        rows = groups.get(SPEEDS + kind, [])
+        proved = [row for row in rows if row['proved']]
+        errors = [abs(row['median'] / row['width'] - 1.0) for row in proved]
+        passage = proved and not kind.startswith(('echoes', 'gear'))
+        yield (
+            kind, f'{sum(row["compared"] for row in rows)} of {len(rows)}', len(proved),
+            f'{_share(proved, "q05", "q95"):.2f}' if passage else '',
+            f'{100.0 * np.median(errors):.0f} %' if passage else '',
+        )  # fmt: skip
 
 
 def _costs(rows: Sequence[Row]) -> Iterator[tuple[object, ...]]:

@@ -18,7 +18,6 @@ from bearing_twin.bearing import fault_frequencies, find_bearing
 from bearing_twin.calibration import fit
 from bearing_twin.calibration.cloud import Situation, unknowns, vibrations
 from bearing_twin.calibration.passage import (
-    contact_speed,
     impact_spacing,
     interference,
     load_range,
@@ -33,13 +32,15 @@ import numpy as np
 from scipy import signal
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from bearing_twin.calibration import Calibration
     from numpy.typing import NDArray
 
 __all__ = [
+    'drawn_machine',
+    'drawn_modes',
     'fit_edges',
     'fit_path',
     'fit_record',
@@ -47,6 +48,9 @@ __all__ = [
     'fit_twin',
     'fit_whatif',
     'records',
+    'ring',
+    'row_of',
+    'train',
 ]
 
 BEARINGS = ('6203', '6204', '6205', '6206', '6208', '6305', '6308', '6310', '6313', '6220')
@@ -59,7 +63,7 @@ RACES_MM = {'inner': 15.55, 'outer': 23.5}
 """Radii of the races of HIT-SM, over which its slots are given in degrees."""
 
 
-def _machine(number: int, key: int) -> tuple[np.random.Generator, Situation]:
+def drawn_machine(number: int, key: int) -> tuple[np.random.Generator, Situation]:
     """Bearing, rate, speed and place of a number."""
     rng = np.random.default_rng([2029, key, number])
     situation = Situation(
@@ -71,21 +75,36 @@ def _machine(number: int, key: int) -> tuple[np.random.Generator, Situation]:
     return rng, situation
 
 
-def _ring(
-    x: NDArray[np.float64], rate: float, rng: np.random.Generator
-) -> tuple[NDArray[np.float64], list[tuple[float, float]]]:
-    """Let one to three resonances ring; also return their frequencies and damping ratios."""
-    low, high = RESONANCES_HZ[0], min(RESONANCES_HZ[1], 0.4 * rate)
-    modes = [(rng.uniform(low, high), rng.uniform(0.01, 0.06)) for _ in range(rng.integers(1, 4))]
+def drawn_modes(
+    rate: float, rng: np.random.Generator, *, count: tuple[int, int] = (1, 3),
+    lowest: float = RESONANCES_HZ[0], most_damped: float = 0.06,
+) -> list[tuple[float, ...]]:  # fmt: skip
+    """Draw resonances: frequency, Hz, damping ratio and height of each."""
+    highest = min(RESONANCES_HZ[1], 0.4 * rate)
+    modes = [
+        (rng.uniform(lowest, highest), rng.uniform(0.01, most_damped))
+        for _ in range(rng.integers(count[0], count[1] + 1))
+    ]
+    return [(*mode, rng.uniform(0.3, 1.0)) for mode in modes]
+
+
+def ring(
+    x: NDArray[np.float64], rate: float, modes: list[tuple[float, ...]]
+) -> NDArray[np.float64]:
+    """Let resonances ring."""
     out = np.zeros_like(x)
-    for hz, damping in modes:
+    for hz, damping, height in modes:
         pole = np.exp(2.0 * np.pi * hz / rate * (1j * math.sqrt(1.0 - damping**2) - damping))
         rung = signal.lfilter([1.0], np.poly([pole, pole.conjugate()]).real, x)
-        out += rng.uniform(0.3, 1.0) * rung / rung.std()
-    return 10.0 ** rng.uniform(-3.0, 3.0) * out, modes
+        out += height * rung / rung.std()
+    return out
 
 
-def _row(found: Calibration, width: float) -> dict[str, Any]:
+def _gain(rng: np.random.Generator) -> float:
+    return float(10.0 ** rng.uniform(-3.0, 3.0))
+
+
+def row_of(found: Calibration, width: float) -> dict[str, Any]:
     """Return what is told of the width of a defect, mm, and where the truth lies in it."""
     told = found.quantities['defect_width_mm']
     inner = (math.nan, math.nan)
@@ -108,14 +127,15 @@ def _row(found: Calibration, width: float) -> dict[str, Any]:
 
 def fit_twin(number: int) -> list[dict[str, Any]]:
     """Fit a record of a twin whose unknowns come from the prior, by `fit` as it is used."""
-    rng, situation = _machine(number, 0)
+    rng, situation = drawn_machine(number, 0)
     truth = {name: u.place(rng.random(1)) for name, u in unknowns(situation).items()}
     x = next(vibrations(situation, truth, SECONDS, number + 1))[0]
+    x = ring(x, situation.sample_rate, drawn_modes(situation.sample_rate, rng)) * _gain(rng)
     found = fit(
-        _ring(x, situation.sample_rate, rng)[0], situation.sample_rate, situation.bearing,
-        situation.shaft_hz, place=situation.place, seed=number + 2,
+        x, situation.sample_rate, situation.bearing, situation.shaft_hz, place=situation.place,
+        seed=number + 2,
     )  # fmt: skip
-    return [_row(found, float(truth['defect_width_mm'][0]))]
+    return [row_of(found, float(truth['defect_width_mm'][0]))]
 
 
 def fit_edges(number: int) -> list[dict[str, Any]]:
@@ -129,27 +149,35 @@ def fit_slot(number: int) -> list[dict[str, Any]]:
 
 
 def _fit_impacts(number: int, key: int, *, on_path: bool) -> dict[str, Any]:
-    rng, situation = _machine(number, key)
+    rng, situation = drawn_machine(number, key)
     rate, bearing, place = situation.sample_rate, situation.bearing, situation.place
     width = float(rng.uniform(0.2e-3, widest(bearing)))
-    strikes = fault_frequencies(bearing, situation.shaft_hz).impacts(place)
-    count = int(1.2 * strikes * SECONDS)
-    entries = np.cumsum(1.0 + 0.005 * rng.standard_normal(count)) / strikes
     low, high = load_range(bearing)
     sinking = interference(bearing, low * (high / low) ** rng.random()) if on_path else 0.0
-    apart = impact_spacing(width, sinking, path_curvature(bearing, place))
-    apart /= contact_speed(bearing, place, situation.shaft_hz)
-    heights = 1.0 + 0.3 * rng.standard_normal(count)
-    if place == 'inner':
-        heights *= np.maximum(np.cos(2.0 * np.pi * situation.shaft_hz * entries), 0.0)
-    x = np.zeros(int(SECONDS * rate))
-    for times, share in ((entries, rng.uniform(0.4, 1.0)), (entries + apart, -1.0)):
-        at = np.round(times * rate).astype(int)
-        np.add.at(x, at[at < len(x)], share * heights[at < len(x)])
-    y, _ = _ring(x, rate, rng)
+    apart = impact_spacing(width, sinking, path_curvature(bearing, place)) / situation.speed
+    x = train(situation, rng, [apart], (rng.uniform(0.4, 1.0), -1.0))
+    y = ring(x, rate, drawn_modes(rate, rng)) * _gain(rng)
     y += 10.0 ** rng.uniform(-2.0, -0.5) * y.std() * rng.standard_normal(len(y))
     found = fit(y, rate, bearing, situation.shaft_hz, place=place, seed=number + 1)
-    return _row(found, 1e3 * width)
+    return row_of(found, 1e3 * width)
+
+
+def train(
+    machine: Situation, rng: np.random.Generator, apart_s: Sequence[float],
+    shares: Sequence[float],
+) -> NDArray[np.float64]:  # fmt: skip
+    """Impacts of passages, and others some time after each, with their shares of its height."""
+    rate, strikes = machine.sample_rate, machine.strikes
+    count = int(1.2 * strikes * SECONDS)
+    entries = np.cumsum(1.0 + 0.005 * rng.standard_normal(count)) / strikes
+    heights = 1.0 + 0.3 * rng.standard_normal(count)
+    if machine.place == 'inner':
+        heights *= np.maximum(np.cos(2.0 * np.pi * machine.shaft_hz * entries), 0.0)
+    x = np.zeros(int(SECONDS * rate))
+    for after, share in zip((0.0, *apart_s), shares, strict=True):
+        at = np.round((entries + after) * rate).astype(int)
+        np.add.at(x, at[at < len(x)], share * heights[at < len(x)])
+    return x
 
 
 def fit_path(number: int) -> list[dict[str, Any]]:
@@ -158,10 +186,11 @@ def fit_path(number: int) -> list[dict[str, Any]]:
 
     The true floor is that of a minute of the machine.
     """
-    rng, situation = _machine(number, 3)
+    rng, situation = drawn_machine(number, 3)
     rate = situation.sample_rate
     n = int(SECONDS * rate)
-    y, modes = _ring(rng.standard_normal(20 * n), rate, rng)
+    modes = drawn_modes(rate, rng)
+    y = ring(rng.standard_normal(20 * n), rate, modes) * _gain(rng)
     y += 10.0 ** rng.uniform(-3.0, -1.0) * y.std() * rng.standard_normal(len(y))
     low, middle, high = noise_floor(y[:n], rate)
     found = [
@@ -189,7 +218,7 @@ def fit_path(number: int) -> list[dict[str, Any]]:
 
 def fit_record(path: Path, rpm: float, width: float) -> list[dict[str, Any]]:
     """Fit a real record of a 6205 and say where its width lies, mm."""
-    return [{'name': path.stem, **_row(_fitted(path, rpm), width)}]
+    return [{'name': path.stem, **row_of(_fitted(path, rpm), width)}]
 
 
 def fit_whatif(path: Path, rpm: float, others: list[tuple[Path, float]]) -> list[dict[str, Any]]:
