@@ -13,8 +13,14 @@ from bearing_twin.bearing import fault_frequencies, radial_factor
 from bearing_twin.calibration.passage import contact_speed, load_range, widest
 from bearing_twin.calibration.summaries import summarise, Summary
 from bearing_twin.dynamics import Defect, Fleet, TwinParameters
-from bearing_twin.thermal.gcr15 import TABLE_HIGH
-from bearing_twin.thermal.rings import clearance_change, CLEARANCE_LOW, ThermalNetwork
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
+from bearing_twin.thermal.rings import (
+    clearance_change,
+    CLEARANCE_HIGH,
+    CLEARANCE_LOW,
+    ThermalNetwork,
+)
 import numpy as np
 import numpy.typing as npt
 
@@ -34,6 +40,8 @@ IMPACTS = 24.0
 SETTLE_S = 0.1
 TEMPERATURE = 30.0
 """Of the outer ring where none is given, degC."""
+LONGEST_BLOCK = 1 << 20
+"""Samples that a fleet takes at a time."""
 _BATCH = 128
 """Candidates simulated together: 100 MB at 52 kHz and 1 s."""
 
@@ -100,6 +108,11 @@ def unknowns(situation: Situation) -> dict[str, Unknown]:
     """
     Return the quantities of a machine with a defect that are not known, with their ranges.
 
+    Raises
+    ------
+    BearingTwinError
+        If the bearing is so large that no clearance of the twin is left when it is hot.
+
     Examples
     --------
     >>> from bearing_twin.bearing import find_bearing
@@ -117,11 +130,19 @@ def unknowns(situation: Situation) -> dict[str, Unknown]:
         hot + ThermalNetwork().inner_excess(hot), hot, situation.bearing.d_pitch
     )
     tightest = max(0.0, 1e6 * (CLEARANCE_LOW - lost) + 0.01)
+    loosest = min(tightest + 12.0, 1e6 * CLEARANCE_HIGH)
+    if tightest >= loosest:
+        msg = (
+            f'a bearing of {1e3 * situation.bearing.d_pitch:.0f} mm pitch diameter loses '
+            f'{tightest:.0f} um of its clearance when it is hot, and the twin takes at most '
+            f'{loosest:.0f} um: a smaller bearing can be fitted'
+        )
+        raise BearingTwinError(msg)
     ranges = {
         'defect_width_mm': Unknown(0.1, 1e3 * widest(situation.bearing), 'mm'),
         'load': Unknown(low, high, 'N', logarithmic=True),
         'defect_depth_um': Unknown(5.0, 500.0, 'um', logarithmic=True),
-        'clearance_um': Unknown(tightest, tightest + 12.0, 'um'),
+        'clearance_um': Unknown(tightest, loosest, 'um'),
         'contact_damping': Unknown(50.0, 1500.0, 'N s/m', logarithmic=True),
         'inner_mass': Unknown(1.5, 20.0, 'kg', logarithmic=True),
         'jitter': Unknown(0.001, 0.02, '', logarithmic=True),
@@ -192,9 +213,11 @@ def vibrations(
     rng = np.random.default_rng([seed, 1])
     rate, hz = situation.sample_rate, situation.shaft_hz
     # As the twin's gate does: colder and hotter than the tables of the steel is their end.
-    temperature = float(np.clip(situation.temperature, TEMPERATURES[0], TEMPERATURES[-1]))
-    for first in range(0, count, _BATCH):
-        batch = range(first, min(first + _BATCH, count))
+    temperature = float(np.clip(situation.temperature, TABLE_LOW, TABLE_HIGH))
+    n = int(seconds * rate)
+    size = max(1, min(_BATCH, int(_BATCH * HIGHEST_RATE / n)))
+    for first in range(0, count, size):
+        batch = range(first, min(first + size, count))
         fleet = Fleet(
             [parameters(situation, {k: float(v[i]) for k, v in values.items()}) for i in batch],
             sample_rate=rate,
@@ -203,7 +226,10 @@ def vibrations(
             shaft_hz=hz,
         )
         fleet.advance(int(SETTLE_S * rate), temperature, hz)
-        x = fleet.advance(int(seconds * rate), temperature, hz).y.astype(np.float64)
+        parts = [min(LONGEST_BLOCK, n - done) for done in range(0, n, LONGEST_BLOCK)]
+        x = np.concatenate(
+            [fleet.advance(part, temperature, hz).y.astype(np.float64) for part in parts], axis=1
+        )
         x -= x.mean(axis=1, keepdims=True)
         level = x.std(axis=1) * values['noise_ratio'][batch.start : batch.stop]
         yield x + level[:, None] * rng.standard_normal(x.shape)

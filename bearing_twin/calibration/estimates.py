@@ -7,9 +7,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from bearing_twin.bearing import fault_frequencies
 from bearing_twin.calibration.cloud import unknowns
 from bearing_twin.calibration.healthy import LOSS_DB, smallest_shown, UNKNOWN_DB
-from bearing_twin.calibration.passage import interference, path_curvature, widest
+from bearing_twin.calibration.passage import (
+    contact_speed,
+    interference,
+    path_curvature,
+    widest,
+)
 from bearing_twin.calibration.path import LINE_DAMPING, noise_floor
 from bearing_twin.calibration.posterior import resolved, weighted_quantile
 from bearing_twin.calibration.refusals import Kind, Refusal
@@ -78,18 +84,22 @@ def of_path(
         ),
     }  # fmt: skip
     told = [mode for mode in modes if mode.damping[1] >= LINE_DAMPING]
+    # A train of pairs of impacts is no noise: it has peaks of its own.
+    sure = situation.place not in ('inner', 'outer')
     for number, mode in enumerate(told, start=1):
         why = (
             f'found in {100.0 * mode.found:.0f} % of the parts of the record, '
             f'{100.0 * mode.share:.0f} % of the power'
         )
+        if not sure:
+            why += '; between the impacts of a defect intervals held too seldom to be told'
         for name, at, of in (
             (f'resonance_{number}_hz', mode.hz, 'Hz'),
             (f'resonance_{number}_damping', mode.damping, ''),
         ):
-            low, high = (at[0], at[2]) if mode.told else (0.0, rate / 2.0 if of else 1.0)
+            low, high = (at[0], at[2]) if sure and mode.told else (0.0, rate / 2.0 if of else 1.0)
             quantities[name] = Estimate(
-                q05=low, median=at[1], q95=high, unit=of, identifiable=mode.told, why=why
+                q05=low, median=at[1], q95=high, unit=of, identifiable=sure and mode.told, why=why
             )
     return quantities
 
@@ -143,7 +153,8 @@ def of_defect(
                 low = min(low, spacing - lobe)
                 why = (
                     f'from impacts {spacing:.2f} mm apart on the race; the rest is the path of a '
-                    'ball over the edges, without which the lower bound does'
+                    'ball over the edges, without which the lower bound does; if they are one '
+                    'passage, which records at another speed prove'
                 )
             elif refusal.kind in (Kind.ONE_IMPACT, Kind.TOO_WIDE):
                 # A ball is always in a defect that is wider than the distance of two balls.
@@ -242,11 +253,15 @@ def without_defect(
         return width, f'{situation.place} defect, at most {highest:.1f} mm wide'
     known = math.isfinite(acceleration_factor(unit))
     found = smallest_shown(x, situation, scale, LOSS_DB if known else UNKNOWN_DB, seed)
-    largest = found.width_mm if math.isfinite(found.width_mm) else highest
+    largest = found.width_mm
     statement = f'no defect above {largest:.2g} mm'
     why = f'{statement}: wider ones, added to this record, show in four of five simulated machines'
-    if not math.isfinite(found.width_mm):
-        why = f'{statement}: none of any width, added to this record, is sure to show'
+    if not math.isfinite(largest):
+        largest = 1e3 * contact_speed(situation.bearing, 'outer', situation.shaft_hz)
+        largest /= fault_frequencies(situation.bearing, situation.shaft_hz).impacts('outer')
+        statement = 'a defect of any width may not show'
+        why = f'{statement}: of those up to {highest:.2g} mm, added to this record, none is'
+        why += ' sure to'
     if not known:
         why += '; the unit is not known: a machine up to 20 dB louder than the twin is supposed'
     width = Estimate(q05=0.0, median=0.0, q95=largest, unit='mm', identifiable=False, why=why)

@@ -256,6 +256,7 @@ def _fitted(
     if defective:
         refusal = no_impacts(x, situation) if named else None
         refusal = refusal or too_wide(whole, situation, measured)
+        refusal = refusal or unresolved(whole, measured, situation)
         left, refusal = _defect(measured, situation, modes, candidates, seed, refusal)
     else:
         left = posterior.supposed(situation, seed=seed)
@@ -313,13 +314,12 @@ def _defect(
     """Return what is left possible of a defect, and why its width is not told, if it is not."""
     if refusal is not None and refusal.kind is Kind.NO_IMPACTS:
         return posterior.supposed(situation, seed=seed), refusal
-    refusal = refusal or unresolved(measured)
     if refusal:
         return posterior.limit(measured, situation, candidates=candidates, seed=seed), refusal
     left = posterior.sample(measured, situation, candidates=candidates, seed=seed)
     # Two impacts are apart if one resonance that they excite has swung between them.
     fastest = max((m.hz[1] for m in modes if m.damping[1] >= LINE_DAMPING), default=math.nan)
-    refusal = untold(measured, left, situation, fastest)
+    refusal = untold(left, situation, fastest)
     # The impacts are those of a passage, or they are not and hide it: one as likely as the other.
     if refusal is not None and refusal.kind is not Kind.MANY_WIDTHS:
         left = left.or_else(posterior.limit(measured, situation, candidates=candidates, seed=seed))

@@ -14,7 +14,7 @@ from bearing_twin.calibration.healthy import (
     order_of_the_shaft,
 )
 from bearing_twin.calibration.passage import widest
-from bearing_twin.calibration.summaries import RIVAL
+from bearing_twin.calibration.summaries import ELSEWHERE, RIVAL
 
 if TYPE_CHECKING:
     from bearing_twin.calibration.cloud import Situation
@@ -161,16 +161,30 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
     )
 
 
-def unresolved(measured: Summary) -> Refusal | None:
+def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> Refusal | None:
     """
     Return why a record tells no spacing of the impacts of a passage; None if it does.
+
+    Parameters
+    ----------
+    whole
+        Of the record.
+    measured
+        Its summary, of the lags of simulated defects.
+    situation
+        Of the machine.
 
     Examples
     --------
     >>> import numpy as np
-    >>> from bearing_twin.calibration.summaries import summarise
-    >>> noise = np.random.default_rng(1).standard_normal(25600)
-    >>> unresolved(summarise(noise, 12800.0, 5e-4)).kind.value
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.calibration.cloud import Situation
+    >>> machine = Situation(
+    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
+    ... )
+    >>> from bearing_twin.calibration.summaries import correlate
+    >>> noise = correlate(np.random.default_rng(1).standard_normal(25600), 12800.0)
+    >>> unresolved(noise, noise.summary(machine.longest), machine).kind.value
     'one_impact'
 
     """
@@ -187,19 +201,24 @@ def unresolved(measured: Summary) -> Refusal | None:
             f'the impacts of a passage are {1e3 * measured.spacing:.2f} ms apart; the ringing of '
             f'one hides a second up to {1e3 * shortest:.2f} ms',
         )
+    # What goes on after twice the time is no passage, but the teeth of a gear.
+    far = whole.summary(2.0 * ELSEWHERE * situation.longest)
+    twice = 2.0 * measured.spacing
+    goes_on = any(abs(time - twice) < measured.lobe for time in (far.spacing, *far.rivals))
+    if measured.rival > RIVAL or goes_on:
+        return Refusal(
+            Kind.SEVERAL_SPACINGS,
+            'the impacts repeat after several times that are about as clear: ringing, or a gear',
+        )
     return None
 
 
-def untold(
-    measured: Summary, left: Posterior, situation: Situation, fastest: float
-) -> Refusal | None:
+def untold(left: Posterior, situation: Situation, fastest: float) -> Refusal | None:
     """
     Return why the candidates that were kept tell no width; None if they do.
 
     Parameters
     ----------
-    measured
-        Summary of the vibration.
     left
         The candidates.
     situation
@@ -209,7 +228,6 @@ def untold(
 
     Examples
     --------
-    >>> from dataclasses import replace
     >>> import numpy as np
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.calibration.cloud import Situation
@@ -218,17 +236,12 @@ def untold(
     ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
     ... )
     >>> noise = np.random.default_rng(1).standard_normal(25600)
-    >>> measured = replace(summarise(noise, 12800.0, machine.longest), rival=0.0)
+    >>> measured = summarise(noise, 12800.0, machine.longest)
     >>> left = posterior.limit(measured, machine, candidates=32)
-    >>> untold(measured, left, machine, 10.0).kind.value
+    >>> untold(left, machine, 10.0).kind.value
     'short_passage'
 
     """
-    if measured.rival > RIVAL:
-        return Refusal(
-            Kind.SEVERAL_SPACINGS,
-            'the impacts repeat after several times that are about as clear: ringing',
-        )
     median = 1e-3 * float(left.quantiles('defect_width_mm', (0.5,))[0])
     periods = median / situation.speed * fastest
     if periods < PERIODS:

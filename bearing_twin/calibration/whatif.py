@@ -16,7 +16,7 @@ from bearing_twin.calibration.summaries import squared_envelope, summarise
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.dependence import PER_KELVIN, PER_OCTAVE
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.thermal.gcr15 import TEMPERATURES
+from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 import numpy as np
 import numpy.typing as npt
 
@@ -159,10 +159,9 @@ def expect(
     if not 0.5 <= situation.shaft_hz <= 500.0:
         msg = f'a shaft speed of {situation.shaft_hz:g} Hz is outside 0.5..500 Hz'
         raise BearingTwinError(msg)
-    coldest, hottest = TEMPERATURES[0], TEMPERATURES[-1]
-    if temperature is not None and not coldest <= temperature <= hottest:
+    if temperature is not None and not TABLE_LOW <= temperature <= TABLE_HIGH:
         msg = (
-            f'a temperature of {temperature:g} degC is outside {coldest:g}..{hottest:g} degC, in '
+            f'a temperature of {temperature:g} degC is outside {TABLE_LOW:g}..{TABLE_HIGH:g} degC, in '
             'which the steel of the twin is known'
         )
         raise BearingTwinError(msg)

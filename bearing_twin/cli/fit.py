@@ -108,7 +108,13 @@ def _print(name: str, found: Calibration, *, as_json: bool) -> None:
 def _print_joined(fitted: list[tuple[str, Calibration]], *, as_json: bool) -> None:
     """Print each record as the others leave it, and what they say together."""
     names = [name for name, _ in fitted]
-    records, width, statement = joined([found for _, found in fitted])
+    try:
+        records, width, statement = joined([found for _, found in fitted])
+    except BearingTwinError:
+        # The fits took minutes: they are told, whatever they say together.
+        for name, found in fitted:
+            _print(name, found, as_json=as_json)
+        raise
     for name, found in zip(names, records, strict=True):
         _print(name, found, as_json=as_json)
     if as_json:

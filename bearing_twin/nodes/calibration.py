@@ -28,7 +28,7 @@ from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.statefile import StateFolder
 from bearing_twin.streams.vibration_input import read_vibration, SourceLock
-from bearing_twin.thermal.gate import TemperatureGate
+from bearing_twin.thermal.gate import TemperatureGate, TemperatureStatus
 from bearing_twin_msgs.msg import Calibration, Diagnosis, Vibration
 from rclpy.clock import Clock, ClockType
 from sensor_msgs.msg import JointState, Temperature
@@ -149,6 +149,7 @@ class CalibrationNode(ManagedNode):
         now = time.monotonic()
         if not self._sources.accept(info.get('publisher_gid'), now):
             return
+        heat = self._gate.at(self._now())
         try:
             block = read_vibration(message, self.parameters['axis'])
         except BearingTwinError as error:
@@ -157,7 +158,7 @@ class CalibrationNode(ManagedNode):
         self._arrived, self._refused = now, ''
         task = self._core.take(
             block,
-            temperature=self._gate.at(self._now()).taken,
+            temperature=math.nan if heat.status is TemperatureStatus.STALE else heat.taken,
             shaft_hz=self._shaft.hz,
             now=now,
         )
@@ -231,6 +232,8 @@ class CalibrationNode(ManagedNode):
             return Status(Level.STALE, text, values)
         if problem := self._refused or self._problem or self._core.waiting:
             return Status(Level.WARN, f'not fitted: {problem}', values)
+        if problem := self._shaft.problem(time.monotonic()):
+            return Status(Level.WARN, problem, values)
         if found is None:
             return Status(Level.STALE, 'no calibration yet', values)
         if stale := self._core.stale(time.monotonic()):

@@ -7,9 +7,9 @@ import json
 import math
 from pathlib import Path
 
-from bearing_twin.bearing import fault_frequencies, find_bearing
-from bearing_twin.calibration import Calibration, fit
-from bearing_twin.calibration.cloud import parameters, Situation, unknowns
+from bearing_twin.bearing import Bearing, fault_frequencies, find_bearing
+from bearing_twin.calibration import Calibration, cloud, fit
+from bearing_twin.calibration.cloud import parameters, Situation, unknowns, vibrations
 from bearing_twin.calibration.estimates import taken_off
 from bearing_twin.calibration.fit import fitted_vibration
 from bearing_twin.calibration.impacts import follows_speed, Impacts, impacts_of
@@ -23,7 +23,7 @@ from bearing_twin.calibration.passage import (
     widest,
 )
 from bearing_twin.calibration.path import identify, noise_floor, resonances
-from bearing_twin.calibration.refusals import Kind, no_impacts
+from bearing_twin.calibration.refusals import Kind, no_impacts, unresolved
 from bearing_twin.calibration.summaries import correlate, summarise
 from bearing_twin.calibration.whatif import expect, features
 from bearing_twin.cli import main
@@ -569,6 +569,25 @@ def test_a_second_impact_that_is_not_heard_is_no_limit_of_the_width():
     assert found.statement == 'outer race defect, width not told: one impact a passage is heard'
     assert (width.q05, width.q95) == (0.0, pytest.approx(math.pi * (39.04 + 7.94) / 9, rel=1e-3))
     assert joined([found, found])[2] == found.statement
+    # Between impacts a resonance is found, and its interval is not believed.
+    modes = [q for name, q in found.quantities.items() if name.startswith('resonance')]
+    assert modes and not any(mode.identifiable for mode in modes)
+
+
+def test_impacts_that_go_on_after_twice_the_time_are_no_passage():
+    """Three at equal distances, twice of which no defect is as wide as: the teeth of a gear."""
+    machine = Situation(bearing=BEARING, place='outer', shaft_hz=20.0, sample_rate=RATE)
+    apart = round(0.7 * machine.longest * RATE)
+    rng = np.random.default_rng(1)
+    for teeth, kind in ((2, None), (3, Kind.SEVERAL_SPACINGS)):
+        train = np.zeros(4 * int(RATE))
+        steps = np.cumsum(1.0 + 0.004 * rng.standard_normal(240)) / machine.strikes * RATE
+        for tooth in range(teeth):
+            train[np.round(steps).astype(int) + tooth * apart] += 1.0
+        x = ring(train)
+        whole = correlate(x + 0.02 * x.std() * rng.standard_normal(len(x)), RATE)
+        refusal = unresolved(whole, whole.summary(machine.longest), machine)
+        assert (refusal and refusal.kind) is kind
 
 
 def test_what_if_of_a_healthy_machine_changes_its_level_as_machines_do_with_speed():
@@ -583,3 +602,31 @@ def test_what_if_of_a_healthy_machine_changes_its_level_as_machines_do_with_spee
     faulty = fit(x, RATE, BEARING, 12.0, place='outer', candidates=64)
     level = expect(faulty, candidates=24).vibration['rms']
     assert level.q05 < x.std() < level.q95 < 1.6 * level.q05
+
+
+def test_a_long_simulation_in_blocks_is_the_one_in_a_piece(monkeypatch):
+    machine = Situation(bearing=BEARING, place='outer', shaft_hz=20.0, sample_rate=RATE)
+    values = {name: about.place(np.full(2, 0.5)) for name, about in unknowns(machine).items()}
+    whole = next(vibrations(machine, values, 0.2, 1))
+    monkeypatch.setattr(cloud, 'LONGEST_BLOCK', 1000)
+    assert np.array_equal(next(vibrations(machine, values, 0.2, 1)), whole)
+
+
+def test_a_bearing_too_large_for_the_clearance_of_the_twin_is_said_to_be():
+    def clearance(d_pitch):
+        large = Bearing(name='large', n_balls=20, d_ball=0.08, d_pitch=d_pitch, contact_angle=0.0)
+        machine = Situation(bearing=large, place='outer', shaft_hz=1.0, sample_rate=RATE)
+        return unknowns(machine)['clearance_um']
+
+    assert clearance(0.9).high - clearance(0.9).low == pytest.approx(12.0)
+    assert clearance(1.0).high == 50.0
+    with pytest.raises(BearingTwinError, match=r'2000 mm pitch.*a smaller bearing can be fitted'):
+        clearance(2.0)
+
+
+def test_no_limit_is_said_where_no_defect_of_any_width_would_show():
+    noise = np.random.default_rng(1).standard_normal(51200)
+    found = fit(noise, RATE, BEARING, 25.0, place='none', candidates=64)
+    assert found.statement == 'a defect of any width may not show'
+    limit = found.quantities['defect_width_mm'].q95
+    assert limit == pytest.approx(math.pi * (39.04 + 7.94) / 9, rel=1e-3)
