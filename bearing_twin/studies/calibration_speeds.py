@@ -162,4 +162,5 @@ def _soft(
 def _felt(force: FloatArray, rate: float, modes: list[tuple[float, ...]]) -> FloatArray:
     """Acceleration that a force makes, of standard deviation 1: a steady force makes none."""
     x = ring(np.diff(force, 2, prepend=(0.0, 0.0)), rate, modes)
-    return np.asarray(x / x.std())
+    # Of a slot so narrow that no ball is unloaded there is none.
+    return np.asarray(x / (x.std() or 1.0))
