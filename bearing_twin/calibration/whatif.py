@@ -188,11 +188,10 @@ def expect(
             if len(verdicts) < DIAGNOSED:
                 said = diagnose_record(y, rate, situation.bearing, situation.shaft_hz)
                 verdicts.append(said.result)
-    gains = (
-        _healthy_gains(found, situation, candidates, rng)
-        if place == 'none'
-        else _gains(found, known, {n: v[drawn] for n, v in found.candidates.items()}, seed)
-    )
+    gains = _changes(found, situation, candidates, rng)
+    if place != 'none':
+        strengths = {name: v[drawn] for name, v in found.candidates.items()}
+        gains = gains * _gains(found, known, strengths, seed)
     units = {'rms': unit, 'peak': unit, 'spacing_ms': 'ms'}
     vibration = {}
     for name in rows[0]:
@@ -235,18 +234,21 @@ def _gains(
     return found.rms / np.array(levels)
 
 
-def _healthy_gains(
+def _changes(
     found: Calibration, situation: Situation, candidates: int, rng: np.random.Generator
 ) -> FloatArray:
     """
-    Change of the level of a healthy machine with its speed and temperature, as a factor.
+    Change of the level with speed and temperature that the twin does not simulate, as a factor.
 
-    Most of it is noise of the machine around the bearing, which no twin has: what is supposed of
-    machines takes its place.
+    Most of a healthy machine's level is noise of the machine around the bearing, which no twin
+    has: what is supposed of machines takes its place. With a defect the twin has the change, and
+    what machines differ by is doubt.
     """
     octaves = math.log2(situation.shaft_hz / found.situation.shaft_hz)
     kelvins = situation.temperature - found.situation.temperature
-    decibels = octaves * rng.normal(*PER_OCTAVE, candidates) + kelvins * rng.normal(
-        *PER_KELVIN, candidates
+    healthy = situation.place == 'none'
+    decibels = sum(
+        steps * (healthy * mean + deviation * rng.standard_normal(candidates))
+        for steps, (mean, deviation) in ((octaves, PER_OCTAVE), (kelvins, PER_KELVIN))
     )
-    return np.asarray(10.0 ** (decibels / 20.0))
+    return np.asarray(10.0 ** (np.asarray(decibels) / 20.0))
