@@ -161,8 +161,8 @@ def expect(
         raise BearingTwinError(msg)
     if temperature is not None and not TABLE_LOW <= temperature <= TABLE_HIGH:
         msg = (
-            f'a temperature of {temperature:g} degC is outside {TABLE_LOW:g}..{TABLE_HIGH:g} degC, in '
-            'which the steel of the twin is known'
+            f'a temperature of {temperature:g} degC is outside {TABLE_LOW:g}..{TABLE_HIGH:g} '
+            'degC, in which the steel of the twin is known'
         )
         raise BearingTwinError(msg)
     rng = np.random.default_rng([seed, 3])
