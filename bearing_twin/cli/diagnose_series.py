@@ -87,7 +87,6 @@ def _bearing(args: argparse.Namespace, said: Bearing | str) -> Bearing | None:
 
 
 def _summary(report: SeriesReport, bearing: Bearing | None) -> dict[str, Any]:
-    place = report.place
     found: dict[str, Any] = plain(
         {
             'level': report.level,
@@ -96,6 +95,7 @@ def _summary(report: SeriesReport, bearing: Bearing | None) -> dict[str, Any]:
             'baseline_s': list(report.baseline) if report.baseline else None,
             'scatter_dB': report.scatter,
             'change_s': report.change,
+            'alarm_s': report.alarm,
             'first_alarm_s': report.first_alarm,
             'first_fault_s': report.first_fault,
             'level_changes': report.changes,
@@ -104,7 +104,7 @@ def _summary(report: SeriesReport, bearing: Bearing | None) -> dict[str, Any]:
             'temperature_dB_per_K': report.law.temperature.mean,
             'temperature_dB_per_K_sd': report.law.temperature.deviation,
             'temperature_learnt': report.law.temperature.known,
-            'place': place.place if place else None,
+            'place': report.place or None,
             'reasons': list(report.reasons),
         }
     )
@@ -124,12 +124,13 @@ def _page(said: str, report: SeriesReport, summary: dict[str, Any]) -> str:
     length = _clock(points[-1].time - start) if points else '0 s'
     rows = [
         ('level', by_level(report.level, report.level)
-         + (f', place {report.place.place}' if report.place else '')),
+         + (f', place {report.place}' if report.place else '')),
         ('bearing', summary['bearing'] or 'unknown'),
         ('baseline', base),
         ('change', when(report.change)),
         ('alarm', f'{when(report.first_alarm)}; fault {when(report.first_fault)}; '
-         f'the level changed {report.changes} times'),
+         + (f'last {when(report.alarm)}; ' if report.alarm > report.first_alarm else '')
+         + f'the level changed {report.changes} times'),
         ('trend', 'unknown' if math.isnan(report.trend) else f'{report.trend:+.2g} dB/h'),
         *(('why' if not index else '', text) for index, text in enumerate(report.reasons)),
     ]  # fmt: skip

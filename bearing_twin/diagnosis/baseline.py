@@ -165,6 +165,16 @@ class Memory:
         self.base = new
         return True
 
+    def forget_before(self, time: float) -> None:
+        """Drop what was seen before a time, s, and is in no baseline yet."""
+        for window in self.windows.values():
+            window[:] = [row for row in window if row[0] >= time]
+
+    def most(self) -> tuple[int, float]:
+        """Return how many levels are kept at the speed that has most, and it, Hz."""
+        window = max(self.windows.values(), key=len, default=[])
+        return len(window), 2.0 ** window[-1][2] if window else math.nan
+
     @property
     def at(self) -> Condition:
         """Condition of the baseline; unknown without one."""

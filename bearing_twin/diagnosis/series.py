@@ -15,12 +15,16 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS
+from bearing_twin.diagnosis.alone import answer_alone, Answers, CONFIRMING
 from bearing_twin.diagnosis.averaging import AveragedEnvelope
+from bearing_twin.diagnosis.averaging import LEAST as LEAST_AVERAGED
 from bearing_twin.diagnosis.baseline import Memory, SETTLED
+from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.dependence import Condition, Law, Z90
 from bearing_twin.diagnosis.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.onset import Rise, rise_begins, slope
 from bearing_twin.diagnosis.series_result import SeriesPoint, SeriesReport, SeriesSettings
+from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.severity import (
     LEAST,
     Levels,
@@ -29,6 +33,7 @@ from bearing_twin.diagnosis.severity import (
     of_length,
     watched,
 )
+from bearing_twin.diagnosis.shaft import Turning
 from bearing_twin.diagnosis.trend import Source
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -37,9 +42,10 @@ from scipy import fft
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.averaging import Comb
+    from bearing_twin.diagnosis.result import Diagnosis
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['CONFIRMING', 'SeriesMonitor']
+__all__ = ['SeriesMonitor']
 
 FALL_DB = 2.0
 """The level falls this far below the threshold it rose over before it is taken back."""
@@ -50,11 +56,8 @@ in 7 of 100 simulated lives: 60 snapshots do not tell the scatter better. Where 
 up to 1.2 dB (memory of 20 snapshots) it stays below 6 dB in 99 of 100 such lives."""
 MOST = 5000
 """Points kept; when there are more, every second of the older half is dropped."""
-CONFIRMING = 5
-"""Snapshots whose median is judged: two of five may be disturbed."""
-
 _FALLEN = f'{FAULT_DB:g} dB or more below the baseline: {FALLEN}'
-_KEPT = ('held', 'low_since', 'alarms', 'changes', 'refused', 'unjudged')
+_KEPT = ('held', 'low_since', 'began', 'risen', 'alarms', 'changes', 'refused', 'unjudged')
 """Plain values that are saved as they are."""
 
 
@@ -64,12 +67,14 @@ class SeriesMonitor:
 
     The baseline is learnt from the first snapshots over which level and temperature have settled,
     and again where a machine settles lower: run-in and warm-up are no damage. Until then only a
-    rise to fourfold over the lowest level so far, or a zone, is an alarm.
+    rise to fourfold over the lowest level so far, a zone, or what the snapshots say one by one is
+    an alarm: a machine may be damaged from the first of them on.
 
     Parameters
     ----------
     bearing
-        Geometry, to name what the averaged envelope shows; None: alarms without a place.
+        Geometry, to judge each snapshot alone and to name what the averaged envelope shows; None:
+        alarms without a place.
     settings
         See :class:`SeriesSettings`.
     law
@@ -104,7 +109,8 @@ class SeriesMonitor:
         self._points: list[SeriesPoint] = []
         self._levels: list[NDArray[np.float64]] = []
         self._held = 'none'
-        self._low_since = math.nan
+        self._low_since = self._began = self._risen = math.nan
+        self._answers = Answers()
         self._alarms: dict[str, float] = {}
         self._changes = 0
         self._refused: dict[str, int] = {}
@@ -122,6 +128,7 @@ class SeriesMonitor:
         *,
         temperature: float = math.nan,
         unit: str = '',
+        answer: Diagnosis | None = None,
     ) -> SeriesPoint | None:
         """
         Take a snapshot; return the state after it, None where it cannot be judged.
@@ -140,6 +147,8 @@ class SeriesMonitor:
             degC; NaN if unknown.
         unit
             Unit of x.
+        answer
+            What the snapshot says alone, if that is known already.
 
         Raises
         ------
@@ -155,6 +164,12 @@ class SeriesMonitor:
         if reason:
             self._leave_out(reason)
             return None
+        self._ask_alone(answer, signal, sample_rate, shaft_hz, temperature, unit)
+        now, memory = Condition.at(temperature, shaft_hz), self._memory
+        if not all(law.comparable(now, memory.at) for law in self._laws()):
+            hertz = 2.0**memory.at.octaves
+            self._not_compared(time, f'another speed than the {hertz:.4g} Hz of the baseline')
+            return None
         signal = signal - signal.mean()
         severity = measure_severity(
             Levels.of(signal, fft.rfft(signal) / len(signal), sample_rate), unit=unit,
@@ -163,14 +178,12 @@ class SeriesMonitor:
         )  # fmt: skip
         severity = of_length(severity, len(signal), sample_rate)
         levels = watched(severity)
-        now, memory = Condition.at(temperature, shaft_hz), self._memory
         changes, deviations = self._changes_at(now)
         if memory.base and levels[0] - changes[0] <= memory.base.levels[0] - FAULT_DB:
-            self._leave_out(_FALLEN)
+            self._not_compared(time, _FALLEN)
             return None
         self._unjudged, self._source = 0, Source(unit=unit, sample_rate=sample_rate)
-        # One that is suspect is not learnt from.
-        most = -math.inf if self._held in ('suspect', 'fault') else SUSPECT_DB
+        most = SUSPECT_DB if self._teaches else -math.inf
         if memory.learn(time, levels.tolist(), now, self._settings.baseline, most):
             # A machine that has run in, or was repaired, is compared with what it is now.
             self._rise = Rise()
@@ -182,11 +195,17 @@ class SeriesMonitor:
             alone = float(levels[0] - changes[0]) - memory.base.levels[0]
             self._rise.add(alone, memory.base.scatter[0])
         sure = over - Z90 * float(deviations[measure])
-        self._hold(time, self._wanted(sure, measure, by_zone(severity)[0]))
-        if self._held in ('ok', 'none'):
+        by_level = self._wanted(sure, measure, by_zone(severity)[0])
+        # That many healthy snapshots are no known machine.
+        said = self._answers.level
+        said = said if memory.base or said != 'ok' else 'none'
+        self._hold(time, max(by_level, said, key=LEVELS.index))
+        if by_level in ('suspect', 'fault') and math.isnan(self._risen):
+            self._risen = time
+        if self._teaches:
             memory.record.add(levels.tolist(), now)
-        if memory.base is not None and math.isfinite(shaft_hz):
-            kept = self._quiet if self._held in ('ok', 'none') else self._loud
+        if math.isfinite(shaft_hz) and (memory.base is not None or not self._teaches):
+            kept = self._quiet if self._teaches else self._loud
             kept.add(signal, sample_rate, shaft_hz)
         point = SeriesPoint(
             time=time, level=self._held, over_baseline=over, rms=severity.rms,
@@ -200,6 +219,45 @@ class SeriesMonitor:
             # What is long ago is kept more coarsely.
             del self._points[: MOST // 2 : 2], self._levels[: MOST // 2 : 2]
         return point
+
+    @property
+    def _teaches(self) -> bool:
+        """
+        Whether the machine is learnt from: not while it is suspect or worse.
+
+        A doubt that only the answers of single snapshots raise may be one about a neighbour, which
+        does not end: such a machine is learnt as it is, to see it get worse.
+        """
+        doubted = self._held == 'suspect' == self._answers.level
+        return self._held in ('ok', 'none') or doubted
+
+    def _ask_alone(
+        self,
+        answer: Diagnosis | None,
+        x: NDArray[np.float64],
+        sample_rate: float,
+        shaft_hz: float,
+        temperature: float,
+        unit: str,
+    ) -> None:
+        """Take in what a snapshot says without the others."""
+        if answer is None and self._bearing is not None:
+            turning = Turning(np.array([shaft_hz]), np.array([len(x)]))
+            own = DiagnosisSettings(
+                power_group=self._settings.power_group, mounting=self._settings.mounting
+            )
+            excerpt = Excerpt.of(
+                x, turning, sample_rate, self._bearing, own, temperature=temperature, unit=unit
+            )
+            answer = answer_alone(excerpt.analyse())
+        if answer is not None:
+            self._answers.add(answer)
+
+    def _not_compared(self, time: float, reason: str) -> None:
+        """Leave out a snapshot whose level says nothing; it may still show damage by itself."""
+        self._leave_out(reason)
+        if LEVELS.index(self._answers.level) > LEVELS.index(self._held):
+            self._hold(time, self._answers.level)
 
     def _leave_out(self, reason: str) -> None:
         """Count a snapshot that is not judged."""
@@ -226,9 +284,6 @@ class SeriesMonitor:
             return 'a constant signal'
         if shaft_hz <= 0.0:
             return 'the machine stands still'
-        now, at = Condition.at(math.nan, shaft_hz), self._memory.at
-        if not all(law.comparable(now, at) for law in self._laws()):
-            return f'another speed than the {2.0**at.octaves:.4g} Hz of the baseline'
         return ''
 
     def _laws(self) -> list[Law]:
@@ -254,7 +309,7 @@ class SeriesMonitor:
         return float(over[most]), most
 
     def _wanted(self, over: float, measure: int, zone_level: str) -> str:
-        """Level that the newest snapshots ask for."""
+        """Level that those of the newest snapshots ask for."""
         if len(self._levels) < CONFIRMING:
             return self._held
         if self._memory.base is None:
@@ -281,6 +336,11 @@ class SeriesMonitor:
             if time - self._low_since < self._settings.hold:
                 return
             self._loud.clear()
+            if self._held == 'fault':
+                # What was repaired is another machine.
+                self._memory.forget_before(self._low_since)
+        elif self._held in ('none', 'ok'):
+            self._began, self._risen = time, math.nan
         self._changes += self._held != 'none'
         self._held, self._low_since = wanted, math.nan
         for level in ('suspect', 'fault'):
@@ -290,11 +350,11 @@ class SeriesMonitor:
     def report(self) -> SeriesReport:
         """Return what all snapshots so far say together."""
         base = self._memory.base
-        first = self._alarms.get('suspect', math.nan)
-        place = None
+        comb, place = None, ''
         if self._bearing is not None and self._held in ('suspect', 'fault'):
-            place = self._loud.place(self._bearing, self._quiet)
-        change = self._change(first)
+            comb = self._loud.place(self._bearing, self._quiet)
+            place = self._answers.place or (comb.place if comb else '')
+        change = self._change(self._risen)
         warmer = math.nan
         if base is not None:
             heat = [point.temperature for point in self._points[-CONFIRMING:]]
@@ -303,10 +363,12 @@ class SeriesMonitor:
             level='none' if self.lost else self._held, points=tuple(self._points),
             baseline=(base.times[0], base.times[1]) if base else None,
             scatter=base.scatter[0] if base else math.nan,
-            change=change, first_alarm=first, first_fault=self._alarms.get('fault', math.nan),
+            change=change, alarm=self._began,
+            first_alarm=self._alarms.get('suspect', math.nan),
+            first_fault=self._alarms.get('fault', math.nan),
             changes=self._changes, trend=self._trend(), warmer=warmer, place=place,
             law=self._laws()[0],
-            reasons=self._reasons(change, warmer, place),
+            reasons=self._reasons(change, warmer, comb, place),
         )  # fmt: skip
 
     @property
@@ -321,6 +383,7 @@ class SeriesMonitor:
             'points': [asdict(point) for point in self._points],
             'source': list(self._source),
             'rise': asdict(self._rise),
+            'answers': self._answers.newest,
             'averaged': [[a.count, a.turns] for a in (self._quiet, self._loud)],
             **{name: getattr(self, f'_{name}') for name in _KEPT},
         }
@@ -349,6 +412,7 @@ class SeriesMonitor:
         self._levels = list(arrays['levels'])
         self._source = Source(*values['source'])
         self._rise = Rise.of(values['rise'])
+        self._answers = Answers.of(values['answers'])
         for average, (count, turns) in zip(
             (self._quiet, self._loud), values['averaged'], strict=True
         ):
@@ -356,7 +420,7 @@ class SeriesMonitor:
         self._quiet.power, self._loud.power = arrays['quiet'], arrays['loud']
 
     def _change(self, alarm: float) -> float:
-        """Time at which the rise to the first alarm began: the last zero of Page's CUSUM."""
+        """Time at which the rise to an alarm began: the last zero of Page's CUSUM."""
         if math.isnan(alarm):
             return math.nan
         times = np.array([point.time for point in self._points])
@@ -381,13 +445,17 @@ class SeriesMonitor:
         levels = np.array([levels[0] for levels in self._levels])
         return slope(times[last] / 3600.0, levels[last])
 
-    def _reasons(self, change: float, warmer: float, place: Comb | None) -> tuple[str, ...]:
-        reasons = []
+    def _reasons(
+        self, change: float, warmer: float, comb: Comb | None, place: str
+    ) -> tuple[str, ...]:
+        reasons = [text] if (text := str(self._answers)) else []
         base = self._memory.base
         if base is None:
+            count, hertz = self._memory.most()
+            at = '' if math.isnan(hertz) else f' at one speed (most: {count} at {hertz:.4g} Hz)'
             reasons.append(
-                f'no baseline: {len(self._points)} snapshots, not {self._settings.baseline} in '
-                f'a row {SETTLED.format(most=SUSPECT_DB)}'
+                f'no baseline: {len(self._points)} snapshots, not {self._settings.baseline} (what '
+                f'the settings ask for) in a row{at} {SETTLED.format(most=SUSPECT_DB)}'
             )
         if self.lost:
             reasons.append(f'not known: the last {self._unjudged} snapshots were not judged')
@@ -404,9 +472,12 @@ class SeriesMonitor:
         if math.isfinite(warmer):
             reasons.append(str(self._laws()[0]))
             reasons.append(f'{warmer:+.0f} K against the baseline')
-        if place is not None:
-            reasons.append(str(place))
-        elif self._held in ('suspect', 'fault') and self._bearing is not None:
-            reasons.append('place unknown: no comb stands out of the averaged envelope')
+        if comb is not None:
+            reasons.append(str(comb))
+        elif not place and self._held in ('suspect', 'fault') and self._bearing is not None:
+            few = self._loud.count < LEAST_AVERAGED
+            why = f'{self._loud.count} snapshots since the alarm, {LEAST_AVERAGED} are needed'
+            none = 'no comb stands out of the averaged envelope'
+            reasons.append(f'place unknown: {why if few else none}')
         reasons += [f'{count} snapshots not judged: {why}' for why, count in self._refused.items()]
         return tuple(reasons)

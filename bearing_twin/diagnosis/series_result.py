@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
-    from bearing_twin.diagnosis.averaging import Comb
     from bearing_twin.diagnosis.dependence import Law
 
 __all__ = ['SeriesPoint', 'SeriesReport', 'SeriesSettings']
@@ -88,7 +87,9 @@ class SeriesReport:
     scatter: float
     """Standard deviation of the level within the baseline, dB."""
     change: float
-    """When the level began to rise to the first alarm that still stands, s; NaN without one."""
+    """When the level began to rise to the newest alarm, s; NaN if it did not rise."""
+    alarm: float
+    """When that was: when the level last left 'ok', s; NaN if it never did."""
     first_alarm: float
     """When the level first left 'ok', s; NaN if it never did."""
     first_fault: float
@@ -102,6 +103,7 @@ class SeriesReport:
     """Temperature at the end over that of the baseline, K; NaN if unknown."""
     law: Law
     """How the level of the whole signal depends on temperature and speed."""
-    place: Comb | None
-    """Fault whose impacts the average of the envelopes since the change shows; None: none."""
+    place: str
+    """Place that the newest snapshots name alone, or else the average of the envelopes since the
+    change; '' if neither does, or the level is 'ok'."""
     reasons: tuple[str, ...]

@@ -10,11 +10,12 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS
+from bearing_twin.diagnosis.alone import answer_alone
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.level import raised, staged, UNKNOWN
+from bearing_twin.diagnosis.level import staged, UNKNOWN
 from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.diagnosis.series_result import LEAST_BASELINE, MOST_BASELINE, SeriesSettings
-from bearing_twin.diagnosis.severity import LEAST, of_length
+from bearing_twin.diagnosis.severity import LEAST
 from bearing_twin.diagnosis.shaft import Turning
 from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.diagnosis.streaming import checked_block
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ['SeriesDiagnoser']
 
-_VERSION = 1004
+_VERSION = 1005
 _SOONER = 0.75
 """Share of the cycle after which the next snapshot may come: cycles are never exact."""
 
@@ -172,9 +173,7 @@ class SeriesDiagnoser:
 
     def _judged(self, analysis: Analysis) -> Diagnosis:
         excerpt, time = analysis.excerpt, self._due.popleft()
-        found = analysis.conclude()
-        severity = of_length(found.severity, len(excerpt.samples), excerpt.sample_rate)
-        found = raised(replace(found, severity=severity))
+        found = answer_alone(analysis)
         source = Source(excerpt.sensor, excerpt.bearing.name, excerpt.unit, excerpt.sample_rate)
         if not self._source.sample_rate:
             self._source = source
@@ -184,13 +183,14 @@ class SeriesDiagnoser:
             return replace(found, reasons=(*found.reasons, self.other_source))
         point = self._monitor.add(
             time, excerpt.samples, excerpt.sample_rate, excerpt.turning.mean_hz,
-            temperature=excerpt.temperature, unit=excerpt.unit,
+            temperature=excerpt.temperature, unit=excerpt.unit, answer=found,
         )  # fmt: skip
         report = self._monitor.report()
         reasons = (*found.reasons, *(f'series: {text}' for text in report.reasons))
+        severity = found.severity
         if point is not None:
             severity = replace(
-                found.severity, rms=point.rms, iso_zone=point.iso_zone,
+                severity, rms=point.rms, iso_zone=point.iso_zone,
                 level_over_baseline=point.over_baseline if point.measure else math.nan,
                 correction=point.correction, correction_sd=point.correction_sd,
                 correction_basis=str(report.law),
@@ -208,8 +208,8 @@ class SeriesDiagnoser:
         elif level in ('suspect', 'fault'):
             confidence = UNKNOWN
             result = 'suspect' if level == 'suspect' else 'ambiguous'
-            if report.place is not None:
-                faults = (report.place.place,)
+            if report.place:
+                faults = (report.place,)
                 result = faults[0] if level == 'fault' else 'suspect'
         return replace(
             found, level=level, result=result, faults=faults, confidence=confidence,

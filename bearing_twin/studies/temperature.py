@@ -20,6 +20,7 @@ from pathlib import Path
 import sys
 from typing import NamedTuple, TYPE_CHECKING
 
+from bearing_twin.diagnosis.alone import CONFIRMING
 from bearing_twin.diagnosis.dependence import (
     Condition,
     fit_law,
@@ -30,7 +31,7 @@ from bearing_twin.diagnosis.dependence import (
     Z90,
 )
 from bearing_twin.diagnosis.level import SUSPECT_DB
-from bearing_twin.diagnosis.series import CONFIRMING, SeriesMonitor
+from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.diagnosis.series_result import SeriesSettings
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.errors import BearingTwinError

@@ -431,3 +431,84 @@ def test_each_of_two_speeds_is_learnt_by_itself():
         monitor.add(600.0 * number, x, RATE, 35.0 if number % 2 else 25.0)
         assert number != 299 or monitor.report().level == 'ok'
     assert monitor.report().level == 'suspect'
+
+
+def impacts(rng, bearing, place, height, shaft_hz=30.0, seconds=1.0):
+    """Return a second of noise with impacts of one place, 1 % of slip, through one resonance."""
+    count = round(seconds * RATE)
+    gap = RATE / (shaft_hz * fault_orders(bearing).impacts(place))
+    at = np.cumsum(gap * (1.0 + 0.01 * rng.standard_normal(round(count / gap)))).astype(int)
+    train = np.zeros(count)
+    train[at[at < count]] = 1.0
+    if place != 'outer':
+        train *= 1.0 + 0.9 * np.cos(2.0 * np.pi * shaft_hz * np.arange(count) / RATE)
+    t = np.arange(400) / RATE
+    ring = np.convolve(train, np.exp(-2500.0 * t) * np.sin(2.0 * np.pi * 4000.0 * t))[:count]
+    return rng.standard_normal(count) + height * ring
+
+
+@pytest.mark.parametrize('place', ['outer', 'inner'])
+def test_a_machine_that_is_damaged_from_the_first_snapshot_on_is_not_ok(place):
+    rng, bearing = np.random.default_rng(3), find_bearing('6205')
+    monitor = SeriesMonitor(bearing)
+    points = [
+        monitor.add(600.0 * n, impacts(rng, bearing, place, 6.0), RATE, 30.0) for n in range(70)
+    ]
+    report = monitor.report()
+    assert [point.level for point in points] == ['none'] * 4 + ['fault'] * 66
+    assert (report.level, report.place) == ('fault', place)
+    # Its level never rose, and it is nobody's baseline.
+    assert report.baseline is None and np.isnan(report.change)
+    assert report.first_fault == report.alarm == 4 * 600.0
+    assert f'9 of the last 9 snapshots alone say {place}, fault' in report.reasons
+
+
+def test_damage_that_does_not_double_the_level_is_named():
+    rng, bearing = np.random.default_rng(4), find_bearing('6205')
+    monitor = SeriesMonitor(bearing, SeriesSettings(baseline=20))
+    for n in range(60):
+        point = monitor.add(600.0 * n, impacts(rng, bearing, 'outer', 4.0 * (n >= 40)), RATE, 30.0)
+        assert point.level == ('none' if n < 19 else 'ok' if n < 44 else 'fault')
+    report = monitor.report()
+    assert point.over_baseline < 6.0 and report.place == 'outer'
+    # The answers alone speak: there is no rise whose beginning could be told.
+    assert report.alarm == 44 * 600.0 and np.isnan(report.change)
+
+
+def test_each_snapshot_at_another_speed_is_judged_alone():
+    rng, bearing = np.random.default_rng(5), find_bearing('6205')
+    monitor = SeriesMonitor(bearing, SeriesSettings(baseline=20))
+    for n in range(30):
+        hertz = rng.uniform(20.0, 40.0)
+        monitor.add(600.0 * n, impacts(rng, bearing, 'outer', 6.0, hertz), RATE, hertz)
+    report = monitor.report()
+    assert (report.level, report.place, report.baseline) == ('fault', 'outer', None)
+    assert any('at one speed (most: ' in reason for reason in report.reasons)
+
+
+def test_answers_of_short_snapshots_say_that_they_are_none():
+    monitor, _ = life(0, 400)
+    assert not any('alone' in reason for reason in monitor.report().reasons)
+    rng = np.random.default_rng(6)
+    monitor = SeriesMonitor(find_bearing('6205'), SeriesSettings(baseline=20))
+    for n in range(30):
+        point = monitor.add(600.0 * n, rng.standard_normal(COUNT), RATE, SHAFT_HZ)
+    assert point.level == 'ok'
+    assert any('snapshots alone say nothing' in reason for reason in monitor.report().reasons)
+
+
+def test_a_second_alarm_has_its_own_onset_and_the_repaired_machine_its_own_baseline():
+    """Worn from 100 to 160, repaired, worn again from 300 on."""
+    rng = np.random.default_rng(7)
+    monitor = SeriesMonitor(None)
+    for n in range(340):
+        worn = 100 <= n < 160 or n >= 300
+        level = 15.0 * worn * min(1.0, (n - (300 if n >= 300 else 100)) / 20.0)
+        level -= 3.0 * (n >= 160)
+        x = 10.0 ** ((level + 0.3 * rng.standard_normal()) / 20.0) * rng.standard_normal(COUNT)
+        monitor.add(600.0 * n, x, RATE, SHAFT_HZ)
+    report = monitor.report()
+    assert report.baseline[0] >= 160 * 600.0
+    assert report.first_alarm < 160 * 600.0
+    assert report.alarm > 300 * 600.0
+    assert 290 * 600.0 <= report.change <= report.alarm

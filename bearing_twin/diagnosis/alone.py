@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What each snapshot of a series says alone: a machine may be damaged from the first one on."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.bearing import LEVELS
+from bearing_twin.diagnosis.level import raised
+from bearing_twin.diagnosis.severity import of_length
+
+if TYPE_CHECKING:
+    from bearing_twin.diagnosis.chain import Analysis
+    from bearing_twin.diagnosis.result import Diagnosis
+
+__all__ = ['CONFIRMING', 'Answers', 'answer_alone']
+
+CONFIRMING = 5
+"""Snapshots whose median is judged: two of five may be disturbed."""
+
+_NEWEST = 2 * CONFIRMING - 1
+"""Answers kept: the level that ``CONFIRMING`` of them reach is their median."""
+
+
+def answer_alone(analysis: Analysis) -> Diagnosis:
+    """
+    Return what a snapshot says without the others; one below a second has no velocity.
+
+    >>> import numpy as np
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.diagnosis.chain import Excerpt
+    >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
+    >>> from bearing_twin.diagnosis.shaft import Turning
+    >>> x = np.random.default_rng(0).standard_normal(2560)
+    >>> turning = Turning(np.array([25.0]), np.array([2560]))
+    >>> snapshot = Excerpt.of(x, turning, 25600.0, find_bearing('6205'), DiagnosisSettings())
+    >>> answer_alone(snapshot.analyse()).result
+    'insufficient'
+
+    """
+    found, excerpt = analysis.conclude(), analysis.excerpt
+    severity = of_length(found.severity, len(excerpt.samples), excerpt.sample_rate)
+    return raised(replace(found, severity=severity))
+
+
+@dataclass
+class Answers:
+    """
+    The newest answers of snapshots that were judged alone; plain values, so they can be saved.
+
+    Examples
+    --------
+    >>> answers = Answers([['fault', 'outer', '']] * 5 + [['none', '', 'too short']] * 4)
+    >>> answers.level, answers.place, str(answers)
+    ('fault', 'outer', '5 of the last 9 snapshots alone say outer, fault')
+
+    """
+
+    newest: list[list[str]] = field(default_factory=list)
+    """Level, place at fault ('' if none or several) and first reason of each."""
+
+    def add(self, answer: Diagnosis) -> None:
+        """Take an answer in."""
+        place = answer.faults[0] if len(answer.faults) == 1 and answer.level == 'fault' else ''
+        reason = answer.reasons[0] if answer.reasons else ''
+        self.newest.append([answer.level, place, reason])
+        del self.newest[:-_NEWEST]
+
+    @property
+    def level(self) -> str:
+        """Level that ``CONFIRMING`` of the newest answers reach; 'none' of fewer."""
+        ranks = sorted((LEVELS.index(level) for level, _, _ in self.newest), reverse=True)
+        return LEVELS[ranks[CONFIRMING - 1]] if len(ranks) >= CONFIRMING else 'none'
+
+    @property
+    def place(self) -> str:
+        """Place that ``CONFIRMING`` of them name as a fault; '' if there is none."""
+        named = Counter(place for _, place, _ in self.newest if place).most_common(1)
+        return named[0][0] if named and named[0][1] >= CONFIRMING else ''
+
+    def __str__(self) -> str:
+        """Return what they say, or why they say nothing."""
+        level, of = self.level, f'of the last {len(self.newest)} snapshots alone'
+        if level == 'none':
+            mute = [why for said, _, why in self.newest if said == 'none']
+            if len(mute) < CONFIRMING:
+                return ''
+            return f'{len(mute)} {of} say nothing ({Counter(mute).most_common(1)[0][0]})'
+        place, rank = self.place, LEVELS.index(level)
+        agree = [said for said, *_ in self.newest if LEVELS.index(said) >= rank]
+        if place:
+            agree = [said for said, named, _ in self.newest if named == place]
+        return f'{len(agree)} {of} say {place and f"{place}, "}{level}'
+
+    @classmethod
+    def of(cls, values: Any) -> Answers:
+        """
+        Answers of saved values.
+
+        Raises
+        ------
+        ValueError, TypeError
+            If they are not such values.
+
+        """
+        newest = [[str(text) for text in row] for row in values]
+        if any(len(row) != 3 or row[0] not in LEVELS for row in newest):
+            msg = f'saved answers are {values!r}; use what save() returned'
+            raise ValueError(msg)
+        return cls(newest)
