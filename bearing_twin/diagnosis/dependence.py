@@ -11,7 +11,7 @@ not decide, nothing is corrected.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
@@ -149,6 +149,11 @@ def fit_law(
     Orcutt, JASA 1949, 44, 32), less its bias by a fitted trend (Marriott and Pope, Biometrika
     1954, 41, 390).
 
+    What only goes with the temperature is no dependence on it. A machine that runs in while it
+    warms up shows all its temperatures in the first half of its record; a load that is heard at
+    once and warms the bearing later, and a film that follows the sensor late, go with the change
+    of the temperature as well. Neither is known.
+
     Parameters
     ----------
     levels
@@ -165,6 +170,44 @@ def fit_law(
     (True, 0.1, False)
 
     """
+    whole = _law(levels, temperatures, octaves)
+    halves = [
+        _law(*part).temperature
+        for part in zip(
+            *(np.array_split(values, 2) for values in (levels, temperatures, octaves)), strict=True
+        )
+    ]
+    heat = whole.temperature
+    apart = abs(halves[1].mean - halves[0].mean)
+    same = apart <= Z90 * (halves[0].deviation + halves[1].deviation)
+    # One warm-up beside one run-in decides nothing: each half must see half the temperatures.
+    same &= min(half.high - half.low for half in halves) >= 0.5 * (heat.high - heat.low)
+    if heat.known and not (same and _at_once(levels, temperatures, octaves)):
+        return replace(whole, temperature=heat._replace(known=False))
+    return whole
+
+
+def _at_once(
+    levels: NDArray[np.float64], temperatures: NDArray[np.float64], octaves: NDArray[np.float64]
+) -> bool:
+    """Whether the level goes with the temperature and not with its change as well."""
+    known = np.isfinite(levels) & np.isfinite(temperatures)
+    if np.isfinite(octaves).all():
+        temperatures = np.column_stack([temperatures, octaves - np.median(octaves)])
+    heat = np.atleast_2d(temperatures.T).T[known]
+    change = np.diff(heat[:, 0], prepend=heat[0, 0])
+    drift = np.linspace(-0.5, 0.5, len(heat))
+    matrix = np.column_stack([np.ones(len(heat)), drift, heat - np.median(heat, axis=0), change])
+    priors = [(0.0, 1e3), (0.0, DRIFT_DB), *[PER_KELVIN, PER_OCTAVE][: heat.shape[1]], (0.0, 1e3)]
+    level = levels[known]
+    found, covariance = _regression(matrix, level - np.median(level), np.array(priors))
+    # One in a thousand sound records is refused.
+    return bool(abs(found[-1]) <= 2.0 * Z90 * math.sqrt(covariance[-1, -1]))
+
+
+def _law(
+    levels: NDArray[np.float64], temperatures: NDArray[np.float64], octaves: NDArray[np.float64]
+) -> Law:
     known = np.isfinite(levels)
     rows: list[tuple[NDArray[np.float64], tuple[float, float]]] = []
     for values, prior in ((temperatures, PER_KELVIN), (octaves, PER_OCTAVE)):

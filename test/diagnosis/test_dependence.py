@@ -37,17 +37,18 @@ def wander(rng, count, memory, height=0.6):
 @pytest.mark.parametrize('memory', [1, 10, 40])
 def test_interval_of_the_slope_holds_the_true_one_although_the_level_has_a_memory(memory):
     rng = np.random.default_rng(memory)
-    held = []
+    held, known = [], 0
     for _ in range(60):
         heat = 70.0 + 12.0 * np.sin(np.arange(240) / 16.0) + wander(rng, 240, 20, 3.0)
         slope = rng.normal(*PER_KELVIN)
         level = slope * heat + wander(rng, 240, memory)
         level[rng.random(240) < 0.03] += 8.0
         found = fit_law(level, heat, np.full(240, 4.5)).temperature
-        assert found.known
+        known += found.known
         held.append(abs(found.mean - slope) <= Z90 * found.deviation)
     # 90 % of 60, less three standard deviations of that count.
     assert sum(held) >= 47
+    assert known >= 57
 
 
 def test_run_in_while_it_warms_up_is_not_taken_for_temperature():
@@ -60,6 +61,37 @@ def test_run_in_while_it_warms_up_is_not_taken_for_temperature():
         level = 4.0 * np.exp(-time / 60.0) + wander(rng, 200, 15)
         known += fit_law(level, heat, np.full(200, 4.5)).temperature.known
     assert known <= 4
+
+
+def goes_with_temperature(kind, rng, count=250):
+    """Return levels and temperatures of a machine, one an hour; the level need not follow."""
+    hour = np.arange(count)
+    heat = 55.0 + 10.0 * np.sin(2.0 * np.pi * hour / 24.0 + 6.0 * rng.random())
+    heat += 4.0 * wander(rng, count, 10.0, 1.0)
+    level = 0.05 * heat
+    if kind == 'load':
+        # It is heard at once and warms the bearing over two hours; temperature does nothing.
+        load = wander(rng, count, 4.5, 1.0)
+        level = 1.5 * load
+        heat = 55.0 + 8.0 * lfilter([0.4], [1.0, -0.6], load)
+    elif kind == 'lag':
+        level = 0.15 * lfilter([0.25], [1.0, -0.75], heat - 55.0)
+    elif kind == 'run-in':
+        level = -4.0 * np.exp(-hour / 40.0)
+        heat = 70.0 - 30.0 * np.exp(-hour / 60.0) + 2.0 * wander(rng, count, 10.0, 1.0)
+    return level + wander(rng, count, 1.5, 0.5), heat
+
+
+@pytest.mark.parametrize(
+    'kind, least, most', [('follows', 19, 20), ('load', 0, 0), ('lag', 0, 4), ('run-in', 0, 0)]
+)
+def test_what_only_goes_with_the_temperature_is_not_called_known(kind, least, most):
+    rng = np.random.default_rng(11)
+    known = [
+        fit_law(*goes_with_temperature(kind, rng), np.full(250, 4.6)).temperature.known
+        for _ in range(20)
+    ]
+    assert least <= sum(known) <= most
 
 
 def test_speed_is_learnt_where_it_varies_and_levels_of_other_speeds_are_not_compared():
