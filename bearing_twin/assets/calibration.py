@@ -173,7 +173,8 @@ class CalibrationCore:
         if now >= self._compared + self._values['window']:
             self._compared = now
             self._changed = self._compare(wanted, hertz)
-        if now < (self._rested if self._contradicted(heard) else self._next):
+        # A fit that failed has not rested: the next one comes when it would have come anyway.
+        if now < (min(self._rested, self._next) if self._contradicted(heard) else self._next):
             return None
         if self._reference and self._reference['machine']['unit'] != block.unit:
             self.forget()

@@ -50,8 +50,8 @@ MOVED = 0.02
 from one record to another that it is compared with. The lines of the shaft then stay where
 `ORDER_WIDTH` looks for them. On impact trains with a ramp, 2 % leaves the spacing of the impacts
 within 0.1 % and nine tenths of its prominence; 10 % makes it up to 1.5 % too short."""
-SPEEDS = 16
-"""Speeds at which a machine is known."""
+SPEEDS = 32
+"""Speeds at which a machine is known: in steps of 4 %, all from one to three and a half times."""
 _NOT_SAVED = 'saved residual is not one; use what was saved'
 
 
@@ -187,6 +187,8 @@ class Residual:
     """The newest decisions; their median is judged."""
     waiting: list[list[float]] = field(default_factory=list)
     """Decisions that are learnt from if no alarm follows."""
+    number: int = 0
+    """Of its newest decision, counted over all speeds of the machine."""
 
     def __post_init__(self) -> None:
         self._limits: tuple[FloatArray, FloatArray] | None = None
@@ -253,7 +255,7 @@ class Residual:
         """
         try:
             found = cls(tuple(map(str, values['names'])), values['rows'], values['recent'])
-            found.waiting = list(values['waiting'])
+            found.waiting, found.number = list(values['waiting']), int(values['number'])
             rows = [*found.rows, *found.recent, *found.waiting]
             sound = all(len(row) == len(found.names) for row in rows)
             sound &= np.array(rows, dtype=np.float64).ndim < 3
@@ -280,22 +282,26 @@ class Residuals:
     """
 
     known: list[tuple[float, Residual]] = field(default_factory=list)
-    """Speeds, Hz, and what is known at each."""
+    """Speeds, Hz, and what is known at each, the newest last."""
 
     def update(
         self, names: tuple[str, ...], difference: FloatArray, shaft_hz: float, *, healthy: bool
     ) -> Unexplained:
         """Judge a decision at a speed, Hz, and learn from it: see `Residual.update`."""
-        nearest = min(
-            self.known, key=lambda each: abs(math.log(each[0] / shaft_hz)), default=(0.0, None)
-        )
-        residual = nearest[1]
-        if residual is None or abs(nearest[0] / shaft_hz - 1.0) > MOVED:
-            if len(self.known) >= SPEEDS:
-                # A speed that the machine only passed by is given up for this one.
-                self.known.remove(min(self.known, key=lambda each: len(each[1].rows)))
-            residual = Residual()
-            self.known.append((shaft_hz, residual))
+        near = [each for each in self.known if abs(each[0] / shaft_hz - 1.0) <= MOVED]
+        if not near and len(self.known) >= SPEEDS:
+            # A speed that the machine only passed by is given up for this one: the oldest.
+            few = [each for each in self.known if len(each[1].rows) < LEAST]
+            self.known.remove((few or self.known)[0])
+        new = (shaft_hz, Residual())
+        at = min(near, key=lambda each: abs(math.log(each[0] / shaft_hz)), default=new)
+        residual = at[1]
+        self.known = [*(each for each in self.known if each is not at), at]
+        number = 1 + max(each.number for _, each in self.known)
+        if number - residual.number > LEAST:
+            # What it did at this speed hours or days ago is not judged together with today.
+            residual.recent, residual.waiting = [], []
+        residual.number = number
         speeds = [f'{hz:.3g}' for hz, each in self.known if len(each.rows) >= LEAST]
         found = residual.update(names, difference, healthy=healthy)
         if math.isfinite(found.number) or not speeds:

@@ -93,9 +93,39 @@ def test_a_machine_is_known_at_the_speeds_at_which_it_was_healthy():
         with pytest.raises(BearingTwinError, match='use what was saved'):
             Residuals.of(broken)
     # A speed that was only passed by is given up for a new one.
-    for hz in range(40, 120, 4):
-        residuals.update(*levels(float(hz)), float(hz), healthy=True)
-    assert {round(hz) for hz, _ in residuals.known} >= {25, 30, 116} and len(residuals.known) == 16
+    for hz in range(40, 200, 4):
+        residuals.update(*levels(0.5 * hz), float(hz), healthy=True)
+    speeds = [round(hz) for hz, _ in residuals.known]
+    assert {25, 30, 196} <= set(speeds) and 40 not in speeds and len(speeds) == 32
+
+
+def test_what_was_decided_at_a_speed_long_ago_is_not_judged_with_today():
+    rng = np.random.default_rng(6)
+    residuals, names = Residuals(), ('10 Hz', 'order 1')
+
+    def decide(count, hz, height=0.0):
+        for _ in range(count):
+            found = residuals.update(names, height + rng.standard_normal(2), hz, healthy=True)
+        return found
+
+    decide(60, 25.0)
+    decide(60, 28.0)
+    assert decide(5, 25.0, 30.0).alarm
+    # Repaired, and run at another speed for less than half an hour, then for more.
+    decide(20, 28.0)
+    assert decide(1, 25.0).alarm
+    decide(5, 25.0, 30.0)
+    decide(40, 28.0)
+    assert decide(1, 25.0).number < 1.0
+
+
+def test_a_machine_at_many_speeds_is_learnt_at_each():
+    rng = np.random.default_rng(7)
+    residuals = Residuals()
+    for number in range(18 * 45):
+        hz = 15.0 * 1.05 ** (number % 18)
+        found = residuals.update(('10 Hz',), rng.standard_normal(1), hz, healthy=True)
+    assert found.number < 1.0
 
 
 def test_only_independent_alarms_have_the_bound_of_a_poisson_number():

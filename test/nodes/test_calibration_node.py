@@ -221,6 +221,21 @@ def test_a_repaired_machine_is_fitted_at_once_and_its_old_impacts_are_forgotten(
     assert task.others == () and task.repairs == 1
 
 
+def test_after_a_fit_that_failed_a_fault_is_fitted_within_a_period(healthy):
+    core = CalibrationCore(VALUES | {'window': 2.0, 'period': 8.0})
+    core.verdict(verdict(39, OK))
+    [task] = take(core, range(60))
+    core.conclude(task, done(healthy), 2.4)
+    # It is begun and never concluded.
+    core.verdict(verdict(259, OK))
+    assert len(take(core, range(60, 260))) == 1
+    for number in range(260, 700, 50):
+        core.verdict(verdict(number - 1, FAULT, 'outer'))
+        if tasks := take(core, range(number, number + 50)):
+            break
+    assert tasks[0].place == 'outer' and number < 500
+
+
 def test_a_calibration_is_stale_when_the_machine_has_changed_or_it_is_old(healthy):
     core = CalibrationCore(VALUES | {'window': 2.0, 'period': 40.0})
     [task] = take(core, range(50))
