@@ -59,7 +59,7 @@ class TwinChannel:
     values
         Parameters of the twin node.
     clock
-        The receiver's clock, s; it never runs backwards.
+        The receiver's clock, s; simulated time may go back.
 
     """
 

@@ -86,6 +86,8 @@ class ShaftSpeed:
             return self._problem
         if self._arrived is None:
             return f"no velocity of joint '{self.joint}' yet: the nominal speed is used"
+        # A receiver's clock that was set back must not make an age negative.
+        self._arrived = min(self._arrived, now)
         age = now - self._arrived
         if age > self.timeout:
             return f'no velocity for {age:.1f} s: the last one is held'

@@ -152,6 +152,9 @@ class SourceLock:
 
     def accept(self, source: object, now: float) -> bool:
         """Whether a block of ``source`` that arrived at ``now`` (s) is to be used."""
+        if now < self._heard:
+            # Simulated time has gone back: in its new run nobody has been heard yet.
+            self._heard = self._ignored_at = -math.inf
         if source != self._source:
             if now - self._heard <= self.timeout:
                 self.ignored += 1
@@ -165,4 +168,4 @@ class SourceLock:
 
     def contested(self, now: float) -> bool:
         """Whether another source has been heard lately, seen at ``now`` (s)."""
-        return now - self._ignored_at < self.remember
+        return 0.0 <= now - self._ignored_at < self.remember

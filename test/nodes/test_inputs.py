@@ -47,6 +47,13 @@ def test_unusable_joint_states_leave_the_speed(names, velocities, text):
     assert text in shaft.problem(1.0)
 
 
+def test_a_joint_that_falls_silent_is_told_where_simulated_time_goes_back():
+    shaft = ShaftSpeed(nominal=25.4, joint='motor', timeout=5.0)
+    shaft.offer(['motor'], [2 * math.pi * 10.0], now=1000.0)
+    assert shaft.problem(100.0) == ''
+    assert 'no velocity for 6.0 s' in shaft.problem(106.0)
+
+
 def test_joint_states_without_the_joint_say_nothing_of_it():
     shaft = ShaftSpeed(nominal=25.4, joint='motor', timeout=5.0)
     shaft.offer(['motor'], [2 * math.pi * 10.0], now=0.0)
@@ -106,6 +113,17 @@ def test_second_source_is_ignored_until_the_first_falls_silent():
     assert not lock.contested(5.1)
     assert lock.accept('b', 2.1)
     assert not lock.accept('a', 2.2)
+
+
+def test_a_source_of_a_new_run_of_simulated_time_is_heard_at_once():
+    lock = SourceLock(timeout=2.0)
+    assert lock.accept('first run', 1000.0)
+    assert not lock.accept('another', 1000.5)
+    assert not lock.contested(100.0)
+    assert lock.accept('second run', 100.0)
+    assert not lock.accept('another', 100.5)
+    assert lock.contested(101.0)
+    assert lock.accept('second run', 101.0)
 
 
 @pytest.mark.ros
