@@ -71,7 +71,8 @@ class AdapterNode(ManagedNode):
 
     ``std_msgs/Float32MultiArray`` holds many samples and no stamp: the time of publishing counts
     as that of the last sample. Gaps are seen from the middleware's message numbers, and where the
-    driver sends nothing for 2 s; what it leaves out for a shorter time is not seen.
+    driver sends nothing for 2 s; what it leaves out for a shorter time is not seen. Pauses that
+    are longer than the messages, as those between snapshots, say nothing of the sample rate.
     ``sensor_msgs/Imu`` holds one sample: time and gaps come from its stamps.
     In simulated time, what comes without a stamp before ``/clock`` has no time and is left out.
     """
@@ -148,13 +149,15 @@ class AdapterNode(ManagedNode):
         missing = self._sequence.missing(
             info.get('publisher_gid'), info['publication_sequence_number']
         )
-        pause = (published - self._until) / NANO - count * (1 + max(0, missing)) / rate
+        elapsed, length = (published - self._until) / NANO, count / rate
         if missing:
             self._gap(missing * count)
-        elif self._until and pause > SILENT_AFTER:
+        elif self._until and elapsed > length + SILENT_AFTER:
             # The driver has sent nothing for so long: how many samples it left out is not known.
             self._gap(-1)
-            self._meter = RateMeter()
+            if elapsed > 2.0 * length + SILENT_AFTER:
+                # Shorter ones are measured: so long messages come with a wrong sample_rate.
+                self._meter = RateMeter()
         self._until = published
         self._measure(count * (1 + max(0, missing)), published)
         stamp = published - samples_ns(count, rate)

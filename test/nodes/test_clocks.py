@@ -265,6 +265,34 @@ def test_a_pause_of_the_driver_is_a_gap_and_slow_messages_are_none(ros_domain):
 
 
 @pytest.mark.ros
+@pytest.mark.parametrize(
+    ('period', 'level', 'text'),
+    [
+        (5.0, Level.OK, 'fresh'),
+        (10.0, Level.ERROR, 'set sample_rate to 500'),
+        # Snapshots of 5 s, once a minute.
+        (60.0, Level.OK, 'fresh'),
+    ],
+)
+def test_a_wrong_rate_of_long_messages_is_told(period, level, text, ros_domain):
+    rclpy.init(args=['--ros-args', '-p', 'sample_rate:=1000.0'])
+    try:
+        node = AdapterNode()
+        node.trigger_configure()
+        message = Float32MultiArray(data=[0.0] * 5000)
+        for k in range(20):
+            at = EPOCH + round(k * period * NANO)
+            info = {'source_timestamp': at, 'publication_sequence_number': k + 1}
+            node._on_array(message, {'publisher_gid': 'a', **info})
+        status = node._input_status()
+        assert status.level is level
+        assert text in status.message
+        node.shut_down()
+    finally:
+        rclpy.shutdown()
+
+
+@pytest.mark.ros
 def test_an_imu_without_acceleration_is_refused(ros_domain):
     rclpy.init(args=['--ros-args', '-p', 'source:=imu'])
     try:
