@@ -95,8 +95,10 @@ def test_arguments_that_cannot_be_used_are_refused(name, arguments, said):
 
 def test_an_argument_that_is_misspelt_is_told(capsys):
     description = described(FOLDER / 'twin.launch.py')
-    context = launch.LaunchService(argv=[]).context
-    context.launch_configurations.update({'defct': 'inner', 'map_of_the_hall': 'x.yaml'})
+    typed = ['defct:=inner', 'params:=x.yaml', 'map_of_the_hall:=x.yaml']
+    context = launch.LaunchService(argv=typed).context
+    # 'params' is that of a launch file that includes this one; launch_ros keeps ros_namespace.
+    context.launch_configurations.update({'ros_namespace': '/plant', 'shaft_hertz': '20'})
     for declared in description.get_launch_arguments():
         declared.visit(context)
     [start] = [a for a in description.entities if isinstance(a, launch.actions.OpaqueFunction)]

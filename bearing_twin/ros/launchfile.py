@@ -81,9 +81,10 @@ def launch_description(
 
     def start(context: LaunchContext) -> list[Node]:
         declared = [each.name for each in arguments]
-        for name in context.launch_configurations.keys() - set(declared):
-            # Others may belong to the launch file that includes this one.
-            for close in get_close_matches(name, declared, n=1):
+        # Only what was typed: a launch file that includes this one has names of its own.
+        typed = {argument.partition(':=')[0] for argument in context.argv}
+        for name in sorted(typed - set(declared)):
+            for close in get_close_matches(name, declared, n=1, cutoff=0.85):
                 get_logger(PACKAGE).warning(f"there is no argument '{name}'; is '{close}' meant?")
         texts = {each.name: LaunchConfiguration(each.name).perform(context) for each in arguments}
         given = {each.name: _value(each, context) for each in arguments if texts[each.name]}
