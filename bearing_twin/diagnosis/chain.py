@@ -154,10 +154,11 @@ class Excerpt:
         count, pieces, stretches = len(samples), 1, 1
         if count and math.isfinite(sample_rate) and sample_rate > 0.0:
             turns = count / sample_rate * turning.mean_hz
-            # A shaft that turns in less than two samples, or at no speed, has no turns to count.
-            pieces = max(1, round(turns / longest)) if turns < count / 2 else 1
+            # A shaft that stands, or turns in less than two samples, has no turns to count.
+            pieces = max(1, round(turns / longest)) if 0.0 < turns < count / 2 else 1
             if divided:
-                stretches = max(1, round(count / pieces / (SECONDS * sample_rate)))
+                each = max(SECONDS * sample_rate, LEAST)
+                stretches = max(1, round(count / pieces / each))
         length = fft.prev_fast_len(max(count // (pieces * stretches), 1), real=True)
         edges = np.arange(pieces * stretches + 1) * min(length, count)
         return cls(
@@ -237,7 +238,8 @@ class Excerpt:
         shaft that stands still has none, nor anything to compare.
         """
         x, settings = self.samples, self.settings
-        if not 0.0 < self.sample_rate < math.inf or len(x) < LEAST or shaft_hz == 0.0:
+        # The width of a bin of the smallest rates is no longer a number above 0.
+        if len(x) < LEAST or not 0.0 < self.sample_rate / len(x) < math.inf or shaft_hz == 0.0:
             return None
         if not np.isfinite(x).all() or not np.ptp(x) > 0.0:
             return None

@@ -269,5 +269,5 @@ def of_length(severity: Severity, count: int, sample_rate: float) -> Severity:
 
 def _rows(low: float, high: float, bin_hz: float, count: int) -> slice:
     """Bins of a band."""
-    first = max(math.ceil(low / bin_hz), 1)
-    return slice(first, max(min(math.floor(high / bin_hz) + 1, count), first))
+    first = max(math.ceil(min(low / bin_hz, count)), 1)
+    return slice(first, max(min(math.floor(min(high / bin_hz, count)) + 1, count), first))

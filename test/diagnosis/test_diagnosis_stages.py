@@ -5,11 +5,13 @@
 import math
 
 from bearing_twin.bearing import fault_orders, find_bearing
+from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.comb import accumulate, comb_scores, NEUTRAL, order_spectra
 from bearing_twin.diagnosis.demodulation import choose_layout
 from bearing_twin.diagnosis.gate import check_record
 from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.report import coarse_spectrum
+from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.severity import iso_zone, Levels, measure_severity
 from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample, Turning
 from bearing_twin.diagnosis.spectra import (
@@ -307,7 +309,17 @@ def test_coarse_spectrum_keeps_the_height_and_place_of_lines():
     assert (start_hz, bin_hz) == (0.0, 1.0)
 
 
-@pytest.mark.parametrize('speed', [12800.0, 1e20, 3.4e38, np.inf])
+@pytest.mark.parametrize('speed', [12800.0, 1e20, 3.4e38, np.inf, -np.inf])
 def test_a_speed_that_no_sample_shows_is_no_reason_to_divide_a_record(speed):
     verdict = diagnose_record(np.ones(3), 25600.0, find_bearing('6307'), speed)
     assert verdict.result == 'insufficient'
+
+
+@pytest.mark.parametrize('rate', [5e-324, 1e-307, 1e-9, 1.0])
+def test_a_low_rate_divides_no_record_into_more_pieces_than_can_be_measured(rate):
+    known = find_bearing('6307'), DiagnosisSettings()
+    excerpt = Excerpt.of(np.ones(640), Turning(np.zeros(1), np.array([640])), rate, *known)
+    assert 1 <= len(excerpt.stretches) <= 10
+    for shaft_hz in (0.0, -1.0, 25.0):
+        found = diagnose_record(np.sin(np.arange(640.0)), rate, known[0], shaft_hz)
+        assert found.result == 'insufficient'
