@@ -196,10 +196,11 @@ def rival(diagnosis: Any) -> str:
     sidebands = [
         k * diagnosis.fault_hz + n * shaft for k in range(1, 5) for n in range(-2, 3) if n
     ]
-    close = min(abs(line / fundamental - 1.0) for line in sidebands)
-    if close < CLOSE:
+    close = min(abs(line - fundamental) for line in sidebands)
+    if close < CLOSE * fundamental:
         return (
-            f'{text}: its line is within {close:.1%} of a shaft sideband of the {name_of(result)}.'
+            f'{text}: its line is within {close / fundamental:.1%} of a shaft sideband of the '
+            f'{name_of(result)}.'
         )
     return f'{text}: modulation index {index[other]:.2f} against {index[result]:.2f}.'
 

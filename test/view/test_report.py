@@ -278,6 +278,23 @@ def test_what_a_recording_says_is_never_markup(recording, tmp_path):
     assert html.escape(evil) in text
 
 
+@pytest.mark.parametrize('shaft_hz', [0.0, -25.0, math.nan])
+def test_a_verdict_without_a_speed_has_no_table_of_orders(tmp_path, shaft_hz):
+    from bearing_twin_msgs.msg import Diagnosis
+    from rclpy.serialization import serialize_message
+
+    # No node of ours writes it, but a file may say so.
+    made = Diagnosis(result_name='inner', bpfo=76.9, bpfi=126.3, shaft_hz=shaft_hz)
+    with RecordingWriter(tmp_path / 'speedless') as writer:
+        cdr = serialize_message(made)
+        writer.write(
+            '/diagnosis', 'bearing_twin_msgs/msg/Diagnosis', cdr, log_time=1, publish_time=1
+        )
+    text = report_page(tmp_path / 'speedless')
+    assert 'Inner race fault' in text
+    assert 'significance / limit' not in text
+
+
 def test_a_torn_recording_is_shown_up_to_where_it_breaks_off(recording, tmp_path):
     (source,) = recording.glob('*.mcap')
     content = source.read_bytes()

@@ -170,8 +170,9 @@ def test_a_rival_is_named_with_the_reason_it_lost():
     # BPFI less two turns of the shaft is 75.62 Hz, 1.6 % from BPFO.
     assert 'outer race is nearly as significant' in rival(inner)
     assert 'within 1.6% of a shaft sideband of the inner race' in rival(inner)
-    inner.bpfo = 90.0
-    assert rival(inner).endswith('modulation index 2.50 against 3.00.')
+    for bpfo in (90.0, 0.0):
+        inner.bpfo = bpfo
+        assert rival(inner).endswith('modulation index 2.50 against 3.00.')
     inner.score[1] = 6.0
     assert rival(inner) == ''
     healthy = verdict('healthy')

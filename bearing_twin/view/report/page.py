@@ -198,7 +198,7 @@ def _measurement(machine: Machine, worst: Any) -> list[tuple[str, str]]:
 
 def _families(worst: Any) -> str:
     """Return expected frequency and evidence of each family against the limits."""
-    if not worst.bpfo > 0.0:
+    if not (worst.bpfo > 0.0 and worst.shaft_hz > 0.0):
         return ''
     cells = []
     for k, (place, family) in enumerate(zip(PLACES, FAMILIES, strict=True)):
