@@ -592,3 +592,15 @@ def test_a_vector_is_what_rerun_makes_of_it(size):
     made = rr.components.TensorDataBatch(values.astype(np.float64)).as_arrow_array()
     assert vector(values).equals(made)
     assert vector(values).type == made.type
+
+
+def test_a_process_that_draws_many_pictures_keeps_none_of_their_threads(tmp_path):
+    tasks = Path('/proc/self/task')
+    if not tasks.is_dir():
+        pytest.skip('the threads of a process are counted on Linux')
+    counts = []
+    for k in range(12):
+        with RerunLogger(recording_id=f'p{k}', rrd=tmp_path / f'{k}.rrd'):
+            pass
+        counts.append(len(list(tasks.iterdir())))
+    assert counts[-1] <= counts[2] + 2

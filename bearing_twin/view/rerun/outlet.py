@@ -14,6 +14,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.rerun.ending import SERVING
 from bearing_twin.view.style import APPLICATION
 import rerun as rr
+import rerun_bindings
 
 __all__ = ['WAITING', 'Mark', 'Outlet', 'ServedOutlet']
 
@@ -50,6 +51,9 @@ class Outlet:
     """
 
     def __init__(self, recording_id: str, sink: Any, *, place: str) -> None:
+        # As rerun.init does: else each picture of a process leaves two threads and a megabyte
+        # behind, even when it is disconnected (rerun-io/rerun#2116).
+        rerun_bindings.flush_and_cleanup_orphaned_recordings()
         self.recording = rr.RecordingStream(APPLICATION, recording_id=recording_id)
         try:
             self.recording.set_sinks(sink)
