@@ -137,6 +137,8 @@ class Memory:
     medians: dict[str, list[list[float]]] = field(default_factory=dict)
     """Lowest and last median of the whole signal at each speed: dB and temperature."""
     base: Baseline | None = None
+    former: list[Baseline] = field(default_factory=list)
+    """Louder ones that it took the place of: another load, or before the machine ran in."""
     record: HealthyRecord = field(default_factory=HealthyRecord)
 
     def learn(
@@ -162,8 +164,18 @@ class Memory:
             return False
         if base and base.levels[0] - new.levels[0] < max(SETTLED_DB, 2.0 * base.scatter[0]):
             return False
+        if base:
+            self.former.append(base)
         self.base = new
         return True
+
+    def was_settled_at(self, levels: NDArray[np.float64]) -> Baseline | None:
+        """Return the former baseline that levels, dB, one a measure, agree with; None: no one."""
+        for base in self.former:
+            reach = SETTLED_DB + 2.0 * np.array(base.scatter)
+            if (np.abs(levels - np.array(base.levels)) <= reach).all():
+                return base
+        return None
 
     def forget_before(self, time: float) -> None:
         """Drop what was seen before a time, s, and is in no baseline yet."""
@@ -221,12 +233,14 @@ class Memory:
         """
         try:
             base = values['base'] and Baseline(**values['base'])
+            former = [Baseline(**known) for known in values['former']]
             rows = [row[3:] for window in values['windows'].values() for row in window]
-            rows += [base.levels, base.scatter] if base else []
+            for known in former + [base] * bool(base):
+                rows += [known.levels, known.scatter]
             np.asarray_chkfinite(rows, dtype=np.float64).reshape(-1, len(MEASURES))
             np.asarray_chkfinite([pair[0][0] + pair[1][0] for pair in values['medians'].values()])
             record = HealthyRecord.of(values['record'])
-            return cls(values['windows'], values['medians'], base, record)
+            return cls(values['windows'], values['medians'], base, former, record)
         except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
             msg = f'saved memory of a machine is not one ({error}); use what save() returned'
             raise BearingTwinError(msg) from error

@@ -18,7 +18,7 @@ from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.alone import answer_alone, Answers, CONFIRMING
 from bearing_twin.diagnosis.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.averaging import LEAST as LEAST_AVERAGED
-from bearing_twin.diagnosis.baseline import Memory, SETTLED
+from bearing_twin.diagnosis.baseline import Baseline, Memory, SETTLED
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.dependence import Condition, Law, Z90
 from bearing_twin.diagnosis.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
@@ -321,8 +321,15 @@ class SeriesMonitor:
             standing = LEVELS.index(self._held) >= LEVELS.index(level)
             if over >= threshold - FALL_DB * standing:
                 wanted = level
+        if wanted == 'fault' and self._usual() is not None:
+            wanted = 'suspect'
         by_rise = 'suspect' if self._rise.found else 'ok'
         return max(wanted, zone_level, by_rise, key=LEVELS.index)
+
+    def _usual(self) -> Baseline | None:
+        """Return the former baseline that the newest levels agree with; None: no one."""
+        recent = np.median(self._levels[-CONFIRMING:], axis=0)
+        return self._memory.was_settled_at(recent)
 
     def _hold(self, time: float, wanted: str) -> None:
         """Rise at once, fall only after the level was low for long enough."""
@@ -463,6 +470,12 @@ class SeriesMonitor:
             last = self._points[-1]
             if base is not None:
                 reasons.append(f'{last.measure}: {last.over_baseline:+.1f} dB over the baseline')
+                if self._held in ('suspect', 'fault') and (usual := self._usual()) is not None:
+                    begin, end = usual.times
+                    reasons.append(
+                        f'as loud as from {begin:.0f} to {end:.0f} s, when it was settled too: '
+                        'another load, or is it not run in?'
+                    )
             if last.iso_zone in ('C', 'D'):
                 reasons.append(f'zone {last.iso_zone} of ISO 20816-3')
         if math.isfinite(change):

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ['StreamingDiagnoser', 'checked_block']
 
-_VERSION = 8
+_VERSION = 9
 _MOST_PARTS = 64
 
 

@@ -512,3 +512,21 @@ def test_a_second_alarm_has_its_own_onset_and_the_repaired_machine_its_own_basel
     assert report.first_alarm < 160 * 600.0
     assert report.alarm > 300 * 600.0
     assert 290 * 600.0 <= report.change <= report.alarm
+
+
+@pytest.mark.parametrize('back, level', [(16.0, 'suspect'), (24.0, 'fault')])
+def test_a_machine_that_is_as_loud_as_when_it_was_settled_before_is_no_fault(back, level):
+    """A hundred snapshots each at a load, at 8 and 16 dB less, then the load again, or more."""
+    rng = np.random.default_rng(8)
+    monitor = SeriesMonitor(None)
+    for n in range(340):
+        height = (16.0, 8.0, 0.0, back)[min(n // 100, 3)]
+        x = 10.0 ** ((height + 0.3 * rng.standard_normal()) / 20.0) * rng.standard_normal(COUNT)
+        point = monitor.add(600.0 * n, x, RATE, SHAFT_HZ)
+        assert n >= 300 or point.level in ('none', 'ok')
+    assert point.level == level
+    assert any('settled too' in text for text in monitor.report().reasons) == (level == 'suspect')
+    values, arrays = monitor.save()
+    again = SeriesMonitor(None)
+    again.load(json.loads(json.dumps(values)), arrays)
+    assert again.report().reasons == monitor.report().reasons
