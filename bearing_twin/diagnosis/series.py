@@ -228,7 +228,7 @@ class SeriesMonitor:
         A doubt that only the answers of single snapshots raise may be one about a neighbour, which
         does not end: such a machine is learnt as it is, to see it get worse.
         """
-        doubted = self._held == 'suspect' == self._answers.level
+        doubted = self._held == 'suspect' and math.isnan(self._risen)
         return self._held in ('ok', 'none') or doubted
 
     def _ask_alone(
@@ -319,6 +319,8 @@ class SeriesMonitor:
         wanted = 'ok'
         for level, threshold in thresholds.items():
             standing = LEVELS.index(self._held) >= LEVELS.index(level)
+            # What only the answers hold was never over the threshold.
+            standing &= math.isfinite(self._risen)
             if over >= threshold - FALL_DB * standing:
                 wanted = level
         if wanted == 'fault' and self._usual() is not None:
@@ -401,6 +403,10 @@ class SeriesMonitor:
         }
         return values, arrays
 
+    def forget_answers(self) -> None:
+        """Drop what the snapshots said alone: it was of another bearing."""
+        self._answers = Answers()
+
     def load(self, values: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
         """
         Take up what :meth:`save` returned.
@@ -457,7 +463,9 @@ class SeriesMonitor:
     ) -> tuple[str, ...]:
         reasons = [text] if (text := str(self._answers)) else []
         base = self._memory.base
-        if base is None:
+        if base is None and not self._teaches and math.isnan(self._risen):
+            reasons.append(f'no baseline: a machine at {self._held} is not learnt')
+        elif base is None:
             count, hertz = self._memory.most()
             at = '' if math.isnan(hertz) else f' at one speed (most: {count} at {hertz:.4g} Hz)'
             reasons.append(
