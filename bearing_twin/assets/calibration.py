@@ -51,7 +51,8 @@ REPAIRED_S = 60.0
 """Time for which a bearing with a defect has to be healthy to be another one, s. The diagnosis
 holds an answer over several windows, of some seconds each."""
 REPAIRED = (
-    'the bearing was repaired since the healthy twin was fitted: call ~/reset to learn it anew'
+    'a defect was named and is gone since the healthy twin was fitted: if the bearing was '
+    'repaired, call ~/reset to learn it anew'
 )
 
 
@@ -201,6 +202,8 @@ class CalibrationCore:
     def _follow_repair(self, heard: Heard, now: float) -> None:
         """Forget the defect of a bearing that has been healthy for long enough."""
         if heard.place is None:
+            # Silence and doubt are no health.
+            self._well_since = math.inf
             return
         if not heard.healthy:
             self._damaged, self._well_since = True, math.inf
@@ -356,6 +359,7 @@ class CalibrationCore:
             'reference': self._reference,
             'residuals': self._residuals.save(),
             'repairs': self._repairs,
+            'damaged': self._damaged,
         }
         return pack(_VERSION, values, {})
 
@@ -381,3 +385,4 @@ class CalibrationCore:
             Fitted.from_dict(reference)
         self._residuals = Residuals.of(values.get('residuals'))
         self._reference, self._repairs = reference, int(values.get('repairs', 0))
+        self._damaged = bool(values.get('damaged', False))

@@ -99,7 +99,7 @@ def passage_width(here: Situation, seen: Sequence[Impacts]) -> Estimate:
     ... )
     >>> seen = [Impacts('outer', hz, 0.04 / hz, 1e-4) for hz in (20.0, 30.0)]
     >>> round(passage_width(machine, seen).median, 2)
-    2.76
+    2.8
 
     """
     # On the race, mm: the speed of the contact follows that of the shaft.

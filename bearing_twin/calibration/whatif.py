@@ -149,7 +149,13 @@ def expect(
             'a width is given, and the fit found no defect; fit again with --place inner or outer'
         )
         raise BearingTwinError(msg)
-    known = found.twin_situation if width_mm is None else found.situation
+    known = found.twin_situation
+    if width_mm is not None and known.place == 'none':
+        msg = (
+            'a width is given, and nothing was seen of the defect that was looked for: how strong '
+            'it would be is not known'
+        )
+        raise BearingTwinError(msg)
     place = known.place
     situation = replace(
         known,

@@ -531,6 +531,13 @@ def test_a_width_no_ball_fits_is_refused(slot):
         expect(found, width_mm=6.0, candidates=16)
 
 
+def test_a_width_of_which_nothing_was_seen_is_refused():
+    noise = np.random.default_rng(1).standard_normal(51200)
+    found = fit(noise, RATE, BEARING, 20.0, place='outer', candidates=64)
+    with pytest.raises(BearingTwinError, match='nothing was seen of the defect'):
+        expect(found, width_mm=3.0, candidates=16)
+
+
 def test_a_hall_in_winter_is_fitted_and_what_if_keeps_to_its_limits():
     noise = 0.01 * np.random.default_rng(1).standard_normal(51200)
     cold = fit(noise, RATE, BEARING, 20.0, place='none', temperature=-5.0, candidates=64)
