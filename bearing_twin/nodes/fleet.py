@@ -217,11 +217,14 @@ class FleetNode(ManagedNode):
     def stop(self) -> None:
         """Stop the clock of the blocks and listening."""
         self._cycle.stop()
-        # They have been counted as published.
-        self._publish_share(1.0)
-        for member in self._members:
-            if member.diagnosis is not None:
-                member.diagnosis.stop()
+        try:
+            # They have been counted as published.
+            self._publish_share(1.0)
+        finally:
+            # Ctrl-C has ended the context: nothing is published any more, and the states are kept.
+            for member in self._members:
+                if member.diagnosis is not None:
+                    member.diagnosis.stop()
 
     def teardown(self) -> None:
         """Destroy what setup created."""

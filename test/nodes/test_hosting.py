@@ -14,14 +14,19 @@ pytest.importorskip('rclpy')
 
 from bearing_twin.assets.messages import floats
 from bearing_twin.dynamics import preset, Simulator
+from bearing_twin.nodes.fleet import FleetNode
+from bearing_twin.stamps import NANO
+from bearing_twin.streams.pacer import Due
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin_msgs.msg import Diagnosis, TwinState, Vibration
 from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
 from block_streams import block_end, check_complete
 from builtin_interfaces.msg import Time
+import rclpy
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Float32MultiArray
 from std_srvs.srv import Trigger
+import yaml
 
 pytestmark = pytest.mark.ros
 
@@ -186,6 +191,26 @@ def test_one_process_hosts_many_bearings(nodes, probe, tmp_path):
     probe.until(lambda: probe.statuses.keys() >= {f'p1/fleet: {p}' for p in parts}, 'statuses')
     probe.until(lambda: probe.node.count_subscribers('/p1/fan/vibration') == 1, 'its input')
     assert nodes.end('fleet', by=signal.SIGTERM) == 0
+
+
+def test_an_interrupted_fleet_keeps_what_its_diagnoses_have_learnt(ros_domain, tmp_path):
+    learnt = {'window': 1.0, 'update_interval': 0.5, 'state_directory': str(tmp_path)}
+    assets = {name: {'twin': {}, 'diagnosis': learnt | {'state_name': name}} for name in 'ab'}
+    (tmp_path / 'assets.yaml').write_text(yaml.safe_dump({'assets': assets}))
+    rclpy.init(args=['--ros-args', '-p', f'assets_file:={tmp_path}/assets.yaml'])
+    try:
+        node = FleetNode()
+        node.bring_up()
+        size = node.parameters['block_size']
+        for first in range(0, 3 * 25600, size):
+            node._compute(Due(first, NANO + first * NANO // 25600, 0.0))
+        # The last blocks wait for their slots when rclpy hears the signal.
+        assert len(node._pending) == 2
+        rclpy.shutdown()
+        node.shut_down()
+    finally:
+        rclpy.try_shutdown()
+    assert {'a', 'b'} <= {path.name for path in tmp_path.iterdir()}
 
 
 def test_fleet_and_adapter_follow_simulated_time(nodes, probe):
