@@ -20,12 +20,15 @@ __all__ = ['adapter', 'calibration', 'command', 'diagnosis', 'fleet', 'recorder'
 def command() -> int:
     """Run ``bearing-twin``; an interrupt makes the status 130, that of a node 0 as ever."""
     status = 0 if sys.argv[1:2] == ['run'] else 130
-    signal.signal(signal.SIGINT, lambda *_: os._exit(status))
+    former = signal.getsignal(signal.SIGINT)
+    # Ctrl-C is not for a command that a script has put into the background; rclpy's nodes hear it.
+    if status == 0 or former is not signal.SIG_IGN:
+        signal.signal(signal.SIGINT, lambda *_: os._exit(status))
     # The scripts of 'ros2 run' have it held while the interpreter starts.
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
     from bearing_twin.cli import main
 
-    return main()
+    return main(begin=partial(signal.signal, signal.SIGINT, former))
 
 
 def _node(name: str) -> int:

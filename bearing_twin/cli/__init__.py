@@ -16,7 +16,6 @@ from __future__ import annotations
 import argparse
 import importlib
 import os
-import signal
 import sys
 from typing import TYPE_CHECKING
 
@@ -26,7 +25,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 __all__ = ['COMMANDS', 'main']
 
@@ -53,8 +52,18 @@ COMMANDS = {
 """Name and one-line help of every sub-command."""
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run ``bearing-twin``; return the exit status: 0 only if it did what was asked."""
+def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int) -> int:
+    """
+    Run ``bearing-twin``; return the exit status: 0 only if it did what was asked.
+
+    Parameters
+    ----------
+    argv
+        Words behind ``bearing-twin``; None: those of this process.
+    begin
+        Called when everything is loaded and a sub-command that is no node begins its work.
+
+    """
     arguments = list(sys.argv[1:] if argv is None else argv)
     completing = '_ARGCOMPLETE' in os.environ
     if completing:
@@ -87,8 +96,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
     keep_freed_memory()
     if args.command != 'run':
-        # From here on there is something to lose; nodes see to that themselves.
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        # From here on an interrupt has something to lose; nodes see to that themselves.
+        begin()
     try:
         status: int = args.run(args)
     except BearingTwinError as error:

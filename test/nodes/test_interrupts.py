@@ -14,8 +14,10 @@ from pathlib import Path
 import signal
 import subprocess
 import sys
+import threading
 import time
 
+from bearing_twin.cli import main
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.launching import NodeProcesses
 import pytest
@@ -28,6 +30,7 @@ class Interrupt:
         if name == os.environ['INTERRUPT_AT']:
             os.kill(os.getpid(), signal.SIGINT)
 
+signal.signal(signal.SIGINT, getattr(signal, os.environ['HANDLER']))
 sys.meta_path.insert(0, Interrupt())
 """
 """Presses Ctrl-C where a module is about to be loaded."""
@@ -57,6 +60,25 @@ def test_a_second_interrupt_leaves_no_torn_recording(
     assert (bag / 'metadata.yaml').exists()
 
 
+def interrupted(
+    words: list[str], module: str, handler: str, folder: Path
+) -> subprocess.CompletedProcess[str]:
+    """Run Python with an interrupt where ``module`` is about to be loaded."""
+    (folder / 'sitecustomize.py').write_text(HOOK)
+    return subprocess.run(
+        [sys.executable, *words],
+        env={
+            **os.environ,
+            **{'PYTHONPATH': str(folder), 'INTERRUPT_AT': module, 'HANDLER': handler},
+        },
+        cwd=Path(__file__).parents[2],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+
 @pytest.mark.parametrize(
     ('words', 'module', 'status'),
     [
@@ -72,17 +94,31 @@ def test_a_second_interrupt_leaves_no_torn_recording(
 def test_an_interrupt_while_libraries_load_prints_nothing(
     words: list[str], module: str, status: int, tmp_path: Path
 ) -> None:
-    (tmp_path / 'sitecustomize.py').write_text(HOOK)
-    ran = subprocess.run(
-        [sys.executable, *words],
-        env={**os.environ, 'PYTHONPATH': str(tmp_path), 'INTERRUPT_AT': module},
-        cwd=Path(__file__).parents[2],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    ran = interrupted(words, module, 'default_int_handler', tmp_path)
     assert (ran.returncode, ran.stdout, ran.stderr) == (status, '', '')
+
+
+@pytest.mark.parametrize('module', ['argparse', 'bearing_twin.bearing.catalogue'])
+def test_a_command_in_the_background_of_a_script_hears_no_interrupt(
+    module: str, tmp_path: Path
+) -> None:
+    ran = interrupted(['-m', 'bearing_twin', 'bearings', '6205'], module, 'SIG_IGN', tmp_path)
+    assert (ran.returncode, ran.stderr) == (0, '')
+    assert '6205' in ran.stdout
+
+
+def test_the_command_leaves_signals_to_its_caller() -> None:
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        assert main(['bearings', '6205']) == 0
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
+    statuses: list[int] = []
+    thread = threading.Thread(target=lambda: statuses.append(main(['bearings', '6205'])))
+    thread.start()
+    thread.join()
+    assert statuses == [0]
 
 
 def test_missing_messages_are_a_sentence() -> None:
