@@ -27,7 +27,7 @@ from bearing_twin.ros.subscribing import receiver_clock, subscribe
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.statefile import StateFolder
-from bearing_twin.streams.vibration_input import read_vibration, SourceLock
+from bearing_twin.streams.vibration_input import read_vibration, SEVERAL, SourceLock
 from bearing_twin.thermal.gate import TemperatureGate, TemperatureStatus
 from bearing_twin_msgs.msg import Calibration, Diagnosis, Vibration
 from rclpy.clock import Clock, ClockType
@@ -234,6 +234,8 @@ class CalibrationNode(ManagedNode):
             return Status(Level.WARN, f'not fitted: {problem}', values)
         if problem := self._shaft.problem(time.monotonic()):
             return Status(Level.WARN, problem, values)
+        if self._thermometers.contested(self._now()):
+            return Status(Level.WARN, SEVERAL, values)
         if found is None:
             return Status(Level.STALE, 'no calibration yet', values)
         if stale := self._core.stale(time.monotonic()):

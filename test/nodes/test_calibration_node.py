@@ -357,6 +357,27 @@ def test_a_worker_ends_with_its_node():
     assert done.returncode == -9 and int(done.stdout) > 0
 
 
+@pytest.mark.ros
+def test_a_second_thermometer_of_a_fitted_machine_is_told(ros_domain):
+    from bearing_twin.nodes.calibration import CalibrationNode
+    from bearing_twin_msgs.msg import Vibration
+    import rclpy
+    from sensor_msgs.msg import Temperature
+
+    rclpy.init(args=['--ros-args', '-p', 'shaft_hz:=25.0'])
+    try:
+        node = CalibrationNode()
+        node.trigger_configure()
+        node._on_vibration(Vibration(sample_rate=RATE, y=[0.0] * 1024), {'publisher_gid': 'v'})
+        node._on_temperature(Temperature(temperature=40.0), {'publisher_gid': 'a'})
+        assert node.status().message == 'no calibration yet'
+        node._on_temperature(Temperature(temperature=60.0), {'publisher_gid': 'b'})
+        assert 'only the first is used' in node.status().message
+        node.shut_down()
+    finally:
+        rclpy.shutdown()
+
+
 @pytest.mark.usefixtures('compiled')
 def test_a_hidden_twin_with_a_defect_is_fitted_while_no_block_is_lost(nodes, probe):
     from bearing_twin_msgs.msg import Calibration, Diagnosis, TwinState, Vibration
