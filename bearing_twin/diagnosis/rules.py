@@ -300,9 +300,13 @@ def _same_lines(e: Evidence) -> Verdict | None:
     return _ambiguous(e, places, one, *map(str, e.same_lines), text, level='fault')
 
 
-@_rule('ambiguous', 'Rectifiers and converters pulse twice a period of the mains.')
+@_rule(
+    'ambiguous',
+    'Rectifiers and converters pulse twice a period of the mains, and swell with no shaft.',
+)
 def _mains_pulses(e: Evidence) -> Verdict | None:
-    if not e.mains_hz:
+    sways = e.leading.place == 'inner' and e.leading.shaft_sideband_ratio >= SWAY
+    if sways or not e.mains_hz:
         return None
     text = (
         f'it coincides with a multiple of {2.0 * e.mains_hz:g} Hz: the pulses of rectifiers and '
@@ -496,10 +500,10 @@ def decide(evidence: Evidence) -> Verdict:
 
     >>> from bearing_twin.diagnosis.evidence import Evidence
     >>> from bearing_twin.diagnosis.search import Candidate
-    >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
-    >>> decide(Evidence.of(inner)).rule
+    >>> outer = Candidate('outer', order=3.07, slip=0.01, z=9.0, index=0.8)
+    >>> decide(Evidence.of(outer)).rule
     'fault'
-    >>> decide(Evidence.of(inner, mains_hz=50.0)).rule
+    >>> decide(Evidence.of(outer, mains_hz=50.0)).rule
     'mains_pulses'
 
     """

@@ -78,6 +78,17 @@ def test_pulses_of_the_mains_are_no_fault(rng):
 
 
 def test_strikes_that_swell_with_the_cage_are_no_race_fault(rng):
+def test_strikes_that_swell_once_a_turn_are_no_pulses_of_the_mains(rng):
+    bearing = find_bearing('6205')
+    shaft_hz = 100.0 / fault_orders(bearing, 0.01).bpfi
+    times = np.cumsum(1.0 + 0.005 * rng.standard_normal(390)) / 100.0
+    load = np.maximum(np.cos(2.0 * np.pi * shaft_hz * times), 0.0)
+    said = diagnose_record(
+        _strikes(times, 12.0 * load) + rng.standard_normal(N), RATE, bearing, shaft_hz
+    )
+    assert (said.result, said.level) == ('inner', 'fault'), said.reasons
+
+
     """A ball of a cage that slips so far that its strikes lie at the inner race's order."""
     bearing = find_bearing('NICE')
     orders = fault_orders(bearing, 0.068)

@@ -101,7 +101,12 @@ CASES = {
         'fault',
         ('inner', 'outer'),
     ),
-    'mains_pulses': (Evidence.of(INNER, mains_hz=50.0), 'ambiguous', 'suspect', ('inner',)),
+    'mains_pulses': (
+        Evidence.of(comb('inner', shaft_sideband_ratio=0.1), mains_hz=50.0),
+        'ambiguous',
+        'suspect',
+        ('inner',),
+    ),
     'cage_sideband_dominated': (
         Evidence.of(INNER, cage_sideband_order=0.35),
         'ambiguous',
