@@ -16,15 +16,18 @@ from bearing_twin.diagnosis.gate import SHAFT_TURNS
 from bearing_twin.diagnosis.level import raised, staged
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.shaft import Turning
+from bearing_twin.diagnosis.spectra import floor_levels
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis.chain import Analysis
     from bearing_twin.diagnosis.result import Diagnosis
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
 __all__ = ['diagnose_record']
 
@@ -40,6 +43,16 @@ speed moves, the lines of a fault smear over the whole and not over its parts.""
 
 _PART_TURNS = 2.0 * SHAFT_TURNS
 """Least shaft turns of a part: twice those without which nothing is said."""
+
+_NEAR = 10
+"""Bins, every other one, of the floor that smeared lines raise: sharp ones take up three."""
+
+_ABOVE_TURN = 1.5
+"""Shaft turns from which on they are looked for."""
+
+_SMEARED = 0.375 * INDEX_FAULT**2 / 2.0
+"""Power over that of the mean, half of what lines of an index that is a fault have (a line of a
+modulation of one is 1/4 of its square, and its two neighbours half as much together)."""
 
 _BURSTS = 'second by second the modulation is weaker: the impacts come in bursts'
 
@@ -124,29 +137,69 @@ def diagnose_record(
     turning = Turning(np.atleast_1d(speeds), lengths)
     cut = functools.partial(Excerpt.of, signal, turning, *fixed, **known)
     excerpt = cut()
-    found = excerpt.analyse().conclude()
+    analysis = excerpt.analyse()
+    found = analysis.conclude()
     if found.rule == _TOO_WEAK and len(excerpt.stretches) > excerpt.pieces:
         # Each segment is taken relative to its own noise, so impacts in bursts of seconds weigh
         # little in the mean.
         whole = cut(divided=False).analyse().conclude()
         if whole.level == 'fault':
             found = replace(whole, reasons=(*whole.reasons, _BURSTS))
-    if found.rule in _FAINT and speeds.size == 1:
+    if found.rule in _FAINT and speeds.size == 1 and _smeared(analysis):
 
-        def judged(part: NDArray[np.float64]) -> Diagnosis:
-            part_turning = Turning(np.atleast_1d(speeds), np.array([len(part)]))
-            return Excerpt.of(part, part_turning, *fixed, **known).analyse().conclude()
+        def parts(count: int) -> list[Excerpt]:
+            if len(excerpt.stretches) % count == 0:
+                return [_part(excerpt, number, count) for number in range(count)]
+            samples = np.array_split(signal, count)
+            turnings = [turning._replace(lengths=np.array([len(part)])) for part in samples]
+            return [
+                Excerpt.of(part, its, *fixed, **known)
+                for part, its in zip(samples, turnings, strict=True)
+            ]
 
         turns = len(signal) / sample_rate * float(speeds)
-        found = _moving(found, signal, turns, judged) or found
+        found = _moving(found, turns, parts) or found
     return staged(raised(found))
 
 
+def _smeared(analysis: Analysis) -> bool:
+    """
+    Whether lines may have smeared, as those of a fault do where the speed moves.
+
+    A floor over few bins passes over sharp lines and takes the smeared ones in, so that it lies
+    above the floor over many. The two are compared above the first turn of the shaft, where
+    sound machines sway. Between several windows sharp lines may move, too, so there all count.
+    """
+    if analysis.window is None:
+        return False
+    envelopes = analysis.window.envelopes
+    first = int(_ABOVE_TURN * analysis.shaft_hz / envelopes.bin_hz)
+    # Under a Hann window every other bin tells as much.
+    power = envelopes.power[:, first::2]
+    near = power if analysis.before else floor_levels(power, _NEAR)[0]
+    rise = near.mean(axis=1) - envelopes.levels.mean(axis=1)
+    return bool(2.0 * power.shape[1] * rise.max() > _SMEARED)
+
+
+def _part(excerpt: Excerpt, number: int, count: int) -> Excerpt:
+    """Return one of equal parts of an excerpt; it keeps the transforms of its stretches."""
+    many = len(excerpt.stretches) // count
+    first = number * many
+    turns = (
+        many * len(excerpt.stretches[0].samples) / excerpt.sample_rate * excerpt.turning.mean_hz
+    )
+    least = max(1, round(turns / _WINDOW_TURNS))
+    return replace(
+        excerpt,
+        stretches=excerpt.stretches[first : first + many],
+        before=excerpt.stretches[first - 1] if first else None,
+        left_over=0,
+        pieces=next(pieces for pieces in range(least, many + 1) if many % pieces == 0),
+    )
+
+
 def _moving(
-    whole: Diagnosis,
-    signal: NDArray[np.float64],
-    turns: float,
-    judged: Callable[[NDArray[np.float64]], Diagnosis],
+    whole: Diagnosis, turns: float, parts: Callable[[int], Sequence[Excerpt]]
 ) -> Diagnosis | None:
     """
     Fault that two neighbouring parts of a record name at two frequencies; None without one.
@@ -157,8 +210,8 @@ def _moving(
     for count in (2, 4):
         if turns < count * _PART_TURNS:
             break
-        parts = [judged(part) for part in np.array_split(signal, count)]
-        for one, other in itertools.pairwise(parts):
+        said = [part.analyse().conclude() for part in parts(count)]
+        for one, other in itertools.pairwise(said):
             line_hz = one.sample_rate / min(one.sample_count, other.sample_count)
             moved = abs(other.fault_hz - one.fault_hz)
             named = one.level == other.level == 'fault' and one.result in PLACES

@@ -8,6 +8,7 @@ from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.confidence import confidence, Trust
 from bearing_twin.diagnosis.impulsive_outliers import limit_impulsive_outliers
 from bearing_twin.diagnosis.power import smallest_detectable
+from bearing_twin.diagnosis.record import _smeared
 from bearing_twin.diagnosis.shaft import Turning
 import numpy as np
 import pytest
@@ -77,7 +78,6 @@ def test_pulses_of_the_mains_are_no_fault(rng):
     assert '100 Hz' in ' '.join(said.reasons)
 
 
-def test_strikes_that_swell_with_the_cage_are_no_race_fault(rng):
 def test_strikes_that_swell_once_a_turn_are_no_pulses_of_the_mains(rng):
     bearing = find_bearing('6205')
     shaft_hz = 100.0 / fault_orders(bearing, 0.01).bpfi
@@ -89,6 +89,7 @@ def test_strikes_that_swell_once_a_turn_are_no_pulses_of_the_mains(rng):
     assert (said.result, said.level) == ('inner', 'fault'), said.reasons
 
 
+def test_strikes_that_swell_with_the_cage_are_no_race_fault(rng):
     """A ball of a cage that slips so far that its strikes lie at the inner race's order."""
     bearing = find_bearing('NICE')
     orders = fault_orders(bearing, 0.068)
@@ -332,3 +333,16 @@ def test_a_sound_machine_whose_speed_drifts_has_no_alarm():
     for seed in range(4):
         x, rate = _drifting('', 0.15, seed)
         assert diagnose_record(x, rate, find_bearing('6206'), 24.6).level == 'ok'
+
+
+def test_only_records_whose_lines_may_have_smeared_are_looked_at_in_parts():
+    """So a steady sound machine costs no more than one look."""
+    bearing = find_bearing('6206')
+
+    def asked(place, drift, seed):
+        x, rate = _drifting(place, drift, seed)
+        turning = Turning(np.array([24.6]), np.array([len(x)]))
+        return _smeared(Excerpt.of(x, turning, rate, bearing, DiagnosisSettings()).analyse())
+
+    assert not any(asked('', 0.0, seed) for seed in range(4))
+    assert all(asked(place, 0.05, seed) for place in ('inner', 'outer') for seed in range(2))
