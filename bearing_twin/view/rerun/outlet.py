@@ -51,9 +51,6 @@ class Outlet:
     """
 
     def __init__(self, recording_id: str, sink: Any, *, place: str) -> None:
-        # As rerun.init does: else each picture of a process leaves two threads and a megabyte
-        # behind, even when it is disconnected (rerun-io/rerun#2116).
-        rerun_bindings.flush_and_cleanup_orphaned_recordings()
         self.recording = rr.RecordingStream(APPLICATION, recording_id=recording_id)
         try:
             self.recording.set_sinks(sink)
@@ -77,6 +74,10 @@ class Outlet:
         """
         self.recording.flush(timeout_sec=FLUSH_TIMEOUT)
         self.recording.disconnect()
+        # Else each picture of a process leaves more threads and memory behind, even though it
+        # is disconnected (rerun-io/rerun#2116). What has drawn into it may live on in a circle.
+        del self.recording
+        rerun_bindings.flush_and_cleanup_orphaned_recordings()
 
 
 class ServedOutlet:
