@@ -10,10 +10,10 @@ import itertools
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import PLACES
+from bearing_twin.bearing import FAULT_CODES, PLACES
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.gate import SHAFT_TURNS
-from bearing_twin.diagnosis.level import raised, staged
+from bearing_twin.diagnosis.level import raised, staged, UNKNOWN
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.shaft import Turning
 from bearing_twin.diagnosis.spectra import floor_levels
@@ -205,7 +205,8 @@ def _moving(
     Fault that two neighbouring parts of a record name at two frequencies; None without one.
 
     The frequencies are more than a line apart, so that the lines of the whole smear. That two
-    parts agree keeps false names as rare as those of one.
+    parts agree keeps false names as rare as those of one. Of an order that lies as near to a
+    whole one as the speed has moved, no part can tell which of the two it is.
     """
     for count in (2, 4):
         if turns < count * _PART_TURNS:
@@ -222,8 +223,15 @@ def _moving(
                 f'{one.fault_hz:.1f} and {other.fault_hz:.1f} Hz: the speed moves within the '
                 'record, so the whole does not show it; give the speed of each sample'
             )
+            found, order = other, other.fault_hz / other.shaft_hz
+            if abs(order - round(order)) <= order * moved / other.fault_hz:
+                text += f'; impacts {round(order)} times a turn would look the same'
+                found = replace(
+                    other, result='ambiguous', level='suspect', confidence=UNKNOWN,
+                    fault_code=FAULT_CODES['ambiguous'],
+                )  # fmt: skip
             return replace(
-                other,
+                found,
                 reasons=(*other.reasons, text),
                 first_sample=whole.first_sample,
                 sample_count=whole.sample_count,
