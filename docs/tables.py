@@ -116,7 +116,8 @@ CODES = """\
 `diagnosis` and the status `bearing` carry a code that programs can rely on. In OPC UA terms each
 machine is a device (OPC 10000-100) with one condition, whose type and severity (1 to 1000) follow
 from the level; the code is its condition name. The next step of a place whose level is fault
-follows from the stage. Mapped here, not shipped: there is no OPC UA server in this package.
+follows from the stage; *ambiguous* of stage 1 or 2, which combs raised, has that step and its own.
+Mapped here, not shipped: there is no OPC UA server in this package.
 """
 
 CONDITIONS = {

@@ -304,6 +304,9 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy)
     level = FAULT
     minute(51, 0.0)
     level = OK
+    for number in range(2000 * 54 + 50, 2000 * 54 + 1750, 100):
+        core.verdict(verdict(number, OK))
+        take(core, range(number, number + 100))
     for number in range(52, 57):
         message = minute(number, np.array([0.0, 20.0]))
     assert message.residual_alarm and message.residual_reason.endswith(

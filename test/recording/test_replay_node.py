@@ -144,7 +144,7 @@ def test_what_subscribers_would_misread_is_left_out(ros_domain: int, tmp_path: P
     with RecordingWriter(tmp_path / 'other.mcap') as writer:
         for message in read_messages(tmp_path / 'run.mcap'):
             channel = replace(message.channel, type_hash='RIHS01_' + '0' * 64)
-            writer.copy(replace(message, channel=channel))
+            writer.copy(message._replace(channel=channel))
         at = message.log_time
         writer.write('/t', TEMPERATURE, temperature_cdr(5, 20.0), log_time=at, publish_time=at)
     with NodeProcesses(tmp_path / 'logs', os.environ) as nodes:
