@@ -211,8 +211,9 @@ class _Asked:
     @classmethod
     def of(cls, node: Node) -> _Asked:
         """Return that of a node."""
-        asked: _Asked = vars(node).setdefault('_asked', None) or cls(node)
-        vars(node)['_asked'] = asked
+        asked: _Asked | None = vars(node).get('_asked')
+        if asked is None:
+            asked = vars(node)['_asked'] = cls(node)
         return asked
 
     def take(self, of: ParameterSet) -> None:
