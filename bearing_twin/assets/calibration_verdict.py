@@ -30,7 +30,7 @@ class Heard(NamedTuple):
 
     @property
     def healthy(self) -> bool:
-        """Whether the bearing is said to be healthy."""
+        """Whether the diagnosis finds the bearing healthy."""
         return self.place == 'none'
 
 
@@ -65,7 +65,7 @@ class Verdicts:
 
     def of(self, frame_id: str, end: int, sample_rate: float) -> Heard:
         """
-        Return what is said of a record.
+        Return what the diagnosis says about a record.
 
         Parameters
         ----------

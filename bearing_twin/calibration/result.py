@@ -115,7 +115,7 @@ class Calibration:
 
     @property
     def twin_situation(self) -> Situation:
-        """Situation of the twin: without a defect of which nothing is seen, not even an impact."""
+        """Situation of the twin: without the defect where the record shows no impact of it."""
         unseen = self.refusal is not None and self.refusal.unseen
         return replace(self.situation, place='none') if unseen else self.situation
 

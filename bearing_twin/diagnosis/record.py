@@ -42,7 +42,7 @@ _FAINT = (_TOO_WEAK, 'no_comb', 'uncertain_health', 'two_faint_places')
 speed moves, the lines of a fault smear over the whole and not over its parts."""
 
 _PART_TURNS = 2.0 * SHAFT_TURNS
-"""Least shaft turns of a part: twice those without which nothing is said."""
+"""Least shaft turns of a part: twice those that a diagnosis needs."""
 
 _NEAR = 10
 """Bins, every other one, of the floor that smeared lines raise: sharp ones take up three."""

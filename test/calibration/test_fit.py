@@ -582,7 +582,7 @@ def test_a_second_impact_that_is_not_heard_is_no_limit_of_the_width():
 
 
 def test_impacts_that_go_on_after_twice_the_time_are_no_passage():
-    """Three at equal distances, twice of which no defect is as wide as: the teeth of a gear."""
+    """Three impacts at equal distances are the teeth of a gear: no defect is twice as wide."""
     machine = Situation(bearing=BEARING, place='outer', shaft_hz=20.0, sample_rate=RATE)
     apart = round(0.7 * machine.longest * RATE)
     rng = np.random.default_rng(1)

@@ -300,7 +300,7 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy)
     assert list(message.quantity) == list(found['quantities'])
     with pytest.raises(BearingTwinError):
         resumed.load(b'nothing')
-    # After a repair the healthy twin is of another bearing, which is said.
+    # After a repair the healthy twin is that of another bearing, and the reason tells so.
     level = FAULT
     minute(51, 0.0)
     level = OK
