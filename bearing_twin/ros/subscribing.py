@@ -32,13 +32,11 @@ LARGEST = 16 * 1024 * 1024
 
 def receiver_clock(node: Node) -> Callable[[], float]:
     """Return the clock by which inputs of a node age, s: simulated time where it follows that."""
-
-    def now() -> float:
-        if node.get_parameter('use_sim_time').value:
-            return float(node.get_clock().now().nanoseconds / NANO)
-        return time.monotonic()
-
-    return now
+    # It does not change while a node is configured.
+    if not node.get_parameter('use_sim_time').value:
+        return time.monotonic
+    clock = node.get_clock()
+    return lambda: float(clock.now().nanoseconds / NANO)
 
 
 def read_message(cdr: bytes, kind: type) -> Any:
