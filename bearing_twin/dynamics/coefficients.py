@@ -207,10 +207,10 @@ def _slip(law: FloatArray, values: FloatArray) -> float:
     rolling = 0.5 * math.pi * hz * race * (1.0 + law[GAMMA])
     # Force, mean pressure and film of the loaded balls, of the mean of two cage positions.
     pressed, loaded = np.empty((2 * n, 3)), 0
-    compliance = law[ACROSS], law[SKEW], law[ALONG]
+    compliance, foot = (law[ACROSS], law[SKEW], law[ALONG]), (law[ASIDE], values[SPRING])
     for half in range(2):
         balls = healthy_balls((half / n - 0.5) * math.pi, clearance, n)
-        x, y, _, _ = equilibrium((law[ASIDE], values[SPRING]), values[K_B], compliance, balls)
+        x, y, _, _ = equilibrium(foot, values[K_B], compliance, balls, foot)
         for k in range(n):
             delta = x * balls[COS, k] + y * balls[SIN, k] - clearance
             if delta > 0.0:
@@ -252,7 +252,8 @@ def heaviest(law: FloatArray, values: FloatArray) -> float:
     """
     balls = healthy_balls(-0.5 * math.pi, values[CLEARANCE], int(law[N_BALLS]))
     compliance = law[ACROSS], law[SKEW], law[ALONG]
-    _, y, _, _ = equilibrium((law[ASIDE], values[SPRING]), values[K_B], compliance, balls)
+    foot = law[ASIDE], values[SPRING]
+    _, y, _, _ = equilibrium(foot, values[K_B], compliance, balls, foot)
     force: float = contact_law(max(-y - values[CLEARANCE], 0.0), values[K_B])[0]
     return force
 

@@ -248,7 +248,8 @@ def settle(
     foot_x, foot_y, inner = steps[0].foot_x, steps[0].foot_y, machine.inner_stiffness
     outer_x, outer_y = machine.outer_stiffness_x, machine.outer_stiffness_y
     compliance = 1.0 / inner + 1.0 / outer_x, 0.0, 1.0 / inner + 1.0 / outer_y
-    _, _, fx, fy = equilibrium((foot_x, foot_y), bearing.inputs.k_b, compliance, gaps[0])
+    foot = foot_x, foot_y
+    _, _, fx, fy = equilibrium(foot, bearing.inputs.k_b, compliance, gaps[0], foot)
     state.q[0], state.q[1] = foot_x - fx / inner, foot_y - fy / inner
     state.q[2], state.q[3] = fx / outer_x, fy / outer_y
 

@@ -188,7 +188,8 @@ def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatAr
         spring = spring_position(p.load, k_b, clearance, held, p.bearing.n_balls)
     n = p.bearing.n_balls
     balls = healthy_balls(-math.pi / 2, clearance, n)
-    x, y, _, _ = equilibrium((held.aside, spring), k_b, held.compliance, balls)
+    foot = held.aside, spring
+    x, y, _, _ = equilibrium(foot, k_b, held.compliance, balls, foot)
     _, _, kxx, kxy, kyy = contact(x, y, k_b, balls)
     up_x, up_y = upwards(p)
     axes = np.array([[up_y, up_x], [-up_x, up_y]])

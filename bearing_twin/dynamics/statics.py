@@ -125,13 +125,19 @@ def contact(
 
 @compiled()
 def equilibrium(
-    foot: tuple[float, float], k_b: float, compliance: Symmetric, balls: FloatArray
+    foot: tuple[float, float],
+    k_b: float,
+    compliance: Symmetric,
+    balls: FloatArray,
+    start: tuple[float, float],
 ) -> tuple[float, float, float, float]:
     """
     Return displacement between the rings (x, y), m, and force on the outer ring (x, y), N.
 
     Solves ``(x, y) = foot - C F``, with the ``compliance`` C of shaft and housing in series, by
-    Newton's method; ``balls`` as `contact` takes them.
+    Newton's method from ``start``; ``balls`` as `contact` takes them. Between soft supports and a
+    stiff contact its steps may jump to and fro for ever: a step is halved while the energy, which
+    is convex, rises at its end by more than half of what it fell at its start.
 
     Examples
     --------
@@ -140,21 +146,29 @@ def equilibrium(
     >>> stiff = Supports((1e-8, 0.0, 1e-8), 0.0)
     >>> foot = 0.0, spring_position(500.0, 1.2e10, 5e-6, stiff, 8)
     >>> balls = healthy_balls(-math.pi / 2, 5e-6, 8)
-    >>> _, y, _, force = equilibrium(foot, 1.2e10, stiff.compliance, balls)
+    >>> _, y, _, force = equilibrium(foot, 1.2e10, stiff.compliance, balls, start=foot)
     >>> round(1e6 * y), round(force)
     (-14, -502)
 
     """
     cxx, cxy, cyy = compliance
-    x, y = foot
-    fx = fy = 0.0
-    for _ in range(60):
+    both = cxx * cyy - cxy * cxy
+    x, y = start
+    fx = fy = dx = dy = fall = 0.0
+    for _ in range(300):
         fx, fy, kxx, kxy, kyy = contact(x, y, k_b, balls)
         rx, ry = x - foot[0] + fx * cxx + fy * cxy, y - foot[1] + fy * cyy + fx * cxy
+        gx, gy = (cyy * rx - cxy * ry) / both, (cxx * ry - cxy * rx) / both
+        if gx * dx + gy * dy < -0.5 * fall:
+            dx, dy, fall = 0.5 * dx, 0.5 * dy, 0.5 * fall
+            x += dx
+            y += dy
+            continue
         a, b = 1.0 + kxx * cxx + kxy * cxy, kxy * cxx + kyy * cxy
         c, d = kxy * cyy + kxx * cxy, 1.0 + kyy * cyy + kxy * cxy
         determinant = a * d - b * c
         dx, dy = (d * rx - b * ry) / determinant, (a * ry - c * rx) / determinant
+        fall = gx * dx + gy * dy
         x -= dx
         y -= dy
         if abs(dx) + abs(dy) < 1e-15:
@@ -173,7 +187,7 @@ def spring_position(
 
     The mean is over the cage positions of one ball spacing. The grounded shaft spring would carry
     most of an applied force; moving its foot instead leaves the load with the bearing. Newton's
-    method for the spring and all positions at once.
+    method on the mean force, which grows the steeper the deeper the foot is.
 
     Examples
     --------
@@ -186,34 +200,26 @@ def spring_position(
     cxx, cxy, cyy = held.compliance
     spring = -(max(clearance, 0.0) + sag + load * cyy)
     spacing = 2.0 * math.pi / n_balls
-    xs = np.zeros(_POSITIONS)
-    ys = np.full(_POSITIONS, -(max(clearance, 0.0) + sag))
-    balls = np.empty((_POSITIONS, 4, n_balls))
-    for i in range(_POSITIONS):
-        balls[i] = healthy_balls(
-            spacing * (i + 0.5) / _POSITIONS - 0.5 * math.pi, clearance, n_balls
-        )
+    at = [(0.0, -(max(clearance, 0.0) + sag)) for _ in range(_POSITIONS)]
+    balls = [
+        healthy_balls(spacing * (i + 0.5) / _POSITIONS - 0.5 * math.pi, clearance, n_balls)
+        for i in range(_POSITIONS)
+    ]
     # Far from contact nothing pulls, and Newton's step has to be bounded.
     floor = -0.1 / (cyy + 1.0 / (kb * math.sqrt(sag)))
     for _ in range(100):
-        mean = 0.0
-        slope = 0.0
-        moved = 0.0
+        mean = slope = 0.0
         for i in range(_POSITIONS):
-            x, y = xs[i], ys[i]
-            fx, fy, kxx, kxy, kyy = contact(x, y, kb, balls[i])
-            rx, ry = x - held.aside + fx * cxx + fy * cxy, y - spring + fy * cyy + fx * cxy
+            x, y, _, _ = equilibrium((held.aside, spring), kb, held.compliance, balls[i], at[i])
+            _, fy, kxx, kxy, kyy = contact(x, y, kb, balls[i])
             a, b = 1.0 + kxx * cxx + kxy * cxy, kxy * cxx + kyy * cxy
             c, d = kxy * cyy + kxx * cxy, 1.0 + kyy * cyy + kxy * cxy
-            determinant = a * d - b * c
-            dx, dy = (d * rx - b * ry) / determinant, (a * ry - c * rx) / determinant
-            xs[i], ys[i] = x - dx, y - dy
-            moved = max(moved, abs(dx) + abs(dy))
-            # Force after this step, and how it follows the spring.
-            mean -= (fy - kxy * dx - kyy * dy) / _POSITIONS
-            slope -= (kyy * a - kxy * b) / determinant / _POSITIONS
+            # How the force follows the spring.
+            slope -= (kyy * a - kxy * b) / (a * d - b * c) / _POSITIONS
+            mean -= fy / _POSITIONS
+            at[i] = x, y
         change = (load - mean) / min(slope, floor)
         spring += change
-        if moved + abs(change) < 1e-14:
+        if abs(change) < 1e-14:
             break
     return float(spring)

@@ -209,8 +209,14 @@ def _laid_out(
 def _node(share, nodes):
     """Node ``share`` of the way through a table, and how far to the next."""
     along = share * nodes
-    node = min(int(along), nodes - 1)
+    node = _held(int(along), nodes)
     return node, _F(along - node)
+
+
+@compiled(inline=True)
+def _held(number, count):
+    """Return a ``number`` held to 0..count - 1: no phase may lead out of a table."""
+    return min(max(number, 0), count - 1)
 
 
 @compiled(inline=True, fast=FAST)
@@ -242,11 +248,12 @@ def look_up(surfaces, n_balls, phases, rates, room):
     round_it = phases[2] / SPIN_TURNS
     outer, inner, ball = outer * n_balls, inner * n_balls, round_it - math.floor(round_it)
     outer_cells, inner_cells = surfaces.outer // n_balls, surfaces.inner // n_balls
-    outer_node, outer_u = _node(outer - int(outer), outer_cells)
-    inner_node, inner_u = _node(inner - int(inner), inner_cells)
+    outer_part, inner_part = _held(int(outer), n_balls), _held(int(inner), n_balls)
+    outer_node, outer_u = _node(outer - outer_part, outer_cells)
+    inner_node, inner_u = _node(inner - inner_part, inner_cells)
     ball_node, ball_u = _node(ball, surfaces.ball)
-    outer_from = splat(_F(int(outer) * outer_cells + outer_node))
-    inner_from = splat(_F(int(inner) * inner_cells + inner_node))
+    outer_from = splat(_F(outer_part * outer_cells + outer_node))
+    inner_from = splat(_F(inner_part * inner_cells + inner_node))
     ball_from = splat(_F(ball_node))
     outer_turn, inner_turn = splat(_F(surfaces.outer)), splat(_F(surfaces.inner))
     outer_rate, inner_rate = (
