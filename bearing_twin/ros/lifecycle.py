@@ -24,8 +24,10 @@ from bearing_twin.ros.launching import COMPILING, ensure_log_folder, LOADING
 from bearing_twin.ros.parameters import ParameterSet, unknown_at_start
 from bearing_twin.ros.subscribing import validated
 import rclpy
+from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
+from rclpy.qos_overriding_options import InvalidQosOverridesError
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
@@ -218,10 +220,10 @@ class ManagedNode(LifecycleNode):
     def _attempt(self, step: Any) -> TransitionCallbackReturn:
         try:
             step()
-        except BearingTwinError as error:
-            self.get_logger().error(str(error))
-            return TransitionCallbackReturn.FAILURE
-        except Exception:
+        except Exception as error:
+            if _refuses(error):
+                self.get_logger().error(str(error))
+                return TransitionCallbackReturn.FAILURE
             if not self.context.ok():
                 # An interrupt can strike anywhere, in the compiler too: no defect of ours.
                 return TransitionCallbackReturn.FAILURE
@@ -390,10 +392,19 @@ def _note_interrupts() -> list[int]:
 def _build(node_class: type[ManagedNode]) -> ManagedNode:
     try:
         return node_class()  # type: ignore[call-arg]
-    except Exception:
+    except Exception as error:
+        if _refuses(error):
+            raise BearingTwinError(str(error)) from None
         if rclpy.ok():
             raise
         raise ExternalShutdownException from None
+
+
+def _refuses(error: Exception) -> bool:
+    """Whether an error says that what a user gave is refused, by us or by rclpy."""
+    # A reliability that there is not is a plain RuntimeError.
+    refusals = BearingTwinError, ParameterException, InvalidQosOverridesError
+    return isinstance(error, refusals) or str(error).startswith('Unexpected QoS override')
 
 
 def _program(node_class: type[ManagedNode]) -> str:

@@ -147,3 +147,29 @@ def test_a_file_of_assets_is_checked_as_every_other_input(ros_domain, tmp_path, 
     lines = [line for line in ran.stderr.splitlines() if '[INFO]' not in line]
     assert len(lines) == 1
     assert f'fleet: asset fan: {said}' in f'{lines[0]}\n'
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    ('given', 'said'),
+    [
+        ('use_sim_time:=yes please', "'use_sim_time' to 'yes please' of type 'STRING'"),
+        ('qos_overrides./vibration.publisher.depth:=deep', "to 'deep' of type 'STRING'"),
+        ('qos_overrides./vibration.publisher.reliability:=relable', '`reliability`: `relable`'),
+    ],
+)
+def test_what_rclpy_refuses_is_one_sentence(ros_domain, given, said):
+    ran = subprocess.run(
+        [
+            sys.executable,
+            *['-m', 'bearing_twin', 'run', 'adapter', '--ros-args', '-p', 'sample_rate:=25600.0'],
+            *['-p', given],
+        ],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert ran.returncode == 1
+    assert said in ran.stderr
+    assert 'Traceback' not in ran.stderr
