@@ -20,7 +20,7 @@ from bearing_twin.diagnosis.demodulation import (
     SECONDS,
 )
 from bearing_twin.diagnosis.evidence import Evidence
-from bearing_twin.diagnosis.gate import check_extents, check_speeds, Extent
+from bearing_twin.diagnosis.gate import check_extents, Extent
 from bearing_twin.diagnosis.report import insufficient, not_shown, report
 from bearing_twin.diagnosis.rules import decide
 from bearing_twin.diagnosis.search import CombSearch
@@ -211,7 +211,8 @@ class Excerpt:
                 self.samples, rate, mean_hz, temperature=self.temperature, unit=self.unit,
                 bearing=bearing,
             )  # fmt: skip
-        reasons = reasons or check_speeds(turning.shaft_hz)
+        if not reasons and not ((turning.shaft_hz > 0.0) & np.isfinite(turning.shaft_hz)).all():
+            reasons = ['the shaft stood still or turned backwards within the window']
         if reasons:
             return Analysis(self, mean_hz, refused=tuple(reasons))
         count = len(self.stretches) // self.pieces
@@ -315,15 +316,7 @@ class Analysis:
                 severity=excerpt.severity(self.shaft_hz),
             )
         windows = [*earlier, *self.before, self.window.orders]
-        verdict, speed = _verdict(
-            windows,
-            excerpt.bearing,
-            self.window.speed,
-            self.shaft_hz,
-            self.window.revolutions * len(windows),
-            self.window.kurtosis,
-            max(stretch.extent.steps for stretch in excerpt.stretches),
-        )
+        verdict, speed = self._verdict(windows, self.window)
         settings = excerpt.settings
         asked = settings.power_group and settings.mounting and not self.window.severity.iso_zone
         slow = asked and self.shaft_hz < SLOW_HZ
@@ -342,36 +335,33 @@ class Analysis:
             simulated=excerpt.simulated,
         )
 
+    def _verdict(
+        self, windows: Sequence[OrderSpectra], window: Window
+    ) -> tuple[Verdict, ShaftSpeed]:
+        """Verdict on the mean of several windows, and the speed on which it rests."""
+        bearing, speed, given_hz = self.excerpt.bearing, window.speed, self.shaft_hz
+        turns = window.revolutions * len(windows)
+        steps = max(stretch.extent.steps for stretch in self.excerpt.stretches)
 
-def _verdict(
-    windows: Sequence[OrderSpectra],
-    bearing: Bearing,
-    speed: ShaftSpeed,
-    given_hz: float,
-    turns: float,
-    kurtosis: float,
-    steps: float,
-) -> tuple[Verdict, ShaftSpeed]:
-    """Verdict on the mean of several windows, and the speed on which it rests."""
+        def decided(spectra: OrderSpectra, speed: ShaftSpeed) -> Verdict:
+            combs = CombSearch(spectra, bearing, speed)
+            return decide(Evidence(combs, turns, window.kurtosis, steps))
 
-    def decided(spectra: OrderSpectra, speed: ShaftSpeed) -> Verdict:
-        return decide(Evidence(CombSearch(spectra, bearing, speed), turns, kurtosis, steps))
-
-    verdict = decided(accumulate(windows), speed)
-    if speed.shaft_hz == given_hz:
+        verdict = decided(accumulate(windows), speed)
+        if speed.shaft_hz == given_hz:
+            return verdict, speed
+        # A fault beside an integer order can pass for a shaft that runs a little off: the speed
+        # under which the fault shows more clearly is then the right one. Places that do not part
+        # at the given speed show nothing more clearly: so do the lines of a loose shaft beside it.
+        apart = abs(speed.shaft_hz / given_hz - 1.0)
+        given = ShaftSpeed(given_hz, max(speed.uncertainty, apart), 0.0, speed.tolerance)
+        at_given = accumulate([each.at_given_speed() for each in windows])
+        other = decided(at_given, given)
+        sure = other.level == 'fault' and other.result in PLACES
+        clearer = sure and other.weight > _CLEARER * verdict.weight
+        if clearer and _mistaken(at_given, other, speed.shaft_hz / given_hz):
+            return other, given
         return verdict, speed
-    # A fault beside an integer order can pass for a shaft that runs a little off: the speed under
-    # which the fault shows more clearly is then the right one. Places that do not part at the
-    # given speed show nothing more clearly: so do the lines of a loose shaft beside it.
-    apart = abs(speed.shaft_hz / given_hz - 1.0)
-    given = ShaftSpeed(given_hz, max(speed.uncertainty, apart), 0.0, speed.tolerance)
-    at_given = accumulate([window.at_given_speed() for window in windows])
-    other = decided(at_given, given)
-    sure = other.level == 'fault' and other.result in PLACES
-    clearer = sure and other.weight > _CLEARER * verdict.weight
-    if clearer and _mistaken(at_given, other, speed.shaft_hz / given_hz):
-        return other, given
-    return verdict, speed
 
 
 def _mistaken(at_given: OrderSpectra, verdict: Verdict, gap: float) -> bool:

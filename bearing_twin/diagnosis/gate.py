@@ -25,7 +25,6 @@ __all__ = [
     'Extent',
     'check_extents',
     'check_record',
-    'check_speeds',
     'fastest_impacts_hz',
 ]
 
@@ -177,22 +176,6 @@ def check_extents(
             'four harmonics of the highest fault frequency'
         )
     return reasons
-
-
-def check_speeds(shaft_hz: NDArray[np.float64]) -> list[str]:
-    """
-    Reasons why speeds within a record are none that it can be taken over; empty if they are.
-
-    >>> import numpy as np
-    >>> check_speeds(np.array([25.0, 25.1]))
-    []
-    >>> check_speeds(np.array([25.0, 0.0]))
-    ['the shaft stood still or turned backwards within the window']
-
-    """
-    if not np.isfinite(shaft_hz).all() or shaft_hz.min() <= 0.0:
-        return ['the shaft stood still or turned backwards within the window']
-    return []
 
 
 def fastest_impacts_hz(sample_rate: float) -> float:
