@@ -94,9 +94,8 @@ def _ball_ripple(e: Evidence) -> Verdict | None:
         'the envelope ripples with the cage, without the higher harmonics of a cage that strikes: '
         'a ball in and out of the load'
     )
-    verdict = _ambiguous(e, ('ball',), ball, text)
     level = 'fault' if ball.index >= INDEX_FAULT else 'suspect'
-    return replace(verdict, result='ball', level=level)
+    return _say(e, text, about=ball, level=level)
 
 
 @_rule(
@@ -117,7 +116,7 @@ def _cage_ripple(e: Evidence) -> Verdict | None:
         f'passes the load zone, once a cage turn, or the cage is damaged; the {e.ball_or_cage[0]} '
         'is likelier'
     )
-    return _ambiguous(e, e.ball_or_cage, cage, text)
+    return _say(e, text, about=cage, faults=e.ball_or_cage)
 
 
 @_rule('suspect', 'Few cage turns do not resolve the comb of a cage.')
@@ -125,14 +124,14 @@ def _few_cage_turns(e: Evidence) -> Verdict | None:
     if not e.cage_leads or e.cage_turns >= CAGE_TURNS:
         return None
     text = f'{e.cage_turns:.0f} cage turns: {CAGE_TURNS:g} are needed to call it a cage fault'
-    return _suspect(e, e.candidates['cage'], text)
+    return _say(e, text, about=e.candidates['cage'])
 
 
 @_rule('cage', 'Impacts once a cage turn, with harmonics everywhere, come from the cage.')
 def _cage_impacts(e: Evidence) -> Verdict | None:
     if not e.cage_leads:
         return None
-    return _alarm(e, ('cage',), e.candidates['cage'])
+    return _say(e, about=e.candidates['cage'], level='fault')
 
 
 @_rule(
@@ -151,7 +150,7 @@ def _load_zone_modulated(e: Evidence) -> Verdict | None:
         'part them'
     )
     level = 'fault' if comb.index >= INDEX_FAULT else 'suspect'
-    return _ambiguous(e, ('inner', comb.place), comb, str(inner), text, level=level)
+    return _say(e, str(inner), text, about=comb, faults=('inner', comb.place), level=level)
 
 
 @_rule('ambiguous', 'Lines at a fault order on a multiple of the shaft belong to either.')
@@ -164,14 +163,9 @@ def _masked_candidate(e: Evidence) -> Verdict | None:
         'within the resolution of this window: the lines '
         'there belong to either; a longer window or an exact speed may part them'
     )
-    return Verdict(
-        result='ambiguous',
-        level='suspect',
-        faults=tuple(c.place for c in e.masked_candidates),
-        reasons=(str(first), text),
-        candidates=e.candidates | {c.place: c for c in e.masked_candidates},
-        at_most=0.5,
-    )
+    combs = {c.place: c for c in e.masked_candidates}
+    found = e.candidates | combs
+    return _say(e, str(first), text, faults=tuple(combs), candidates=found, at_most=0.5)
 
 
 @_rule('suspect', 'What rings low only may be an outer race, or its variable compliance.')
@@ -180,7 +174,7 @@ def _low_bands(e: Evidence) -> Verdict | None:
     shown = outer.z >= Z_FAULT and outer.harmonics >= 2 and e.outer_index >= INDEX_FAULT
     if e.remaining or not shown or e.impacts.get('outer', 0.0) < IMPACTS:
         return None
-    return _suspect(e, outer, _rings_low(e))
+    return _say(e, _rings_low(e), about=outer)
 
 
 @_rule('suspect', 'Impacts repeat at an order that no part of this bearing makes.')
@@ -201,7 +195,7 @@ def _few_steps(e: Evidence) -> Verdict | None:
         f'the RMS is {e.steps:.2g} steps of the converter ({CONVERTER_STEPS:g} are needed to call '
         'it healthy): is the sensor dead? If it is not, raise the gain'
     )
-    return _insufficient(e, text)
+    return _silent(e, text)
 
 
 @_rule('suspect', 'No load modulates noise so much: impacts or bursts, whatever their period.')
@@ -213,9 +207,7 @@ def _bursts(e: Evidence) -> Verdict | None:
         f'single shocks, {KURTOSIS:.1f} is the most of noise that a load modulates; worn '
         'surfaces, dirt, lack of grease, currents, a rub, looseness? check bearing and speed too'
     )
-    return Verdict(
-        result='suspect', level='suspect', reasons=(text,), candidates=e.candidates, at_most=0.5
-    )
+    return _say(e, text, at_most=0.5)
 
 
 @_rule(
@@ -229,7 +221,7 @@ def _two_faint_places(e: Evidence) -> Verdict | None:
         'too weak for a fault, but two places of one bearing are not chance: compare with an '
         'earlier record of this machine, and repeat it with a longer window or a nearer sensor'
     )
-    return _insufficient(e, text)
+    return _silent(e, text)
 
 
 @_rule('insufficient', 'Of machines with such combs more are damaged than sound.')
@@ -246,7 +238,7 @@ def _uncertain_health(e: Evidence) -> Verdict | None:
         'sound; a longer window, a measured speed, the exact bearing, or a sensor nearer to it '
         'may tell'
     )
-    return _insufficient(e, text)
+    return _silent(e, text)
 
 
 @_rule(
@@ -259,7 +251,7 @@ def _few_shaft_turns(e: Evidence) -> Verdict | None:
         f'{e.turns:.0f} shaft turns show strong faults only, and no such one is there: '
         f'{HEALTHY_TURNS:g} are needed to call it healthy, {HEALTHY_TURNS / e.shaft_hz:.1f} s'
     )
-    return _insufficient(e, text)
+    return _silent(e, text)
 
 
 @_rule('insufficient', 'Impacts hardly show that come faster than their ringing dies away.')
@@ -274,7 +266,7 @@ def _run_together(e: Evidence) -> Verdict | None:
         'together: call it healthy from a record with faster sampling or a slower shaft, and look '
         'for lines at multiples of the fault frequencies in the spectrum'
     )
-    return _insufficient(e, text)
+    return _silent(e, text)
 
 
 @_rule('healthy', 'No comb is both significant and strong.')
@@ -283,7 +275,7 @@ def _no_comb(e: Evidence) -> Verdict | None:
         return None
     text = f'no fault comb above z {Z_FAULT:g} with modulation index {INDEX_SUSPECT:g}'
     heard = (f'{c}: too weak for a remark alone; compare with an earlier record' for c in e.faint)
-    return Verdict(result='healthy', level='ok', reasons=(text, *heard), candidates=e.candidates)
+    return _say(e, text, *heard, level='ok')
 
 
 @_rule('ambiguous', "Two faults that explain each other's lines cannot be told apart.")
@@ -297,7 +289,7 @@ def _same_lines(e: Evidence) -> Verdict | None:
         'a longer window or an exact speed may part them'
     )
     places = (one.place, *(c.place for c in e.same_lines))
-    return _ambiguous(e, places, one, *map(str, e.same_lines), text, level='fault')
+    return _say(e, *map(str, e.same_lines), text, about=one, faults=places, level='fault')
 
 
 @_rule(
@@ -312,7 +304,7 @@ def _mains_pulses(e: Evidence) -> Verdict | None:
         f'it coincides with a multiple of {2.0 * e.mains_hz:g} Hz: the pulses of rectifiers and '
         f'converters on mains of {e.mains_hz:g} Hz; another shaft speed parts them'
     )
-    return _ambiguous(e, (e.leading.place,), e.leading, text)
+    return _say(e, text, about=e.leading)
 
 
 @_rule(
@@ -326,7 +318,7 @@ def _cage_sideband_dominated(e: Evidence) -> Verdict | None:
         f'its sidebands are {e.cage_sideband_order:.3f} orders apart, as the cage turns, and a '
         'race does not move with the cage: a ball, or the cage'
     )
-    return _ambiguous(e, ('ball', 'cage'), e.leading, text)
+    return _say(e, text, about=e.leading, faults=('ball', 'cage'))
 
 
 @_rule(
@@ -340,7 +332,7 @@ def _cage_harmonic_series(e: Evidence) -> Verdict | None:
         f'it is one of many lines {e.cage_series_order:.3f} orders apart that do not fade, as a '
         'strike once a cage turn makes them: the cage, or less likely a ball'
     )
-    return _ambiguous(e, ('cage', 'ball'), e.leading, text)
+    return _say(e, text, about=e.leading, faults=('cage', 'ball'))
 
 
 @_rule(
@@ -355,7 +347,7 @@ def _shaft_sideband_dominated(e: Evidence) -> Verdict | None:
         'which a ball moves: the inner race at a slip or a speed that was not expected, or '
         'the ball; check the shaft speed'
     )
-    return _ambiguous(e, ('inner', 'ball'), e.leading, text)
+    return _say(e, text, about=e.leading, faults=('inner', 'ball'))
 
 
 @_rule('suspect', 'A comb may be part of stronger impacts at an order of no part of the bearing.')
@@ -373,7 +365,7 @@ def _ball_without_cage_sidebands(e: Evidence) -> Verdict | None:
         f'at those of the shaft {e.turning_sideband_ratio:.2f}, and a ball moves with the cage: '
         'impacts of another part, another bearing or another speed? check bearing and speed'
     )
-    return _suspect(e, e.leading, text)
+    return _say(e, text, about=e.leading)
 
 
 @_rule('suspect', 'With a large slip a race needs sidebands that fit: shaft ones if it turns.')
@@ -389,7 +381,7 @@ def _slipping_race(e: Evidence) -> Verdict | None:
         f'{leading.shaft_sideband_ratio:.2f} of its height are those of a part that '
         f'{"turns" if turns else "stands still"}: check bearing and speed'
     )
-    return _suspect(e, leading, text)
+    return _say(e, text, about=leading)
 
 
 @_rule(
@@ -404,7 +396,7 @@ def _masked_by_shaft(e: Evidence) -> Verdict | None:
         'and the other multiples of the shaft are as high: an impact once a turn, or the '
         'fault; a longer window or an exact speed may part them'
     )
-    return _ambiguous(e, (e.leading.place,), e.leading, text)
+    return _say(e, text, about=e.leading)
 
 
 @_rule(
@@ -420,7 +412,7 @@ def _extraneous(e: Evidence) -> Verdict | None:
         'of this bearing has: check geometry and speed; a gear, a belt, another bearing or a '
         'cage that slips far?'
     )
-    return _suspect(e, e.leading, text)
+    return _say(e, text, about=e.leading)
 
 
 @_rule('ambiguous', 'A comb that two places claim at likely slips belongs to either.')
@@ -436,8 +428,9 @@ def _contested_comb(e: Evidence) -> Verdict | None:
         )
         strong = any(c.index >= INDEX_FAULT for c in (e.leading, *_certain(e)))
         level = 'fault' if strong else 'suspect'
-        places, candidates = (one.place, other.place), _updated(e)
-        return _ambiguous(e, places, one, str(other), text, level=level, candidates=candidates)
+        places, found = (one.place, other.place), _updated(e)
+        texts = (str(other), text)
+        return _say(e, *texts, about=one, faults=places, level=level, candidates=found)
     return None
 
 
@@ -453,7 +446,8 @@ def _uncertain_second(e: Evidence) -> Verdict | None:
         return None
     places = (e.leading.place, *(c.place for c in doubtful))
     texts = (*map(str, _in_order(e)[1:]), _GIVE_SPEED)
-    return _ambiguous(e, places, e.leading, *texts, level='fault', candidates=_updated(e))
+    found = _updated(e)
+    return _say(e, *texts, about=e.leading, faults=places, level='fault', candidates=found)
 
 
 @_rule('suspect', 'A significant comb that modulates the envelope little is no alarm.')
@@ -462,8 +456,7 @@ def _weak_modulation(e: Evidence) -> Verdict | None:
     if any(c.index >= INDEX_FAULT for c in (e.leading, *_certain(e))):
         return None
     texts = (*map(str, _in_order(e)[1:]), f'modulation index below {INDEX_FAULT:g}: not an alarm')
-    found = _ambiguous(e, places, e.leading, *texts, candidates=_updated(e))
-    return replace(found, result='suspect')
+    return _say(e, *texts, about=e.leading, faults=places, candidates=_updated(e))
 
 
 @_rule('suspect', 'Sound parts, blades and vanes modulate smoothly; impacts have all harmonics.')
@@ -477,14 +470,15 @@ def _smooth(e: Evidence) -> Verdict | None:
         'its third and fourth harmonic are missing, so it is smooth: an extended spall, an error '
         'of form, or the pulses of blades, vanes or lobes? check bearing and speed'
     )
-    return _suspect(e, e.leading, text)
+    return _say(e, text, about=e.leading)
 
 
 @_rule('its place', 'The comb is significant, strong, and nothing else explains it.')
 def _fault(e: Evidence) -> Verdict | None:
     places = tuple(c.place for c in (e.leading, *_certain(e)) if c.index >= INDEX_FAULT)
     texts = (*map(str, _in_order(e)[1:]), *((_GIVE_SPEED,) if _doubtful(e) else ()))
-    verdict = _alarm(e, places, e.leading, *texts)
+    found = _updated(e)
+    verdict = _say(e, *texts, about=e.leading, faults=places, level='fault', candidates=found)
     if e.leading.slip <= UNLIKELY_SLIP:
         return verdict
     text = (
@@ -510,12 +504,14 @@ def decide(evidence: Evidence) -> Verdict:
     for rule in RULES:
         verdict = rule.apply(evidence)
         if verdict is not None:
+            result = verdict.faults[0] if rule.answer == 'its place' else rule.answer
             named = (verdict.candidates[place] for place in verdict.faults)
             # Of two faults both must be there; of several places one.
-            pick = min if verdict.result in verdict.faults else max
+            pick = min if result in verdict.faults else max
             comb = pick(named, key=lambda c: c.z, default=None)
             comb = comb or highest_comb(evidence.heard)
-            return replace(verdict, rule=rule.name, trust=_trust(evidence, comb))
+            trust = _trust(evidence, comb)
+            return replace(verdict, result=result, rule=rule.name, trust=trust)
     raise AssertionError('the last rule applies to any evidence')
 
 
@@ -556,55 +552,48 @@ def _updated(e: Evidence) -> dict[str, Candidate]:
     return e.candidates | {c.place: c for c in _in_order(e)}
 
 
-def _alarm(e: Evidence, places: tuple[str, ...], strongest: Candidate, *texts: str) -> Verdict:
-    return Verdict(
-        result=places[0],
-        level='fault',
-        faults=places,
-        reasons=(str(strongest), *texts),
-        candidates=_updated(e) if places != ('cage',) else e.candidates,
-        strongest=strongest,
-    )
-
-
-def _ambiguous(
+def _say(
     e: Evidence,
-    places: tuple[str, ...],
-    strongest: Candidate,
     *texts: str,
+    about: Candidate | None = None,
+    faults: tuple[str, ...] | None = None,
     level: str = 'suspect',
     candidates: dict[str, Candidate] | None = None,
+    at_most: float = 1.0,
 ) -> Verdict:
-    """Verdict on a comb that belongs to one of several places."""
+    """
+    Verdict for the reasons ``texts``; :func:`decide` adds the answer that the rule has.
+
+    It is about a comb, or about none, and then about the place of that comb or about ``faults``.
+    """
+    if faults is None:
+        faults = (about.place,) if about else ()
     return Verdict(
-        result='ambiguous',
         level=level,
-        faults=places,
-        reasons=(str(strongest), *texts),
+        faults=faults,
+        reasons=(str(about), *texts) if about else texts,
         candidates=candidates or e.candidates,
-        strongest=strongest,
+        strongest=about,
+        at_most=at_most,
     )
 
 
-def _insufficient(e: Evidence, text: str) -> Verdict:
-    reasons = (*map(str, e.faint), text)
-    return Verdict(result='insufficient', level='none', reasons=reasons, candidates=e.candidates)
+def _silent(e: Evidence, text: str) -> Verdict:
+    return _say(e, *map(str, e.faint), text, level='none')
 
 
 def _elsewhere(e: Evidence, what: str) -> Verdict:
     """Verdict on impacts that no part of the bearing makes, with what would explain them."""
     comb, outer = e.elsewhere, e.candidates['outer']
     if abs(comb.order - outer.order) <= 2.0 * e.step:
-        return _suspect(e, outer, _rings_low(e))
+        return _say(e, _rings_low(e), about=outer)
     if abs(comb.order - 1.0) < 0.1:
         text = f'the shaft seems to turn at {comb.order * e.shaft_hz:.4g} Hz: check the speed'
     else:
         text = f'periodic impacts at {comb.order:.3f} orders {what} a {e.bearing.name}: check '
         text += f'bearing and speed{what_fits(comb.order, 2.0 * e.step, e.shaft_hz, e.bearing)}'
     found = str(comb).replace('elsewhere: comb', 'impacts')
-    return Verdict(
-        result='suspect', level='suspect', reasons=(found, text), candidates=e.candidates
-    )
+    return _say(e, found, text)
 
 
 def _rings_low(e: Evidence) -> str:
@@ -612,9 +601,3 @@ def _rings_low(e: Evidence) -> str:
         f'it modulates by {e.outer_index:.2f} in bands below {CARRIER:g} times its frequency '
         'only, where the variable compliance of a sound bearing shows as well'
     )
-
-
-def _suspect(e: Evidence, strongest: Candidate, text: str) -> Verdict:
-    """Verdict without an alarm on a comb whose place is not in doubt."""
-    verdict = _ambiguous(e, (strongest.place,), strongest, text)
-    return replace(verdict, result='suspect')

@@ -37,7 +37,8 @@ def highest_comb(candidates: Iterable[Candidate]) -> Candidate | None:
 class Verdict:
     """The decision on one window or on the mean of several."""
 
-    result: str
+    result: str = ''
+    """Answer of the rule that decided; '' until :func:`bearing_twin.diagnosis.rules.decide`."""
     level: str
     faults: tuple[str, ...] = ()
     reasons: tuple[str, ...]
