@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, wraps
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING, TypeVar
 
 from bearing_twin.bearing import find_bearing, PLACES
-from bearing_twin.diagnosis.search import Candidate
+from bearing_twin.diagnosis.search import Candidate, CombSearch
 from bearing_twin.diagnosis.thresholds import (
     BLURRED,
     INDEX_FAULT,
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.comb import OrderSpectra
-    from bearing_twin.diagnosis.search import CombSearch
 
 __all__ = ['Claims', 'Evidence', 'LoadZone']
 
@@ -66,6 +65,18 @@ def _measured(*, undisturbed: Any) -> Callable[[Callable[[Evidence], _T]], cache
         return cached_property(compute)
 
     return mark
+
+
+def _of_leading(
+    measure: Callable[[CombSearch, Candidate], _T], *, undisturbed: Any
+) -> cached_property[_T]:
+    """Quantity of the leading comb, as the search measures and describes it."""
+
+    @wraps(measure)
+    def quantity(e: Evidence) -> _T:
+        return measure(e._combs, e.leading)
+
+    return _measured(undisturbed=undisturbed)(quantity)
 
 
 class Evidence:
@@ -417,25 +428,10 @@ class Evidence:
             return {}
         return {cause.place: self._combs.without(cause) for cause in self.nameable}
 
-    @_measured(undisturbed=0.0)
-    def mains_hz(self) -> float:
-        """Frequency of the mains whose pulses may make the leading comb, Hz; 0 if none do."""
-        return self._combs.mains_hz(self.leading)
-
-    @_measured(undisturbed=0.0)
-    def cage_sideband_order(self) -> float:
-        """Order of the cage by which the sidebands of a leading race are spaced, else 0."""
-        return self._combs.cage_sideband_order(self.leading)
-
-    @_measured(undisturbed=0.0)
-    def cage_series_order(self) -> float:
-        """Order of the cage whose harmonic series makes the comb of a leading ball, else 0."""
-        return self._combs.cage_series_order(self.leading)
-
-    @_measured(undisturbed=False)
-    def shaft_sidebands_dominate(self) -> bool:
-        """Whether a leading ball's comb has higher sidebands of the shaft than of the cage."""
-        return self._combs.shaft_sidebands_dominate(self.leading)
+    mains_hz = _of_leading(CombSearch.mains_hz, undisturbed=0.0)
+    cage_sideband_order = _of_leading(CombSearch.cage_sideband_order, undisturbed=0.0)
+    cage_series_order = _of_leading(CombSearch.cage_series_order, undisturbed=0.0)
+    shaft_sidebands_dominate = _of_leading(CombSearch.shaft_sidebands_dominate, undisturbed=False)
 
     @_measured(undisturbed=0.4)
     def cage_sideband_ratio(self) -> float:
@@ -467,19 +463,8 @@ class Evidence:
         combs = (*self.candidates.values(), self.elsewhere)
         return {c.place: self._combs.impacts(c) for c in combs}
 
-    @_measured(undisturbed=False)
-    def smooth(self) -> bool:
-        """
-        Whether the leading comb lacks the third and fourth harmonic that impacts have.
-
-        Noise times 1 + a cos has power of two harmonics only.
-        """
-        return self._combs.smooth(self.leading)
-
-    @_measured(undisturbed=False)
-    def half_turn(self) -> bool:
-        """Whether the leading comb may lie on a multiple of half a turn of the shaft."""
-        return self._combs.half_turn(self.leading)
+    smooth = _of_leading(CombSearch.smooth, undisturbed=False)
+    half_turn = _of_leading(CombSearch.half_turn, undisturbed=False)
 
     @_measured(undisturbed=False)
     def elsewhere_explains(self) -> bool:

@@ -245,6 +245,7 @@ class CombSearch:
         """
         Whether a comb has its first harmonic, and neither the third nor the fourth.
 
+        Impacts have them. Noise times 1 + a cos has power of two harmonics only.
         Lines that are multiples of the shaft's speed count where the comb is ``masked`` by them.
         """
         spectra = self._all if masked else self.spectra
