@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 import math
 from typing import TYPE_CHECKING
 
@@ -24,8 +23,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = ['coarse_spectrum', 'insufficient', 'not_shown', 'report']
-
-_EMPTY = np.zeros(0, dtype=np.float32)
 
 
 def report(
@@ -76,7 +73,7 @@ def report(
     # Without a fault the envelope spectrum shown is that of the whole band.
     band = strongest.band if strongest else 0
     values, floor = window.envelopes.power[band], window.envelopes.floor(band)
-    line_hz, line_level = _EMPTY, _EMPTY
+    line_hz = line_level = np.zeros(0, dtype=np.float32)
     fault_hz = fault_hz_expected = math.nan
     if strongest is not None:
         fault_hz = strongest.order * shaft_hz
@@ -127,7 +124,6 @@ def report(
             bin_hz=group_hz,
             band=(0.0, 0.5 * sample_rate),
             values=amplitude,
-            floor=_EMPTY,
         ),
         envelope_spectrum=Spectrum(
             kind='squared_envelope_spectrum',
@@ -230,51 +226,19 @@ def insufficient(
     ('insufficient', 'none', ('the record is empty',))
 
     """
-    unknown: dict[str, float] = dict.fromkeys(PLACES, math.nan)
-    nothing = Spectrum(
-        kind='spectrum',
-        unit=unit,
-        start_hz=0.0,
-        bin_hz=math.nan,
-        band=(0.0, math.nan),
-        values=_EMPTY,
-        floor=_EMPTY,
-    )
     return Diagnosis(
         result='insufficient',
         rule='record_gate',
         level='none',
-        faults=(),
         fault_code=FAULT_CODES['insufficient'],
-        confidence=0.0,
         reasons=tuple(reasons),
         first_sample=first_sample,
         sample_count=sample_count,
         sample_rate=sample_rate,
         shaft_hz_given=shaft_hz,
-        shaft_hz=math.nan,
-        slip=math.nan,
         expected=fault_frequencies(bearing, shaft_hz),
-        fault_hz=math.nan,
-        fault_hz_expected=math.nan,
-        score=dict(unknown),
-        modulation_index=dict(unknown),
-        band=(0.0, math.nan),
-        line_hz=_EMPTY,
-        line_level=_EMPTY,
-        severity=severity
-        or Severity(
-            rms=math.nan,
-            peak=math.nan,
-            crest_factor=math.nan,
-            kurtosis=math.nan,
-            velocity_rms=math.nan,
-            level_over_baseline=math.nan,
-            iso_zone='',
-            unit=unit,
-        ),
+        severity=severity or Severity(unit=unit),
         temperature=temperature,
-        smallest_detectable=math.nan,
-        spectrum=nothing,
-        envelope_spectrum=replace(nothing, kind='squared_envelope_spectrum', unit='1'),
+        spectrum=Spectrum(unit=unit),
+        envelope_spectrum=Spectrum(kind='squared_envelope_spectrum', unit='1'),
     )

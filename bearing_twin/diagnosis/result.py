@@ -5,33 +5,43 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+import math
 from typing import TYPE_CHECKING
 
+from bearing_twin.bearing import PLACES
 from bearing_twin.diagnosis.confidence import Trust
+import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import FaultFrequencies
-    import numpy as np
     from numpy.typing import NDArray
 
 __all__ = ['Diagnosis', 'Severity', 'Spectrum']
+
+
+def _nothing() -> NDArray[np.float32]:
+    return np.zeros(0, dtype=np.float32)
+
+
+def _unknown() -> dict[str, float]:
+    return dict.fromkeys(PLACES, math.nan)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Spectrum:
     """Values over equally spaced frequencies, with their local noise floor where there is one."""
 
-    kind: str
+    kind: str = 'spectrum'
     """``'spectrum'``: largest amplitude, in ``unit``, in each step of about 1 Hz (see
     :func:`bearing_twin.diagnosis.report.coarse_spectrum`); or ``'squared_envelope_spectrum'``:
     power of the squared envelope relative to that of its mean, at full resolution."""
     unit: str
-    start_hz: float
-    bin_hz: float
-    band: tuple[float, float]
+    start_hz: float = 0.0
+    bin_hz: float = math.nan
+    band: tuple[float, float] = (0.0, math.nan)
     """Demodulated band, Hz; the whole range for a plain spectrum."""
-    values: NDArray[np.float32]
-    floor: NDArray[np.float32]
+    values: NDArray[np.float32] = field(default_factory=_nothing)
+    floor: NDArray[np.float32] = field(default_factory=_nothing)
     """Local floor of ``values``, same length; empty where none."""
 
 
@@ -39,19 +49,19 @@ class Spectrum:
 class Severity:
     """Vibration severity. Each field says what it may be compared with."""
 
-    rms: float
+    rms: float = math.nan
     """Of the signal, in ``unit``; comparable over time for one sensor at one speed and load."""
-    peak: float
+    peak: float = math.nan
     """Largest magnitude, in ``unit``; comparable like ``rms``."""
-    crest_factor: float
+    crest_factor: float = math.nan
     """peak / rms; not comparable: rises early and falls again late."""
-    kurtosis: float
+    kurtosis: float = math.nan
     """3 for Gaussian noise; not comparable: rises early and falls again late."""
-    velocity_rms: float
+    velocity_rms: float = math.nan
     """10..1000 Hz, mm/s; comparable between machines (ISO 20816-3); NaN if the unit is unknown."""
-    level_over_baseline: float
+    level_over_baseline: float = math.nan
     """dB over the asset's own baseline, less ``correction``; NaN until learnt."""
-    iso_zone: str
+    iso_zone: str = ''
     """``'A'``..``'D'`` of ISO 20816-3; empty where it cannot be given."""
     unit: str
     band_rms: tuple[float, ...] = ()
@@ -78,27 +88,27 @@ class Diagnosis:
     """Name of the rule of :data:`bearing_twin.diagnosis.rules.RULES` that decided; 'record_gate'
     where the window was refused."""
     level: str
-    faults: tuple[str, ...]
+    faults: tuple[str, ...] = ()
     fault_code: str
-    confidence: float
+    confidence: float = 0.0
     reasons: tuple[str, ...]
     first_sample: int
     sample_count: int
     sample_rate: float
     shaft_hz_given: float
-    shaft_hz: float
-    slip: float
+    shaft_hz: float = math.nan
+    slip: float = math.nan
     expected: FaultFrequencies
-    fault_hz: float
-    fault_hz_expected: float
-    score: dict[str, float]
-    modulation_index: dict[str, float]
-    band: tuple[float, float]
-    line_hz: NDArray[np.float32]
-    line_level: NDArray[np.float32]
+    fault_hz: float = math.nan
+    fault_hz_expected: float = math.nan
+    score: dict[str, float] = field(default_factory=_unknown)
+    modulation_index: dict[str, float] = field(default_factory=_unknown)
+    band: tuple[float, float] = (0.0, math.nan)
+    line_hz: NDArray[np.float32] = field(default_factory=_nothing)
+    line_level: NDArray[np.float32] = field(default_factory=_nothing)
     severity: Severity
     temperature: float
-    smallest_detectable: float
+    smallest_detectable: float = math.nan
     spectrum: Spectrum
     envelope_spectrum: Spectrum
     window: tuple[str, str] | None = None

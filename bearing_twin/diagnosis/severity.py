@@ -224,7 +224,6 @@ def measure_severity(
         crest_factor=peak / rms,
         kurtosis=levels.sums[2] / levels.count / max(mean_square**2, 1e-300),
         velocity_rms=velocity,
-        level_over_baseline=math.nan,
         iso_zone=zone,
         unit=unit,
         band_rms=tuple(math.sqrt(power) for power in levels.powers[:-1]),
