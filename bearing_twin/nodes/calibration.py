@@ -110,7 +110,8 @@ class CalibrationNode(ManagedNode):
     def teardown(self) -> None:
         """Destroy what setup created."""
         _end(self._worker)
-        self._states.release()
+        if problem := self._states.release():
+            self.get_logger().error(problem)
         self._health.destroy()
         self.destroy_service(self._reset)
         self.destroy_lifecycle_publisher(self._out)
@@ -211,7 +212,7 @@ class CalibrationNode(ManagedNode):
         if not name or self._latest is None:
             return
         try:
-            self._states.replace(name, self._core.save())
+            self._states.keep(name, self._core.save())
         except BearingTwinError as error:
             self.get_logger().error(str(error), throttle_duration_sec=60.0)
 

@@ -146,7 +146,8 @@ class DiagnosisTopics:
 
     def destroy(self) -> None:
         """Give up the topics and the state."""
-        self._states.release()
+        if problem := self._states.release():
+            self._node.get_logger().error(problem)
         for publisher in (
             self._verdict,
             self._spectrum,
@@ -270,7 +271,7 @@ class DiagnosisTopics:
                     'state_name, or call ~/reset to learn anew'
                 )
                 raise BearingTwinError(msg)
-            self._states.replace(name, self._core.diagnoser.save())
+            self._states.keep(name, self._core.diagnoser.save())
         except BearingTwinError as error:
             self._unkept = str(error)
             self._node.get_logger().error(self._unkept, throttle_duration_sec=60.0)

@@ -4,14 +4,17 @@
 
 from __future__ import annotations
 
-import contextlib
+import functools
 import os
 from queue import SimpleQueue
 import threading
 import time
 from typing import TYPE_CHECKING
 
+from bearing_twin.wholefile import sync_folder
+
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
 __all__ = ['DiskSync']
@@ -19,7 +22,7 @@ __all__ = ['DiskSync']
 
 class DiskSync:
     """
-    Call fsync for files and their folders.
+    Call fsync for files and their folders, and do what else waits for the disk, in turn.
 
     What the operating system has been given survives the death of the process, not that of the
     power. fsync takes milliseconds to seconds, whatever else the disk is doing.
@@ -30,7 +33,7 @@ class DiskSync:
         """Why the disk did not take what it was given; '' if it did. It stays."""
         self.longest = 0.0
         """Longest time that it took, s."""
-        self._requests: SimpleQueue[tuple[int, str] | None] = SimpleQueue()
+        self._requests: SimpleQueue[Callable[[], None] | None] = SimpleQueue()
         # Each is written by one thread only.
         self._requested = self._done = 0
         self._thread: threading.Thread | None = None
@@ -42,11 +45,15 @@ class DiskSync:
 
     def request(self, fd: int, folder: Path) -> None:
         """Have an open file brought to the disk; the caller may close it meanwhile."""
+        self.do(functools.partial(_sync, os.dup(fd), folder))
+
+    def do(self, work: Callable[[], None]) -> None:
+        """Have ``work`` done; its OSError becomes :attr:`problem`."""
         if self._thread is None:
             self._thread = threading.Thread(target=self._work, name='fsync', daemon=True)
             self._thread.start()
         self._requested += 1
-        self._requests.put((os.dup(fd), str(folder)))
+        self._requests.put(work)
 
     def close(self, timeout: float) -> None:
         """Wait until everything is on the disk, at most ``timeout`` seconds."""
@@ -56,26 +63,24 @@ class DiskSync:
             self._thread = None
 
     def _work(self) -> None:
-        while (request := self._requests.get()) is not None:
+        while (work := self._requests.get()) is not None:
             began = time.monotonic()
-            fd, folder = request
             try:
-                os.fsync(fd)
-                # The name of a new file is content of its folder.
-                _sync_folder(folder)
+                work()
             except OSError as error:
-                self.problem = f'{folder}: {error.strerror}'
+                self.problem = f'{error.filename}: {error.strerror}'
             finally:
-                os.close(fd)
                 self._done += 1
             self.longest = max(self.longest, time.monotonic() - began)
 
 
-def _sync_folder(folder: str) -> None:
-    # Removed meanwhile, or of a file system that cannot: the file itself has been written.
-    with contextlib.suppress(OSError):
-        fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-        try:
-            os.fsync(fd)
-        finally:
-            os.close(fd)
+def _sync(fd: int, folder: Path) -> None:
+    try:
+        os.fsync(fd)
+    except OSError as error:
+        error.filename = folder
+        raise
+    finally:
+        os.close(fd)
+    # The name of a new file is content of its folder.
+    sync_folder(folder)

@@ -122,6 +122,9 @@ class RecordingWriter(MessageSink):
         self._finished: list[BagFile] = []
         # Files whose end the disk has not taken yet.
         self._ending: list[OutputFile] = []
+        # What is wrong with metadata.yaml, the files that it is to name, and those it names.
+        self._unlisted = ''
+        self._to_list = self._listed = list[BagFile]()
         self._index = 0
         self._flushed = self._synced = time.monotonic()
         self._disk = DiskSync()
@@ -229,6 +232,9 @@ class RecordingWriter(MessageSink):
         self._finish()
         self.problem = self._settle()
         self._disk.close(LONGEST_SYNC)
+        if self._listed is not self._to_list:
+            self._unlisted = 'metadata.yaml waits for the disk'
+        self.problem = self.problem or self._unlisted
         if self.problem:
             lost = len(self._waiting)
             for file in self._ending:
@@ -250,7 +256,7 @@ class RecordingWriter(MessageSink):
         names += [file.path.name for file in (*self._ending, self._file)]
         folder = self.path if self.bag else self.path.parent
         with contextlib.suppress(OSError):
-            for name in (*names, *(('metadata.yaml', '.metadata.yaml.part') if self.bag else ())):
+            for name in (*names, *(('metadata.yaml',) if self.bag else ())):
                 (folder / name).unlink(missing_ok=True)
             if self.bag:
                 folder.rmdir()
@@ -360,10 +366,16 @@ class RecordingWriter(MessageSink):
                 continue
             self._finished.append(file.summary())
             if self.bag:
-                problem = write_metadata_file(self.path, self._finished)
-                if problem:
-                    return problem
+                self._to_list = list(self._finished)
+                self._disk.do(self._list_files)
         return ''
+
+    def _list_files(self) -> None:
+        """Write the newest metadata.yaml: with thousands of files it takes a second."""
+        files = self._to_list
+        if files is not self._listed:
+            self._unlisted = write_metadata_file(self.path, files)
+            self._listed = files
 
 
 @contextlib.contextmanager

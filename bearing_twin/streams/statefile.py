@@ -11,11 +11,14 @@ import stat
 from typing import BinaryIO
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.disksync import DiskSync
 from bearing_twin.wholefile import whole_file
 
 __all__ = ['StateFolder']
 
 LARGEST = 64 * 1024 * 1024
+LONGEST_SYNC = 10.0
+"""Longest time that letting go of a state waits for the disk, s."""
 
 
 class StateFolder:
@@ -32,6 +35,9 @@ class StateFolder:
     def __init__(self, folder: str) -> None:
         self._folder = folder
         self._locks: dict[str, BinaryIO] = {}
+        self._disk = DiskSync()
+        self._newest: dict[str, bytes] = {}
+        self._problem = ''
 
     @property
     def folder(self) -> Path:
@@ -118,6 +124,23 @@ class StateFolder:
             raise BearingTwinError(msg) from None
         return path
 
+    def keep(self, name: str, state: bytes) -> None:
+        """
+        Have a thread :meth:`replace` a state, so that nobody waits for the disk.
+
+        Of states that come faster than the disk takes them, the newest is written.
+
+        Raises
+        ------
+        BearingTwinError
+            What was wrong the last time.
+
+        """
+        self._newest[name] = state
+        self._disk.do(self._replace_newest)
+        if self._problem:
+            raise BearingTwinError(self._problem)
+
     def load(self, name: str) -> bytes:
         """
         Read a state.
@@ -147,6 +170,8 @@ class StateFolder:
     def set_aside(self, name: str) -> str:
         """Give a state that cannot be used another name, so that it stays; say which."""
         path = self.path(name)
+        # What is on its way to the disk is of it.
+        self._disk.close(LONGEST_SYNC)
         number = 1
         while (aside := path.with_name(f'{name}.unreadable-{number}')).exists():
             number += 1
@@ -156,11 +181,22 @@ class StateFolder:
             return f'it cannot be renamed: {error.strerror}'
         return f'it is kept as {aside}'
 
-    def release(self) -> None:
-        """Let another node keep the states."""
+    def release(self) -> str:
+        """Let another node keep the states; return why the newest was not written, or ''."""
+        self._disk.close(LONGEST_SYNC)
         for lock in self._locks.values():
             lock.close()
         self._locks.clear()
+        return 'the disk did not take the newest state' if self._disk.busy else self._problem
+
+    def _replace_newest(self) -> None:
+        if not self._newest:
+            return
+        try:
+            self.replace(*self._newest.popitem())
+            self._problem = ''
+        except BearingTwinError as error:
+            self._problem = str(error)
 
     def _claim(self, name: str) -> None:
         if name in self._locks:

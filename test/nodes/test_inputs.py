@@ -306,13 +306,26 @@ def test_a_hundred_killed_keepers_of_one_state(tmp_path):
     contend(100, tmp_path)
 
 
+def test_a_state_that_is_kept_waits_for_no_disk_and_says_what_went_wrong(tmp_path):
+    first, second = StateFolder(str(tmp_path)), StateFolder(str(tmp_path))
+    for number in range(300):
+        first.keep('a', b'%d' % number)
+    second.keep('b', b'2')
+    assert second.release() == ''
+    second.keep('a', b'other')
+    assert 'kept by another node' in second.release()
+    with pytest.raises(BearingTwinError, match='kept by another node'):
+        second.keep('a', b'other')
+    assert first.release() == ''
+    assert first.load('a') == b'299'
+
+
 def test_no_state_is_read_or_written_through_a_link(tmp_path):
     outside = tmp_path / 'outside'
     outside.write_bytes(b'precious')
     folder = StateFolder(str(tmp_path / 'states'))
     folder.replace('part', b'1')
-    for name in ('link', '.part.part'):
-        (tmp_path / 'states' / name).symlink_to(outside)
+    (tmp_path / 'states' / 'link').symlink_to(outside)
     with pytest.raises(BearingTwinError, match='is a link'):
         folder.replace('link', b'2')
     with pytest.raises(BearingTwinError, match='it is a link'):

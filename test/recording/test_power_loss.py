@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a power cut leaves: a disk in a file, copied while it is mounted, and the copy mounted."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import time
+from typing import TYPE_CHECKING
+
+from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.recover import recover
+from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from bearing_twin.streams.statefile import StateFolder
+import pytest
+from recording_samples import START, VIBRATION, vibration_cdr
+import yaml
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+
+class Disk:
+    """An ext4 whose journal is written each second."""
+
+    def __init__(self, folder: Path, options: str) -> None:
+        self.path = folder / 'disk'
+        self._image, self._after = folder / 'image', folder / 'after'
+        for made in (self.path, self._after):
+            made.mkdir()
+        with self._image.open('wb') as file:
+            file.truncate(64 * 2**20)
+        call('mkfs.ext4', '-q', self._image)
+        call('mount', '-o', f'loop,commit=1,{options}', self._image, self.path)
+        self._mounted = [self.path]
+
+    def cut(self) -> Path:
+        """Return what a cut at this moment leaves."""
+        copy = self._image.with_suffix('.cut')
+        call('cp', '--sparse=always', self._image, copy)
+        call('mount', '-o', 'loop', copy, self._after)
+        self._mounted.append(self._after)
+        return self._after
+
+    def close(self) -> None:
+        for folder in self._mounted:
+            subprocess.run(['umount', '-l', folder], check=False)
+
+
+def call(*words: object) -> None:
+    subprocess.run([str(word) for word in words], check=True, capture_output=True)
+
+
+@pytest.fixture(params=['auto_da_alloc', 'noauto_da_alloc'])
+def disk(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Disk]:
+    try:
+        made = Disk(tmp_path, request.param)
+    except (OSError, subprocess.CalledProcessError) as error:
+        pytest.skip(f'a file system cannot be made and mounted here: {error}')
+    yield made
+    made.close()
+
+
+def test_a_state_survives_a_power_cut(disk: Disk) -> None:
+    states = StateFolder(str(disk.path / 'states'))
+    states.replace('kept', b'A' * 20_000)
+    os.sync()
+    states.replace('kept', b'B' * 20_000)
+    states.keep('first', b'F' * 20_000)
+    states.save('saved', b'S' * 20_000)
+    assert states.release() == ''
+    time.sleep(2.5)
+    after = StateFolder(str(disk.cut() / 'states'))
+    assert [after.load(name)[:1] for name in ('kept', 'first', 'saved')] == [b'B', b'F', b'S']
+    assert {len(after.load(name)) for name in ('kept', 'first', 'saved')} == {20_000}
+
+
+def test_a_finished_bag_survives_a_power_cut(disk: Disk) -> None:
+    with RecordingWriter(disk.path / 'run') as writer:
+        for index in range(20):
+            log_time = START + index
+            writer.write(
+                '/v', VIBRATION, vibration_cdr(index), log_time=log_time, publish_time=log_time
+            )
+    time.sleep(2.5)
+    bag = disk.cut() / 'run'
+    assert len(list(read_messages(bag))) == 20
+    listed = yaml.safe_load((bag / 'metadata.yaml').read_text())
+    assert listed['rosbag2_bagfile_information']['message_count'] == 20
+
+
+def test_a_power_cut_costs_the_sync_and_the_flush_period(disk: Disk, tmp_path: Path) -> None:
+    options = WriterOptions(sync_period=1.0, flush_period=0.2)
+    writer = RecordingWriter(disk.path / 'run', options)
+    began = time.monotonic()
+    while (now := time.monotonic() - began) < 4.0:
+        log_time = START + round(now * 1e9)
+        writer.write('/v', VIBRATION, vibration_cdr(0), log_time=log_time, publish_time=log_time)
+        time.sleep(0.02)
+    after = disk.cut() / 'run'
+    writer.close()
+    recover(after, tmp_path / 'saved.mcap')
+    info = recording_info(tmp_path / 'saved.mcap')
+    # Besides the two periods, an fsync of a busy disk.
+    assert info.duration >= 4.0 - 1.2 - 0.8

@@ -1,0 +1,23 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Files that are there as a whole or not at all."""
+
+from bearing_twin.wholefile import whole_file
+import pytest
+
+
+@pytest.mark.parametrize('new', [True, False])
+def test_two_writers_of_one_name_do_not_mix(tmp_path, new):
+    path = tmp_path / 'a'
+    first, second = whole_file(path, new=new), whole_file(path, new=new)
+    first.__enter__().write(b'first')
+    second.__enter__().write(b'second')
+    first.__exit__(None, None, None)
+    assert path.read_bytes() == b'first'
+    if new:
+        with pytest.raises(FileExistsError):
+            second.__exit__(None, None, None)
+    else:
+        second.__exit__(None, None, None)
+    assert path.read_bytes() == (b'first' if new else b'second')
+    assert list(tmp_path.iterdir()) == [path]
