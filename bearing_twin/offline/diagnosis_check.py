@@ -10,6 +10,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.checkpoints import configuration_values
+from bearing_twin.assets.diagnosis_parameters import nominal_speed
 from bearing_twin.diagnosis.settings import LONGEST_WINDOW
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.agreement import Agreement, without_padding
@@ -51,7 +52,7 @@ class DiagnosisCheck:
         self._next_sample = 0
         # Windows that the re-run judged without a recorded verdict to compare with.
         self._unanswered: list[tuple[int, int]] = []
-        # Whether the temperature of a missing verdict, which nobody knows, may act on the state.
+        # Whether what nobody knows may act: temperature of a missing verdict, speeds of a joint.
         self._uncertain = False
 
     @property
@@ -108,6 +109,7 @@ class DiagnosisCheck:
         if self._verdicts:
             temperature = float(self._verdicts[0][1].temperature)
             speed = self._speed(self._run)
+            self._uncertain |= bool(self._run.values['joint']) and math.isnan(block.shaft_hz)
         try:
             outputs = list(
                 self._run.push(
@@ -144,6 +146,8 @@ class DiagnosisCheck:
         message, _ = self._verdicts.popleft()
         if self._uncertain and without_padding(message) != output.cdr:
             self._agreement.skipped += 1
+            if self._run is not None and self._run.values['joint']:
+                self._note('the speeds of the joint are not all known: a verdict is not compared')
             return
         self._agreement.compare(message, output.cdr, f'{self._topic} at sample {window[0]}')
 
@@ -209,10 +213,11 @@ class DiagnosisCheck:
         return run
 
     def _speed(self, run: DiagnosisRun) -> float:
-        """Speed that the next verdict was given, Hz, where it may come from a joint; else NaN."""
+        """Speed that the next verdict was given, Hz, where it came from a joint; else NaN."""
         if not (self._verdicts and run.values['joint']):
             return math.nan
-        return float(self._verdicts[0][1].shaft_hz_given)
+        given = float(self._verdicts[0][1].shaft_hz_given)
+        return math.nan if given == nominal_speed(run.values) else given
 
     def _keep(self, block: Any) -> None:
         """Keep a block from before the first checkpoint that serves: windows reach back."""

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from importlib import import_module
+import math
 import os
 import signal
 import threading
@@ -12,10 +13,17 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.checkpoints import configuration_values
+from bearing_twin.assets.diagnosis_parameters import SPECS
+from bearing_twin.assets.messages import floats, message_header
+from bearing_twin.assets.spec import read_values
 from bearing_twin.bench.end_to_end import _punctuality
 from bearing_twin.bench.figures import FIGURES
 from bearing_twin.cli import main
+from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.offline.agreement import Agreement
+from bearing_twin.offline.diagnosis_run import DiagnosisRun
+from bearing_twin.offline.output import output
 from bearing_twin.offline.run import run_offline
 from bearing_twin.offline.verify import reproduce
 from bearing_twin.recording.health import recording_health
@@ -25,6 +33,8 @@ from bearing_twin.recording.schema import canonical_cdr, MessageSchema
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.ros.launching import NodeProcesses
 from bearing_twin.ros.qos import RESULT, STREAM
+from bearing_twin.stamps import samples_ns
+from bearing_twin.streams.vibration_input import read_vibration
 from bearing_twin_msgs.msg import Diagnosis, Vibration
 import numpy as np
 import pytest
@@ -179,6 +189,38 @@ def test_a_verdict_that_nobody_makes_again_is_different(run: Path, tmp_path: Pat
     diagnosis = reproduce(rewritten(run, tmp_path / 'forged', forge)).topics['/diagnosis']
     assert (diagnosis.identical, diagnosis.different, diagnosis.missing) == (11, 1, 1)
     assert diagnosis.first_difference == '/diagnosis at sample 1: not made again'
+
+
+@pytest.mark.parametrize('joint', ['silent', 'begins', 'steady', 'moves'])
+def test_a_joint_that_is_silent_or_moves_makes_no_sound_recording_differ(
+    joint: str, tmp_path: Path
+) -> None:
+    run = DiagnosisRun(read_values(SPECS, {'joint': 'shaft', 'shaft_hz': 25.0}))
+    simulator = Simulator(preset('incipient', defect='inner'))
+    speeds = {'silent': [], 'begins': [math.nan] * 50, 'steady': [], 'moves': [25.2, 25.3] * 100}
+    rest = math.nan if joint == 'silent' else 25.3
+    speeds = [*speeds[joint], *[rest] * 150][:150]
+    with RecordingWriter(tmp_path / 'run') as writer:
+        for number, hz in enumerate(speeds):
+            samples = floats(simulator.advance(1024, 40.0, 25.3).y)
+            stamp = number * samples_ns(1024, 25600.0)
+            message = Vibration(
+                header=message_header(stamp, 's'), sample_rate=25600.0, first_sample=1024 * number,
+                source=Vibration.SOURCE_MEASURED, unit='m/s^2', shaft_hz=math.nan, y=samples,
+            )  # fmt: skip
+            made = [output('/vibration', message)]
+            block = read_vibration(message, 'y')
+            if run.needs_checkpoint(block):
+                made.append(run.checkpoint(block))
+            made += run.push(message, temperature=math.nan, joint_hz=hz, measured=hz > 0.0)
+            for each in made:
+                writer.write(
+                    each.topic, each.type_name, each.cdr, log_time=stamp, publish_time=stamp
+                )
+    diagnosis = reproduce(tmp_path / 'run').topics['/diagnosis']
+    assert diagnosis == Agreement(identical=6 - diagnosis.skipped, skipped=diagnosis.skipped)
+    # The speed of each block is known where it is the nameplate's, or one for all.
+    assert (diagnosis.skipped == 0) == (joint in {'silent', 'steady'})
 
 
 def test_a_missing_block_costs_the_verdicts_on_it(run: Path, tmp_path: Path) -> None:
