@@ -18,7 +18,7 @@ from bearing_twin.diagnosis.series_result import LEAST_BASELINE, MOST_BASELINE, 
 from bearing_twin.diagnosis.severity import LEAST
 from bearing_twin.diagnosis.shaft import Turning
 from bearing_twin.diagnosis.state import pack, unpack
-from bearing_twin.diagnosis.streaming import checked_block
+from bearing_twin.diagnosis.streaming import checked_block, PATIENCE, same_rate
 from bearing_twin.diagnosis.trend import Source
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -74,6 +74,9 @@ class SeriesDiagnoser:
         self._offset, self._last = 0.0, -math.inf
         self._next = 0
         self._rate = math.nan
+        # Times of the newest block and of the newest snapshot, or of the first block.
+        self._now = self._whole = math.nan
+        self._short = ''
         self._parts: list[tuple[NDArray[np.float64], float]] = []
         self._due: deque[float] = deque()
         self._bearing, self._settings = bearing, settings
@@ -128,22 +131,35 @@ class SeriesDiagnoser:
         block = checked_block(x, sample_rate)
         known = {'temperature': temperature, 'unit': unit, 'sensor': sensor}
         found = []
-        if self._parts and (first_sample != self._next or sample_rate != self._rate):
+        steady = same_rate(self._rate, sample_rate)
+        if self._parts and (first_sample != self._next or not steady):
             found += self._snapshot(speed_measured, known)
         now = self._offset + first_sample / sample_rate
         if first_sample < self._next:
             # The source counts anew, maybe for each snapshot.
             now = self._last + self._settings.series_cycle
             self._offset = now - first_sample / sample_rate
-        self._rate, self._next = sample_rate, first_sample + len(block)
+        if not (self._parts and steady):
+            self._rate = sample_rate
+        self._now, self._next = now, first_sample + len(block)
+        if math.isnan(self._whole):
+            self._whole = now
         if not self._parts and now < self._last + _SOONER * self._settings.series_cycle:
             return found
         if not self._parts:
             self._last = now
         self._parts.append((block, shaft_hz))
-        if self._held >= round(self._settings.series_snapshot * sample_rate):
+        if self._held >= round(self._settings.series_snapshot * self._rate):
             found += self._snapshot(speed_measured, known)
         return found
+
+    @property
+    def overdue(self) -> str:
+        """Why no snapshot can be judged although samples come; '' if one can."""
+        elapsed = self._now - self._whole
+        if not elapsed > PATIENCE * self._settings.series_cycle:
+            return ''
+        return f'no verdict in {elapsed:.0f} s of the series{self._short}'
 
     @property
     def _held(self) -> int:
@@ -156,7 +172,9 @@ class SeriesDiagnoser:
         parts, count = self._parts, self._held
         self._parts = []
         if count < LEAST:
+            self._short = f': the last snapshot has {count} samples, and {LEAST} are the least'
             return []
+        self._whole, self._short = self._last, ''
         self._due.append(self._last)
         return [
             Excerpt.of(
@@ -252,5 +270,6 @@ class SeriesDiagnoser:
             raise BearingTwinError(msg) from error
         self._monitor, self._source = monitor, source
         self._offset, self._last, self._next = offset, last, following
+        self._now = self._whole = math.nan
         self._parts.clear()
         self._due.clear()

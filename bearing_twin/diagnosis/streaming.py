@@ -26,10 +26,15 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['StreamingDiagnoser', 'checked_block']
+__all__ = ['PATIENCE', 'StreamingDiagnoser', 'checked_block', 'same_rate']
 
 _VERSION = 9
 _MOST_PARTS = 64
+PATIENCE = 3.0
+"""Update intervals, or cycles of a series, without a verdict from which the last one is old."""
+_STEADY = 1e-4
+"""Share by which the sample rate may move within a window: a line at 1 kHz then moves by less than
+its width in 8 s."""
 
 
 def checked_block(x: ArrayLike, sample_rate: float) -> NDArray[np.float64]:
@@ -56,6 +61,17 @@ def checked_block(x: ArrayLike, sample_rate: float) -> NDArray[np.float64]:
         msg = f'sample_rate={sample_rate} Hz; a positive number is needed'
         raise BearingTwinError(msg)
     return block
+
+
+def same_rate(first: float, other: float) -> bool:
+    """
+    Whether samples of both rates, in Hz, make up one window.
+
+    >>> same_rate(25600.0, 25600.4), same_rate(25600.0, 25610.0), same_rate(math.nan, 25600.0)
+    (True, False, False)
+
+    """
+    return abs(other - first) <= _STEADY * first
 
 
 class Cut(NamedTuple):
@@ -110,8 +126,9 @@ class StreamingDiagnoser:
     The result depends on the pushed blocks alone, not on clocks: the same pushes give the same
     diagnoses to the bit. An update falls due each ``settings.update_interval`` of samples. A gap
     in ``first_sample``, an index that runs backwards (the source was restarted) or another sample
-    rate starts a new window; the next diagnosis says so in its reasons. The ``level`` of the
-    diagnoses is held: it follows the verdicts only after ``settings.hold_updates`` equal ones.
+    rate starts a new window; the next diagnosis says so in its reasons. A rate that moves by less
+    than 0.01 % is that of the window's first block. The ``level`` of the diagnoses is held: it
+    follows the verdicts only after ``settings.hold_updates`` equal ones.
 
     Baseline and trend belong to the source that they were learnt from: sensor, bearing, unit and
     sample rate. Windows of another source have a baseline of their own and say so; the first is
@@ -141,7 +158,7 @@ class StreamingDiagnoser:
         self.other_source = ''
         """Why the last window is not of the source of baseline and trend; '' if it is."""
         self._trend, self._guest = Trend(), Trend()
-        self._notes: list[str] = []
+        self._note, self._restarts, self._waited = '', 0, 0.0
         self._rate = math.nan
         self._clear(0)
 
@@ -238,27 +255,46 @@ class StreamingDiagnoser:
 
         """
         block = checked_block(x, sample_rate)
-        if sample_rate != self._rate:
-            if math.isfinite(self._rate):
-                self._notes.append(
-                    f'window restarted: sample rate went from {self._rate:g} to {sample_rate:g} Hz'
+        if not same_rate(self._rate, sample_rate):
+            before, self._rate = self._rate, sample_rate
+            if math.isnan(before):
+                self._clear(first_sample)
+            else:
+                text = (
+                    f'window restarted: sample rate went from {before:.7g} to {sample_rate:.7g} Hz'
                 )
-            self._rate = sample_rate
-            self._clear(first_sample)
+                self._restart(first_sample, text)
         elif first_sample != self._next:
             if first_sample > self._next:
+                missing = (first_sample - self._next) / sample_rate
+                self._waited += min(missing, self._settings.update_interval)
                 text = f'window restarted: {first_sample - self._next} samples are missing'
             else:
                 text = f'window restarted: index went back from {self._next} to {first_sample}'
             self._restart(first_sample, f'{text} before sample {first_sample}')
         due_now, cut = [], self._cut
+        self._waited += len(block) / self._rate
         while len(block):
             room = cut.stretch - self._filled
             self._hold(block[:room], shaft_hz)
             block = block[room:]
             if not self._filled and (self._next - self._start) % cut.interval == 0:
                 due_now.append(self._excerpt(speed_measured, temperature, unit, sensor))
+                self._waited = len(block) / self._rate
         return due_now
+
+    @property
+    def overdue(self) -> str:
+        """Why no window falls due although samples come; '' if one does."""
+        if self._waited <= PATIENCE * self._settings.update_interval:
+            return ''
+        return f'no verdict in {self._waited:.0f} s of vibration: {self._restarted}'
+
+    @property
+    def _restarted(self) -> str:
+        """The newest restart of the window since the last one fell due; '' if there was none."""
+        more = f' ({self._restarts} restarts since the last verdict)' if self._restarts > 1 else ''
+        return f'{self._note}{more}'
 
     def judge(self, analysis: Analysis) -> Diagnosis:
         """Judge an analysed window together with the windows and verdicts before it."""
@@ -328,7 +364,7 @@ class StreamingDiagnoser:
         """
         values, arrays = unpack(data, _VERSION)
         try:
-            rate = values['sample_rate']
+            rate = math.nan if values['sample_rate'] is None else float(values['sample_rate'])
             earlier = deque(
                 (
                     int(end),
@@ -344,15 +380,15 @@ class StreamingDiagnoser:
             )
             start, following = int(values['start']), int(values['next'])
             trend, guest = Trend.of(values['trend']), Trend.of(values['guest'])
-            if rate is not None and not 0.0 < float(rate) < math.inf:
+            if not (0.0 < rate < math.inf or math.isnan(rate)):
                 raise ValueError(f'sample rate {rate}')
         except (KeyError, TypeError, ValueError) as error:
             msg = f'saved state lacks {error}; use what save() returned'
             raise BearingTwinError(msg) from error
-        if rate == self._rate and following == self._next:
+        before, self._rate = self._rate, rate
+        if same_rate(rate, before) and following == self._next:
             self._cut_again(start)
         else:
-            self._rate = math.nan if rate is None else float(rate)
             self._clear(following)
             # Windows start anew here; those that were saved began earlier.
             self._began = start
@@ -374,7 +410,8 @@ class StreamingDiagnoser:
         return Cut.of(self._settings, self._rate)
 
     def _restart(self, first_sample: int, note: str) -> None:
-        self._notes.append(note)
+        self._note = note
+        self._restarts += 1
         self._clear(first_sample)
 
     def _clear(self, first_sample: int) -> None:
@@ -436,7 +473,7 @@ class StreamingDiagnoser:
         if speed_measured:
             settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
         stretches, count = tuple(self._stretches), self._cut.window
-        notes, self._notes = tuple(self._notes), []
+        note, self._note, self._restarts = self._restarted, '', 0
         return Excerpt(
             stretches=stretches[-count:],
             before=stretches[-count - 1] if len(stretches) > count else None,
@@ -447,7 +484,7 @@ class StreamingDiagnoser:
             temperature=temperature,
             unit=unit,
             sensor=sensor,
-            notes=notes,
+            notes=(note,) if note else (),
             run=self._run,
         )
 

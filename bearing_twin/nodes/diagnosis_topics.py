@@ -305,7 +305,8 @@ class DiagnosisTopics:
 
     def verdict_status(self) -> Status:
         """Status of the bearing for /diagnostics."""
-        return verdict_status(self._latest, self.bearing, time.monotonic() - self._used)
+        age, overdue = time.monotonic() - self._used, self._core.diagnoser.overdue
+        return verdict_status(self._latest, self.bearing, age, overdue)
 
 
 def input_status(
@@ -373,7 +374,9 @@ def input_status(
     )
 
 
-def verdict_status(result: Diagnosis | None, bearing: str, age: float) -> Status:
+def verdict_status(
+    result: DiagnosisResult | None, bearing: str, age: float, overdue: str = ''
+) -> Status:
     """
     Status of the bearing.
 
@@ -385,10 +388,13 @@ def verdict_status(result: Diagnosis | None, bearing: str, age: float) -> Status
         Name of the bearing.
     age
         Time since the last block that was used, s: a verdict does not stand without vibration.
+    overdue
+        Why the vibration that comes gives no verdict; '' if it does.
 
     """
     if result is None:
-        return Status(Level.STALE, 'no verdict yet', {'bearing': f'bearing {bearing}'})
+        known, kind = {'bearing': f'bearing {bearing}'}, 'overdue' if overdue else ''
+        return Status(Level.STALE, overdue or 'no verdict yet', known, kind)
     values: dict[str, object] = {
         'fault_code': result.fault_code,
         # A text whatever the name: one that is a number alone would be taken for one.
@@ -417,5 +423,8 @@ def verdict_status(result: Diagnosis | None, bearing: str, age: float) -> Status
     if age > SILENT_AFTER:
         text = f'no vibration used for {age:.1f} s; the last verdict was {result.result}'
         return Status(Level.STALE, text, values)
+    if overdue:
+        text = f'{overdue}; the last verdict was {result.result}'
+        return Status(Level.STALE, text, values, kind='overdue')
     # A changed verdict is logged when it comes; a changed level as any status.
     return Status(LEVELS[result.level], result.result, values, kind='verdict')

@@ -94,6 +94,37 @@ def test_gap_restart_rate_change_and_reconfigure_start_the_window_anew():
     assert 'settings were changed' in other.reasons[0]
 
 
+def test_a_rate_that_moves_a_little_does_not_restart_the_window():
+    """A driver that measures its rate: 25600 +- 0.01 Hz."""
+    x, diagnoser = fault_signal(4.0), StreamingDiagnoser(BEARING, SHORT)
+    steady = _push(StreamingDiagnoser(BEARING, SHORT), x)
+    found = []
+    for number, start in enumerate(range(0, len(x), 1024)):
+        rate = RATE + 0.01 * (number % 3 - 1)
+        found += diagnoser.push(start, x[start : start + 1024], rate, SHAFT_HZ)
+    assert [d.sample_count for d in found] == [d.sample_count for d in steady]
+    assert [d.result for d in found] == [d.result for d in steady]
+    assert found[-1].sample_rate == RATE - 0.01
+
+
+def test_a_window_that_never_fills_is_said_in_one_sentence():
+    """One block of twenty is lost, more often than updates fall due: no verdict, no pile."""
+    x, diagnoser = fault_signal(1.0)[:1024], StreamingDiagnoser(BEARING, SHORT)
+    for number in range(60 * 25):
+        if number % 20:
+            assert not diagnoser.push(1024 * number, x, RATE, SHAFT_HZ)
+        if number in (70, 80):
+            assert bool(diagnoser.overdue) == (number == 80)
+    assert diagnoser.overdue == (
+        'no verdict in 60 s of vibration: window restarted: 1024 samples are missing before '
+        'sample 1516544 (74 restarts since the last verdict)'
+    )
+    first = _push(diagnoser, fault_signal(2.0), first=1024 * number + 1024)[0]
+    assert not diagnoser.overdue
+    assert first.reasons[0].endswith('(74 restarts since the last verdict)')
+    assert len(first.reasons) < 5
+
+
 def test_unknown_speed_makes_no_statement():
     (said,) = StreamingDiagnoser(BEARING).push(0, fault_signal(), RATE, math.nan)
     assert (said.result, said.level) == ('insufficient', 'none')

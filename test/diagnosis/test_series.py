@@ -359,6 +359,33 @@ def test_series_of_a_continuous_stream_takes_one_snapshot_a_cycle():
     assert np.diff(firsts).min() >= 3.0
 
 
+def test_a_series_of_a_rate_that_moves_a_little_has_whole_snapshots():
+    settings = DiagnosisSettings(series_cycle=4.0, series_snapshot=1.0, baseline_windows=10)
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), settings)
+    rng = np.random.default_rng(1)
+    found = []
+    for number in range(5 * 25):
+        rate = RATE + 0.01 * (number % 3)
+        found += diagnoser.take(1024 * number, rng.standard_normal(1024), rate, 25.0)
+    assert len(found) == 2
+    assert {excerpt.sample_count for excerpt in found} == {RATE}
+
+
+def test_a_series_without_a_verdict_says_why():
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
+    played(diagnoser, range(3), worn=0)
+    assert not diagnoser.overdue
+    for number in range(3, 8):
+        first = round(number * 600.0 * RATE)
+        assert not diagnoser.take(first, np.ones(20), RATE, 25.0)
+        # The next block ends the snapshot.
+        assert not diagnoser.take(first + 40, np.ones(20), RATE, 25.0)
+    assert diagnoser.overdue == (
+        'no verdict in 3000 s of the series: the last snapshot has 20 samples, and 64 are the '
+        'least'
+    )
+
+
 def test_series_is_saved_and_resumed_to_the_bit():
     bearing = find_bearing('6307')
     straight = SeriesDiagnoser(bearing, CYCLE_SETTINGS)

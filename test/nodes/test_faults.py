@@ -4,22 +4,28 @@
 
 from __future__ import annotations
 
+import array
+from itertools import count
 import os
 from pathlib import Path
+import re
 import signal
 import subprocess
 import sys
 
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, TwinState, Vibration
 from block_streams import check_complete, DEEP
+from builtin_interfaces.msg import Time
+from numpy.random import default_rng
 import pytest
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import Temperature
+from std_msgs.msg import Header
 
 pytestmark = pytest.mark.ros
 
-OK = b'\x00'
+OK, STALE = b'\x00', b'\x03'
 
 LISTENER = """
 import rclpy
@@ -89,6 +95,39 @@ def test_killed_twin_and_killed_diagnosis(nodes, probe, tmp_path):
     assert state.read_bytes() == learnt
     assert nodes.end('twin') == 0
     assert nodes.end('recorder') == 0
+
+
+def test_a_verdict_does_not_stand_where_losses_allow_no_other(nodes, probe, tmp_path):
+    """Each twentieth block is lost: no window reaches an update, and nobody may take it for OK."""
+    nodes.start('diagnosis', {'bearing': '6307', 'window': 2.0})
+    verdicts, rng, numbers = probe.collect(Diagnosis, 'diagnosis'), default_rng(0), count()
+    probe.watch_diagnostics()
+
+    def send(lost):
+        """Send 40 ms in 40 ms, but for each twentieth block where some are lost."""
+        number = next(numbers)
+        stamp = Time(sec=number // 25, nanosec=number % 25 * 40_000_000)
+        block = Vibration(
+            header=Header(stamp=stamp), first_sample=1024 * number, sample_rate=25600.0,
+            shaft_hz=25.0, y=array.array('f', rng.standard_normal(1024).astype('f')),
+        )  # fmt: skip
+        if number % 20 or not lost:
+            probe.publish('vibration', block)
+
+    def status():
+        return probe.status('diagnosis: bearing')
+
+    probe.until(lambda: status()[1:2] == ('healthy',), 'a verdict', every=lambda: send(False))
+    probe.until(lambda: status()[0] == STALE, 'its end', every=lambda: send(True))
+    made = len(verdicts)
+    assert re.match(
+        r'no verdict in \d+ s of vibration: window restarted: \d+ samples', status()[1]
+    )
+    assert status()[1].endswith('; the last verdict was healthy')
+    probe.until(lambda: status()[0] == OK, 'another one', every=lambda: send(False))
+    assert len(verdicts) > made
+    log = (tmp_path / 'logs' / 'diagnosis.log').read_text()
+    assert log.count('bearing: no verdict in') == 1
 
 
 def test_subscribers_that_stop_come_late_or_are_not_alone(nodes, probe, tmp_path):
