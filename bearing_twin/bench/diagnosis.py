@@ -42,11 +42,8 @@ def measure() -> dict[str, float]:
     """
     Measure one second at 25.6 kHz, all stages, one core.
 
-    Returns
-    -------
-    dict
-        ``diagnosis_ms``; ``kurtogram_ms`` of PySDKit's fast kurtogram at level 6 and
-        ``kurtogram_ratio``, the first over the second, where PySDKit is installed.
+    What the figures mean is said in :data:`bearing_twin.bench.figures.FIGURES`.
+    Those of a kurtogram are there where PySDKit is installed.
 
     """
     x = fault_signal()

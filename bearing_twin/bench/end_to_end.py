@@ -51,17 +51,7 @@ def live_run(
     progress
         Called with the seconds that have passed, every half minute.
 
-    Returns
-    -------
-    dict
-        ``core_share``: CPU time of twin, diagnosis and recorder over wall time (1 is one core),
-        and of each;
-        ``late_blocks``: blocks later than one block period; ``dropped_blocks``;
-        ``lateness_p50_ms``, ``_p99_ms``, ``_max_ms``: of publishing against the deadline;
-        ``delivery_p99_ms``, ``_max_ms``: from a block's last sample to the recorder having it;
-        ``lost_blocks``: published in that time but not in the recording.
-        If ``calibrate``, ``fits``: calibrations; ``fit_cost_s``: the greatest processor time of
-        one, where there is any.
+    What the figures mean is said in :data:`bearing_twin.bench.figures.FIGURES`.
 
     """
     with tempfile.TemporaryDirectory() as name, own_domain(os.getpid()) as domain:

@@ -52,21 +52,7 @@ def measure() -> dict[str, float]:
     """
     Measure; takes about 30 s.
 
-    Returns
-    -------
-    dict
-        ``kernel_rtf``: simulated over processor time of one bearing in blocks of 1024.
-        ``kernel_error``, ``fleet_error``: relative L2 over a second against DOP853 at rtol 1e-8,
-        the worst of a fresh spall on either race or a ball and the wide one of the paper's preset.
-        ``kernel_error_harder``, ``fleet_error_harder``: the same over half a second at 50 and
-        100 Hz and under 5 kN.
-        ``ratio_to_lsoda``, ``ratio_to_bdf``: their processor time over the kernel's, at rtol 1e-6.
-        ``ratio_to_plain``: the same of a plain Runge-Kutta scheme with the error of the kernel,
-        both without jitter, noise and waviness.
-        ``fleet_bearings_per_core``: bearings that one core runs in real time, each with its own
-        temperature, speed, seed and place of one of three kinds of defect.
-        ``alike_bearings_per_core``: the same where all have an inner defect and one speed.
-        ``fleet_two_threads``: how many times faster two threads are than one, by the clock.
+    What the figures mean is said in :data:`bearing_twin.bench.figures.FIGURES`.
 
     """
     warm_up(fleet=True)

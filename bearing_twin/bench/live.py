@@ -46,18 +46,7 @@ def measure() -> dict[str, float]:
     """
     Measure what one bearing costs, and run half as many as that allows.
 
-    Returns
-    -------
-    dict
-        ``live_bearings_per_core``: twins of a fleet that one core carries with vibration and state
-        published over DDS to a recorder in another process; ``..._with_diagnosis``: with a
-        diagnosis each in the same process, all of them on full windows; ``..._without_dds``: the
-        equations of motion alone, with the states that are published; ``live_ratio``: the first
-        over the last.
-        ``live_bearings_run``: half of the first, which were run to prove it, with
-        ``live_late_blocks`` and ``live_missing_blocks``.
-        ``live_share_per_bearing`` and ``live_share_of_the_process`` are the two parts of the
-        first: of a core, for each bearing and for the process as such.
+    What the figures mean is said in :data:`bearing_twin.bench.figures.FIGURES`.
 
     Raises
     ------

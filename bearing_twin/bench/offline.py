@@ -21,11 +21,8 @@ def measure() -> dict[str, float]:
     """
     Run the paper's schedule offline, and verify the recording that comes out.
 
-    Returns
-    -------
-    dict
-        ``offline_rtf``: recorded seconds per second, of the fastest of three runs after a first
-        one that loads and compiles; ``verify_rtf``: the same of re-running and comparing.
+    The fastest of three runs counts, after one that loads and compiles.
+    What the figures mean is said in :data:`bearing_twin.bench.figures.FIGURES`.
 
     """
     with tempfile.TemporaryDirectory() as name:

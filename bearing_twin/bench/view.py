@@ -29,15 +29,8 @@ def measure() -> dict[str, float]:
     """
     Draw a recording of twin and diagnosis at 25.6 kHz as the recorder does.
 
-    Returns
-    -------
-    dict
-        ``view_load``: processor time of decoding and drawing for live viewers, all threads, per
-        recorded second (1 is one core), of the cheaper of two runs after a first one that loads;
-        ``view_file_load``: the same of drawing to a file; who asks for both has it drawn
-        once and sent twice.
-        ``view_bytes_per_second``: size of the file; ``view_longest_ms``: longest call that the
-        recorder waited for while it drew for live viewers.
+    Each load is the lower of two runs after one that loads.
+    What the figures mean is said in :data:`bearing_twin.bench.figures.FIGURES`.
 
     """
     with tempfile.TemporaryDirectory() as name:
