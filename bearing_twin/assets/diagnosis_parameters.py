@@ -93,8 +93,7 @@ def check_diagnosis(values: Mapping[str, Any]) -> None:
         If one cannot be used.
 
     """
-    build_bearing(values)
-    build_settings(values)
+    build_diagnoser(values)
     if values['state_name']:
         StateFolder(values['state_directory']).path(values['state_name'])
 

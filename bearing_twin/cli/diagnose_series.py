@@ -14,7 +14,7 @@ from bearing_twin.bearing import named_bearing
 from bearing_twin.cli.signal_arguments import given_bearing
 from bearing_twin.cli.terminal import by_level, plain, progress
 from bearing_twin.diagnosis.series import SeriesMonitor
-from bearing_twin.diagnosis.series_result import SeriesSettings
+from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.snapshots import read_snapshots, series_files
 
@@ -30,9 +30,9 @@ __all__ = ['run_series']
 def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
     """Judge the files as one series; 0 if every file could be read."""
     files = series_files([Path(name) for name in args.files])
-    settings = SeriesSettings(
-        baseline=args.baseline,
-        hold=args.hold,
+    settings = DiagnosisSettings(
+        baseline_windows=args.baseline,
+        series_hold=args.hold,
         power_group=args.power_group,
         mounting=args.mounting,
     )

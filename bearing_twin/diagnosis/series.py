@@ -23,7 +23,7 @@ from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.dependence import Condition, Law, Z90
 from bearing_twin.diagnosis.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.onset import Rise, rise_begins, slope
-from bearing_twin.diagnosis.series_result import SeriesPoint, SeriesReport, SeriesSettings
+from bearing_twin.diagnosis.series_result import SeriesPoint, SeriesReport
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.severity import (
     LEAST,
@@ -54,6 +54,8 @@ SCATTER_FACTOR = 6.0
 at fault from twice as many. A level with a memory of 10 snapshots exceeds it within 10 000 of them
 in 7 of 100 simulated lives: 60 snapshots do not tell the scatter better. Where a level wanders by
 up to 1.2 dB (memory of 20 snapshots) it stays below 6 dB in 99 of 100 such lives."""
+LEAST_BASELINE = 10
+"""Fewest snapshots of a baseline."""
 MOST = 5000
 """Points kept; when there are more, every second of the older half is dropped."""
 _FALLEN = f'{FAULT_DB:g} dB or more below the baseline: {FALLEN}'
@@ -76,10 +78,15 @@ class SeriesMonitor:
         Geometry, to judge each snapshot alone and to name what the averaged envelope shows; None:
         alarms without a place.
     settings
-        See :class:`SeriesSettings`.
+        See :class:`DiagnosisSettings`; ``baseline_windows`` is at least 10 here.
     law
         How the levels depend on temperature and speed; None: it is learnt from the snapshots of
         the healthy machine.
+
+    Raises
+    ------
+    BearingTwinError
+        If the baseline is of fewer than 10 snapshots.
 
     Examples
     --------
@@ -97,11 +104,17 @@ class SeriesMonitor:
     def __init__(
         self,
         bearing: Bearing | None,
-        settings: SeriesSettings | None = None,
+        settings: DiagnosisSettings | None = None,
         *,
         law: Law | None = None,
     ) -> None:
-        self._settings = settings or SeriesSettings()
+        self._settings = settings or DiagnosisSettings()
+        if self._settings.baseline_windows < LEAST_BASELINE:
+            msg = (
+                f'a baseline of {self._settings.baseline_windows} snapshots is too short: give at '
+                f'least {LEAST_BASELINE}'
+            )
+            raise BearingTwinError(msg)
         self._given = law
         self._memory = Memory()
         self._rise = Rise()
@@ -184,7 +197,7 @@ class SeriesMonitor:
             return None
         self._unjudged, self._source = 0, Source(unit=unit, sample_rate=sample_rate)
         most = SUSPECT_DB if self._teaches else -math.inf
-        if memory.learn(time, levels.tolist(), now, self._settings.baseline, most):
+        if memory.learn(time, levels.tolist(), now, self._settings.baseline_windows, most):
             # A machine that has run in, or was repaired, is compared with what it is now.
             self._rise = Rise()
             self._quiet.clear()
@@ -243,12 +256,10 @@ class SeriesMonitor:
         """Take in what a snapshot says without the others."""
         if answer is None and self._bearing is not None:
             turning = Turning(np.array([shaft_hz]), np.array([len(x)]))
-            own = DiagnosisSettings(
-                power_group=self._settings.power_group, mounting=self._settings.mounting
-            )
             excerpt = Excerpt.of(
-                x, turning, sample_rate, self._bearing, own, temperature=temperature, unit=unit
-            )
+                x, turning, sample_rate, self._bearing, self._settings,
+                temperature=temperature, unit=unit,
+            )  # fmt: skip
             answer = answer_alone(excerpt.analyse())
         if answer is not None:
             self._answers.add(answer)
@@ -342,7 +353,7 @@ class SeriesMonitor:
         if not rises:
             if math.isnan(self._low_since):
                 self._low_since = time
-            if time - self._low_since < self._settings.hold:
+            if time - self._low_since < self._settings.series_hold:
                 return
             self._loud.clear()
             if self._held == 'fault':
@@ -383,7 +394,7 @@ class SeriesMonitor:
     @property
     def lost(self) -> bool:
         """Whether so many snapshots were not judged that a sound machine is none any more."""
-        return self._held == 'ok' and self._unjudged >= self._settings.baseline
+        return self._held == 'ok' and self._unjudged >= self._settings.baseline_windows
 
     def save(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         """Plain values and arrays worth keeping over a restart; see :meth:`load`."""
@@ -469,8 +480,9 @@ class SeriesMonitor:
             count, hertz = self._memory.most()
             at = '' if math.isnan(hertz) else f' at one speed (most: {count} at {hertz:.4g} Hz)'
             reasons.append(
-                f'no baseline: {len(self._points)} snapshots, not {self._settings.baseline} (what '
-                f'the settings ask for) in a row{at} {SETTLED.format(most=SUSPECT_DB)}'
+                f'no baseline: {len(self._points)} snapshots, not '
+                f'{self._settings.baseline_windows} (what the settings ask for) in a row{at} '
+                f'{SETTLED.format(most=SUSPECT_DB)}'
             )
         if self.lost:
             reasons.append(f'not known: the last {self._unjudged} snapshots were not judged')

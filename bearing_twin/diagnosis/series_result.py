@@ -1,52 +1,16 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a series of snapshots is asked and what it answers."""
+"""What a series of snapshots answers."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError
-
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.dependence import Law
 
-__all__ = ['SeriesPoint', 'SeriesReport', 'SeriesSettings']
-
-LEAST_BASELINE, MOST_BASELINE = 10, 100_000
-
-
-@dataclass(frozen=True, kw_only=True)
-class SeriesSettings:
-    """
-    What the user may choose.
-
-    Raises
-    ------
-    BearingTwinError
-        If a value is outside its range.
-
-    """
-
-    baseline: int = 60
-    """Snapshots of a settled machine that make its baseline, 10 to 100 000."""
-    hold: float = 3600.0
-    """Seconds for which the level must be low before an alarm is taken back, 0 to 1e8."""
-    power_group: int = 0
-    """Group of ISO 20816-3; 0: unknown."""
-    mounting: str = ''
-    """Mounting of ISO 20816-3: ``'rigid'``, ``'flexible'`` or empty (unknown)."""
-
-    def __post_init__(self) -> None:
-        if not LEAST_BASELINE <= self.baseline <= MOST_BASELINE:
-            msg = (
-                f'baseline={self.baseline} snapshots is outside {LEAST_BASELINE}..{MOST_BASELINE}'
-            )
-            raise BearingTwinError(msg)
-        if not 0.0 <= self.hold <= 1e8:
-            msg = f'hold={self.hold} s is outside 0..1e8; one hour is usual'
-            raise BearingTwinError(msg)
+__all__ = ['SeriesPoint', 'SeriesReport']
 
 
 @dataclass(frozen=True, kw_only=True)

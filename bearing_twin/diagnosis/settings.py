@@ -50,7 +50,12 @@ class DiagnosisSettings:
         3, 'Equal verdicts in a row before the level rises or falls.', '', 1, 1000
     )
     baseline_windows: int = quantity(
-        60, 'Healthy windows from which the baseline of the asset is learnt.', '', 1, 10_000
+        60,
+        'Healthy windows from which the baseline of the asset is learnt; at least 10 snapshots of '
+        'a series.',
+        '',
+        1,
+        10_000,
     )
     power_group: int = quantity(
         0, 'Group of ISO 20816-3: 1 above 300 kW, 2 for 15 to 300 kW; 0: no zone.', '', 0, 2

@@ -14,7 +14,6 @@ from bearing_twin.diagnosis.alone import answer_alone
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.level import staged, UNKNOWN
 from bearing_twin.diagnosis.series import SeriesMonitor
-from bearing_twin.diagnosis.series_result import LEAST_BASELINE, MOST_BASELINE, SeriesSettings
 from bearing_twin.diagnosis.severity import LEAST
 from bearing_twin.diagnosis.shaft import Turning
 from bearing_twin.diagnosis.state import pack, unpack
@@ -80,7 +79,7 @@ class SeriesDiagnoser:
         self._parts: list[tuple[NDArray[np.float64], float]] = []
         self._due: deque[float] = deque()
         self._bearing, self._settings = bearing, settings
-        self._monitor = self._new()
+        self._monitor = SeriesMonitor(self._bearing, self._settings)
 
     @property
     def bearing(self) -> Bearing:
@@ -92,24 +91,13 @@ class SeriesDiagnoser:
         """Return the settings in use."""
         return self._settings
 
-    def _new(self) -> SeriesMonitor:
-        s = self._settings
-        return SeriesMonitor(
-            self._bearing,
-            SeriesSettings(
-                baseline=min(max(s.baseline_windows, LEAST_BASELINE), MOST_BASELINE),
-                hold=s.series_hold,
-                power_group=s.power_group, mounting=s.mounting,
-            ),
-        )  # fmt: skip
-
     def reconfigure(
         self, bearing: Bearing | None = None, settings: DiagnosisSettings | None = None
     ) -> None:
         """Change geometry or settings; the series goes on."""
         other = bearing is not None and bearing != self._bearing
         self._bearing, self._settings = bearing or self._bearing, settings or self._settings
-        before, self._monitor = self._monitor, self._new()
+        before, self._monitor = self._monitor, SeriesMonitor(self._bearing, self._settings)
         self._monitor.load(*before.save())
         if other:
             self._monitor.forget_answers()
@@ -259,7 +247,7 @@ class SeriesDiagnoser:
 
         """
         values, arrays = unpack(data, _VERSION)
-        monitor = self._new()
+        monitor = SeriesMonitor(self._bearing, self._settings)
         try:
             monitor.load(values['series'], arrays)
             source = Source(*values['source'])

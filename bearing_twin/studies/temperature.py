@@ -32,7 +32,7 @@ from bearing_twin.diagnosis.dependence import (
 )
 from bearing_twin.diagnosis.level import SUSPECT_DB
 from bearing_twin.diagnosis.series import SeriesMonitor
-from bearing_twin.diagnosis.series_result import SeriesSettings
+from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.snapshots import read_snapshots
@@ -180,7 +180,7 @@ def _settled(snapshots: list[Snapshot], law: Law | None) -> Onset:
 
 def _at_once(snapshots: list[Snapshot], law: Law | None) -> Onset:
     """Judge as a stream does: the baseline is what the first snapshots show, however cold."""
-    wanted = SeriesSettings().baseline
+    wanted = DiagnosisSettings().baseline_windows
     record, levels, conditions = HealthyRecord(), [], []
     over, alarms, largest = [], [], 0.0
     for snap in snapshots:

@@ -13,7 +13,6 @@ from bearing_twin.diagnosis.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.onset import rise_begins
 from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.series import SeriesMonitor
-from bearing_twin.diagnosis.series_result import SeriesSettings
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.snapshots import SeriesDiagnoser
 from bearing_twin.errors import BearingTwinError
@@ -100,7 +99,7 @@ def test_alarm_ends_an_hour_after_the_cause():
 
 def test_other_speeds_and_broken_snapshots_are_not_judged():
     rng = np.random.default_rng(0)
-    monitor = SeriesMonitor(None, SeriesSettings(baseline=10))
+    monitor = SeriesMonitor(None, DiagnosisSettings(baseline_windows=10))
     for number in range(40):
         monitor.add(number, rng.standard_normal(COUNT), RATE, SHAFT_HZ)
     assert monitor.add(50.0, 9.0 * rng.standard_normal(COUNT), RATE, 2.0 * SHAFT_HZ) is None
@@ -117,8 +116,8 @@ def test_other_speeds_and_broken_snapshots_are_not_judged():
     assert '1 snapshots not judged: not later than the one before; sort the files' in reasons
     assert "unit 'g' are not the 25600 Hz and ''" in reasons and '12800 Hz' in reasons
     assert monitor.report().level == 'ok'
-    with pytest.raises(BearingTwinError, match='baseline=3'):
-        SeriesSettings(baseline=3)
+    with pytest.raises(BearingTwinError, match='a baseline of 3 snapshots'):
+        SeriesMonitor(None, DiagnosisSettings(baseline_windows=3))
 
 
 @pytest.mark.parametrize(
@@ -130,7 +129,7 @@ def test_other_speeds_and_broken_snapshots_are_not_judged():
 )
 def test_a_machine_that_is_not_judged_any_more_is_not_ok(height, hertz, why):
     rng = np.random.default_rng(1)
-    monitor = SeriesMonitor(None, SeriesSettings(baseline=20))
+    monitor = SeriesMonitor(None, DiagnosisSettings(baseline_windows=20))
     for number in range(40):
         monitor.add(number, rng.standard_normal(COUNT), RATE, SHAFT_HZ)
     for number in range(40, 65):
@@ -146,7 +145,7 @@ def test_a_machine_that_is_not_judged_any_more_is_not_ok(height, hertz, why):
 
 def test_two_machines_in_one_series_have_no_baseline():
     rng = np.random.default_rng(2)
-    monitor = SeriesMonitor(None, SeriesSettings(baseline=20))
+    monitor = SeriesMonitor(None, DiagnosisSettings(baseline_windows=20))
     for number in range(100):
         height = 2.0 if number % 2 else 1.0
         point = monitor.add(number, height * rng.standard_normal(COUNT), RATE, SHAFT_HZ)
@@ -156,7 +155,9 @@ def test_two_machines_in_one_series_have_no_baseline():
 
 def test_a_short_snapshot_has_no_velocity():
     """A line below 10 Hz, cut anywhere in 0.1 s, is no velocity in the band of the standard."""
-    monitor = SeriesMonitor(None, SeriesSettings(baseline=10, power_group=2, mounting='rigid'))
+    monitor = SeriesMonitor(
+        None, DiagnosisSettings(baseline_windows=10, power_group=2, mounting='rigid')
+    )
     for number in range(30):
         t = np.arange(2560) / RATE + 0.013 * number
         x = np.random.default_rng(number).standard_normal(2560) + 2.0 * np.sin(10.0 * np.pi * t)
@@ -420,7 +421,10 @@ def test_a_long_series_is_kept_more_coarsely(monkeypatch):
 
 @pytest.mark.parametrize(('rise', 'over', 'level'), [(24.0, 120, 'fault'), (9.0, 60, 'none')])
 def test_a_machine_that_gets_loud_while_it_is_learnt_is_not_its_own_baseline(rise, over, level):
-    rng, monitor = np.random.default_rng(3), SeriesMonitor(None, SeriesSettings(baseline=20))
+    rng, monitor = (
+        np.random.default_rng(3),
+        SeriesMonitor(None, DiagnosisSettings(baseline_windows=20)),
+    )
     for number in range(over + 60):
         height = 10.0 ** (rise * min(number / over, 1.0) / 20.0)
         monitor.add(600.0 * number, height * rng.standard_normal(COUNT), RATE, SHAFT_HZ)
@@ -430,7 +434,10 @@ def test_a_machine_that_gets_loud_while_it_is_learnt_is_not_its_own_baseline(ris
 
 
 def test_a_machine_that_stands_still_teaches_nothing():
-    rng, monitor = np.random.default_rng(4), SeriesMonitor(None, SeriesSettings(baseline=20))
+    rng, monitor = (
+        np.random.default_rng(4),
+        SeriesMonitor(None, DiagnosisSettings(baseline_windows=20)),
+    )
     for number in range(60):
         height, hertz = (1e-3, 0.0) if number < 30 else (1.0, SHAFT_HZ)
         monitor.add(number, height * rng.standard_normal(COUNT), RATE, hertz)
@@ -494,7 +501,7 @@ def test_a_machine_that_is_damaged_from_the_first_snapshot_on_is_not_ok(place):
 
 def test_damage_that_does_not_double_the_level_is_named():
     rng, bearing = np.random.default_rng(4), find_bearing('6205')
-    monitor = SeriesMonitor(bearing, SeriesSettings(baseline=20))
+    monitor = SeriesMonitor(bearing, DiagnosisSettings(baseline_windows=20))
     for n in range(60):
         point = monitor.add(600.0 * n, impacts(rng, bearing, 'outer', 4.0 * (n >= 40)), RATE, 30.0)
         assert point.level == ('none' if n < 19 else 'ok' if n < 44 else 'fault')
@@ -506,7 +513,7 @@ def test_damage_that_does_not_double_the_level_is_named():
 
 def test_each_snapshot_at_another_speed_is_judged_alone():
     rng, bearing = np.random.default_rng(5), find_bearing('6205')
-    monitor = SeriesMonitor(bearing, SeriesSettings(baseline=20))
+    monitor = SeriesMonitor(bearing, DiagnosisSettings(baseline_windows=20))
     for n in range(30):
         hertz = rng.uniform(20.0, 40.0)
         monitor.add(600.0 * n, impacts(rng, bearing, 'outer', 6.0, hertz), RATE, hertz)
@@ -519,7 +526,7 @@ def test_answers_of_short_snapshots_say_that_they_are_none():
     monitor, _ = life(0, 400)
     assert not any('alone' in reason for reason in monitor.report().reasons)
     rng = np.random.default_rng(6)
-    monitor = SeriesMonitor(find_bearing('6205'), SeriesSettings(baseline=20))
+    monitor = SeriesMonitor(find_bearing('6205'), DiagnosisSettings(baseline_windows=20))
     for n in range(30):
         point = monitor.add(600.0 * n, rng.standard_normal(COUNT), RATE, SHAFT_HZ)
     assert point.level == 'ok'
@@ -570,7 +577,7 @@ def test_a_level_that_rises_beside_a_doubt_is_not_learnt_and_has_its_place(monke
         level='suspect',
     )  # fmt: skip
     rng, bearing = np.random.default_rng(9), find_bearing('6205')
-    monitor = SeriesMonitor(bearing, SeriesSettings(baseline=20))
+    monitor = SeriesMonitor(bearing, DiagnosisSettings(baseline_windows=20))
     for n in range(100):
         x = impacts(rng, bearing, 'outer', 3.0 * (n >= 40), seconds=0.5)
         point = monitor.add(600.0 * n, x * (2.8 if n >= 40 else 1.0), RATE, 30.0)

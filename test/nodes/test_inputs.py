@@ -405,12 +405,20 @@ def test_one_of_two_thermometers_is_heard_and_the_other_is_told():
     assert not any(twin.problems())
 
 
-@pytest.mark.parametrize('name', ['line2/fan', '..', 'a\0b'])
-def test_a_state_name_that_is_no_file_name_is_refused_with_the_parameters(name):
+@pytest.mark.parametrize(
+    ('given', 'why'),
+    [
+        ({'state_name': 'line2/fan'}, 'is not a plain file name'),
+        ({'state_name': '..'}, 'is not a plain file name'),
+        ({'state_name': 'a\0b'}, 'is not a plain file name'),
+        ({'series_cycle': 600.0, 'baseline_windows': 5}, 'a baseline of 5 snapshots'),
+    ],
+)
+def test_what_no_diagnosis_can_do_is_refused_with_the_parameters(given, why):
     from bearing_twin.assets.diagnosis_parameters import check_diagnosis, SPECS
 
-    values = {spec.name: spec.default for spec in SPECS} | {'state_name': name}
-    with pytest.raises(BearingTwinError, match='is not a plain file name'):
+    values = {spec.name: spec.default for spec in SPECS} | given
+    with pytest.raises(BearingTwinError, match=why):
         check_diagnosis(values)
 
 
