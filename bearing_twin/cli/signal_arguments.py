@@ -46,7 +46,7 @@ def add_signal_arguments(parser: argparse.ArgumentParser) -> None:
     speed = parser.add_mutually_exclusive_group()
     speed.add_argument('--shaft-hz', type=float, help='shaft speed, Hz; else what the file says')
     speed.add_argument('--rpm', type=float, help='the same in turns a minute')
-    parser.add_argument('--sample-rate', type=float, help='Hz, for files that do not say it')
+    parser.add_argument('--sample-rate', type=float, help='Hz; else what the file says')
     parser.add_argument(
         '--channel', metavar='NAME', help='name, number or topic, or any part that only one has'
     )

@@ -13,7 +13,9 @@ import numpy as np
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ['read_csv']
+    from numpy.typing import NDArray
+
+__all__ = ['is_even', 'read_csv']
 
 HEAD = 100
 """Lines in which the numbers must begin."""
@@ -37,8 +39,8 @@ def read_csv(path: Path) -> dict[str, Any]:
     """
     Read the columns of a text file by name, or by ``c0``, ``c1``, ... without a heading.
 
-    A column of times in s, ms, us or ns becomes ``fs``; ``fs = ...``, ``rpm = ...`` before the
-    numbers and a unit in brackets in a heading are taken as well.
+    A column of even times in s, ms, us or ns becomes ``fs``; ``fs = ...``, ``rpm = ...`` before
+    the numbers and a unit in brackets in a heading are taken as well.
 
     Raises
     ------
@@ -75,12 +77,37 @@ def read_csv(path: Path) -> dict[str, Any]:
         # T may be a temperature, T_1 one of several.
         known = _seconds(name) > 0.0 and not re.search(r'\d', name)
         if time and column.size > 1 and (len(time[0]) > 1 or known):
-            step = _seconds(name) * float(np.median(np.diff(column)))
-            if step > 0.0:
+            # Of printed times most steps are rounded; the mean one is not.
+            step = _seconds(name) * float(column[-1] - column[0]) / (column.size - 1)
+            if step > 0.0 and is_even(column):
                 found.setdefault('fs', np.array(1.0 / step))
+            elif step > 0.0:
+                found['no_rate'] = np.array(f'the times of its column {name!r} have gaps')
         else:
             found[name] = np.ascontiguousarray(column)
     return found
+
+
+def is_even(column: NDArray[Any]) -> bool:
+    """
+    Whether an array rises or falls evenly, but for the digits to which its values are rounded.
+
+    Examples
+    --------
+    >>> times = np.round(np.arange(1000) / 12000.0, 4)
+    >>> is_even(times), is_even(np.delete(times, slice(500, 510)))
+    (True, False)
+
+    """
+    values = column.ravel().astype(np.float64)
+    steps = np.diff(values)
+    step = steps.mean()
+    if not (step and np.all(steps * step >= 0.0)):
+        return False
+    # Rounded values are a multiple of their last digit apart, and both ends of the line are such.
+    digit = np.abs(steps[steps != 0.0]).min()
+    away = np.abs(values - values[0] - step * np.arange(len(values))).max()
+    return bool(away <= 1.5 * max(digit, abs(step)))
 
 
 def _seconds(heading: str) -> float:

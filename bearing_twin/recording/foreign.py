@@ -18,7 +18,7 @@ import warnings
 from bearing_twin.bearing import Bearing
 from bearing_twin.diagnosis.severity import acceleration_factor, GRAVITY
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.csvfile import read_csv
+from bearing_twin.recording.csvfile import is_even, read_csv
 from bearing_twin.recording.dataset import dataset_signals, is_dataset, read_dataset_signal
 from bearing_twin.recording.matfile import read_mat
 from bearing_twin.recording.mcapfile import refuse_special
@@ -95,7 +95,7 @@ def read_signal(
         Which channel, named as above, or any part of the name that only one channel has
         (``DE`` for ``DE_time``); None: the only one, or the longest.
     sample_rate
-        Hz; for files that do not say it, and against what they say.
+        Hz; for files that do not say it, and against what they say, which `Signal.source` names.
 
     Raises
     ------
@@ -112,12 +112,18 @@ def read_signal(
         found = read_vibration_topic(path, channel, most=MOST_SAMPLES)
     else:
         found = _read_file(path, channel)
-    rate = _number(found, RATES) if sample_rate is None else sample_rate
-    if not (math.isfinite(rate) and 1.0 <= rate <= 1e8):
-        msg = (
-            f'{path} does not say its sample rate (found {rate:g}); give it in Hz (--sample-rate)'
-        )
+    said = _number(found, RATES)
+    rate = said if sample_rate is None else sample_rate
+    if math.isnan(rate):
+        why = _text(found, 'no_rate') or 'it does not say its sample rate'
+        msg = f'{path}: {why}; give it in Hz (--sample-rate)'
         raise BearingTwinError(msg)
+    if not 1.0 <= rate <= 1e8:
+        msg = f'{path}: sample rate {rate:g} is outside 1..1e8 Hz; give it in Hz (--sample-rate)'
+        raise BearingTwinError(msg)
+    where = found.get('where', '')
+    if abs(rate - said) > 0.001 * rate:
+        where += f' (the file says {said:g} Hz)'
     x = _vector(found['x'], path)
     speeds = _speeds(found, len(x))
     numbers = [_number(found, (name,)) * factor for name, factor in SPEEDS.items()]
@@ -134,7 +140,7 @@ def read_signal(
         bearing_name=_text(found, 'bearing_name') or _text(found, 'bearing'),
         temperature=_number(found, ('temperature', 'temp_C')),
         label=_text(found, 'label'),
-        source=f'{path}{found.get("where", "")}',
+        source=f'{path}{where}',
         bearing=orders if isinstance(orders := found.get('bearing'), Bearing) else None,
     )
 
@@ -285,7 +291,7 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
     if not name:
         candidates = _candidates(numeric)
         # A counter or a time without a name is the vibration only where there is nothing else.
-        free = [key for key in candidates if not _steady(numeric[key])] or candidates
+        free = [key for key in candidates if not is_even(numeric[key])] or candidates
         longest = max(free, key=lambda key: numeric[key].size, default='')
         name = next((key for key in ('x', 'vibration', 'acceleration') if key in numeric), longest)
         if name == longest and name:
@@ -312,12 +318,6 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
         raise BearingTwinError(msg)
     said = {key: value for key, value in arrays.items() if key != name}
     return {**said, 'x': x, 'where': where}
-
-
-def _steady(column: NDArray[Any]) -> bool:
-    """Whether an array rises by the same from each value to the next."""
-    steps = np.diff(column.ravel()[:1_000_000].astype(np.float64))
-    return bool(np.ptp(steps) <= 1e-6 * abs(steps.mean()))
 
 
 def _index(text: str, count: int, what: str) -> int:

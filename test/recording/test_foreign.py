@@ -295,6 +295,39 @@ def test_times_have_the_unit_that_their_heading_says(tmp_path: Path, heading, fa
     np.testing.assert_allclose(signal.x, X[:500], rtol=1e-8)
 
 
+@pytest.mark.parametrize('decimals', [3, 4, 5, 6])
+@pytest.mark.parametrize('rate', [12000.0, 25600.0])
+@pytest.mark.parametrize('heading', ['time,acc', 'X_Value,Voltage'])
+def test_times_of_few_decimals_are_times_and_give_the_rate_they_have(
+    tmp_path: Path, decimals, rate, heading
+) -> None:
+    path = tmp_path / 'a.csv'
+    x = np.random.default_rng(0).standard_normal(60000)
+    rows = '\n'.join(f'{k / rate:.{decimals}f},{v:.4f}' for k, v in enumerate(x))
+    path.write_text(f'{heading}\n{rows}')
+    timed = heading.startswith('time')
+    signal = read_signal(path, sample_rate=None if timed else rate)
+    assert signal.sample_rate == pytest.approx(rate, rel=2e-4 if decimals == 3 else 2e-5)
+    np.testing.assert_allclose(signal.x, x, atol=1e-4)
+
+
+def test_times_with_a_gap_give_no_sample_rate(tmp_path: Path) -> None:
+    path = tmp_path / 'a.csv'
+    rows = [f'{k / 12000.0:.6f},{v:.4f}' for k, v in enumerate(np.sin(np.arange(30000)))]
+    path.write_text('time,acc\n' + '\n'.join(rows[:12000] + rows[12020:]))
+    with pytest.raises(BearingTwinError, match="times of its column 'time' have gaps; give it"):
+        read_signal(path)
+    assert read_signal(path, sample_rate=12000.0).sample_rate == 12000.0
+
+
+def test_a_rate_that_overrules_the_file_is_named_beside_it(tmp_path: Path) -> None:
+    path = tmp_path / 'a.csv'
+    path.write_text('time,acc\n' + '\n'.join(f'{k / 1000.0},{k % 7}' for k in range(500)))
+    signal = read_signal(path, sample_rate=25600.0)
+    assert signal.source.endswith('acc (the file says 1000 Hz)')
+    assert signal.sample_rate == 25600.0
+
+
 def test_times_in_another_unit_give_no_sample_rate(tmp_path: Path) -> None:
     path = tmp_path / 'a.csv'
     path.write_text('time (min),acc\n' + '\n'.join(f'{k},{v:.9g}' for k, v in enumerate(X[:50])))
