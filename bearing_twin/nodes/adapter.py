@@ -117,15 +117,6 @@ class AdapterNode(ManagedNode):
         self._input = subscribe(self, kind, topic, take, SENSOR, refused=self._refuse)
         self.get_logger().info(f'listening to {self._input.topic_name}')
 
-    def stop(self) -> None:
-        """Stop listening."""
-        self.destroy_subscription(self._input)
-
-    def teardown(self) -> None:
-        """Destroy what setup created."""
-        self._health.destroy()
-        self.destroy_lifecycle_publisher(self._vibration)
-
     def _on_array(self, message: Float32MultiArray, info: MessageInfo) -> None:
         self._arrived = time.monotonic()
         if not self._sources.accept(info.get('publisher_gid'), self._arrived):

@@ -82,7 +82,7 @@ class CalibrationNode(ManagedNode):
         self._out = self.create_lifecycle_publisher(
             Calibration, 'calibration', own(RESULT), qos_overriding_options=OVERRIDES
         )
-        self._reset = self.offer('~/reset', self._forget)
+        self.offer('~/reset', self._forget)
         self._health = Health(self, p['hardware_id'] or self.get_namespace())
         self._health.add('calibration', self.status)
         self._health.add('residual', self.residual_status)
@@ -96,25 +96,19 @@ class CalibrationNode(ManagedNode):
         ]
         if self.parameters['joint']:
             topics.append((JointState, 'joint_states', self._on_joints, MEASUREMENT))
-        self._inputs = [subscribe(self, *topic) for topic in topics]
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._timer = self.create_timer(POLL, self._look, clock=steady)
+        for topic in topics:
+            subscribe(self, *topic)
+        self.create_timer(POLL, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def stop(self) -> None:
-        """Stop listening and keep what was learnt."""
-        self.destroy_timer(self._timer)
-        for subscription in self._inputs:
-            self.destroy_subscription(subscription)
+        """Keep what was learnt."""
         self._keep_state()
 
     def teardown(self) -> None:
-        """Destroy what setup created."""
+        """End the worker; let another node keep the state."""
         _end(self._worker)
         if problem := self._states.release():
             self.get_logger().error(problem)
-        self._health.destroy()
-        self.destroy_service(self._reset)
-        self.destroy_lifecycle_publisher(self._out)
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; what was learnt of another bearing is forgotten."""

@@ -37,7 +37,7 @@ class DiagnosisNode(ManagedNode):
         """Build the chain; create publishers and the service."""
         p = self.parameters
         self._topics = DiagnosisTopics(self, p)
-        self._reset = self.offer('~/reset', self._topics.reset)
+        self.offer('~/reset', self._topics.reset)
         self._health = Health(self, p['hardware_id'] or self.get_namespace())
         self._health.add('vibration input', self._topics.input_status)
         self._health.add('bearing', self._topics.verdict_status)
@@ -48,14 +48,12 @@ class DiagnosisNode(ManagedNode):
         self.get_logger().info(f'diagnosing bearing {self._topics.bearing}')
 
     def stop(self) -> None:
-        """Stop listening and keep what was learnt."""
-        self._topics.stop()
+        """Keep what was learnt."""
+        self._topics.keep_state()
 
     def teardown(self) -> None:
-        """Destroy what setup created."""
-        self._health.destroy()
-        self.destroy_service(self._reset)
-        self._topics.destroy()
+        """Let another node keep the state."""
+        self._topics.release()
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; the window restarts where the bearing has changed."""

@@ -138,24 +138,10 @@ class DiagnosisTopics:
             )
         )
 
-    def stop(self) -> None:
-        """Stop listening and keep what was learnt."""
-        for subscription in self._inputs:
-            self._node.destroy_subscription(subscription)
-        self._keep_state()
-
-    def destroy(self) -> None:
-        """Give up the topics and the state."""
+    def release(self) -> None:
+        """Let another node keep the state."""
         if problem := self._states.release():
             self._node.get_logger().error(problem)
-        for publisher in (
-            self._verdict,
-            self._spectrum,
-            self._envelope,
-            *self._features.values(),
-            self._checkpoint,
-        ):
-            self._node.destroy_lifecycle_publisher(publisher)
 
     def reset(self) -> str:
         """Start anew: window, baseline and trend; return what a service answers."""
@@ -243,7 +229,7 @@ class DiagnosisTopics:
                 state=self._core.diagnoser.save(),
             )
         )
-        self._keep_state()
+        self.keep_state()
 
     def _load_state(self) -> None:
         name = self.parameters['state_name']
@@ -260,7 +246,8 @@ class DiagnosisTopics:
                 f'baseline and trend loaded from {self._states.path(name)}'
             )
 
-    def _keep_state(self) -> None:
+    def keep_state(self) -> None:
+        """Keep what was learnt, if that is asked for."""
         name = self.parameters['state_name']
         if not name or self._latest is None:
             return

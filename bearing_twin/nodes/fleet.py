@@ -135,7 +135,7 @@ class FleetNode(ManagedNode):
             self._set_up_diagnosis(member, stagger=(index + 1) / len(self._members))
         self._health.add('real time', self._cycle.status)
         self._warm()
-        self._reset = self.offer('~/reset', self._reset_all)
+        self.offer('~/reset', self._reset_all)
 
     def _warm(self) -> None:
         """Make a block and its messages and take it back: the first one has a deadline."""
@@ -169,7 +169,7 @@ class FleetNode(ManagedNode):
             prefix=f'{member.name}/',
             checkpoints=False,
         )
-        member.services = TwinServices(
+        TwinServices(
             self,
             p,
             reset=partial(self._reset_twin, member),
@@ -190,7 +190,7 @@ class FleetNode(ManagedNode):
         if p is None:
             return
         member.diagnosis = DiagnosisTopics(self, p, prefix=f'{member.name}/')
-        member.reset = self.offer(f'{member.name}/diagnosis/reset', member.diagnosis.reset)
+        self.offer(f'{member.name}/diagnosis/reset', member.diagnosis.reset)
         blocks = p['update_interval'] * self.parameters['sample_rate']
         member.wait = int(stagger * blocks / self.parameters['block_size'])
         hardware_id = p['hardware_id'] or member.name
@@ -215,7 +215,7 @@ class FleetNode(ManagedNode):
         self.get_logger().info(f'{len(self._twins)} twins and {diagnoses} diagnoses')
 
     def stop(self) -> None:
-        """Stop the clock of the blocks and listening."""
+        """Stop the clock of the blocks."""
         self._cycle.stop()
         try:
             # They have been counted as published.
@@ -224,15 +224,12 @@ class FleetNode(ManagedNode):
             # Ctrl-C has ended the context: nothing is published any more, and the states are kept.
             for member in self._members:
                 if member.diagnosis is not None:
-                    member.diagnosis.stop()
+                    member.diagnosis.keep_state()
 
     def teardown(self) -> None:
-        """Destroy what setup created."""
-        self._health.destroy()
-        self.destroy_service(self._reset)
+        """Give up what the members had."""
         for member in self._members:
-            member.destroy()
-        self.destroy_lifecycle_publisher(self._checkpoint)
+            member.release()
 
     def _apply_twin(self, member: Member, values: Mapping[str, Any]) -> None:
         if member.channel is not None and self._fleet is not None:

@@ -20,10 +20,8 @@ if TYPE_CHECKING:
     from bearing_twin.assets.fleet import Asset
     from bearing_twin.assets.twin import TwinChannel
     from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics
-    from bearing_twin.nodes.twin_services import TwinServices
     from bearing_twin.nodes.twin_topics import TwinTopics
     from bearing_twin.ros.lifecycle import ManagedNode
-    from rclpy.service import Service
 
 __all__ = ['Member']
 
@@ -55,7 +53,6 @@ class Member:
         apply_twin: Callable[[Member, Mapping[str, Any]], None],
         apply_diagnosis: Callable[[Member, Mapping[str, Any]], None],
     ) -> None:
-        self._node = node
         self.name = asset.name
         self.twin_parameters: ParameterSet | None = None
         self.diagnosis_parameters: ParameterSet | None = None
@@ -63,9 +60,6 @@ class Member:
         """Inputs and messages of its twin."""
         self.twin: TwinTopics | None = None
         self.diagnosis: DiagnosisTopics | None = None
-        self.services: TwinServices | None = None
-        self.reset: Service[Any, Any] | None = None
-        """Service that resets the diagnosis."""
         self.wait = 0
         """Blocks before the diagnosis begins, so that verdicts do not coincide."""
         self.prefix = prefix = asset.name.replace('/', '.')
@@ -96,14 +90,11 @@ class Member:
             msg = f'asset {asset.name}: {error}'
             raise BearingTwinError(msg) from None
 
-    def destroy(self) -> None:
-        """Give up topics and services."""
-        for part in (self.twin, self.diagnosis, self.services):
-            if part is not None:
-                part.destroy()
-        if self.reset is not None:
-            self._node.destroy_service(self.reset)
-        self.channel = self.twin = self.diagnosis = self.services = self.reset = None
+    def release(self) -> None:
+        """Forget twin and diagnosis; let another node keep the state."""
+        if self.diagnosis is not None:
+            self.diagnosis.release()
+        self.channel = self.twin = self.diagnosis = None
 
 
 def _check_twin(values: Mapping[str, Any]) -> None:

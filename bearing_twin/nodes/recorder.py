@@ -99,10 +99,8 @@ class RecorderNode(ManagedNode):
         self._skipped = 0
         self._sent_before: Counter[str] = Counter()
         self._longest_wait = 0
-        self._answers = [
-            self.offer('~/split', self._split),
-            self.offer('~/snapshot', self._snapshot),
-        ]
+        self.offer('~/split', self._split)
+        self.offer('~/snapshot', self._snapshot)
         self._health = Health(self, self.get_namespace())
         self._watch = RecordingWatch(self._writer, self.parameters.values, self.get_logger())
         self._health.add('recording', self._status)
@@ -111,16 +109,12 @@ class RecorderNode(ManagedNode):
         """Subscribe, and look for new topics from now on."""
         self._topics.expect(EXPECTED)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._timers_of_recording = [
-            self.create_timer(DISCOVERY_PERIOD, self._topics.discover, clock=steady),
-            self.create_timer(self.parameters['flush_period'], self._flush, clock=steady),
-        ]
+        self.create_timer(DISCOVERY_PERIOD, self._topics.discover, clock=steady)
+        self.create_timer(self.parameters['flush_period'], self._flush, clock=steady)
         self._topics.discover()
 
     def stop(self) -> None:
         """Write what has arrived; unsubscribe from everything."""
-        for timer in self._timers_of_recording:
-            self.destroy_timer(timer)
         self._topics.close()
         # What is sent until it records again is not lost.
         self._heard = dict.fromkeys(self._heard, 0)
@@ -135,9 +129,6 @@ class RecorderNode(ManagedNode):
 
     def teardown(self) -> None:
         """Finish the recording."""
-        self._health.destroy()
-        for service in self._answers:
-            self.destroy_service(service)
         self._watch.close()
         try:
             self._writer.close()

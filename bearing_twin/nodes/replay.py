@@ -118,11 +118,9 @@ class ReplayNode(ManagedNode):
         self._clock_publisher = (
             self.create_publisher(Clock, '/clock', RESULT) if p['clock_rate'] else None
         )
-        self._answers = [
-            self.offer('~/pause', partial(self._set_paused, paused=True)),
-            self.offer('~/resume', partial(self._set_paused, paused=False)),
-            self.offer('~/step', self._step),
-        ]
+        self.offer('~/pause', partial(self._set_paused, paused=True))
+        self.offer('~/resume', partial(self._set_paused, paused=False))
+        self.offer('~/step', self._step)
         self._wake = threading.Condition()
         self._running = False
         self._problem = ''
@@ -142,16 +140,6 @@ class ReplayNode(ManagedNode):
         with self._wake:
             self._wake.notify()
         self._thread.join()
-
-    def teardown(self) -> None:
-        """Destroy what setup created."""
-        self._health.destroy()
-        for publisher in self._topics.values():
-            self.destroy_publisher(publisher)
-        if self._clock_publisher is not None:
-            self.destroy_publisher(self._clock_publisher)
-        for service in self._answers:
-            self.destroy_service(service)
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take a changed pace."""

@@ -72,9 +72,7 @@ class TwinNode(ManagedNode):
         self._topics = TwinTopics(
             self, self._twin, turns=StateTurns(p['state_rate'], self._cycle.period)
         )
-        self._answers = TwinServices(
-            self, p, reset=self._twin.reset, save=self._twin.save, load=self._twin.load
-        )
+        TwinServices(self, p, reset=self._twin.reset, save=self._twin.save, load=self._twin.load)
         self._health = Health(self, p['hardware_id'] or self.get_namespace())
         self._health.add('temperature input', self._topics.status)
         self._health.add('validity', self._topics.validity)
@@ -95,13 +93,6 @@ class TwinNode(ManagedNode):
     def stop(self) -> None:
         """Stop the clock of the blocks."""
         self._cycle.stop()
-
-    def teardown(self) -> None:
-        """Destroy what setup created."""
-        self._health.destroy()
-        self._calibration.destroy()
-        self._topics.destroy()
-        self._answers.destroy()
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; the motion goes on from where it is."""

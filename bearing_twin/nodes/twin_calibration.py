@@ -78,11 +78,6 @@ class TwinCalibration:
         fitted = named(values)
         return not same or (fitted is not None and fitted.text != self._text), fitted
 
-    def destroy(self) -> None:
-        """Hear no more."""
-        if self._topic is not None:
-            self._node.destroy_subscription(self._topic)
-
     def _on_calibration(self, message: Calibration, _: object) -> None:
         try:
             self._twin.take(read_fitted(message.json))

@@ -55,20 +55,10 @@ class TwinServices:
         self._reset, self._save, self._load = reset, save, load
         self._prefix = prefix
         self._states = StateFolder(parameters['state_directory'])
-        self._services = [node.offer(f'{path}/reset', self._restart)]
-        self._services += [
-            node.create_service(kind, f'{path}/{name}', answer)
-            for kind, name, answer in (
-                (SaveState, 'save_state', self._on_save),
-                (LoadState, 'load_state', self._on_load),
-                (InjectDefect, 'inject_defect', self._on_inject),
-            )
-        ]
-
-    def destroy(self) -> None:
-        """Answer no more."""
-        for service in self._services:
-            self._node.destroy_service(service)
+        node.offer(f'{path}/reset', self._restart)
+        node.create_service(SaveState, f'{path}/save_state', self._on_save)
+        node.create_service(LoadState, f'{path}/load_state', self._on_load)
+        node.create_service(InjectDefect, f'{path}/inject_defect', self._on_inject)
 
     def _restart(self) -> str:
         self._reset()

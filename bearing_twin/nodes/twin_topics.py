@@ -84,26 +84,15 @@ class TwinTopics:
         self._state = node.create_lifecycle_publisher(
             TwinState, f'{prefix}twin_state', own(qos), qos_overriding_options=OVERRIDES
         )
-        self._publishers = [self._vibration, self._state]
         if checkpoints:
             self._checkpoint = node.create_lifecycle_publisher(
                 Checkpoint, f'{prefix}twin_checkpoint', CHECKPOINT
             )
-            self._publishers.append(self._checkpoint)
         inputs: list[tuple[Any, str, Any]] = [(Temperature, 'temperature', twin.take_temperature)]
         if twin.values['joint']:
             inputs.append((JointState, 'joint_states', twin.take_joints))
-        self._inputs = [
+        for kind, topic, take in inputs:
             subscribe(node, kind, f'{prefix}{topic}', take, MEASUREMENT, group=node.polled)
-            for kind, topic, take in inputs
-        ]
-
-    def destroy(self) -> None:
-        """Give up the topics."""
-        for publisher in self._publishers:
-            self._node.destroy_lifecycle_publisher(publisher)
-        for subscription in self._inputs:
-            self._node.destroy_subscription(subscription)
 
     def await_subscribers(self, count: int, deadline: float = math.inf) -> None:
         """Wait until ``count`` subscribers hear the vibration; 10 s, or until ``deadline``."""

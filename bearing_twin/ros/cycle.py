@@ -106,7 +106,6 @@ class BlockCycle:
 
     def stop(self) -> None:
         """Publish no more blocks."""
-        self._node.destroy_timer(self._timer)
         if self._jumps is not None:
             self._jumps.unregister()
 

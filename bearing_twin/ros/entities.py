@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a node has in the graph, and how what a failed step has added is taken back."""
+"""What a node has in the graph, and how what a step has added is taken back."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 __all__ = ['destroy_new', 'entities']
 
 
-def entities(node: LifecycleNode) -> list[Any]:
+def entities(node: LifecycleNode) -> set[Any]:
     """Return publishers, subscriptions, services, clients and timers of a node."""
-    return [
+    return {
         *(*node.publishers, *node.subscriptions),
         *(*node.services, *node.clients, *node.timers),
-    ]
+    }
 
 
 def destroy_new(node: LifecycleNode, before: Collection[Any]) -> None:

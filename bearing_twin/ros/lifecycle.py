@@ -58,9 +58,10 @@ class ManagedNode(LifecycleNode):
     A lifecycle node with a parameter table.
 
     ``configure`` builds what the parameters describe, ``activate`` starts it, ``deactivate`` and
-    ``cleanup`` undo the two. A subclass fills in :meth:`prepare`, :meth:`check`, :meth:`apply`,
-    :meth:`setup`, :meth:`start`, :meth:`stop` and :meth:`teardown`; each of the last four may
-    raise BearingTwinError, which fails the transition with its text in the log.
+    ``cleanup`` undo the two, and destroy the topics, services and timers that the step made. A
+    subclass fills in :meth:`prepare`, :meth:`check`, :meth:`apply`, :meth:`setup`, :meth:`start`,
+    :meth:`stop` and :meth:`teardown`; each of the last four may raise BearingTwinError, which
+    fails the transition with its text in the log.
     """
 
     def __init__(self, name: str, specs: Iterable[Spec]) -> None:
@@ -143,7 +144,8 @@ class ManagedNode(LifecycleNode):
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Build; rclpy's callback."""
         self._managed = True
-        result = self._attempt_or_undo(self.setup)
+        self._unconfigured = entities(self)
+        result = self._attempt_or_undo(self.setup, self._unconfigured)
         if result == TransitionCallbackReturn.SUCCESS:
             self.configured = True
             # No error: a file of parameters may be shared with other nodes.
@@ -161,7 +163,8 @@ class ManagedNode(LifecycleNode):
         """Start; rclpy's callback."""
         if super().on_activate(state) != TransitionCallbackReturn.SUCCESS:
             return TransitionCallbackReturn.FAILURE
-        result = self._attempt_or_undo(self.start)
+        self._inactive = entities(self)
+        result = self._attempt_or_undo(self.start, self._inactive)
         self.active = result == TransitionCallbackReturn.SUCCESS
         if not self.active:
             super().on_deactivate(state)
@@ -175,14 +178,14 @@ class ManagedNode(LifecycleNode):
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop; rclpy's callback."""
         self.active = False
-        result = self._attempt(self.stop)
+        result = self._undo(self.stop, self._inactive)
         super().on_deactivate(state)
         return result
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Tear down; rclpy's callback."""
         self.configured = False
-        result = self._attempt(self.teardown)
+        result = self._undo(self.teardown, self._unconfigured)
         # What could not be finished stands in the log: nothing is left that could be activated.
         failure, success = TransitionCallbackReturn.FAILURE, TransitionCallbackReturn.SUCCESS
         return success if result == failure else result
@@ -197,10 +200,10 @@ class ManagedNode(LifecycleNode):
         """Stop and tear down what is up; called on every way out."""
         if self.active:
             self.active = False
-            self._attempt(self.stop)
+            self._undo(self.stop, self._inactive)
         if self.configured:
             self.configured = False
-            self._attempt(self.teardown)
+            self._undo(self.teardown, self._unconfigured)
 
     def _is_locked(self) -> bool:
         return self.configured
@@ -209,12 +212,17 @@ class ManagedNode(LifecycleNode):
         if self.configured:
             self.apply(values)
 
-    def _attempt_or_undo(self, step: Any) -> TransitionCallbackReturn:
+    def _attempt_or_undo(self, step: Any, before: set[Any]) -> TransitionCallbackReturn:
         """Attempt a step; where it fails, what it has made does not go on beside the next one."""
-        before = entities(self)
         result = self._attempt(step)
         if result != TransitionCallbackReturn.SUCCESS:
             destroy_new(self, before)
+        return result
+
+    def _undo(self, step: Any, before: set[Any]) -> TransitionCallbackReturn:
+        """Attempt the end of a state; destroy what was made in it."""
+        result = self._attempt(step)
+        destroy_new(self, before)
         return result
 
     def _attempt(self, step: Any) -> TransitionCallbackReturn:

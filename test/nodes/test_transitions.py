@@ -39,14 +39,14 @@ class Failing(ManagedNode):
 
     def setup(self) -> None:
         """Make what a node has."""
-        self.health = Health(self, '')
+        Health(self, '')
         self.out = self.create_lifecycle_publisher(String, 'out', 10)
-        self.answer = self.offer('~/reset', str)
+        self.offer('~/reset', str)
         self.fail('setup')
 
     def start(self) -> None:
         """Listen, and fail."""
-        self.input = self.create_subscription(String, 'in', print, 10)
+        self.create_subscription(String, 'in', print, 10)
         self.fail('start')
 
     def fail(self, step: str) -> None:
@@ -55,15 +55,8 @@ class Failing(ManagedNode):
             self.steps.remove(step)
             raise self.error
 
-    def stop(self) -> None:
-        """Stop listening."""
-        self.destroy_subscription(self.input)
-
     def teardown(self) -> None:
-        """Give up what setup made."""
-        self.health.destroy()
-        self.destroy_lifecycle_publisher(self.out)
-        self.destroy_service(self.answer)
+        """Count."""
         self.torn_down += 1
 
 
@@ -78,6 +71,23 @@ def test_a_refused_configure_leaves_nothing_beside_the_next(ros_domain: int) -> 
         assert node.trigger_configure() == SUCCESS
         assert node.count_publishers('/diagnostics') == 1
         node.shut_down()
+    finally:
+        rclpy.shutdown()
+
+
+def test_what_a_step_made_ends_with_it(ros_domain: int) -> None:
+    rclpy.init()
+    try:
+        node = Failing(BearingTwinError('no'))
+        before = entities(node)
+        node.trigger_configure()
+        inactive = entities(node)
+        node.trigger_activate()
+        assert before < inactive < entities(node)
+        node.trigger_deactivate()
+        assert entities(node) == inactive
+        node.trigger_cleanup()
+        assert entities(node) == before
     finally:
         rclpy.shutdown()
 
