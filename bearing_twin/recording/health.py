@@ -9,9 +9,10 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.catalogue import known_fields
-from bearing_twin.recording.mcapfile import BrokenRecording, open_mcap
+from bearing_twin.recording.mcapfile import BrokenRecording
 from bearing_twin.recording.messages import in_file_order, Selection
 from bearing_twin.recording.reader import recording_files
+from bearing_twin.recording.salvage import open_mcap
 from bearing_twin.stamps import NANO, stamp_ns
 
 if TYPE_CHECKING:

@@ -46,9 +46,9 @@ __all__ = [
     'BrokenRecording',
     'RawRecord',
     'UnfinishedRecording',
+    'check_magic',
     'content',
     'message_head',
-    'open_mcap',
     'parse',
     'parse_from',
     'read_at',
@@ -121,40 +121,32 @@ def refuse_special(path: Path) -> None:
 
     Raises
     ------
-    BearingTwinError
+    BrokenRecording
         If the path is there and is neither a file nor a folder, or leads there.
 
     """
     if path.exists() and not path.is_file() and not path.is_dir():
         msg = f'{path} is no file but a pipe, socket or device; copy its content into a file'
-        raise BearingTwinError(msg)
+        raise BrokenRecording(msg, 0)
 
 
-def open_mcap(path: Path) -> BinaryIO:
+def check_magic(file: BinaryIO) -> None:
     """
-    Open an MCAP file.
+    Refuse a file that does not begin as an MCAP file does.
 
     Raises
     ------
-    BearingTwinError
-        If it cannot be opened or does not begin as an MCAP file does.
+    BrokenRecording
+        If it does not.
 
     """
-    refuse_special(path)
-    try:
-        file = path.open('rb')
-        head = file.read(len(MAGIC))
-    except OSError as error:
-        msg = f'{path} cannot be read: {error.strerror}'
-        raise BearingTwinError(msg) from None
+    head = read_at(file, 0, len(MAGIC))
     if head != MAGIC:
-        file.close()
         reason = 'does not begin with the MCAP magic bytes'
         if not head.strip(b'\0'):
             reason = 'begins with zeros: the disk never got its content' if head else 'is empty'
-        msg = f'{path} is no MCAP file: it {reason}'
-        raise BrokenRecording(msg, 0, path.stat().st_size)
-    return file
+        msg = f'it {reason}'
+        raise BrokenRecording(msg, 0)
 
 
 def read_at(file: BinaryIO, offset: int, length: int) -> bytes:

@@ -19,6 +19,7 @@ from bearing_twin.recording.catalogue import (
 from bearing_twin.recording.chunks import Chunks, SpentRecording
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
+    check_magic,
     content,
     MESSAGE_HEAD,
     message_head,
@@ -64,6 +65,7 @@ class Selection:
 
 def in_time_order(file: BinaryIO, size: int, keep: Selection) -> Iterator[RecordedMessage]:
     """Read by the index, in the order of log time; without an index in the order of the file."""
+    check_magic(file)
     chunks = Chunks(file, size)
     catalogue = Catalogue(chunks)
     for raw in summary_records(file, size):

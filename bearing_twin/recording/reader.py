@@ -20,9 +20,9 @@ from bearing_twin.recording.chunks import Chunks
 from bearing_twin.recording.finding import natural
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
+    check_magic,
     content,
     MAGIC,
-    open_mcap,
     parse,
     RawRecord,
     read_record,
@@ -31,6 +31,7 @@ from bearing_twin.recording.mcapfile import (
     UnfinishedRecording,
 )
 from bearing_twin.recording.messages import in_file_order, in_time_order, Selection
+from bearing_twin.recording.salvage import open_mcap
 from bearing_twin.recording.summary import summary_records
 from bearing_twin.stamps import NANO
 from mcap.opcode import Opcode
@@ -108,14 +109,11 @@ def recording_files(path: Path) -> list[Path]:
     Raises
     ------
     BearingTwinError
-        If there is none, or one is a pipe, socket or device.
+        If there is none, or the path is a pipe, socket or device.
 
     """
     if path.is_dir():
-        files = sorted(path.glob('*.mcap'), key=natural)
-        if files:
-            for file in files:
-                refuse_special(file)
+        if files := sorted(path.glob('*.mcap'), key=natural):
             return files
         msg = f'{path} is no recording: no .mcap file is in it'
         raise BearingTwinError(msg)
@@ -179,20 +177,23 @@ def _messages_of(
 ) -> Iterator[RecordedMessage]:
     """Yield the messages of one file, up to where it is broken."""
     try:
-        with open_mcap(path) as file:
-            size = path.stat().st_size
+        file = open_mcap(path)
+    except BrokenRecording as error:
+        broken.append(error)
+        return
+    with file:
+        size = path.stat().st_size
+        try:
             if recover:
                 yield from in_file_order(file, size, keep, lambda _: None)
             else:
                 yield from in_time_order(file, size, keep)
-    except BrokenRecording as error:
-        broken.append(_advised(path, error))
+        except BrokenRecording as error:
+            broken.append(_advised(path, error))
 
 
 def _advised(path: Path, error: BrokenRecording) -> BrokenRecording:
     """Return the error with the name of the file and what can be done."""
-    if not error.offset:
-        return error
     advice = f"'bearing-twin recover {path}' saves the rest"
     if isinstance(error, UnfinishedRecording):
         advice = f"mend it with 'bearing-twin recover {path}'"
@@ -214,12 +215,12 @@ def recording_info(path: Path) -> RecordingInfo:
     """
     info = RecordingInfo(path, recording_files(path))
     for file_path in list(info.files):
-        info.size += file_path.stat().st_size
         try:
             file = open_mcap(file_path)
         except BrokenRecording as error:
             if info.files == [file_path]:
                 raise
+            info.size += error.length
             info.files.remove(file_path)
             info.finished = False
             info.problems.append(str(error))
@@ -232,7 +233,9 @@ def recording_info(path: Path) -> RecordingInfo:
 
 def _look_into(file: BinaryIO, path: Path, info: RecordingInfo) -> None:
     size = path.stat().st_size
+    info.size += size
     try:
+        check_magic(file)
         _from_summary(file, size, info)
     except BrokenRecording as error:
         info.finished &= not isinstance(error, UnfinishedRecording)

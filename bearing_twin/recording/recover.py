@@ -15,7 +15,6 @@ from bearing_twin.recording.catalogue import own_definitions, RecordedChannel
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
     MAGIC,
-    open_mcap,
     parse,
     read_record,
     record_at,
@@ -23,6 +22,7 @@ from bearing_twin.recording.mcapfile import (
 )
 from bearing_twin.recording.messages import in_file_order, Selection
 from bearing_twin.recording.reader import recording_files
+from bearing_twin.recording.salvage import open_mcap
 from bearing_twin.recording.schema import message_schema
 from bearing_twin.recording.summary import summary_records
 from bearing_twin.recording.topics import OWN_TOPICS
@@ -114,7 +114,7 @@ def recover(source: Path, target: Path) -> RecoveryReport:
             msg = f'{path} is still being written; end its recorder first'
             raise BearingTwinError(msg)
     report = RecoveryReport(source, target)
-    sound = [path for path in files if _begins_well(path, report, only=len(files) == 1)]
+    sound = [path for path in files if _holds_something(path, report, only=len(files) == 1)]
     if not sound:
         msg = f'{source} holds no MCAP file with content: {"; ".join(report.losses)}'
         raise BearingTwinError(msg)
@@ -158,7 +158,10 @@ def _is_our_torn_file(path: Path) -> bool:
 
 
 def _is_being_written(path: Path) -> bool:
-    with path.open('rb') as file:
+    if not path.is_file():
+        return False
+    # Of what cannot be read, opening it says so.
+    with contextlib.suppress(OSError), path.open('rb') as file:
         try:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -166,7 +169,7 @@ def _is_being_written(path: Path) -> bool:
     return False
 
 
-def _begins_well(path: Path, report: RecoveryReport, *, only: bool) -> bool:
+def _holds_something(path: Path, report: RecoveryReport, *, only: bool) -> bool:
     try:
         open_mcap(path).close()
     except BrokenRecording as error:

@@ -9,9 +9,10 @@ import re
 import struct
 from typing import BinaryIO, TYPE_CHECKING
 
-from bearing_twin.recording.chunks import SpentRecording
+from bearing_twin.recording.chunks import Chunks, SpentRecording
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
+    check_magic,
     CHUNK_HEAD,
     content,
     MAGIC,
@@ -21,6 +22,7 @@ from bearing_twin.recording.mcapfile import (
     read_at,
     record_at,
     RECORD_HEAD,
+    refuse_special,
     UnfinishedRecording,
 )
 from mcap.data_stream import ReadDataStream
@@ -28,13 +30,14 @@ from mcap.opcode import Opcode
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
+    from pathlib import Path
 
-    from bearing_twin.recording.chunks import Chunks
-
-__all__ = ['sound_records']
+__all__ = ['open_mcap', 'sound_records']
 
 BLOCK = 4 * 1024 * 1024
 """Bytes that are searched at a time."""
+SECTOR = 4096
+"""Bytes that are given up where the disk cannot read one of them."""
 CHUNK = re.compile(rb'\x06(?=.{5}\0\0\0.{28}(?:\x04\0\0\0zstd|\x03\0\0\0lz4|\0\0\0\0))', re.DOTALL)
 """Where a chunk may begin: its opcode, a length below 2^40, a compression that is known."""
 EITHER = re.compile(rb'[\x05\x06](?=.{5}\0\0\0)', re.DOTALL)
@@ -68,6 +71,36 @@ STEPPED_OVER = {*IDLE, *range(PRIVATE, 256)}
 """Kinds whose content no reader uses."""
 
 
+def open_mcap(path: Path) -> BinaryIO:
+    """
+    Open an MCAP file, which may be damaged anywhere.
+
+    Raises
+    ------
+    BrokenRecording
+        If it cannot be opened, or does not begin as an MCAP file does and holds no sound chunk
+        or message either.
+
+    """
+    refuse_special(path)
+    try:
+        file = path.open('rb')
+    except OSError as error:
+        msg = f'{path} cannot be read: {error.strerror}'
+        raise BrokenRecording(msg, 0) from None
+    try:
+        check_magic(file)
+    except BrokenRecording as error:
+        size = path.stat().st_size
+        chunks = Chunks(file, size)
+        for _ in sound_records(chunks, (Opcode.CHUNK, Opcode.MESSAGE), lambda _: None):
+            return file
+        file.close()
+        msg = f'{path} is no MCAP file: {error}'
+        raise BrokenRecording(msg, 0, size) from None
+    return file
+
+
 def sound_records(
     chunks: Chunks,
     wanted: Collection[int],
@@ -94,7 +127,7 @@ def sound_records(
     """
     search = _Search(chunks)
     size = chunks.size
-    offset = len(MAGIC)
+    offset = 0
     while offset <= size:
         found = _record(search, offset, wanted, strict=damaged is None)
         if isinstance(found, BrokenRecording):
@@ -113,13 +146,13 @@ def sound_records(
         if raw.opcode == Opcode.FOOTER:
             return
         end = raw.end
-        private = end - offset if raw.opcode >= PRIVATE else 0
+        private = end - raw.offset if raw.opcode >= PRIVATE else 0
         if raw.length <= SHORT and raw.opcode != Opcode.MESSAGE:
             end, more = search.end_of_run(raw)
             private += more
         if damaged is not None and private:
-            text = f'{private} bytes from byte {offset} on are records of unknown kinds'
-            damaged(BrokenRecording(text, offset, private))
+            text = f'{private} bytes from byte {raw.offset} on are records of unknown kinds'
+            damaged(BrokenRecording(text, raw.offset, private))
         if data is not None:
             yield raw, data
             if raw.opcode == Opcode.MESSAGE and raw.length <= SHORT:
@@ -135,6 +168,9 @@ def _record(
     """Return the record at a byte, with its content if it is wanted; or why it cannot be read."""
     file, size = search.file, search.size
     try:
+        if not offset:
+            check_magic(file)
+            offset = len(MAGIC)
         if offset == size:
             msg = 'the recording was not finished: its end is missing'
             raise UnfinishedRecording(msg, size)
@@ -278,7 +314,10 @@ class _Search:
             room = min(8 * room, BLOCK)
 
     def sound_from(self, offset: int) -> int:
-        """Return where to go on after the damaged record at ``offset``: the end, at last."""
+        """Return where to go on after what is damaged at ``offset``: the end, at last."""
+        if not offset and self.size > len(MAGIC) and self._fitting(len(MAGIC)) is not None:
+            # Nothing but the magic bytes is.
+            return len(MAGIC)
         try:
             raw = record_at(self.file, offset, self.size)
             self._room -= raw.length
@@ -299,12 +338,14 @@ class _Search:
             at += BLOCK
         return self.size
 
-    def _read(self, at: int) -> bytes:
+    def _read(self, at: int, length: int = BLOCK + LONGEST_HEAD) -> bytes:
         try:
-            return read_at(self.file, at, BLOCK + LONGEST_HEAD)
+            return read_at(self.file, at, length)
         except BrokenRecording:
-            # A bad sector: nothing begins in it.
-            return b''
+            # Nothing begins in a bad sector, but beside it.
+            if length <= SECTOR:
+                return bytes(length)
+            return self._read(at, length // 2) + self._read(at + length // 2, -(-length // 2))
 
     def _is_any(self, offset: int) -> bool:
         return self._is_chunk(offset) or self._is_message(offset)

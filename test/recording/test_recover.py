@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
+import io
 import os
 import random
 import shutil
@@ -16,7 +18,8 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording import outfile
 from bearing_twin.recording.foreign import read_signal
 from bearing_twin.recording.health import recording_health
-from bearing_twin.recording.mcapfile import UnfinishedRecording
+from bearing_twin.recording.mcapfile import BrokenRecording, UnfinishedRecording
+from bearing_twin.recording.messages import in_file_order, Selection
 from bearing_twin.recording.player import Player
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover, RecoveryReport
@@ -121,12 +124,14 @@ def test_one_flipped_bit_costs_one_chunk(tmp_path: Path, finished: bool, compres
     content = path.read_bytes()
     begin, end, _ = chunks(path)[0]
     last = chunks(path)[-1][1]
+    # A busy machine closes one before it is full.
+    lengths = [end - begin for begin, end, _ in chunks(path)]
     if not finished:
         content = content[: last + 10]
     rng = random.Random(9)
-    # The head of the first chunk byte for byte, then anywhere in it and anywhere at all.
-    places = [*range(8, begin + 60), *(rng.randrange(begin, end) for _ in range(10))]
-    places += [rng.randrange(8, last) for _ in range(20)]
+    # Up to the head of the first chunk byte for byte, then anywhere in it and anywhere at all.
+    places = [*range(begin + 60), *(rng.randrange(begin, end) for _ in range(10))]
+    places += [rng.randrange(last) for _ in range(20)]
     for at in places:
         kept, report = kept_of(flipped(content, at, rng.randrange(8)), tmp_path)
         assert kept >= 100, at
@@ -134,7 +139,78 @@ def test_one_flipped_bit_costs_one_chunk(tmp_path: Path, finished: bool, compres
         assert report.lost_messages == (lost if finished else 0), at
         if lost:
             assert report.losses, at
-            assert 0.9 * (end - begin) < report.lost_bytes < 2 * (end - begin), at
+            assert 0.9 * min(lengths) < report.lost_bytes < 2 * max(lengths), at
+
+
+@pytest.mark.parametrize('finished', [True, False])
+@pytest.mark.parametrize('length', [1, 8, 4096])
+def test_a_damaged_head_costs_what_it_holds(
+    tmp_path: Path, length: int, finished: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / 'run.mcap'
+    write_blocks(path, 60)
+    content, found = path.read_bytes(), chunks(path)
+    content = bytes(length) + content[length : None if finished else found[-1][1]]
+    kept, report = kept_of(content, tmp_path)
+    assert kept == 20 * sum(begin >= length for begin, _, _ in found)
+    assert kept
+    assert 'it begins with zeros' in report.losses[0] or 'magic bytes' in report.losses[0]
+    assert report.lost_bytes <= max(8, min(b for b, _, _ in found if b >= length))
+    path.write_bytes(content)
+    assert recording_info(path).count == kept
+    assert sum(topic.count for topic in recording_health(path).topics.values()) == kept
+    assert main(['info', str(path)]) == 1
+    with pytest.raises(BearingTwinError, match='recover'):
+        list(read_messages(path))
+
+
+class BadSector(io.BytesIO):
+    """A file of which a disk cannot read one sector."""
+
+    sector = 0
+
+    def read(self, length: int | None = -1) -> bytes:
+        assert length is not None
+        if self.tell() < self.sector + 4096 and self.tell() + length > self.sector:
+            raise OSError(errno.EIO, 'Input/output error')
+        return super().read(length)
+
+
+@pytest.mark.parametrize('sector', [0, 4096, 200_000])
+def test_a_bad_sector_costs_the_chunk_it_is_in(tmp_path: Path, sector: int) -> None:
+    write_blocks(tmp_path / 'run.mcap', 60)
+    found = chunks(tmp_path / 'run.mcap')
+    file = BadSector((tmp_path / 'run.mcap').read_bytes())
+    file.sector = sector
+    losses: list[BrokenRecording] = []
+    size = len(file.getvalue())
+    kept = len(list(in_file_order(file, size, Selection(), losses.append)))
+    assert kept == 20 * sum(end <= sector or begin >= sector + 4096 for begin, end, _ in found)
+    assert sum(loss.length for loss in losses) < 2 * max(end - begin for begin, end, _ in found)
+
+
+def test_entries_of_a_bag_that_are_no_files_cost_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = tmp_path / 'bag'
+    write_blocks(bag, 20)
+    (bag / 'old.mcap').mkdir()
+    (bag / 'away.mcap').symlink_to('nowhere')
+    (bag / 'here.mcap').symlink_to('.')
+    os.mkfifo(bag / 'pipe.mcap')
+    report = recover(bag, tmp_path / 'saved')
+    assert (report.kept, len(report.losses), report.lost_bytes) == (40, 4, 0)
+    info = recording_info(bag)
+    assert (info.count, len(info.problems)) == (40, 4)
+    assert len(recording_health(bag).problems) == 4
+    problems: list[str] = []
+    assert len(list(read_messages(bag, problems=problems))) == 40
+    assert len(problems) == 4
+    capsys.readouterr()
+    assert main(['info', str(bag)]) == 1
+    said = capsys.readouterr()
+    for name in ('old.mcap', 'away.mcap', 'here.mcap', 'pipe.mcap'):
+        assert name in said.out + said.err
 
 
 def test_a_description_that_is_nowhere_else_is_found_in_the_summary(
