@@ -125,7 +125,7 @@ class CalibrationCore:
         check_bearing(self.bearing)
         load_range(self.bearing, self._load)
         self._record = _Record()
-        self._verdicts = Verdicts(self.bearing.name)
+        self._verdicts = Verdicts(self.bearing)
         self._next = self._rested = self._decided = self._compared = -math.inf
         self._residuals = Residuals()
         self._reference: dict[str, Any] | None = None

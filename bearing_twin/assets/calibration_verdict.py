@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.bearing import PLACES
+from bearing_twin.bearing import fault_orders, PLACES
 
 if TYPE_CHECKING:
+    from bearing_twin.bearing import Bearing
     from bearing_twin_msgs.msg import Diagnosis
 
 __all__ = ['Heard', 'Verdicts']
@@ -18,6 +20,8 @@ OLDEST_S = 10.0
 windows of the diagnosis where they are longer."""
 AHEAD_S = 5.0
 """Most that a verdict may be ahead of the record: blocks reach two nodes at two times, s."""
+_ALIKE = 1e-3
+"""Most that orders of one bearing differ by the digits in which its geometry is given."""
 
 
 class Heard(NamedTuple):
@@ -43,25 +47,38 @@ class Verdicts:
     Parameters
     ----------
     bearing
-        Name of the bearing.
+        The bearing; that of the diagnosis may have another name, or be given by its geometry.
 
     """
 
-    def __init__(self, bearing: str) -> None:
+    def __init__(self, bearing: Bearing) -> None:
         self._bearing = bearing
         self._newest: Diagnosis | None = None
         self._other = ''
 
     def take(self, message: Diagnosis, frame_id: str | None) -> None:
         """Take a verdict; one of another bearing, or of another sensor than this one, is none."""
-        if message.bearing != self._bearing:
-            self._other = f'the diagnosis is of bearing {message.bearing}, not {self._bearing}'
+        if not self._is_alike(message):
+            self._other = (
+                f'the diagnosis is of bearing {message.bearing}, not {self._bearing.name}'
+            )
         elif frame_id is not None and message.header.frame_id != frame_id:
             self._other = (
                 f'the diagnosis is of sensor {message.header.frame_id!r}, not {frame_id!r}'
             )
         else:
             self._newest = message
+
+    def _is_alike(self, message: Diagnosis) -> bool:
+        """Whether a verdict expects of its bearing what this one does, whatever its name."""
+        if not message.ftf > 0.0:
+            # The shaft stands, or its speed is not known.
+            return message.bearing == self._bearing.name
+        own = fault_orders(self._bearing)
+        return all(
+            math.isclose(hertz * own.ftf, order * message.ftf, rel_tol=_ALIKE)
+            for hertz, order in ((message.bpfo, own.bpfo), (message.bpfi, own.bpfi))
+        )
 
     def of(self, frame_id: str, end: int, sample_rate: float) -> Heard:
         """

@@ -13,7 +13,7 @@ import tempfile
 from bearing_twin.assets.calibration import CalibrationCore
 from bearing_twin.assets.calibration_parameters import SPECS
 from bearing_twin.assets.calibration_task import Fit, Task, work
-from bearing_twin.bearing import find_bearing
+from bearing_twin.bearing import fault_frequencies, find_bearing
 from bearing_twin.calibration import Calibration as Fitted
 from bearing_twin.calibration import fit
 from bearing_twin.errors import BearingTwinError
@@ -43,15 +43,16 @@ def take(core, numbers, **changed):
     return [task for task in tasks if task is not None]
 
 
-def verdict(number, level, place='', bearing='6307', frame_id='imu', sample_rate=RATE):
-    """Verdict of the window of 2 s that ends with a block."""
+def verdict(number, level, place='', bearing='6307', name='', frame_id='imu', sample_rate=RATE):
+    """Verdict of the window of 2 s that ends with a block; ``name`` is another for the bearing."""
     from bearing_twin_msgs.msg import Diagnosis
     from std_msgs.msg import Header
 
     return Diagnosis(
-        level=level, faults=[place] if place else [], bearing=bearing, sample_rate=sample_rate,
-        header=Header(frame_id=frame_id), first_sample=max(0, (number - 49) * 1024),
-        sample_count=50 * 1024,
+        level=level, faults=[place] if place else [], bearing=name or bearing,
+        sample_rate=sample_rate, header=Header(frame_id=frame_id),
+        first_sample=max(0, (number - 49) * 1024), sample_count=50 * 1024,
+        **fault_frequencies(find_bearing(bearing), 25.0)._asdict(),
     )  # fmt: skip
 
 
@@ -164,7 +165,8 @@ def test_the_verdict_of_a_record_is_of_its_sensor_its_bearing_and_its_time():
     assert take(core, range(100))[-1].place is None
     for number, said, place in (
         (130, {'level': FAULT, 'place': 'outer'}, 'outer'),
-        (160, {'level': OK}, 'none'),
+        # The diagnosis knows the bearing by its geometry.
+        (160, {'level': OK, 'name': '8,13.494,58.5,0'}, 'none'),
         # Another sensor, another bearing of the same sensor, and no part: the last one stays.
         (190, {'level': FAULT, 'place': 'inner', 'frame_id': 'motor'}, 'none'),
         (220, {'level': FAULT, 'place': 'inner', 'bearing': '6205'}, 'none'),
