@@ -117,6 +117,11 @@ def _play(signal: Signal, args: argparse.Namespace) -> int:
         if rclpy.ok():
             publisher.wait_for_all_acked(Duration(seconds=LONGEST_ACK))
         return 0 if args.loop or source.finished else 143
+    except RuntimeError:
+        # An RCLError: TERM ends the context under the hands of whoever asks it.
+        if rclpy.ok():
+            raise
+        return 143
     finally:
         rclpy.try_shutdown()
 
