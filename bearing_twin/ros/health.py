@@ -145,9 +145,10 @@ class Health:
             return
         if status.level is Level.OK and former.key[0] is Level.OK:
             return
-        text = (
-            f'{part}: {status.message} (before, for {now - former.began:.0f} s: {former.message})'
-        )
+        # Only the level changes where a suspicion that stands becomes an alarm.
+        alike = former.message == status.message
+        was = former.key[0].name if alike else former.message
+        text = f'{part}: {status.message} (before, for {now - former.began:.0f} s: {was})'
         logger = self._node.get_logger()
         if status.level is Level.ERROR:
             logger.error(text)
