@@ -115,10 +115,12 @@ class Bearing:
         if not 3 <= self.n_balls <= 100:
             msg = f'n_balls={self.n_balls} is outside 3..100; give the number of rolling elements'
             raise BearingTwinError(msg)
-        if not 0.0 < self.d_ball < self.d_pitch < 20.0:
+        if not 1e-4 <= self.d_ball < self.d_pitch < 20.0:
+            swapped = self.d_ball >= self.d_pitch
+            remedy = 'the ball comes first, then the pitch' if swapped else 'is the unit right'
             msg = (
-                f'd_ball={self.d_ball} m, d_pitch={self.d_pitch} m: need 0 < d_ball < d_pitch '
-                '< 20 m; are the diameters in metres?'
+                f'balls of {1e3 * self.d_ball:g} mm on a pitch circle of {1e3 * self.d_pitch:g} '
+                f'mm: need 0.1 mm <= d_ball < d_pitch < 20 m; {remedy}?'
             )
             raise BearingTwinError(msg)
         if not 0.0 <= self.contact_angle < math.pi / 2:

@@ -66,8 +66,10 @@ def _shaft(answer: dict[str, Any]) -> str:
     hertz, given = answer['shaft_hz'], answer['evidence']['shaft_hz_given']
     if given == 0.0:
         return 'standing'
-    if hertz is None:
+    if hertz is None and given is None:
         return 'speed unknown: give --rpm or --shaft-hz'
+    if hertz is None:
+        return f'{given:.4g} Hz, {60.0 * given:.5g} 1/min given, not refined'
     text = f'{hertz:.4g} Hz, {60.0 * hertz:.5g} 1/min'
     if given is not None and abs(given / hertz - 1.0) > 1e-4:
         text += f' (given: {given:.4g} Hz, {given / hertz - 1.0:+.2%})'

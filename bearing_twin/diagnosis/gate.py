@@ -173,7 +173,8 @@ def check_extents(
     if sample_rate < wanted:
         reasons.append(
             f'sample rate {sample_rate:g} Hz: at least {wanted:.0f} Hz are needed to demodulate '
-            'four harmonics of the highest fault frequency'
+            f'four harmonics of the highest fault frequency of a shaft at {60.0 * shaft_hz:.5g} '
+            '1/min: is that its speed?'
         )
     return reasons
 
