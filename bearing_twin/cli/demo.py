@@ -72,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
         summary = summarise(folder, defect_places(args.defect), PRESET)
         say('\n' + summary.to_text() + '\n')
         hidden = find_hidden(folder / 'logs', local_environment(domain), say)
-    say(hidden.to_text())
+    say(f'{hidden.to_text()}\n\nopen with  {summary.open_with}')
     good = summary.good and hidden.place == HIDDEN['defect']
     if args.json:
         print(json.dumps({**asdict(summary), 'hidden': asdict(hidden), 'good': good}))

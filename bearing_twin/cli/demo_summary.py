@@ -108,7 +108,6 @@ class Summary:
             ('sent too early', f'{self.sent_before_recorder} messages before the recorder heard'),
             ('lateness', f'{self.lateness_max_ms:.1f} ms at most'),
             *(('file', f'{name} ({size / 1e6:.2g} MB)') for name, size in self.files.items()),
-            ('open with', self.open_with),
         ]
         width = max(len(name) for name, _ in rows)
         return '\n'.join(f'{name:<{width}}  {text}' for name, text in rows)

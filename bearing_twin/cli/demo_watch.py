@@ -90,8 +90,8 @@ class Watcher:
         if quiet or state is None:
             return
         line = f'{state.temperature_used:6.1f} degC  beta0 {state.beta0:.4f}'
-        line += f'  K_b {state.k_b:.3e} N/m^1.5'
         if verdict is not None:
             line += f'  |  {verdict.result_name:<12} confidence {verdict.confidence:.2f}'
-        end_of_line = '\r' if sys.stdout.isatty() else '\n'
-        print(f'{line:<98}', end=end_of_line, flush=True)
+        # What is left of a longer line before is erased.
+        end_of_line = '\x1b[K\r' if sys.stdout.isatty() else '\n'
+        print(line, end=end_of_line, flush=True)
