@@ -73,7 +73,7 @@ class Verdicts:
         """Whether a verdict expects of its bearing what this one does, whatever its name."""
         if not message.ftf > 0.0:
             # The shaft stands, or its speed is not known.
-            return message.bearing == self._bearing.name
+            return bool(message.bearing == self._bearing.name)
         own = fault_orders(self._bearing)
         return all(
             math.isclose(hertz * own.ftf, order * message.ftf, rel_tol=_ALIKE)
