@@ -9,7 +9,7 @@ import functools
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import fault_frequencies, radial_factor
+from bearing_twin.bearing import fault_frequencies, find_bearing, radial_factor
 from bearing_twin.calibration.passage import contact_speed, load_range, widest
 from bearing_twin.calibration.summaries import summarise, Summary
 from bearing_twin.dynamics import Defect, Fleet, TwinParameters
@@ -29,7 +29,15 @@ if TYPE_CHECKING:
 
     from bearing_twin.bearing import Bearing
 
-__all__ = ['HIGHEST_RATE', 'Situation', 'Unknown', 'parameters', 'simulate', 'unknowns']
+__all__ = [
+    'HIGHEST_RATE',
+    'Situation',
+    'Unknown',
+    'example',
+    'parameters',
+    'simulate',
+    'unknowns',
+]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -81,6 +89,17 @@ class Situation:
         return 1.1 * widest(self.bearing) / self.speed
 
 
+def example(place: str = 'outer') -> Situation:
+    """
+    Return the machine of the examples: a 6205 at 25 Hz, sampled at 12.8 kHz.
+
+    >>> round(example('outer').strikes, 1)
+    89.6
+
+    """
+    return Situation(bearing=find_bearing('6205'), place=place, shaft_hz=25.0, sample_rate=12800.0)
+
+
 @dataclass(frozen=True)
 class Unknown:
     """A quantity that is not known: its range, and what it is."""
@@ -115,10 +134,7 @@ def unknowns(situation: Situation) -> dict[str, Unknown]:
 
     Examples
     --------
-    >>> from bearing_twin.bearing import find_bearing
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> machine = example()
     >>> unknowns(machine)['defect_depth_um']
     Unknown(low=5.0, high=500.0, unit='um', logarithmic=True)
 
@@ -161,10 +177,7 @@ def parameters(situation: Situation, values: dict[str, float]) -> TwinParameters
 
     Examples
     --------
-    >>> from bearing_twin.bearing import find_bearing
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> machine = example()
     >>> middle = {name: float(u.place(0.5)) for name, u in unknowns(machine).items()}
     >>> twin = parameters(machine, middle)
     >>> twin.defects[0].place, round(1e3 * twin.defects[0].width, 2)
@@ -250,10 +263,7 @@ def simulate(situation: Situation, values: dict[str, FloatArray], seed: int) -> 
 
     Examples
     --------
-    >>> from bearing_twin.bearing import find_bearing
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> machine = example()
     >>> drawn = {name: u.place([0.4, 0.6]) for name, u in unknowns(machine).items()}
     >>> len(simulate(machine, drawn, 0))
     2

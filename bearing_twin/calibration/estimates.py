@@ -55,11 +55,8 @@ def of_path(
 
     Examples
     --------
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='none', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> from bearing_twin.calibration.cloud import example
+    >>> machine = example('none')
     >>> from bearing_twin.dynamics.sensor_path import SensorPath
     >>> path = SensorPath(sample_rate=12800.0, numerator=(2.0,), denominator=(1.0,), noise=0.0)
     >>> noise = np.random.default_rng(1).standard_normal(25600)
@@ -123,11 +120,8 @@ def of_defect(
 
     Examples
     --------
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> from bearing_twin.calibration.cloud import example
+    >>> machine = example()
     >>> from bearing_twin.calibration.posterior import limit
     >>> from bearing_twin.calibration.summaries import summarise
     >>> noise = np.random.default_rng(1).standard_normal(25600)
@@ -185,11 +179,8 @@ def taken_off(situation: Situation, share: float) -> float:
 
     Examples
     --------
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> from bearing_twin.calibration.cloud import example
+    >>> machine = example()
     >>> [round(1e3 * taken_off(machine, share), 1) for share in (0.5, 0.95)]
     [0.4, 0.7]
 
@@ -232,11 +223,8 @@ def without_defect(
 
     Examples
     --------
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='ball', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> from bearing_twin.calibration.cloud import example
+    >>> machine = example('ball')
     >>> ball = Refusal(Kind.NOT_FITTED, 'the width of a ball defect is not fitted')
     >>> without_defect(np.zeros(25600), machine, 1.0, 'm/s^2', seed=0, refusal=ball)[1]
     'ball defect, at most 4.0 mm wide'
@@ -285,11 +273,8 @@ def supposed(
 
     Examples
     --------
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='none', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> from bearing_twin.calibration.cloud import example
+    >>> machine = example('none')
     >>> share = np.linspace(0.0, 1.0, 101)
     >>> values = {name: about.place(share) for name, about in unknowns(machine).items()}
     >>> load = supposed(values, np.full(101, 1 / 101), machine)['load']

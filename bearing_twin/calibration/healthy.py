@@ -138,11 +138,8 @@ def line_over_floor(x: FloatArray, situation: Situation) -> float:
 
     Examples
     --------
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> from bearing_twin.calibration.cloud import example
+    >>> machine = example()
     >>> x = np.random.default_rng(1).standard_normal(25600)
     >>> line_over_floor(x, machine) < 15.0
     True
@@ -237,11 +234,8 @@ def smallest_shown(
     --------
     Quiet noise of 0.01 m/s^2 would have shown the narrowest defect that is tried:
 
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='none', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> from bearing_twin.calibration.cloud import example
+    >>> machine = example('none')
     >>> quiet = 0.01 * np.random.default_rng(1).standard_normal(12800)
     >>> smallest_shown(quiet, machine, 1.0, 0.0, 0).width_mm
     0.1

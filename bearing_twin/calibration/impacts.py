@@ -92,12 +92,9 @@ def impacts_of(whole: Correlation, measured: Summary, situation: Situation) -> I
     Examples
     --------
     >>> import numpy as np
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
+    >>> from bearing_twin.calibration.cloud import example
     >>> from bearing_twin.calibration.summaries import correlate
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> machine = example()
     >>> x = 1e-3 * np.random.default_rng(1).standard_normal(25600)
     >>> x[200:25000:143] += 1.0
     >>> x[220:25020:143] -= 0.7

@@ -122,12 +122,9 @@ def features(summaries: list[Summary], situation: Situation) -> FloatArray:
 
     Examples
     --------
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
+    >>> from bearing_twin.calibration.cloud import example
     >>> from bearing_twin.calibration.summaries import summarise
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> features([summarise(noise, 12800.0, machine.longest)], machine).shape
     (1, 5)
@@ -173,12 +170,9 @@ def sample(
 
     Examples
     --------
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
+    >>> from bearing_twin.calibration.cloud import example
     >>> from bearing_twin.calibration.summaries import summarise
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> left = sample(summarise(noise, 12800.0, machine.longest), machine, candidates=32)
     >>> sorted(left.prior)[:3]
@@ -215,12 +209,9 @@ def limit(
 
     Examples
     --------
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
+    >>> from bearing_twin.calibration.cloud import example
     >>> from bearing_twin.calibration.summaries import summarise
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> left = limit(summarise(noise, 12800.0, machine.longest), machine, candidates=32)
     >>> bool(left.quantiles('defect_width_mm', (0.95,))[0] > 1.0)
@@ -263,11 +254,8 @@ def supposed(situation: Situation, *, candidates: int = 64, seed: int = 0) -> Po
 
     Examples
     --------
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> from bearing_twin.calibration.cloud import example
+    >>> machine = example()
     >>> len(supposed(machine).values['load'])
     64
 

@@ -97,11 +97,8 @@ def no_impacts(x: FloatArray, situation: Situation) -> Refusal | None:
     Examples
     --------
     >>> import numpy as np
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> from bearing_twin.calibration.cloud import example
+    >>> machine = example()
     >>> no_impacts(np.random.default_rng(1).standard_normal(25600), machine).why[:44]
     'no impacts at the 89.6 Hz of the outer race '
 
@@ -136,11 +133,8 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
     Examples
     --------
     >>> import numpy as np
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> from bearing_twin.calibration.cloud import example
+    >>> machine = example()
     >>> from bearing_twin.calibration.summaries import correlate
     >>> noise = correlate(np.random.default_rng(1).standard_normal(25600), 12800.0)
     >>> too_wide(noise, machine, noise.summary(machine.longest)) is None
@@ -177,11 +171,8 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
     Examples
     --------
     >>> import numpy as np
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> from bearing_twin.calibration.cloud import example
+    >>> machine = example()
     >>> from bearing_twin.calibration.summaries import correlate
     >>> noise = correlate(np.random.default_rng(0).standard_normal(25600), 12800.0)
     >>> unresolved(noise, noise.summary(machine.longest), machine).kind.value
@@ -229,12 +220,9 @@ def untold(left: Posterior, situation: Situation, fastest: float) -> Refusal | N
     Examples
     --------
     >>> import numpy as np
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
+    >>> from bearing_twin.calibration.cloud import example
     >>> from bearing_twin.calibration.summaries import summarise
-    >>> machine = Situation(
-    ...     bearing=find_bearing('6205'), place='outer', shaft_hz=25.0, sample_rate=12800.0
-    ... )
+    >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> measured = summarise(noise, 12800.0, machine.longest)
     >>> left = posterior.limit(measured, machine, candidates=32)
