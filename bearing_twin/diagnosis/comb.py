@@ -58,6 +58,24 @@ class OrderSpectra:
     highest: float = math.inf
     """Half of the sample rate, orders."""
 
+    @classmethod
+    def of_lines(cls, orders: NDArray[np.floating]) -> OrderSpectra:
+        """
+        Return spectra of noise with lines at some orders, as the examples need them.
+
+        One band, 2000 rows of 0.01 orders.
+
+        >>> spectra = OrderSpectra.of_lines(3.07 * np.arange(1, 4))
+        >>> spectra.excess[spectra.rows([3.07, 4.0]), 0].tolist()
+        [1.0, 0.0]
+
+        """
+        excess = np.zeros((2000, 1), np.float32)
+        excess[np.rint(orders / 0.01).astype(int) - 1] = 1.0
+        return cls(
+            0.01, np.float32(0.6) + np.float32(2.4) * excess, excess, np.zeros(1, np.float32)
+        )
+
     def rows(self, orders: NDArray[np.floating] | Sequence[float]) -> NDArray[np.intp]:
         """Nearest row of each order; rows beyond the end are the last one."""
         index = np.rint(np.asarray(orders) * (1.0 / self.step)).astype(np.intp)

@@ -115,12 +115,7 @@ def missing_harmonics(
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.comb import OrderSpectra
-    >>> rows = np.rint(6.14 * np.arange(1, 4) / 0.01).astype(int) - 1
-    >>> logs = np.full((2000, 1), 0.6, np.float32)
-    >>> logs[rows] = 3.0
-    >>> excess = np.zeros((2000, 1), np.float32)
-    >>> excess[rows] = 1.0
-    >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
+    >>> spectra = OrderSpectra.of_lines(6.14 * np.arange(1, 4))
     >>> nothing = np.zeros(2000, bool)
     >>> missing_harmonics(spectra, 3.07, lambda order: np.array([0]), nothing)
     2
@@ -216,12 +211,7 @@ def denser_series(
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.comb import OrderSpectra
-    >>> rows = np.rint(1.02 * np.arange(1, 19) / 0.01).astype(int) - 1
-    >>> logs = np.full((2000, 1), 0.6, np.float32)
-    >>> logs[rows] = 3.0
-    >>> excess = np.zeros((2000, 1), np.float32)
-    >>> excess[rows] = 1.0
-    >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
+    >>> spectra = OrderSpectra.of_lines(1.02 * np.arange(1, 19))
     >>> nothing = np.zeros(2000, bool)
     >>> round(denser_series(spectra, 3.06, np.array([0]), nothing, nothing, nothing, 0.002), 2)
     1.02
@@ -291,12 +281,7 @@ def masked_by_shaft(
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.comb import OrderSpectra
-    >>> rows = np.rint(1.0 * np.arange(1, 20) / 0.01).astype(int) - 1
-    >>> logs = np.full((2000, 1), 0.6, np.float32)
-    >>> logs[rows] = 3.0
-    >>> excess = np.zeros((2000, 1), np.float32)
-    >>> excess[rows] = 1.0
-    >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
+    >>> spectra = OrderSpectra.of_lines(np.arange(1, 20))
     >>> known = {'precision': 0.0005, 'uncertainty': 0.002}
     >>> masked_by_shaft(spectra, 3.0, np.array([0]), **known)
     True

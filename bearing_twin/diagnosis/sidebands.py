@@ -43,12 +43,7 @@ def modulation_index(
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.comb import OrderSpectra
-    >>> rows = np.rint(3.07 * np.arange(1, 5) / 0.01).astype(int) - 1
-    >>> logs = np.full((2000, 1), 0.6, np.float32)
-    >>> logs[rows] = 3.0
-    >>> excess = np.zeros((2000, 1), np.float32)
-    >>> excess[rows] = 1.0
-    >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
+    >>> spectra = OrderSpectra.of_lines(3.07 * np.arange(1, 5))
     >>> index, band = modulation_index(spectra, 3.07, np.ones(1, np.float32), 'inner')
     >>> round(index, 2), band
     (3.27, 0)
@@ -72,12 +67,7 @@ def comb_power(spectra: OrderSpectra, order: float, band: int) -> float:
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.comb import OrderSpectra
-    >>> rows = np.rint(3.07 * np.arange(1, 5) / 0.01).astype(int) - 1
-    >>> logs = np.full((2000, 1), 0.6, np.float32)
-    >>> logs[rows] = 3.0
-    >>> excess = np.zeros((2000, 1), np.float32)
-    >>> excess[rows] = 1.0
-    >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
+    >>> spectra = OrderSpectra.of_lines(3.07 * np.arange(1, 5))
     >>> comb_power(spectra, 3.07, 0)
     4.0
 
@@ -91,12 +81,7 @@ def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.comb import OrderSpectra
-    >>> rows = np.rint(1.0 * np.arange(1, 19) / 0.01).astype(int) - 1
-    >>> logs = np.full((2000, 1), 0.6, np.float32)
-    >>> logs[rows] = 3.0
-    >>> excess = np.zeros((2000, 1), np.float32)
-    >>> excess[rows] = 1.0
-    >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
+    >>> spectra = OrderSpectra.of_lines(np.arange(1, 19))
     >>> sideband_ratio(spectra, 4.0, 0), sideband_ratio(spectra, 4.0, 0, 0.5)
     (1.0, 0.7071067690849304)
 
@@ -112,12 +97,7 @@ def sideband_ratios(
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.comb import OrderSpectra
-    >>> rows = np.rint(1.0 * np.arange(1, 19) / 0.01).astype(int) - 1
-    >>> logs = np.full((2000, 1), 0.6, np.float32)
-    >>> logs[rows] = 3.0
-    >>> excess = np.zeros((2000, 1), np.float32)
-    >>> excess[rows] = 1.0
-    >>> spectra = OrderSpectra(0.01, logs, excess, np.zeros(1, np.float32))
+    >>> spectra = OrderSpectra.of_lines(np.arange(1, 19))
     >>> sideband_ratios(spectra, 4.0, 0, np.array([1.0, 0.25])).tolist()
     [1.0, 0.0]
 
