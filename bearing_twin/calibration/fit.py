@@ -9,7 +9,7 @@ import math
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import fault_frequencies, PLACES
+from bearing_twin.bearing import PLACES
 from bearing_twin.calibration import posterior
 from bearing_twin.calibration.cloud import (
     HIGHEST_RATE,
@@ -38,6 +38,8 @@ from bearing_twin.calibration.refusals import (
 from bearing_twin.calibration.result import Calibration, in_words
 from bearing_twin.calibration.summaries import correlate
 from bearing_twin.diagnosis import diagnose_record
+from bearing_twin.diagnosis.demodulation import highest_fault_order
+from bearing_twin.diagnosis.gate import check_record
 from bearing_twin.diagnosis.severity import acceleration_factor
 from bearing_twin.dynamics import warm_up
 from bearing_twin.dynamics.parameters import check_bearing
@@ -58,8 +60,8 @@ __all__ = ['decimated', 'fit', 'fitted_vibration']
 
 FloatArray = npt.NDArray[np.float64]
 
-LEAST_TURNS = 20.0
-"""Least shaft turns of a record: as many as the diagnosis asks for."""
+LEAST_RATE, FASTEST_HZ = 2000.0, 500.0
+"""Lowest sample rate and highest shaft speed of a record, Hz, beside what the diagnosis asks."""
 LEAST_PASSAGES = 30.0
 NOISE = 0.1
 """White noise that is supposed in the acceleration of a healthy twin, m/s^2."""
@@ -183,32 +185,15 @@ def _checked(
     if x.ndim != 1:
         msg = f'samples have shape {x.shape}; give one axis as a 1-D array'
         raise BearingTwinError(msg)
-    bad = len(x) - int(np.isfinite(x).sum())
-    if bad:
-        msg = f'{bad} of {len(x)} samples are NaN or infinite: repair or leave out that part'
-        raise BearingTwinError(msg)
-    if not (math.isfinite(sample_rate) and sample_rate > 0.0):
-        msg = f'sample rate {sample_rate} Hz: give a positive number'
-        raise BearingTwinError(msg)
-    if not (math.isfinite(shaft_hz) and 0.0 < shaft_hz <= 500.0):
-        msg = f'the shaft speed is {shaft_hz:g} Hz: give it, from above 0 to 500 Hz (--shaft-hz)'
-        raise BearingTwinError(msg)
     check_bearing(bearing)
     load_range(bearing, load)
-    turns = len(x) / sample_rate * shaft_hz
-    if turns < LEAST_TURNS:
-        msg = (
-            f'{turns:.1f} shaft turns in {len(x) / sample_rate:.3g} s: give at least '
-            f'{LEAST_TURNS:g}, {LEAST_TURNS / shaft_hz:.3g} s at this speed'
-        )
-        raise BearingTwinError(msg)
-    wanted = 8.0 * fault_frequencies(bearing, shaft_hz).bpfi
-    if sample_rate < max(wanted, 2000.0):
-        msg = f'sample rate {sample_rate:g} Hz: at least {max(wanted, 2000.0):.0f} Hz are needed'
-        raise BearingTwinError(msg)
-    if np.ptp(x) <= 1e-12 * max(float(np.abs(x).max()), 1e-300):
-        msg = f'the signal is constant at {x[0]:g}: check sensor and cable'
-        raise BearingTwinError(msg)
+    reasons = check_record(x, sample_rate, shaft_hz, highest_fault_order(bearing))
+    if not reasons and sample_rate < LEAST_RATE:
+        reasons = [f'sample rate {sample_rate:g} Hz: at least {LEAST_RATE:g} Hz are needed']
+    if not reasons and shaft_hz > FASTEST_HZ:
+        reasons = [f'the shaft speed is {shaft_hz:g} Hz: at most {FASTEST_HZ:g} Hz are simulated']
+    if reasons:
+        raise BearingTwinError('; '.join(reasons))
     return x - x.mean(), Situation(
         bearing=bearing,
         place='none',

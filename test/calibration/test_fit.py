@@ -36,6 +36,7 @@ from scipy import signal
 
 BEARING = find_bearing('6205')
 RATE = 25600.0
+NOISE = np.random.default_rng(0).standard_normal(51200)
 
 
 def ring(x):
@@ -166,7 +167,8 @@ def test_resonances_are_found():
         ({'samples': np.full(51200, np.nan)}, 'NaN'),
         ({'samples': np.zeros((2, 51200))}, '1-D'),
         ({'samples': np.ones(51200)}, 'constant'),
-        ({'samples': np.random.default_rng(0).standard_normal(5000)}, 'shaft turns'),
+        ({'samples': np.clip(NOISE, -0.5, 0.5), 'place': 'outer'}, 'is clipped'),
+        ({'samples': NOISE[:5000]}, 'shaft turns'),
         ({'sample_rate': 0.0}, 'sample rate'),
         ({'sample_rate': 800.0}, 'sample rate'),
         ({'shaft_hz': math.nan}, 'shaft speed'),
@@ -177,7 +179,7 @@ def test_resonances_are_found():
 )
 def test_bad_input_is_refused_in_words(change, text):
     values = {
-        'samples': np.random.default_rng(0).standard_normal(51200),
+        'samples': NOISE,
         'sample_rate': RATE,
         'bearing': BEARING,
         'shaft_hz': 20.0,
