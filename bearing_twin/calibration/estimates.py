@@ -240,8 +240,7 @@ def without_defect(
             return width, f'no width: {refusal.why}'
         return width, f'{situation.place} defect, at most {highest:.1f} mm wide'
     known = math.isfinite(acceleration_factor(unit))
-    found = smallest_shown(x, situation, scale, LOSS_DB if known else UNKNOWN_DB, seed)
-    largest = found.width_mm
+    largest = smallest_shown(x, situation, scale, LOSS_DB if known else UNKNOWN_DB, seed)
     statement = f'no defect above {largest:.2g} mm'
     why = f'{statement}: wider ones, added to this record, show in four of five simulated machines'
     if not math.isfinite(largest):

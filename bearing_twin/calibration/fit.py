@@ -148,7 +148,7 @@ def fit(
     return _fitted(x, situation, unit, candidates, seed, start, refusal, named=named)
 
 
-def fitted_vibration(found: Calibration, seconds: float, seed: int = 0) -> FloatArray:
+def fitted_vibration(found: Calibration, seconds: float) -> FloatArray:
     """
     Return what the fitted twin's sensor gives at the conditions of a calibration, shape (n,).
 
@@ -167,9 +167,9 @@ def fitted_vibration(found: Calibration, seconds: float, seed: int = 0) -> Float
     typical['noise_ratio'] = np.zeros(1)
     path = found.path
     settle = REACH_S + SETTLE_S
-    twin = next(vibrations(found.twin_situation, typical, seconds + settle, seed))[0]
+    twin = next(vibrations(found.twin_situation, typical, seconds + settle, 0))[0]
     settled = int(settle * found.situation.sample_rate)
-    return path.filter(seed).apply(twin)[settled:]
+    return path.filter(0).apply(twin)[settled:]
 
 
 def _checked(
@@ -244,7 +244,7 @@ def _fitted(
         refusal = refusal or unresolved(whole, measured, situation)
         left, refusal = _defect(measured, situation, modes, candidates, seed, refusal)
     else:
-        left = posterior.supposed(situation, seed=seed)
+        left = posterior.supposed(situation, seed)
     values, weights = left.values, left.weights
     unseen = refusal is not None and refusal.kind.unseen
     twin_of = replace(situation, place='none') if unseen else situation
@@ -298,7 +298,7 @@ def _defect(
 ) -> tuple[Posterior, Refusal | None]:
     """Return what is left possible of a defect, and why its width is not told, if it is not."""
     if refusal is not None and refusal.kind is Kind.NO_IMPACTS:
-        return posterior.supposed(situation, seed=seed), refusal
+        return posterior.supposed(situation, seed), refusal
     if refusal:
         return posterior.limit(measured, situation, candidates=candidates, seed=seed), refusal
     left = posterior.sample(measured, situation, candidates=candidates, seed=seed)

@@ -10,7 +10,7 @@ the envelope as much as the diagnosis asks of a suspect, or if it doubles the vi
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 import math
 from typing import TYPE_CHECKING
 
@@ -30,7 +30,6 @@ __all__ = [
     'LOSS_DB',
     'UNKNOWN_DB',
     'WIDTHS_MM',
-    'Shown',
     'line_over_floor',
     'order_of_the_shaft',
     'shown',
@@ -68,16 +67,6 @@ ABOVE_ORDERS = 2.0
 """Least power of an outer race's line at an order of the shaft over the orders beside it: what
 swells with the shaft has orders of like height. An outer race that strikes at an order, with less
 than they have, is not told from them."""
-
-
-@dataclass(frozen=True)
-class Shown:
-    """What a record would have shown."""
-
-    width_mm: float
-    """Smallest width that `SHOWN_SHARE` of the candidates show, from there on; NaN if none."""
-    shares: tuple[float, ...]
-    """Share of the candidates that show, of each of `WIDTHS_MM`."""
 
 
 def shown(x: FloatArray, sample_rate: float, frequency: float) -> bool:
@@ -213,9 +202,9 @@ def order_of_the_shaft(x: FloatArray, situation: Situation) -> int:
 
 def smallest_shown(
     measured: FloatArray, situation: Situation, factor: float, loss_db: float, seed: int
-) -> Shown:
+) -> float:
     """
-    Return the smallest race defect that a record would have shown.
+    Return the width, mm, from which on a record would have shown a race defect; NaN if none.
 
     Parameters
     ----------
@@ -237,7 +226,7 @@ def smallest_shown(
     >>> from bearing_twin.calibration.cloud import example
     >>> machine = example('none')
     >>> quiet = 0.01 * np.random.default_rng(1).standard_normal(12800)
-    >>> smallest_shown(quiet, machine, 1.0, 0.0, 0).width_mm
+    >>> smallest_shown(quiet, machine, 1.0, 0.0, 0)
     0.1
 
     """
@@ -267,5 +256,4 @@ def smallest_shown(
     # From the widest down, for as long as enough candidates show.
     enough = np.minimum.accumulate((shares >= SHOWN_SHARE)[::-1])[::-1]
     first = int(np.argmax(enough))
-    width = WIDTHS_MM[first] if enough.any() else math.nan
-    return Shown(width_mm=width, shares=tuple(float(share) for share in shares))
+    return WIDTHS_MM[first] if enough.any() else math.nan

@@ -48,6 +48,8 @@ RESOLVED = 8.0
 """Shortest spacing that is told from the ringing or the rebound of one impact, over the half width
 of an impact after whitening. Fixed on one rig only, CWRU: its faults of 0.2 to 0.5 mm leave a
 second impact 5 to 6 half widths after the first, at a time that does not follow the speed."""
+SUPPOSED = 64
+"""Candidates where nothing is told."""
 LIKE = 0.4
 """Share of the candidates without a spacing that is kept where none can be told."""
 SPREAD = 1.25
@@ -79,10 +81,6 @@ class Posterior:
     def quantiles(self, name: str, at: tuple[float, ...] = (0.05, 0.5, 0.95)) -> FloatArray:
         """Quantiles of a quantity, shape of ``at``."""
         return weighted_quantile(self.values[name], self.weights, at)
-
-    def rank(self, name: str, truth: float) -> float:
-        """Share of the posterior below a value."""
-        return float(self.weights[self.values[name] < truth].sum())
 
     def or_else(self, other: Posterior) -> Posterior:
         """Return what is left possible if either of two holds, one as likely as the other."""
@@ -246,24 +244,22 @@ def limit(
     return Posterior(values=values, weights=weights, prior=prior, distance=reach, typical=reach)
 
 
-def supposed(situation: Situation, *, candidates: int = 64, seed: int = 0) -> Posterior:
+def supposed(situation: Situation, seed: int) -> Posterior:
     """
     Draw from the prior: what is left possible where the vibration says nothing of a defect.
-
-    Parameters as for :func:`sample`.
 
     Examples
     --------
     >>> from bearing_twin.calibration.cloud import example
     >>> machine = example()
-    >>> len(supposed(machine).values['load'])
+    >>> len(supposed(machine, 0).values['load'])
     64
 
     """
     prior = unknowns(situation)
     return Posterior(
-        values=_drawn(prior, candidates, seed),
-        weights=np.full(candidates, 1.0 / candidates),
+        values=_drawn(prior, SUPPOSED, seed),
+        weights=np.full(SUPPOSED, 1.0 / SUPPOSED),
         prior=prior,
         distance=math.nan,
         typical=math.nan,

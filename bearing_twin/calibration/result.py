@@ -109,11 +109,6 @@ class Calibration:
         return self.situation.place
 
     @property
-    def residual(self) -> float:
-        """What the fitted twin leaves unexplained of the spectrum: log-spectral distance, dB."""
-        return self.distance
-
-    @property
     def twin_situation(self) -> Situation:
         """Situation of the twin: without the defect where the record shows no impact of it."""
         unseen = self.refusal is not None and self.refusal.unseen
@@ -153,7 +148,7 @@ class Calibration:
             'defect': self.defect,
             'statement': self.statement,
             'refusal': self.refusal and self.refusal.value,
-            'residual': self.residual,
+            'residual': self.distance,
             'cost_s': round(self.cost_s, 3),
             'spectrum': {
                 'distance_before_db': self.distance_before,

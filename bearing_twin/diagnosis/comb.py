@@ -176,14 +176,13 @@ def accumulate(windows: Sequence[OrderSpectra]) -> OrderSpectra:
     if len(windows) == 1:
         return newest
     orders = newest.step * np.arange(1, len(newest.logs) + 1)
-    total = sum(window.weight for window in windows)
+    share = np.float32(1.0 / len(windows))
     logs, excess = np.zeros_like(newest.logs), np.zeros_like(newest.excess)
     for window in windows:
         rows = window.rows(orders)
-        share = np.float32(window.weight / total)
         logs += share * window.logs[rows]
         excess += share * window.excess[rows]
-    return replace(newest, logs=logs, excess=excess, weight=total)
+    return replace(newest, logs=logs, excess=excess, weight=float(len(windows)))
 
 
 @dataclass(frozen=True)

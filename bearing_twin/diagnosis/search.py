@@ -459,18 +459,16 @@ class CombSearch:
             multiple = max(round(candidate.order / pulses), 1)
             if abs(candidate.order - multiple * pulses) > self._all.step:
                 continue
-            z = candidate.z if multiple == 1 else self._score_near(pulses)[1]
+            z = candidate.z if multiple == 1 else self._score_near(pulses)
             if z * RIVAL > candidate.z:
                 return hertz
         return 0.0
 
-    def _score_near(self, order: float) -> tuple[float, float]:
-        """Best comb within two bins of an order: where it is, and its score."""
+    def _score_near(self, order: float) -> float:
+        """Score of the best comb within two bins of an order."""
         reach = 2.0 * self._all.step
         grid = np.arange(order - reach, order + reach, 0.25 * self._all.step)
-        z = self._scores.score(self.spectra, grid)
-        at = int(np.argmax(z))
-        return float(grid[at]), float(z[at])
+        return float(self._scores.score(self.spectra, grid).max())
 
     def sideband_owner(self, one: Candidate, other: Candidate) -> Candidate | None:
         """

@@ -42,8 +42,6 @@ def refine_shaft_hz(
     envelopes: EnvelopeSpectra,
     given_hz: float,
     tolerance: float,
-    *,
-    threshold: float = SHAFT_FOUND,
 ) -> ShaftSpeed:
     """
     Look for the shaft's harmonics within the tolerance of the given speed.
@@ -60,8 +58,6 @@ def refine_shaft_hz(
         Speed handed in, Hz.
     tolerance
         Its relative tolerance, e.g. 0.02.
-    threshold
-        Score from which the harmonics are believed.
 
     Returns
     -------
@@ -100,7 +96,7 @@ def refine_shaft_hz(
     spread = max(float(np.quantile(null, 0.8413)) - center, 1e-3)
     scores = (comb(near) - center) / spread
     best = float(scores.max())
-    if best < threshold:
+    if best < SHAFT_FOUND:
         return ShaftSpeed(given_hz, tolerance, best, tolerance)
     # Fault lines and their sidebands beside an integer order look like a shaft a little off: the
     # given speed is left only for harmonics that are clearly better.
