@@ -42,8 +42,8 @@ BINS = 10
 SPEEDS = 'at several speeds: '
 SIMULATED: dict[str, Callable[[int], list[Row]]] = {
     'twins': machines.fit_twin,
-    'impacts at the edges': machines.fit_edges,
-    "impacts of a ball's path": machines.fit_slot,
+    'impacts at the edges': functools.partial(machines.fit_impacts, on_path=False),
+    "impacts of a ball's path": functools.partial(machines.fit_impacts, on_path=True),
     'paths': machines.fit_path,
     **{SPEEDS + kind: functools.partial(look_at_speeds, kind) for kind in KINDS},
 }

@@ -41,10 +41,9 @@ if TYPE_CHECKING:
 __all__ = [
     'drawn_machine',
     'drawn_modes',
-    'fit_edges',
+    'fit_impacts',
     'fit_path',
     'fit_record',
-    'fit_slot',
     'fit_twin',
     'fit_whatif',
     'records',
@@ -138,18 +137,9 @@ def fit_twin(number: int) -> list[dict[str, Any]]:
     return [row_of(found, float(truth['defect_width_mm'][0]))]
 
 
-def fit_edges(number: int) -> list[dict[str, Any]]:
-    """Fit a train of pairs of impacts that are as far apart as the defect is wide."""
-    return [_fit_impacts(number, 1, on_path=False)]
-
-
-def fit_slot(number: int) -> list[dict[str, Any]]:
-    """Fit a train of pairs of impacts that are as far apart as the path of a ball makes them."""
-    return [_fit_impacts(number, 2, on_path=True)]
-
-
-def _fit_impacts(number: int, key: int, *, on_path: bool) -> dict[str, Any]:
-    rng, situation = drawn_machine(number, key)
+def fit_impacts(number: int, *, on_path: bool) -> list[dict[str, Any]]:
+    """Fit pairs of impacts as far apart as the defect is wide, or as the path of a ball makes."""
+    rng, situation = drawn_machine(number, 2 if on_path else 1)
     rate, bearing, place = situation.sample_rate, situation.bearing, situation.place
     width = float(rng.uniform(0.2e-3, widest(bearing)))
     low, high = load_range(bearing)
@@ -159,7 +149,7 @@ def _fit_impacts(number: int, key: int, *, on_path: bool) -> dict[str, Any]:
     y = ring(x, rate, drawn_modes(rate, rng)) * _gain(rng)
     y += 10.0 ** rng.uniform(-2.0, -0.5) * y.std() * rng.standard_normal(len(y))
     found = fit(y, rate, bearing, situation.shaft_hz, place=place, seed=number + 1)
-    return row_of(found, 1e3 * width)
+    return [row_of(found, 1e3 * width)]
 
 
 def train(

@@ -92,35 +92,18 @@ def _healthy(rng: np.random.Generator) -> NDArray[np.float64]:
     return np.asarray(level * (ringing + lines), dtype=np.float64)
 
 
-def _times(x: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(2.0 * np.pi * MACHINE_HZ * np.arange(len(x)) / RATE, dtype=np.float64)
-
-
-def _imbalance(x: NDArray[np.float64], _: int) -> NDArray[np.float64]:
-    return np.asarray(x + 2.0 * np.sin(_times(x)))
-
-
-def _looseness(x: NDArray[np.float64], _: int) -> NDArray[np.float64]:
-    turns = _times(x)
-    return np.asarray(x + 0.5 * np.sin(np.outer((0.5, 1.5, 2.5, 3.0, 4.0), turns)).sum(axis=0))
-
-
-def _another_machine(x: NDArray[np.float64], _: int) -> NDArray[np.float64]:
-    turns = _times(x)
-    return np.asarray(x + 0.7 * np.sin(3.517 * turns) + 0.5 * np.sin(11.3 * turns))
-
-
-def _drifting_sensor(x: NDArray[np.float64], decision: int) -> NDArray[np.float64]:
-    """Lose 0.2 dB a decision."""
-    return np.asarray(x * 10.0 ** (-0.2 * decision / 20.0))
+def _tones(x: NDArray[np.float64], *lines: tuple[float, float]) -> NDArray[np.float64]:
+    """Add tones: orders of the shaft and amplitudes."""
+    turns = 2.0 * np.pi * MACHINE_HZ * np.arange(len(x)) / RATE
+    return np.asarray(x + sum(height * np.sin(order * turns) for order, height in lines))
 
 
 CHANGES: dict[str, Callable[[NDArray[np.float64], int], NDArray[np.float64]]] = {
     'healthy': lambda x, _: x,
-    'imbalance': _imbalance,
-    'looseness': _looseness,
-    'another machine': _another_machine,
-    'sensor that loses 0.2 dB a decision': _drifting_sensor,
+    'imbalance': lambda x, _: _tones(x, (1.0, 2.0)),
+    'looseness': lambda x, _: _tones(x, *((order, 0.5) for order in (0.5, 1.5, 2.5, 3.0, 4.0))),
+    'another machine': lambda x, _: _tones(x, (3.517, 0.7), (11.3, 0.5)),
+    'sensor that loses 0.2 dB a decision': lambda x, number: x * 10.0 ** (-0.2 * number / 20.0),
 }
 
 
