@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections import Counter
 import sys
-from typing import Protocol, TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from bearing_twin.bearing import PLACES
 from bearing_twin.diagnosis import diagnose_record
@@ -29,7 +29,6 @@ from bearing_twin.studies.output import arguments, print_table
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis import Diagnosis
     import numpy as np
     from numpy.typing import NDArray
@@ -38,29 +37,7 @@ __all__ = ['MODELS', 'Machine', 'judge_case', 'main', 'outcome', 'study']
 
 MODELS = ('twin', 'impacts')
 
-
-class Machine(Protocol):
-    """What cases of all models have."""
-
-    @property
-    def condition(self) -> str:
-        """Name of ``CONDITIONS``."""
-
-    @property
-    def machine(self) -> str:
-        """Return the kind of machine around the bearing."""
-
-    @property
-    def geometry(self) -> Bearing:
-        """Geometry of the bearing."""
-
-    @property
-    def sample_rate(self) -> float:
-        """Hz."""
-
-    @property
-    def given_hz(self) -> float:
-        """Shaft speed handed to the diagnosis, Hz."""
+Machine: TypeAlias = twin_machines.Case | impact_machines.Case
 
 
 def outcome(case: Machine, said: Diagnosis) -> str:
