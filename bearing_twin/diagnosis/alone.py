@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.level import raised
@@ -94,20 +94,3 @@ class Answers:
         if place:
             agree = [said for said, named, _ in self.newest if named == place]
         return f'{len(agree)} {of} say {place and f"{place}, "}{level}'
-
-    @classmethod
-    def of(cls, values: Any) -> Answers:
-        """
-        Answers of saved values.
-
-        Raises
-        ------
-        ValueError, TypeError
-            If they are not such values.
-
-        """
-        newest = [[str(text) for text in row] for row in values]
-        if any(len(row) != 3 or row[0] not in LEVELS for row in newest):
-            msg = f'saved answers are {values!r}; use what save() returned'
-            raise ValueError(msg)
-        return cls(newest)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 import math
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.dependence import (
     Condition,
@@ -17,7 +17,6 @@ from bearing_twin.diagnosis.dependence import (
     Z90,
 )
 from bearing_twin.diagnosis.severity import MEASURES
-from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
@@ -219,31 +218,6 @@ class Memory:
         mean, deviation = PER_KELVIN
         may = mean * (heat - was) + Z90 * deviation * abs(heat - was)
         return level - lowest - (0.0 if math.isnan(may) else may)
-
-    @classmethod
-    def of(cls, values: dict[str, Any]) -> Memory:
-        """
-        Memory of saved values.
-
-        Raises
-        ------
-        BearingTwinError
-            If they are not such values.
-
-        """
-        try:
-            base = values['base'] and Baseline(**values['base'])
-            former = [Baseline(**known) for known in values['former']]
-            rows = [row[3:] for window in values['windows'].values() for row in window]
-            for known in former + [base] * bool(base):
-                rows += [known.levels, known.scatter]
-            np.asarray_chkfinite(rows, dtype=np.float64).reshape(-1, len(MEASURES))
-            np.asarray_chkfinite([pair[0][0] + pair[1][0] for pair in values['medians'].values()])
-            record = HealthyRecord.of(values['record'])
-            return cls(values['windows'], values['medians'], base, former, record)
-        except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
-            msg = f'saved memory of a machine is not one ({error}); use what save() returned'
-            raise BearingTwinError(msg) from error
 
 
 def _speed(now: Condition) -> str:

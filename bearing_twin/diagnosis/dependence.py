@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 import math
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -325,6 +325,13 @@ class HealthyRecord:
     slopes: list[list[list[float]]] = field(default_factory=list)
     """Laws of the measures: saved, so that a run that is resumed goes on to the bit."""
 
+    def __post_init__(self) -> None:
+        sound = self.span >= 1 and min(self.passed, self.fitted) >= 0
+        sound &= len({len(row) for row in self.rows}) < 2
+        if not (sound and all(row[2:] and np.isfinite(row[2:]).all() for row in self.rows)):
+            msg = 'saved record of a healthy machine is not one; use what save() returned'
+            raise BearingTwinError(msg)
+
     @property
     def count(self) -> int:
         """Levels taken in."""
@@ -347,31 +354,6 @@ class HealthyRecord:
             self.fitted = self.count
             heat, octaves, *levels = np.array(self.rows).T
             laws = [fit_law(level, heat, octaves) for level in levels]
-            self.slopes = [[list(law.temperature), list(law.octaves)] for law in laws]
+            pairs = [(law.temperature, law.octaves) for law in laws]
+            self.slopes = [[list(map(float, slope)) for slope in pair] for pair in pairs]
         return [Law(*map(_slope, pair)) for pair in self.slopes]
-
-    @classmethod
-    def of(cls, values: dict[str, Any]) -> HealthyRecord:
-        """
-        Record of saved values.
-
-        Raises
-        ------
-        BearingTwinError
-            If they are not such values.
-
-        """
-        try:
-            record = cls(**values)
-            table = np.array(record.rows, dtype=np.float64)
-            sound = record.span >= 1 and min(record.passed, record.fitted) >= 0
-            if record.rows:
-                sound &= table.ndim == 2 and table.shape[1] > 2
-                sound = sound and bool(np.isfinite(table[:, 2:]).all())
-            record.laws()
-        except (TypeError, ValueError, IndexError):
-            sound = False
-        if not sound:
-            msg = 'saved record of a healthy machine is not one; use what save() returned'
-            raise BearingTwinError(msg)
-        return record

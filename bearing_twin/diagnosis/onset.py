@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -54,6 +54,11 @@ class Rise:
     found: bool = False
     """Whether the level has risen for good."""
 
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.total) and min(self.total, self.lasting) >= 0):
+            msg = f'saved rise is {self}; use what save() returned'
+            raise BearingTwinError(msg)
+
     def add(self, over: float, scatter: float = 0.0) -> bool:
         """
         Take a level and tell whether it has risen for good.
@@ -73,26 +78,6 @@ class Rise:
         self.lasting = self.lasting + 1 if self.total > 0.0 else 0
         self.found = self.total > scale * DECISION_DB
         return self.found
-
-    @classmethod
-    def of(cls, values: dict[str, Any]) -> Rise:
-        """
-        Rise of saved values.
-
-        Raises
-        ------
-        BearingTwinError
-            If they are not such values.
-
-        """
-        try:
-            rise = cls(float(values['total']), int(values['lasting']), bool(values['found']))
-        except (KeyError, TypeError, ValueError):
-            rise = cls(math.nan)
-        if not (math.isfinite(rise.total) and min(rise.total, rise.lasting) >= 0):
-            msg = f'saved rise is {values}; use what save() returned'
-            raise BearingTwinError(msg)
-        return rise
 
 
 def rise_begins(levels: NDArray[np.float64], floor: float, reference: float) -> int:

@@ -34,6 +34,7 @@ from bearing_twin.diagnosis.severity import (
     watched,
 )
 from bearing_twin.diagnosis.shaft import Turning
+from bearing_twin.diagnosis.state import restored
 from bearing_twin.diagnosis.trend import Source
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -403,7 +404,7 @@ class SeriesMonitor:
             'points': [asdict(point) for point in self._points],
             'source': list(self._source),
             'rise': asdict(self._rise),
-            'answers': self._answers.newest,
+            'answers': asdict(self._answers),
             'averaged': [[a.count, a.turns] for a in (self._quiet, self._loud)],
             **{name: getattr(self, f'_{name}') for name in _KEPT},
         }
@@ -431,12 +432,15 @@ class SeriesMonitor:
         for name in _KEPT:
             kind = type(getattr(self, f'_{name}'))
             setattr(self, f'_{name}', kind(values[name]))
-        self._memory = Memory.of(values['memory'])
-        self._points = [SeriesPoint(**point) for point in values['points']]
+        self._memory = restored(Memory, values['memory'])
+        self._points = restored(list[SeriesPoint], values['points'])
         self._levels = list(arrays['levels'])
+        if arrays['levels'].shape != (len(self._points), len(MEASURES)):
+            msg = f'saved levels have shape {arrays["levels"].shape}; use what save() returned'
+            raise BearingTwinError(msg)
         self._source = Source(*values['source'])
-        self._rise = Rise.of(values['rise'])
-        self._answers = Answers.of(values['answers'])
+        self._rise = restored(Rise, values['rise'])
+        self._answers = restored(Answers, values['answers'])
         for average, (count, turns) in zip(
             (self._quiet, self._loud), values['averaged'], strict=True
         ):

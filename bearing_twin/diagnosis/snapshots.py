@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 __all__ = ['SeriesDiagnoser']
 
-_VERSION = 1006
+_VERSION = 1007
 _SOONER = 0.75
 """Share of the cycle after which the next snapshot may come: cycles are never exact."""
 

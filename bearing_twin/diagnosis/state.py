@@ -4,15 +4,16 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, is_dataclass
 import json
 import struct
-from typing import Any
+from typing import Any, get_args, get_origin, get_type_hints
 import zlib
 
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
-__all__ = ['pack', 'unpack']
+__all__ = ['pack', 'restored', 'unpack']
 
 _MAGIC = b'BTDX'
 _HEADER = struct.Struct('<4sHIIQ')
@@ -73,3 +74,43 @@ def unpack(data: bytes, version: int) -> tuple[dict[str, Any], dict[str, np.ndar
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
         msg = f'saved state cannot be read ({error}); use what save() returned'
         raise BearingTwinError(msg) from error
+
+
+def restored(kind: Any, value: Any) -> Any:
+    """
+    Value of a type, from the plain values that `dataclasses.asdict` made of it.
+
+    Parameters
+    ----------
+    kind
+        A dataclass, or a list, dict or optional of such, of numbers or of text. A dataclass checks
+        ranges itself, in its ``__post_init__``.
+    value
+        What was saved.
+
+    Raises
+    ------
+    BearingTwinError
+        If it is no such value.
+
+    >>> restored(dict[str, list[float]], {'x': [1]})
+    {'x': [1.0]}
+
+    """
+    inner = get_args(kind)
+    if isinstance(kind, type) and is_dataclass(kind) and isinstance(value, dict):
+        hints = get_type_hints(kind)
+        if value.keys() == {field.name for field in fields(kind)}:
+            return kind(**{name: restored(hints[name], each) for name, each in value.items()})
+    elif type(None) in inner:
+        return None if value is None else restored(inner[0], value)
+    elif get_origin(kind) is list and isinstance(value, list):
+        return [restored(inner[0], each) for each in value]
+    elif get_origin(kind) is dict and isinstance(value, dict):
+        return {restored(inner[0], k): restored(inner[1], each) for k, each in value.items()}
+    elif kind is float and isinstance(value, int):
+        return float(value)
+    elif kind in (bool, int, float, str) and isinstance(value, kind):
+        return value
+    msg = f'saved {value!r:.60} is no {kind}; use what save() returned'
+    raise BearingTwinError(msg)

@@ -15,7 +15,7 @@ from bearing_twin.diagnosis.chain import Excerpt, Stretch
 from bearing_twin.diagnosis.comb import OrderSpectra
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.shaft import Turning
-from bearing_twin.diagnosis.state import pack, unpack
+from bearing_twin.diagnosis.state import pack, restored, unpack
 from bearing_twin.diagnosis.trend import Source, Trend
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -379,7 +379,7 @@ class StreamingDiagnoser:
                 for n, (end, step, given) in enumerate(values['earlier'])
             )
             start, following = int(values['start']), int(values['next'])
-            trend, guest = Trend.of(values['trend']), Trend.of(values['guest'])
+            trend, guest = (restored(Trend, values[name]) for name in ('trend', 'guest'))
             if not (0.0 < rate < math.inf or math.isnan(rate)):
                 raise ValueError(f'sample rate {rate}')
         except (KeyError, TypeError, ValueError) as error:

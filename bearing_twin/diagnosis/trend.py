@@ -8,14 +8,12 @@ from dataclasses import asdict, dataclass, field, replace
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.bearing import FAULT_CODES, LEVELS, PLACES, RESULTS
-from bearing_twin.bearing.vocabulary import STAGES
+from bearing_twin.bearing import FAULT_CODES
 from bearing_twin.diagnosis.baseline import Memory, SETTLED
 from bearing_twin.diagnosis.dependence import Condition, Z90
 from bearing_twin.diagnosis.level import FALLEN, FAULT_DB, raised, staged, SUSPECT_DB
 from bearing_twin.diagnosis.onset import Rise
 from bearing_twin.diagnosis.severity import MEASURES, watched
-from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
@@ -302,42 +300,6 @@ class Trend:
     def values(self) -> dict[str, Any]:
         """Plain values for saving."""
         return asdict(self)
-
-    @classmethod
-    def of(cls, values: dict[str, Any]) -> Trend:
-        """
-        Trend of saved values.
-
-        Raises
-        ------
-        BearingTwinError
-            If they are not such values.
-
-        """
-        trend = cls()
-        for name, default in vars(cls()).items():
-            value = values.get(name) if isinstance(values, dict) else None
-            if isinstance(value, dict) and isinstance(default, Memory | Rise):
-                value = type(default).of(value)
-            right = type(value) is type(default) or (type(default) is float and type(value) is int)
-            if not right:
-                msg = f'saved trend has {name}={value!r}; use what save() returned'
-                raise BearingTwinError(msg)
-            setattr(trend, name, value)
-        known = ('', *LEVELS)
-        sound = trend.level in known and trend.pending in known
-        sound &= 0.0 <= trend.sample_rate < math.inf
-        words = f'{trend.answer} {trend.other}'.split()
-        sound &= set(words) <= {*RESULTS, *PLACES} and 0.0 <= trend.confidence <= 1.0
-        sound &= bool(trend.level) == bool(trend.answer)
-        for rows, width in ((trend.first, 3), (trend.minute, 2 + len(MEASURES))):
-            sound &= all(isinstance(row, list) and len(row) == width for row in rows)
-        counts = (trend.count, trend.doubtful, trend.pending_count, trend.other_count)
-        sound &= trend.stage in range(len(STAGES))
-        if not sound or min(counts) < 0:
-            msg = f'saved trend is out of range: {values}; use what save() returned'
-            raise BearingTwinError(msg)
-        return trend
 
 
 def _spoken(answer: str) -> str:

@@ -18,6 +18,7 @@ from bearing_twin.diagnosis.dependence import (
 from bearing_twin.diagnosis.level import raised
 from bearing_twin.diagnosis.onset import DECISION_DB, Rise
 from bearing_twin.diagnosis.report import insufficient
+from bearing_twin.diagnosis.state import restored
 from bearing_twin.diagnosis.trend import Source, Trend
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies import rise, temperature
@@ -126,13 +127,13 @@ def test_record_of_a_year_stays_small_and_is_resumed_to_the_bit():
     assert len(record.rows) < 256
     law = record.laws()[0]
     assert law.temperature.mean == pytest.approx(0.1, abs=0.02)
-    again = HealthyRecord.of(vars(record).copy())
+    again = restored(HealthyRecord, vars(record).copy())
     assert again == record and again.laws()[0] == law
     for broken in (
         {'rows': [[1.0]]}, {'span': 0}, {'rows': [[60.0, 4.0, math.nan]]}, {'new': 1}, {'rows': 3},
     ):  # fmt: skip
         with pytest.raises(BearingTwinError, match='use what save'):
-            HealthyRecord.of(vars(record) | broken)
+            restored(HealthyRecord, vars(record) | broken)
 
 
 def said(level, heat):
@@ -167,7 +168,7 @@ def test_a_machine_that_is_louder_when_hot_teaches_it_and_is_then_compared_fairl
     assert cold.correction == pytest.approx(0.12 * (40.0 - 60.0), abs=0.3)
     assert 0.0 < cold.correction_sd < 0.3
     # Saved and resumed it says the same.
-    again = Trend.of(trend.values())
+    again = restored(Trend, trend.values())
     resumed, straight = (live(readings[:50], one)[1] for one in (again, trend))
     assert [str(d.severity) for d in resumed] == [str(d.severity) for d in straight]
     assert again == trend
@@ -201,7 +202,7 @@ def test_rise_finds_what_the_study_counts():
     assert max(rise.largest_sum(rng, 0.8, 20.0) for _ in range(3)) < DECISION_DB
     assert 10 < np.median([rise.minutes_until(rng, 6.0) for _ in range(9)]) < 20
     with pytest.raises(BearingTwinError, match='saved rise'):
-        Rise.of({'total': -1.0, 'lasting': 0, 'found': False})
+        restored(Rise, {'total': -1.0, 'lasting': 0, 'found': False})
 
 
 def test_simulated_bearings_get_louder_and_quieter_with_temperature():

@@ -9,6 +9,7 @@ from bearing_twin.bearing import fault_orders, find_bearing, next_step
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
 from bearing_twin.diagnosis.level import raised, staged
 from bearing_twin.diagnosis.report import insufficient
+from bearing_twin.diagnosis.state import restored
 from bearing_twin.diagnosis.trend import Source, Trend
 import numpy as np
 import pytest
@@ -157,7 +158,7 @@ def test_no_level_is_known_before_the_first_full_window():
     early = trend.update(fault, MACHINE, wanted=60, hold=3, full=False)
     assert (early.result, early.level) == ('inner', 'none')
     assert trend.update(fault, MACHINE, wanted=60, hold=3, full=True).level == 'fault'
-    assert Trend.of(trend.values()) == trend
+    assert restored(Trend, trend.values()) == trend
 
 
 def test_a_window_that_says_nothing_does_not_end_an_alarm():
@@ -380,7 +381,7 @@ def test_a_stream_that_climbs_while_it_is_learnt_is_not_its_own_baseline(minutes
     assert found[-1].level in ('suspect', 'fault')
     early = 'over the lowest level so far' in ' '.join(found[-1].reasons)
     assert early == (trend.memory.base is None)
-    assert Trend.of(trend.values()) == trend
+    assert restored(Trend, trend.values()) == trend
 
 
 def test_a_standing_shaft_has_no_zone_and_c_is_a_lower_bound():

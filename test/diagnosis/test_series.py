@@ -14,7 +14,8 @@ from bearing_twin.diagnosis.onset import rise_begins
 from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.snapshots import SeriesDiagnoser
+from bearing_twin.diagnosis.snapshots import _VERSION, SeriesDiagnoser
+from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import pytest
@@ -407,6 +408,16 @@ def test_series_is_saved_and_resumed_to_the_bit():
     for broken in (b'', before[:-9], before[:40] + b'x' + before[41:]):
         with pytest.raises(BearingTwinError):
             straight.load(broken)
+    values, arrays = unpack(before, _VERSION)
+    point = {**values['series']['points'][-1], 'time': 'x'}
+    for changed, levels in (
+        ({'points': [*values['series']['points'][:-1], point]}, arrays['levels']),
+        ({'rise': {**values['series']['rise'], 'total': -1.0}}, arrays['levels']),
+        ({}, arrays['levels'][:, :1]),
+    ):
+        forged = {**values, 'series': {**values['series'], **changed}}
+        with pytest.raises(BearingTwinError, match='use what save'):
+            straight.load(pack(_VERSION, forged, {**arrays, 'levels': levels}))
     assert straight.save() == before
 
 
