@@ -131,7 +131,7 @@ class DiagnosisCore:
             raise BearingTwinError(problem.text)
 
     def take(
-        self, block: VibrationBlock, *, temperature: float, joint_hz: float, measured: bool
+        self, block: VibrationBlock, *, temperature: float, joint_hz: float
     ) -> list[DueVerdict]:
         """
         Take one block; return the verdicts that are due.
@@ -143,24 +143,17 @@ class DiagnosisCore:
         temperature
             Of the bearing, degC; NaN where there is none.
         joint_hz
-            Speed to use where the block has none, Hz; NaN: that of the parameters.
-        measured
-            Whether ``joint_hz`` comes from a joint.
+            Speed of a joint, for where the block has none, Hz; NaN: that of the parameters.
 
         """
         # The source knows best; then a joint; the parameter is but a nameplate.
-        carried = not math.isnan(block.shaft_hz)
-        shaft_hz = joint_hz
-        if carried:
-            shaft_hz = block.shaft_hz
-        elif math.isnan(joint_hz):
-            shaft_hz = self.nominal_hz
+        measured = joint_hz if math.isnan(block.shaft_hz) else block.shaft_hz
         excerpts = self.diagnoser.take(
             block.first_sample,
             block.samples,
             block.sample_rate,
-            shaft_hz,
-            speed_measured=carried or measured,
+            self.nominal_hz if math.isnan(measured) else measured,
+            speed_measured=not math.isnan(measured),
             temperature=temperature,
             unit=block.unit,
             sensor=f'{block.frame_id} {self._axis}'.strip()

@@ -80,7 +80,7 @@ class DiagnosisTopics:
         self._core = DiagnosisCore(p.values)
         self._states = StateFolder(p['state_directory'])
         self._load_state()
-        self._shaft = ShaftSpeed(nominal=self._core.nominal_hz, joint=p['joint'])
+        self._shaft = ShaftSpeed(nominal=math.nan, joint=p['joint'])
         self._sources = SourceLock()
         self._gaps = GapCounter()
         self._gate, self._now = TemperatureGate(), receiver_clock(node)
@@ -153,7 +153,6 @@ class DiagnosisTopics:
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; the window restarts where the bearing has changed."""
         self._core.reconfigure(values)
-        self._shaft.set_nominal(self._core.nominal_hz)
         self._checkpoints.ask()
 
     def _on_temperature(self, message: Temperature, info: MessageInfo) -> None:
@@ -197,12 +196,7 @@ class DiagnosisTopics:
         self._problem = ''
         if self._checkpoints.is_due(block.first_sample):
             self._publish_checkpoint(block)
-        for due in self._core.take(
-            block,
-            temperature=temperature,
-            joint_hz=self._shaft.hz,
-            measured=self._shaft.measured,
-        ):
+        for due in self._core.take(block, temperature=temperature, joint_hz=self._shaft.hz):
             self._publish_verdict(due.judge(due.analyse()))
 
     def _publish_verdict(self, verdict: Verdict) -> None:

@@ -111,11 +111,7 @@ class DiagnosisCheck:
             speed = self._speed(self._run)
             self._uncertain |= bool(self._run.values['joint']) and math.isnan(block.shaft_hz)
         try:
-            outputs = list(
-                self._run.push(
-                    block, temperature=temperature, joint_hz=speed, measured=not math.isnan(speed)
-                )
-            )
+            outputs = list(self._run.push(block, temperature=temperature, joint_hz=speed))
         except BearingTwinError as error:
             self._note(f'a block is refused: {error}')
             return
@@ -207,7 +203,6 @@ class DiagnosisCheck:
                     read_vibration(block, values['axis']),
                     temperature=math.nan,
                     joint_hz=speed,
-                    measured=not math.isnan(speed),
                 )
         run.load(state)
         return run

@@ -104,7 +104,6 @@ class DiagnosisRun:
         *,
         temperature: float,
         joint_hz: float = math.nan,
-        measured: bool = False,
     ) -> list[DueVerdict]:
         """
         Take one block; return the verdicts that are due.
@@ -116,9 +115,7 @@ class DiagnosisRun:
         temperature
             Last bearing temperature, degC; NaN where there is none.
         joint_hz
-            Speed to use where the message has none, Hz; NaN: that of the parameters.
-        measured
-            Whether ``joint_hz`` comes from a joint.
+            Speed of a joint, for where the message has none, Hz; NaN: that of the parameters.
 
         Raises
         ------
@@ -127,9 +124,7 @@ class DiagnosisRun:
 
         """
         self._core.admit(block)
-        return self._core.take(
-            block, temperature=temperature, joint_hz=joint_hz, measured=measured
-        )
+        return self._core.take(block, temperature=temperature, joint_hz=joint_hz)
 
     def outputs(self, verdict: Verdict) -> Iterator[Output]:
         """Yield what the node publishes of a verdict."""

@@ -180,7 +180,6 @@ class _Block(NamedTuple):
     outputs: list[Output]
     temperature: float
     joint_hz: float
-    measured: bool
     warnings: list[str]
 
 
@@ -266,7 +265,7 @@ class _TwinSide:
         if checkpoint is not None:
             outputs.insert(0, output('/twin_checkpoint', checkpoint))
         return _Block(
-            now, vibration, outputs, self._temperature, self._speed.hz, self._speed.measured,
+            now, vibration, outputs, self._temperature, self._speed.hz,
             self._new_warnings(made.block.condition, due),
         )  # fmt: skip
 
@@ -348,10 +347,7 @@ class _DiagnosisSide:
             self._settle(0)
             self._write(self._run.checkpoint(block.vibration), block.now)
         for due in self._run.take(
-            block.vibration,
-            temperature=block.temperature,
-            joint_hz=block.joint_hz,
-            measured=block.measured,
+            block.vibration, temperature=block.temperature, joint_hz=block.joint_hz
         ):
             self._analyses += 1
             analysis = self._pool.submit(due.analyse)

@@ -53,11 +53,6 @@ class ShaftSpeed:
         self._arrived: float | None = None
         self._problem = ''
 
-    @property
-    def measured(self) -> bool:
-        """Whether :attr:`hz` comes from a joint."""
-        return self._arrived is not None
-
     def set_nominal(self, hz: float) -> None:
         """Use a new nominal speed, Hz, unless a measured one is in use."""
         if self._arrived is None:

@@ -212,7 +212,7 @@ def test_a_joint_that_is_silent_or_moves_makes_no_sound_recording_differ(
             block = read_vibration(message, 'y')
             if run.needs_checkpoint(block):
                 made.append(run.checkpoint(block))
-            made += run.push(message, temperature=math.nan, joint_hz=hz, measured=hz > 0.0)
+            made += run.push(message, temperature=math.nan, joint_hz=hz)
             for each in made:
                 writer.write(
                     each.topic, each.type_name, each.cdr, log_time=stamp, publish_time=stamp
