@@ -21,10 +21,7 @@ from bearing_twin.assets.twin_parameters import (
 from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin.dynamics.saved import Envelope
 from bearing_twin.dynamics.successor import successor
-from bearing_twin.stamps import stamp_ns
-from bearing_twin.streams.shaft import ShaftSpeed
-from bearing_twin.streams.vibration_input import SEVERAL, SourceLock
-from bearing_twin.thermal.gate import TemperatureGate
+from bearing_twin.streams.vibration_input import Inputs
 import numpy as np
 
 if TYPE_CHECKING:
@@ -50,7 +47,7 @@ class TwinInputs(NamedTuple):
     shaft_hz: float
 
 
-class TwinChannel:
+class TwinChannel(Inputs):
     """
     Validated inputs of one twin.
 
@@ -66,42 +63,21 @@ class TwinChannel:
     def __init__(
         self, values: Mapping[str, Any], *, clock: Callable[[], float] = time.monotonic
     ) -> None:
+        super().__init__(
+            clock, start=values['start_temperature'], timeout=values['temperature_timeout'],
+            nominal=values['shaft_hz'], joint=values['joint'], highest=FASTEST_LIVE_SHAFT,
+        )  # fmt: skip
         self.values = dict(values)
-        self._clock = clock
-        self._gate = TemperatureGate(
-            start=values['start_temperature'], timeout=values['temperature_timeout']
-        )
-        # Another source is heard when the last temperature of the first is stale.
-        self._sources = SourceLock(self._gate.timeout, self._gate.timeout)
-        self._shaft = ShaftSpeed(
-            nominal=values['shaft_hz'], joint=values['joint'], highest=FASTEST_LIVE_SHAFT
-        )
-
-    def take_temperature(self, message: Any, info: Mapping[str, Any] | None = None) -> None:
-        """Take a ``sensor_msgs/Temperature``; of several publishers the first one's only."""
-        now = self._clock()
-        if self._sources.accept((info or {}).get('publisher_gid'), now):
-            self._gate.offer(message.temperature, stamp=stamp_ns(message.header.stamp), now=now)
-
-    def take_joints(self, message: Any, _: object = None) -> None:
-        """Take a ``sensor_msgs/JointState``."""
-        self._shaft.offer(message.name, message.velocity, now=self._clock())
 
     def inputs(self) -> TwinInputs:
         """Return temperature and shaft speed for the block to be computed now."""
-        return TwinInputs(self._gate.at(self._clock()), self._shaft.hz)
-
-    def problems(self) -> tuple[str, str]:
-        """Return what is wrong with the shaft speed and with the sources; '' if nothing."""
-        now = self._clock()
-        return self._shaft.problem(now), SEVERAL if self._sources.contested(now) else ''
+        return TwinInputs(self.temperature, self.shaft.hz)
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters."""
         self.values = dict(values)
-        self._gate.timeout = values['temperature_timeout']
-        self._sources.timeout = self._sources.remember = self._gate.timeout
-        self._shaft.set_nominal(values['shaft_hz'])
+        self.set_timeout(values['temperature_timeout'])
+        self.shaft.set_nominal(values['shaft_hz'])
 
 
 class Twin(TwinChannel):

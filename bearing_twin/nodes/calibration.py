@@ -24,11 +24,9 @@ from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode, run
 from bearing_twin.ros.qos import MEASUREMENT, OVERRIDES, own, RESULT, STREAM
 from bearing_twin.ros.subscribing import receiver_clock, subscribe
-from bearing_twin.stamps import stamp_ns
-from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.statefile import StateFolder
-from bearing_twin.streams.vibration_input import read_vibration, SEVERAL, SourceLock
-from bearing_twin.thermal.gate import TemperatureGate, TemperatureStatus
+from bearing_twin.streams.vibration_input import Inputs, read_vibration, SourceLock
+from bearing_twin.thermal.gate import TemperatureStatus
 from bearing_twin_msgs.msg import Calibration, Diagnosis, Vibration
 from rclpy.clock import Clock, ClockType
 from sensor_msgs.msg import JointState, Temperature
@@ -68,10 +66,9 @@ class CalibrationNode(ManagedNode):
         """Create the publisher, the statuses and the worker."""
         p = self.parameters
         self._core = CalibrationCore(p.values)
-        self._shaft = ShaftSpeed(nominal=p['shaft_hz'] or math.nan, joint=p['joint'])
-        self._sources, self._gate = SourceLock(), TemperatureGate()
-        self._now = receiver_clock(self)
-        self._thermometers = SourceLock(self._gate.timeout, self._gate.timeout)
+        nominal = p['shaft_hz'] or math.nan
+        self._inputs = Inputs(receiver_clock(self), nominal=nominal, joint=p['joint'])
+        self._sources = SourceLock()
         self._arrived = math.nan
         # Of the newest block, and of the newest fit.
         self._refused, self._problem, self._latest = '', '', None
@@ -91,11 +88,11 @@ class CalibrationNode(ManagedNode):
         """Listen."""
         topics = [
             (Vibration, 'vibration', self._on_vibration, STREAM),
-            (Temperature, 'temperature', self._on_temperature, MEASUREMENT),
+            (Temperature, 'temperature', self._inputs.take_temperature, MEASUREMENT),
             (Diagnosis, 'diagnosis', self._on_diagnosis, RESULT),
         ]
         if self.parameters['joint']:
-            topics.append((JointState, 'joint_states', self._on_joints, MEASUREMENT))
+            topics.append((JointState, 'joint_states', self._inputs.take_joints, MEASUREMENT))
         for topic in topics:
             subscribe(self, *topic)
         self.create_timer(POLL, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -120,7 +117,7 @@ class CalibrationNode(ManagedNode):
             if name and self._states.path(name).exists():
                 kept = self._states.set_aside(name)
                 self.get_logger().warning(f'{name} is of another bearing; {kept}')
-        self._shaft.set_nominal(values['shaft_hz'] or math.nan)
+        self._inputs.shaft.set_nominal(values['shaft_hz'] or math.nan)
 
     def _forget(self) -> str:
         # A fit that runs is compared with the healthy twin that is given up.
@@ -129,14 +126,6 @@ class CalibrationNode(ManagedNode):
         self._keep_state()
         return said
 
-    def _on_temperature(self, message: Temperature, info: MessageInfo) -> None:
-        if self._thermometers.accept(info.get('publisher_gid'), now := self._now()):
-            stamp = stamp_ns(message.header.stamp)
-            self._gate.offer(message.temperature, stamp=stamp, now=now)
-
-    def _on_joints(self, message: JointState, _: MessageInfo) -> None:
-        self._shaft.offer(message.name, message.velocity, now=time.monotonic())
-
     def _on_diagnosis(self, message: Diagnosis, _: MessageInfo) -> None:
         self._core.verdict(message)
 
@@ -144,7 +133,7 @@ class CalibrationNode(ManagedNode):
         now = time.monotonic()
         if not self._sources.accept(info.get('publisher_gid'), now):
             return
-        heat = self._gate.at(self._now())
+        heat = self._inputs.temperature
         try:
             block = read_vibration(message, self.parameters['axis'])
         except BearingTwinError as error:
@@ -154,7 +143,7 @@ class CalibrationNode(ManagedNode):
         task = self._core.take(
             block,
             temperature=math.nan if heat.status is TemperatureStatus.STALE else heat.taken,
-            shaft_hz=self._shaft.hz,
+            shaft_hz=self._inputs.shaft.hz,
             now=now,
         )
         if task is not None and self._running is None:
@@ -227,10 +216,8 @@ class CalibrationNode(ManagedNode):
             return Status(Level.STALE, text, values)
         if problem := self._refused or self._problem or self._core.waiting:
             return Status(Level.WARN, f'not fitted: {problem}', values)
-        if problem := self._shaft.problem(time.monotonic()):
+        if problem := next(filter(None, self._inputs.problems()), ''):
             return Status(Level.WARN, problem, values)
-        if self._thermometers.contested(self._now()):
-            return Status(Level.WARN, SEVERAL, values)
         if found is None:
             return Status(Level.STALE, 'no calibration yet', values)
         if stale := self._core.stale(time.monotonic()):

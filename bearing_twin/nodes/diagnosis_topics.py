@@ -16,16 +16,8 @@ from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
 from bearing_twin.ros.subscribing import receiver_clock, subscribe, unheard
-from bearing_twin.stamps import stamp_ns
-from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.statefile import StateFolder
-from bearing_twin.streams.vibration_input import (
-    GapCounter,
-    read_vibration,
-    SEVERAL,
-    SourceLock,
-)
-from bearing_twin.thermal.gate import TemperatureGate
+from bearing_twin.streams.vibration_input import GapCounter, Inputs, read_vibration, SourceLock
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
 from sensor_msgs.msg import JointState, Temperature
 from std_msgs.msg import Float64MultiArray
@@ -80,11 +72,9 @@ class DiagnosisTopics:
         self._core = DiagnosisCore(p.values)
         self._states = StateFolder(p['state_directory'])
         self._load_state()
-        self._shaft = ShaftSpeed(nominal=math.nan, joint=p['joint'])
+        self._measured = Inputs(receiver_clock(node), joint=p['joint'])
         self._sources = SourceLock()
         self._gaps = GapCounter()
-        self._gate, self._now = TemperatureGate(), receiver_clock(node)
-        self._thermometers = SourceLock(self._gate.timeout, self._gate.timeout)
         self._unkept = ''
         self._blocks = 0
         self._refused = 0
@@ -120,9 +110,11 @@ class DiagnosisTopics:
         self._inputs: list[Subscription[Any]] = []
         if sensors:
             self._subscribe(Vibration, 'vibration', self._on_vibration, STREAM)
-            self._subscribe(Temperature, 'temperature', self._on_temperature, MEASUREMENT)
+            self._subscribe(
+                Temperature, 'temperature', self._measured.take_temperature, MEASUREMENT
+            )
         if self.parameters['joint']:
-            self._subscribe(JointState, 'joint_states', self._on_joints, MEASUREMENT)
+            self._subscribe(JointState, 'joint_states', self._measured.take_joints, MEASUREMENT)
 
     def _subscribe(self, kind: Any, topic: str, callback: Any, qos: QoSProfile) -> None:
         # A fleet has many: waiting for each would cost more than what they bring.
@@ -155,18 +147,10 @@ class DiagnosisTopics:
         self._core.reconfigure(values)
         self._checkpoints.ask()
 
-    def _on_temperature(self, message: Temperature, info: MessageInfo) -> None:
-        if self._thermometers.accept(info.get('publisher_gid'), now := self._now()):
-            stamp = stamp_ns(message.header.stamp)
-            self._gate.offer(message.temperature, stamp=stamp, now=now)
-
-    def _on_joints(self, message: JointState, _: MessageInfo) -> None:
-        self._shaft.offer(message.name, message.velocity, now=time.monotonic())
-
     def _on_vibration(self, message: Vibration, info: MessageInfo) -> None:
         # Jazzy does not tell who sent it: then all is one source.
         if self._sources.accept(info.get('publisher_gid'), time.monotonic()):
-            self.take(message, self._gate.at(self._now()).taken)
+            self.take(message, self._measured.temperature.taken)
 
     def take(self, message: Vibration, temperature: float) -> None:
         """
@@ -196,7 +180,9 @@ class DiagnosisTopics:
         self._problem = ''
         if self._checkpoints.is_due(block.first_sample):
             self._publish_checkpoint(block)
-        for due in self._core.take(block, temperature=temperature, joint_hz=self._shaft.hz):
+        for due in self._core.take(
+            block, temperature=temperature, joint_hz=self._measured.shaft.hz
+        ):
             self._publish_verdict(due.judge(due.analyse()))
 
     def _publish_verdict(self, verdict: Verdict) -> None:
@@ -271,9 +257,8 @@ class DiagnosisTopics:
             contested=self._sources.contested(now),
             gaps=self._gaps,
             rate_problem=self._core.rate_problem,
-            shaft_problem=self._shaft.problem(now),
             others=(
-                SEVERAL if self._thermometers.contested(self._now()) else '',
+                *self._measured.problems(),
                 self._unkept and f'baseline and trend are not kept: {self._unkept}',
             ),
         )
@@ -300,7 +285,6 @@ def input_status(
     contested: bool,
     gaps: GapCounter,
     rate_problem: str,
-    shaft_problem: str,
     others: tuple[str, ...] = (),
 ) -> Status:
     """
@@ -322,13 +306,11 @@ def input_status(
         Samples lost and restarts of the source.
     rate_problem
         How the sample rate is wrong; '' if it is not.
-    shaft_problem
-        What is wrong with the shaft speed; '' if nothing.
     others
         Further sentences; empty strings are ignored.
 
     """
-    problems = '; '.join(filter(None, (rate_problem, shaft_problem, *others)))
+    problems = '; '.join(filter(None, (rate_problem, *others)))
     if not blocks and not problem:
         level, message = Level.STALE, 'no vibration yet'
     elif age > SILENT_AFTER:

@@ -1,19 +1,25 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Validates incoming vibration: what passes can be diagnosed."""
+"""Validates what comes in: vibration, and temperature and shaft speed."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 import math
+import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import stamp_ns
-from bearing_twin.streams.shaft import FASTEST_SHAFT
+from bearing_twin.streams.shaft import FASTEST_SHAFT, ShaftSpeed
+from bearing_twin.thermal.gate import TemperatureGate
+from bearing_twin.thermal.gcr15 import TABLE_LOW
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from bearing_twin.thermal.gate import GatedTemperature
     from numpy.typing import NDArray
 
 __all__ = [
@@ -21,6 +27,7 @@ __all__ = [
     'SOURCE_SIMULATED',
     'SOURCE_UNKNOWN',
     'GapCounter',
+    'Inputs',
     'SourceLock',
     'VibrationBlock',
     'read_vibration',
@@ -121,10 +128,6 @@ class GapCounter:
         return restarted
 
 
-SEVERAL = 'several sources of temperature: only the first is used'
-"""What a status says where a :class:`SourceLock` for temperatures is contested."""
-
-
 class SourceLock:
     """
     Listen to one publisher where several send on one topic.
@@ -169,3 +172,60 @@ class SourceLock:
     def contested(self, now: float) -> bool:
         """Whether another source has been heard lately, seen at ``now`` (s)."""
         return 0.0 <= now - self._ignored_at < self.remember
+
+
+class Inputs:
+    """
+    Checked temperature, of the first of several sensors, and shaft speed.
+
+    Parameters
+    ----------
+    clock
+        The receiver's clock, s; simulated time may go back.
+    start, timeout
+        As for :class:`~bearing_twin.thermal.gate.TemperatureGate`.
+    nominal, joint, highest
+        As for :class:`~bearing_twin.streams.shaft.ShaftSpeed`.
+
+    """
+
+    def __init__(
+        self,
+        clock: Callable[[], float] = time.monotonic,
+        *,
+        start: float = TABLE_LOW,
+        timeout: float = 5.0,
+        nominal: float = math.nan,
+        joint: str = '',
+        highest: float = FASTEST_SHAFT,
+    ) -> None:
+        self._clock = clock
+        self._gate = TemperatureGate(start=start, timeout=timeout)
+        # Another source is heard when the last temperature of the first is stale.
+        self._sources = SourceLock(timeout, timeout)
+        self.shaft = ShaftSpeed(nominal=nominal, joint=joint, highest=highest)
+
+    def take_temperature(self, message: Any, info: Mapping[str, Any] | None = None) -> None:
+        """Take a ``sensor_msgs/Temperature``; of several publishers the first one's only."""
+        now = self._clock()
+        if self._sources.accept((info or {}).get('publisher_gid'), now):
+            self._gate.offer(message.temperature, stamp=stamp_ns(message.header.stamp), now=now)
+
+    def take_joints(self, message: Any, _: object = None) -> None:
+        """Take a ``sensor_msgs/JointState``."""
+        self.shaft.offer(message.name, message.velocity, now=self._clock())
+
+    @property
+    def temperature(self) -> GatedTemperature:
+        """The temperature to use now."""
+        return self._gate.at(self._clock())
+
+    def problems(self) -> tuple[str, str]:
+        """Return what is wrong with the shaft speed and with the sources; '' if nothing."""
+        now = self._clock()
+        several = 'several sources of temperature: only the first is used'
+        return self.shaft.problem(now), several if self._sources.contested(now) else ''
+
+    def set_timeout(self, timeout: float) -> None:
+        """Take another age above which a temperature is stale, s."""
+        self._gate.timeout = self._sources.timeout = self._sources.remember = timeout

@@ -374,9 +374,9 @@ def test_a_second_thermometer_of_a_fitted_machine_is_told(ros_domain):
         node = CalibrationNode()
         node.trigger_configure()
         node._on_vibration(Vibration(sample_rate=RATE, y=[0.0] * 1024), {'publisher_gid': 'v'})
-        node._on_temperature(Temperature(temperature=40.0), {'publisher_gid': 'a'})
+        node._inputs.take_temperature(Temperature(temperature=40.0), {'publisher_gid': 'a'})
         assert node.status().message == 'no calibration yet'
-        node._on_temperature(Temperature(temperature=60.0), {'publisher_gid': 'b'})
+        node._inputs.take_temperature(Temperature(temperature=60.0), {'publisher_gid': 'b'})
         assert 'only the first is used' in node.status().message
         node.shut_down()
     finally:

@@ -23,6 +23,8 @@ pytest.importorskip('rclpy')
 from bearing_twin.assets import realtime_parameters
 from bearing_twin.assets.spec import Spec
 from bearing_twin.nodes.adapter import AdapterNode
+from bearing_twin.nodes.calibration import CalibrationNode
+from bearing_twin.nodes.diagnosis import DiagnosisNode
 from bearing_twin.nodes.twin import TwinNode
 from bearing_twin.ros.cycle import BlockCycle
 from bearing_twin.ros.health import Level
@@ -31,7 +33,7 @@ from builtin_interfaces.msg import Time
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import Imu, Temperature
+from sensor_msgs.msg import Imu, JointState, Temperature
 from std_msgs.msg import Float32MultiArray
 
 UPTIME, EPOCH = 1000 * NANO, 1_700_000_000 * NANO
@@ -315,30 +317,40 @@ def test_an_imu_without_acceleration_is_refused(ros_domain):
 @pytest.mark.ros
 @pytest.mark.parametrize('pace', [0.1, 1.0, 10.0])
 def test_inputs_age_by_the_time_that_the_node_follows(pace, ros_domain):
-    rclpy.init(args=['--ros-args', '-p', 'use_sim_time:=true'])
+    rclpy.init(args=['--ros-args', '-p', 'use_sim_time:=true', '-p', 'joint:=shaft'])
     try:
-        node = TwinNode()
-        node.trigger_configure()
-        clock = rclpy.create_node('clock').create_publisher(Clock, '/clock', 10)
+        nodes = [TwinNode(), DiagnosisNode(), CalibrationNode()]
         executor = SingleThreadedExecutor()
-        executor.add_node(node)
+        for node in nodes:
+            node.trigger_configure()
+            executor.add_node(node)
+        twin, diagnosis, calibration = nodes
+        inputs = [twin._twin, diagnosis._topics._measured, calibration._inputs]
+        clock = rclpy.create_node('clock').create_publisher(Clock, '/clock', 10)
 
         def go_on(seconds):
             clock.publish(Clock(clock=time_message(EPOCH + round(seconds * NANO))))
             end = time.monotonic() + 60.0
-            while abs(node.get_clock().now().nanoseconds - EPOCH - seconds * NANO) > 1e6:
-                assert time.monotonic() < end
-                executor.spin_once(timeout_sec=0.01)
+            for node in nodes:
+                while abs(node.get_clock().now().nanoseconds - EPOCH - seconds * NANO) > 1e6:
+                    assert time.monotonic() < end
+                    executor.spin_once(timeout_sec=0.01)
 
         end = time.monotonic() + 60.0
-        while not clock.get_subscription_count():
+        while clock.get_subscription_count() < len(nodes):
             assert time.monotonic() < end
             time.sleep(0.02)
         go_on(0.0)
-        node._twin.take_temperature(Temperature(temperature=60.0))
+        for each in inputs:
+            each.take_temperature(Temperature(temperature=60.0))
+            each.take_joints(JointState(name=['shaft'], velocity=[160.0]))
         go_on(4.0 * pace)
-        assert node._twin.inputs().temperature.age == pytest.approx(4.0 * pace)
-        node.shut_down()
+        old = f'no velocity for {4.0 * pace:.1f} s: the last one is held' if pace > 1.0 else ''
+        for each in inputs:
+            assert each.temperature.age == pytest.approx(4.0 * pace)
+            assert each.problems() == (old, '')
+        for node in nodes:
+            node.shut_down()
     finally:
         rclpy.shutdown()
 

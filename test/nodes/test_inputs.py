@@ -149,7 +149,6 @@ def test_the_reason_of_a_refusal_is_not_hidden(age, problem, contested, level, t
         contested=contested,
         gaps=GapCounter(),
         rate_problem='',
-        shaft_problem='',
     )
     assert status.level.name == level
     assert text in status.message
