@@ -99,10 +99,12 @@ class Strips(dict[int, Strip]):
 
 
 class OverTemperature:
-    """Collect means in classes of 5 K."""
+    """Collect means in classes of 5 K, and strips, as long as the twin has one defect."""
 
     def __init__(self) -> None:
+        self.strips = Strips()
         self._sums: dict[str, dict[int, list[float]]] = {}
+        self._defect: str | None = None
         self._unit = ''
         self._found = ''
 
@@ -126,6 +128,7 @@ class OverTemperature:
 
     def forget_vibration(self) -> None:
         """Begin anew with the vibration."""
+        self.strips.clear()
         for key in ('amplitude', 'level'):
             self._sums.pop(key, None)
 
@@ -133,6 +136,11 @@ class OverTemperature:
         """Take a TwinState: the slip and the frequency at which its first defect strikes."""
         temperature = recorded(message, 'temperature_used')
         place = str(getattr(message, 'defect', '')).partition('+')[0].partition(':')[0].strip()
+        if place != self._defect and self._defect is not None:
+            # What changes with the defect is not what temperature does.
+            self._sums.clear()
+            self.strips.clear()
+        self._defect = place
         if place in PLACES:
             self._add('frequency', temperature, impacts(message, place))
         self._add('slip', temperature, 100.0 * recorded(message, 'slip'))

@@ -35,6 +35,21 @@ def test_the_frequency_found_is_of_one_place():
     assert list(found.values) == [126.5]
 
 
+def test_another_defect_of_the_twin_is_no_effect_of_temperature():
+    over = OverTemperature()
+
+    def hear(defect, temperature, scale):
+        over.state(SimpleNamespace(temperature_used=temperature, defect=defect, slip=0.01))
+        over.vibration(scale * np.array([1.0, -1.0]), 'm/s^2', temperature)
+        over.strips.take(np.ones(2000), 0, 12000.0, temperature)
+
+    hear('inner:width=0.002', 20.0, 4.0)
+    hear('inner:width=0.003', 80.0, 3.0)
+    assert list(over.curves[0].temperatures) == [20.0, 80.0] and len(over.strips) == 2
+    hear('ball', 80.0, 1.0)
+    assert list(over.curves[0].values) == [1.0] and len(over.strips) == 1
+
+
 def block(**source):
     return SimpleNamespace(header=SimpleNamespace(frame_id='bearing_housing'), **source)
 

@@ -129,8 +129,10 @@ def test_every_picture_draws_something(page):
 def test_strips_are_pieces_of_the_recorded_waveform_over_the_whole_range(recording):
     (machine,) = collect(recording).values()
     whole = np.concatenate([m.decode().y for m in read_messages(recording, topics=['/vibration'])])
-    assert [5.0 * step for step in sorted(machine.strips)] == [*np.arange(20.0, 111.0, 5.0)]
-    for step, strip in machine.strips.items():
+    assert [5.0 * step for step in sorted(machine.over_temperature.strips)] == [
+        *np.arange(20.0, 111.0, 5.0)
+    ]
+    for step, strip in machine.over_temperature.strips.items():
         assert strip.samples.size == round(STRIP_SECONDS * 25600.0)
         assert strip.temperature == pytest.approx(5.0 * step, abs=0.6)
         places = np.flatnonzero(whole == strip.samples[0])

@@ -14,7 +14,7 @@ from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.recording.reader import known_fields, read_messages, recording_info
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.vibration_input import HIGHEST_RATE
-from bearing_twin.view.over_temperature import OverTemperature, Strips
+from bearing_twin.view.over_temperature import OverTemperature
 from bearing_twin.view.source import fleet_tables, Source
 from bearing_twin.view.trends import recorded
 from bearing_twin.view.verdict import Headline
@@ -56,7 +56,6 @@ class Machine:
     vibration: list[tuple[float, float, float]] = field(default_factory=list)
     """rms and largest magnitude of each block."""
     unit: str = ''
-    strips: Strips = field(default_factory=Strips)
     source: Source = field(default_factory=Source)
     over_temperature: OverTemperature = field(default_factory=OverTemperature)
     parameters: dict[str, tuple[str, Any]] = field(default_factory=dict)
@@ -181,7 +180,6 @@ class _Collector:
     def _forget_vibration(self) -> None:
         machine = self.machine
         machine.vibration.clear()
-        machine.strips.clear()
         machine.over_temperature.forget_vibration()
         machine.source.forget_vibration()
 
@@ -236,6 +234,6 @@ class _Collector:
         rms, peak = machine.over_temperature.vibration(samples, machine.unit, self._temperature)
         if math.isfinite(rms):
             machine.vibration.append((time, rms, peak))
-        machine.strips.take(
+        machine.over_temperature.strips.take(
             samples, int(message.first_sample), float(message.sample_rate), self._temperature
         )

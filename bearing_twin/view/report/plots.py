@@ -190,7 +190,7 @@ def _thinned(rows: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
-    strips = [strip for _, strip in sorted(machine.strips.items())]
+    strips = [strip for _, strip in sorted(machine.over_temperature.strips.items())]
     if not strips:
         return None
     swings = [strip.samples - np.nanmean(strip.samples) for strip in strips]

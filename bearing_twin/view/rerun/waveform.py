@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import NANO
-from bearing_twin.view.over_temperature import OverTemperature, STEP, Strips
+from bearing_twin.view.over_temperature import OverTemperature, STEP
 from bearing_twin.view.rerun.picture import Asset, Picture
 from bearing_twin.view.rerun.spectrogram import Spectrogram
 from bearing_twin.view.rerun.waterfall import Waterfall
@@ -74,7 +74,7 @@ class Waveform(Picture):
         super().__init__(canvas, asset)
         self._spectrogram = Spectrogram(canvas, 'spectrogram')
         self._waterfall = Waterfall(canvas, 'waterfall', asset.scales.vibration)
-        self._strips, self._new_strip = Strips(), False
+        self._new_strip = False
         self._pieces: list[_Piece] = []
         self._time = 0
         self._step: int | None = None
@@ -105,7 +105,7 @@ class Waveform(Picture):
         self._over.vibration(samples, unit, temperature)
         if np.isfinite(temperature):
             first = int(getattr(message, 'first_sample', 0))
-            self._new_strip |= self._strips.take(samples, first, rate, temperature)
+            self._new_strip |= self._over.strips.take(samples, first, rate, temperature)
         return True
 
     def flush(self, *, slow: bool) -> None:
@@ -120,7 +120,7 @@ class Waveform(Picture):
             self._spectrogram.add(samples, piece.time, piece.rate, piece.unit)
         if self._new_strip and pieces:
             self._new_strip = False
-            self._waterfall.draw(self._strips, pieces[-1].time, pieces[-1].unit)
+            self._waterfall.draw(self._over.strips, pieces[-1].time, pieces[-1].unit)
         temperature = self.asset.temperature
         if pieces and slow and np.isfinite(temperature):
             step = round(temperature / STEP)
