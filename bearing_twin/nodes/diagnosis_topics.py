@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from typing import Any, TYPE_CHECKING
 
@@ -17,7 +16,7 @@ from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
 from bearing_twin.ros.subscribing import receiver_clock, subscribe, unheard
 from bearing_twin.streams.statefile import StateFolder
-from bearing_twin.streams.vibration_input import GapCounter, Inputs, read_vibration, SourceLock
+from bearing_twin.streams.vibration_input import Inputs, Intake, read_vibration
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
 from sensor_msgs.msg import JointState, Temperature
 from std_msgs.msg import Float64MultiArray
@@ -73,13 +72,8 @@ class DiagnosisTopics:
         self._states = StateFolder(p['state_directory'])
         self._load_state()
         self._measured = Inputs(receiver_clock(node), joint=p['joint'])
-        self._sources = SourceLock()
-        self._gaps = GapCounter()
+        self._intake = Intake()
         self._unkept = ''
-        self._blocks = 0
-        self._refused = 0
-        self._problem = ''
-        self._arrived = self._used = math.nan
         self._latest: DiagnosisResult | None = None
         self._checkpoints = Checkpoints('diagnosis', self._path, p['checkpoint_period'])
         self._verdict = node.create_lifecycle_publisher(
@@ -149,7 +143,7 @@ class DiagnosisTopics:
 
     def _on_vibration(self, message: Vibration, info: MessageInfo) -> None:
         # Jazzy does not tell who sent it: then all is one source.
-        if self._sources.accept(info.get('publisher_gid'), time.monotonic()):
+        if self._intake.sources.accept(info.get('publisher_gid'), time.monotonic()):
             self.take(message, self._measured.temperature.taken)
 
     def take(self, message: Vibration, temperature: float) -> None:
@@ -164,20 +158,19 @@ class DiagnosisTopics:
             Temperature of the bearing, degC; NaN where it is not known.
 
         """
-        self._arrived = time.monotonic()
+        intake = self._intake
+        intake.arrived = time.monotonic()
         try:
             block = read_vibration(message, self.parameters['axis'])
             self._core.admit(block)
         except BearingTwinError as error:
-            self._refused += 1
-            self._problem = str(error)
+            intake.refused += 1
+            intake.problem = str(error)
             self._node.get_logger().warning(f'block refused: {error}', throttle_duration_sec=10.0)
             return
-        self._blocks += 1
-        self._used = self._arrived
-        if self._gaps.count(block.first_sample, block.samples.size):
+        intake.blocks, intake.used, intake.problem = intake.blocks + 1, intake.arrived, ''
+        if intake.gaps.count(block.first_sample, block.samples.size):
             self._checkpoints.ask()
-        self._problem = ''
         if self._checkpoints.is_due(block.first_sample):
             self._publish_checkpoint(block)
         for due in self._core.take(
@@ -247,22 +240,10 @@ class DiagnosisTopics:
 
     def input_status(self) -> Status:
         """Status of the vibration stream for /diagnostics."""
-        now = time.monotonic()
-        status = input_status(
-            age=now - self._arrived,
-            blocks=self._blocks,
-            refused=self._refused,
-            problem=self._problem,
-            ignored=self._sources.ignored,
-            contested=self._sources.contested(now),
-            gaps=self._gaps,
-            rate_problem=self._core.rate_problem,
-            others=(
-                *self._measured.problems(),
-                self._unkept and f'baseline and trend are not kept: {self._unkept}',
-            ),
-        )
-        if self._blocks or self._problem or not self._node.active:
+        unkept = self._unkept and f'baseline and trend are not kept: {self._unkept}'
+        problems = self._core.rate_problem, *self._measured.problems(), unkept
+        status = input_status(self._intake, time.monotonic(), *problems)
+        if self._intake.blocks or self._intake.problem or not self._node.active:
             return status
         text = status.message
         for each in self._inputs:
@@ -271,56 +252,23 @@ class DiagnosisTopics:
 
     def verdict_status(self) -> Status:
         """Status of the bearing for /diagnostics."""
-        age, overdue = time.monotonic() - self._used, self._core.diagnoser.overdue
+        age, overdue = time.monotonic() - self._intake.used, self._core.diagnoser.overdue
         return verdict_status(self._latest, self.bearing, age, overdue)
 
 
-def input_status(
-    *,
-    age: float,
-    blocks: int,
-    refused: int,
-    problem: str,
-    ignored: int,
-    contested: bool,
-    gaps: GapCounter,
-    rate_problem: str,
-    others: tuple[str, ...] = (),
-) -> Status:
-    """
-    Status of the vibration stream.
-
-    Parameters
-    ----------
-    age
-        Time since the last block, used or refused, s; NaN before the first.
-    blocks, refused
-        Blocks used and refused.
-    problem
-        Why the last refused block was refused; '' if the last block was used.
-    ignored
-        Blocks of a second source on the same topic.
-    contested
-        Whether one of them came just now.
-    gaps
-        Samples lost and restarts of the source.
-    rate_problem
-        How the sample rate is wrong; '' if it is not.
-    others
-        Further sentences; empty strings are ignored.
-
-    """
-    problems = '; '.join(filter(None, (rate_problem, *others)))
-    if not blocks and not problem:
+def input_status(intake: Intake, now: float, *problems: str) -> Status:
+    """Status of the vibration stream at ``now`` (s), with sentences; empty ones are ignored."""
+    age = now - intake.arrived
+    if not intake.blocks and not intake.problem:
         level, message = Level.STALE, 'no vibration yet'
     elif age > SILENT_AFTER:
         level, message = Level.STALE, f'no vibration for {age:.1f} s'
-    elif problem:
-        level, message = Level.ERROR, f'block refused: {problem}'
-    elif contested:
+    elif intake.problem:
+        level, message = Level.ERROR, f'block refused: {intake.problem}'
+    elif intake.sources.contested(now):
         level, message = Level.ERROR, 'several sources on one topic: only the first is used'
-    elif problems:
-        level, message = Level.WARN, problems
+    elif any(problems):
+        level, message = Level.WARN, '; '.join(filter(None, problems))
     else:
         level, message = Level.OK, 'vibration is fresh'
     return Status(
@@ -328,11 +276,11 @@ def input_status(
         message,
         {
             'age_s': age,
-            'blocks_used': blocks,
-            'blocks_refused': refused,
-            'blocks_of_other_sources': ignored,
-            'samples_lost': gaps.lost,
-            'source_restarts': gaps.restarts,
+            'blocks_used': intake.blocks,
+            'blocks_refused': intake.refused,
+            'blocks_of_other_sources': intake.sources.ignored,
+            'samples_lost': intake.gaps.lost,
+            'source_restarts': intake.gaps.restarts,
         },
     )
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import math
 import time
 from typing import Any, TYPE_CHECKING
@@ -28,6 +28,7 @@ __all__ = [
     'SOURCE_UNKNOWN',
     'GapCounter',
     'Inputs',
+    'Intake',
     'SourceLock',
     'VibrationBlock',
     'read_vibration',
@@ -229,3 +230,20 @@ class Inputs:
     def set_timeout(self, timeout: float) -> None:
         """Take another age above which a temperature is stale, s."""
         self._gate.timeout = self._sources.timeout = self._sources.remember = timeout
+
+
+@dataclass
+class Intake:
+    """What became of the blocks of one topic; times in s."""
+
+    blocks: int = 0
+    """Used."""
+    refused: int = 0
+    problem: str = ''
+    """Why the last one was refused; '' if it was used."""
+    arrived: float = math.nan
+    """When the last one came, used or refused."""
+    used: float = math.nan
+    """When the last one was used."""
+    sources: SourceLock = field(default_factory=SourceLock)
+    gaps: GapCounter = field(default_factory=GapCounter)

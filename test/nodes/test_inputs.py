@@ -16,7 +16,7 @@ from types import SimpleNamespace
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.statefile import StateFolder
-from bearing_twin.streams.vibration_input import GapCounter, read_vibration, SourceLock
+from bearing_twin.streams.vibration_input import Intake, read_vibration, SourceLock
 import numpy as np
 import pytest
 
@@ -140,16 +140,10 @@ def test_a_source_of_a_new_run_of_simulated_time_is_heard_at_once():
 def test_the_reason_of_a_refusal_is_not_hidden(age, problem, contested, level, text):
     from bearing_twin.nodes.diagnosis_topics import input_status
 
-    status = input_status(
-        age=age,
-        blocks=0 if math.isnan(age) else 5,
-        refused=1,
-        problem=problem,
-        ignored=3,
-        contested=contested,
-        gaps=GapCounter(),
-        rate_problem='',
-    )
+    intake = Intake(0 if math.isnan(age) else 5, 1, problem, 10.0 - age)
+    for source in 'ab' if contested else 'a':
+        intake.sources.accept(source, 9.0)
+    status = input_status(intake, 10.0)
     assert status.level.name == level
     assert text in status.message
 
