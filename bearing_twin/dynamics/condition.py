@@ -123,7 +123,9 @@ def condition(
     gap, left = of[coefficients.CLEARANCE], of[coefficients.THERMAL_GAP]
     # The contact angle makes the ball's force larger than its radial part.
     pressed = coefficients.heaviest(law, values) / math.cos(parameters.bearing.contact_angle)
-    pressure = contact_pressure(parameters.bearing, pressed)
+    pressure = max(
+        contact_pressure(parameters.bearing, pressed, race=race) for race in ('inner', 'outer')
+    )
     passed = limits_passed(
         load=parameters.load,
         dynamic_rating=float(law[coefficients.RATING]),
