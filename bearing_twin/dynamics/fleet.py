@@ -147,7 +147,7 @@ class Fleet:
     @property
     def delay(self) -> float:
         """Delay of the published signals against the conditions, s."""
-        return self._lanes.delay
+        return filters.delay(self.sample_rate)
 
     def advance(self, n: int, temperatures: npt.ArrayLike, shaft_hz: npt.ArrayLike) -> FleetBlock:
         """

@@ -74,7 +74,6 @@ class Lanes:
         self.rings = np.full((self.size, 2), math.nan)
         # The decimator by the place of an internal sample within an output sample.
         taps = filters.decimator(self.oversample)
-        self.delay = (len(taps) - 1) / 2.0 / self.oversample / sample_rate
         padded = np.concatenate([np.zeros(self.oversample - 1), taps])
         self.taps = padded.reshape(-1, self.oversample).T.ravel().astype(np.float32)
         memory = (len(padded) // self.oversample - 1) * 2 * L

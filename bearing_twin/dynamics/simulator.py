@@ -64,7 +64,7 @@ class Block:
     x: npt.NDArray[np.float32]
     """Horizontal, m/s^2."""
     y: npt.NDArray[np.float32]
-    """Vertical, m/s^2; the load acts along -y."""
+    """Vertical, m/s^2, upwards."""
     describe: Callable[[], Condition] = field(repr=False, compare=False)
     """Works out the condition."""
 
@@ -171,7 +171,7 @@ class Simulator:
     @property
     def delay(self) -> float:
         """Delay of the published signal against the condition, s."""
-        return (len(self._taps) - 1) / 2.0 / self._oversample / self.sample_rate
+        return filters.delay(self.sample_rate)
 
     def reset(self, seed: int | None = None) -> None:
         """
