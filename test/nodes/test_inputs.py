@@ -400,7 +400,7 @@ def test_one_of_two_thermometers_is_heard_and_the_other_is_told():
 
     now = 0.0
     values = {spec.name: spec.default for spec in SPECS} | {'temperature_timeout': 5.0}
-    twin = TwinChannel(values, clock=lambda: now)
+    twin = TwinChannel(values, settle=lambda _: None, clock=lambda: now)
     for _ in range(10):
         now += 0.2
         twin.take_temperature(Temperature(temperature=25.0), {'publisher_gid': 'a'})
