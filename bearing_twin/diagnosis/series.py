@@ -10,7 +10,7 @@ there is an alarm. Snapshots may be seconds or weeks apart.
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, field
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -60,8 +60,32 @@ LEAST_BASELINE = 10
 MOST = 5000
 """Points kept; when there are more, every second of the older half is dropped."""
 _FALLEN = f'{FAULT_DB:g} dB or more below the baseline: {FALLEN}'
-_KEPT = ('held', 'low_since', 'began', 'risen', 'alarms', 'changes', 'refused', 'unjudged')
-"""Plain values that are saved as they are."""
+
+
+@dataclass
+class _Kept:
+    """What a monitor knows of its machine, besides arrays: it is saved as it is."""
+
+    memory: Memory = field(default_factory=Memory)
+    rise: Rise = field(default_factory=Rise)
+    points: list[SeriesPoint] = field(default_factory=list)
+    answers: Answers = field(default_factory=Answers)
+    source: Source = field(default_factory=Source)
+    held: str = 'none'
+    """Level that is held."""
+    low_since: float = math.nan
+    """Since when the level is low while an alarm is held, s; NaN if it is not."""
+    began: float = math.nan
+    """When the level that is held last rose from 'none' or 'ok', s."""
+    risen: float = math.nan
+    """First time since then at which the vibration itself asked for an alarm, s; NaN if none."""
+    alarms: dict[str, float] = field(default_factory=dict)
+    """Time of the first alarm of each level, s."""
+    changes: int = 0
+    refused: dict[str, int] = field(default_factory=dict)
+    """Snapshots that were not judged, by the reason."""
+    unjudged: int = 0
+    """Those since the last that was."""
 
 
 class SeriesMonitor:
@@ -117,19 +141,9 @@ class SeriesMonitor:
             )
             raise BearingTwinError(msg)
         self._given = law
-        self._memory = Memory()
-        self._rise = Rise()
         self._bearing = bearing
-        self._points: list[SeriesPoint] = []
+        self._kept = _Kept()
         self._levels: list[NDArray[np.float64]] = []
-        self._held = 'none'
-        self._low_since = self._began = self._risen = math.nan
-        self._answers = Answers()
-        self._alarms: dict[str, float] = {}
-        self._changes = 0
-        self._refused: dict[str, int] = {}
-        self._unjudged = 0
-        self._source = Source()
         self._quiet = AveragedEnvelope()
         self._loud = AveragedEnvelope()
 
@@ -179,7 +193,7 @@ class SeriesMonitor:
             self._leave_out(reason)
             return None
         self._ask_alone(answer, signal, sample_rate, shaft_hz, temperature, unit)
-        now, memory = Condition.at(temperature, shaft_hz), self._memory
+        now, memory = Condition.at(temperature, shaft_hz), self._kept.memory
         if not all(law.comparable(now, memory.at) for law in self._laws()):
             hertz = 2.0**memory.at.octaves
             self._not_compared(time, f'another speed than the {hertz:.4g} Hz of the baseline')
@@ -196,42 +210,42 @@ class SeriesMonitor:
         if memory.base and levels[0] - changes[0] <= memory.base.levels[0] - FAULT_DB:
             self._not_compared(time, _FALLEN)
             return None
-        self._unjudged, self._source = 0, Source(unit=unit, sample_rate=sample_rate)
+        self._kept.unjudged, self._kept.source = 0, Source(unit=unit, sample_rate=sample_rate)
         most = SUSPECT_DB if self._teaches else -math.inf
         if memory.learn(time, levels.tolist(), now, self._settings.baseline_windows, most):
             # A machine that has run in, or was repaired, is compared with what it is now.
-            self._rise = Rise()
+            self._kept.rise = Rise()
             self._quiet.clear()
             changes, deviations = self._changes_at(now)
         self._levels.append(levels - changes)
         over, measure = self._over(now)
         if memory.base is not None:
             alone = float(levels[0] - changes[0]) - memory.base.levels[0]
-            self._rise.add(alone, memory.base.scatter[0])
+            self._kept.rise.add(alone, memory.base.scatter[0])
         sure = over - Z90 * float(deviations[measure])
         by_level = self._wanted(sure, measure, by_zone(severity)[0])
         # That many healthy snapshots are no known machine.
-        said = self._answers.level
+        said = self._kept.answers.level
         said = said if memory.base or said != 'ok' else 'none'
         self._hold(time, max(by_level, said, key=LEVELS.index))
-        if by_level in ('suspect', 'fault') and math.isnan(self._risen):
-            self._risen = time
+        if by_level in ('suspect', 'fault') and math.isnan(self._kept.risen):
+            self._kept.risen = time
         if self._teaches:
             memory.record.add(levels.tolist(), now)
         if math.isfinite(shaft_hz) and (memory.base is not None or not self._teaches):
             kept = self._quiet if self._teaches else self._loud
             kept.add(signal, sample_rate, shaft_hz)
         point = SeriesPoint(
-            time=time, level=self._held, over_baseline=over, rms=severity.rms,
+            time=time, level=self._kept.held, over_baseline=over, rms=severity.rms,
             measure=MEASURES[measure] if memory.base else '', temperature=temperature,
             iso_zone=severity.iso_zone,
             correction=float(changes[0]), correction_sd=float(deviations[0]),
-            rising=self._rise.lasting if self._rise.found else 0,
+            rising=self._kept.rise.lasting if self._kept.rise.found else 0,
         )  # fmt: skip
-        self._points.append(point)
-        if len(self._points) >= MOST:
+        self._kept.points.append(point)
+        if len(self._kept.points) >= MOST:
             # What is long ago is kept more coarsely.
-            del self._points[: MOST // 2 : 2], self._levels[: MOST // 2 : 2]
+            del self._kept.points[: MOST // 2 : 2], self._levels[: MOST // 2 : 2]
         return point
 
     @property
@@ -242,8 +256,8 @@ class SeriesMonitor:
         A doubt that only the answers of single snapshots raise may be one about a neighbour, which
         does not end: such a machine is learnt as it is, to see it get worse.
         """
-        doubted = self._held == 'suspect' and math.isnan(self._risen)
-        return self._held in ('ok', 'none') or doubted
+        doubted = self._kept.held == 'suspect' and math.isnan(self._kept.risen)
+        return self._kept.held in ('ok', 'none') or doubted
 
     def _ask_alone(
         self,
@@ -263,27 +277,27 @@ class SeriesMonitor:
             )  # fmt: skip
             answer = answer_alone(excerpt.analyse())
         if answer is not None:
-            self._answers.add(answer)
+            self._kept.answers.add(answer)
 
     def _not_compared(self, time: float, reason: str) -> None:
         """Leave out a snapshot whose level says nothing; it may still show damage by itself."""
         self._leave_out(reason)
-        if LEVELS.index(self._answers.level) > LEVELS.index(self._held):
-            self._hold(time, self._answers.level)
+        if LEVELS.index(self._kept.answers.level) > LEVELS.index(self._kept.held):
+            self._hold(time, self._kept.answers.level)
 
     def _leave_out(self, reason: str) -> None:
         """Count a snapshot that is not judged."""
-        self._refused[reason] = self._refused.get(reason, 0) + 1
-        self._unjudged += 1
+        self._kept.refused[reason] = self._kept.refused.get(reason, 0) + 1
+        self._kept.unjudged += 1
 
     def _refuse(
         self, time: float, x: NDArray[np.float64], sample_rate: float, shaft_hz: float, unit: str
     ) -> str:
         """Why a snapshot says nothing; '' if it does."""
-        if self._points and not time > self._points[-1].time:
+        if self._kept.points and not time > self._kept.points[-1].time:
             return 'not later than the one before; sort the files, or mend their times'
-        before = self._source
-        if self._points and not before.same(Source(unit=unit, sample_rate=sample_rate)):
+        before = self._kept.source
+        if self._kept.points and not before.same(Source(unit=unit, sample_rate=sample_rate)):
             return (
                 f'{sample_rate:g} Hz and unit {unit!r} are not the {before.sample_rate:g} Hz and '
                 f'{before.unit!r} of this series; another sensor?'
@@ -300,22 +314,22 @@ class SeriesMonitor:
 
     def _laws(self) -> list[Law]:
         """Law of each measure."""
-        return self._memory.laws() if self._given is None else [self._given] * len(MEASURES)
+        return self._kept.memory.laws() if self._given is None else [self._given] * len(MEASURES)
 
     def _changes_at(self, now: Condition) -> NDArray[np.float64]:
         """Corrections of the levels to the condition of the baseline, and their deviations, dB."""
-        pairs = [law.correct(now, self._memory.at) for law in self._laws()]
+        pairs = [law.correct(now, self._kept.memory.at) for law in self._laws()]
         return np.asarray(np.transpose(pairs))
 
     def _limit(self, measure: int) -> float:
         """Level over the baseline from which on a measure is suspect, dB."""
-        base = self._memory.base
+        base = self._kept.memory.base
         return max(SUSPECT_DB, SCATTER_FACTOR * base.scatter[measure] if base else 0.0)
 
     def _over(self, now: Condition) -> tuple[float, int]:
         """Level of the last snapshots over what they are compared with, dB, and its measure."""
         recent = np.median(self._levels[-CONFIRMING:], axis=0)
-        over = np.nan_to_num(self._memory.over(recent, now), neginf=-math.inf)
+        over = np.nan_to_num(self._kept.memory.over(recent, now), neginf=-math.inf)
         # What a measure is over is weighed by what its threshold is.
         most = int(np.argmax([value / self._limit(n) for n, value in enumerate(over)]))
         return float(over[most]), most
@@ -323,71 +337,71 @@ class SeriesMonitor:
     def _wanted(self, over: float, measure: int, zone_level: str) -> str:
         """Level that those of the newest snapshots ask for."""
         if len(self._levels) < CONFIRMING:
-            return self._held
-        if self._memory.base is None:
+            return self._kept.held
+        if self._kept.memory.base is None:
             return max('fault' if over >= FAULT_DB else 'none', zone_level, key=LEVELS.index)
         suspect = self._limit(measure)
         thresholds = {'suspect': suspect, 'fault': max(FAULT_DB, 2.0 * suspect)}
         wanted = 'ok'
         for level, threshold in thresholds.items():
-            standing = LEVELS.index(self._held) >= LEVELS.index(level)
+            standing = LEVELS.index(self._kept.held) >= LEVELS.index(level)
             # What only the answers hold was never over the threshold.
-            standing &= math.isfinite(self._risen)
+            standing &= math.isfinite(self._kept.risen)
             if over >= threshold - FALL_DB * standing:
                 wanted = level
         if wanted == 'fault' and self._usual() is not None:
             wanted = 'suspect'
-        by_rise = 'suspect' if self._rise.found else 'ok'
+        by_rise = 'suspect' if self._kept.rise.found else 'ok'
         return max(wanted, zone_level, by_rise, key=LEVELS.index)
 
     def _usual(self) -> Baseline | None:
         """Return the former baseline that the newest levels agree with; None: no one."""
         recent = np.median(self._levels[-CONFIRMING:], axis=0)
-        return self._memory.was_settled_at(recent)
+        return self._kept.memory.was_settled_at(recent)
 
     def _hold(self, time: float, wanted: str) -> None:
         """Rise at once, fall only after the level was low for long enough."""
-        if wanted == self._held:
-            self._low_since = math.nan
+        if wanted == self._kept.held:
+            self._kept.low_since = math.nan
             return
-        rises = LEVELS.index(wanted) > LEVELS.index(self._held)
+        rises = LEVELS.index(wanted) > LEVELS.index(self._kept.held)
         if not rises:
-            if math.isnan(self._low_since):
-                self._low_since = time
-            if time - self._low_since < self._settings.series_hold:
+            if math.isnan(self._kept.low_since):
+                self._kept.low_since = time
+            if time - self._kept.low_since < self._settings.series_hold:
                 return
             self._loud.clear()
-            if self._held == 'fault':
+            if self._kept.held == 'fault':
                 # What was repaired is another machine.
-                self._memory.forget_before(self._low_since)
-        elif self._held in ('none', 'ok'):
-            self._began, self._risen = time, math.nan
-        self._changes += self._held != 'none'
-        self._held, self._low_since = wanted, math.nan
+                self._kept.memory.forget_before(self._kept.low_since)
+        elif self._kept.held in ('none', 'ok'):
+            self._kept.began, self._kept.risen = time, math.nan
+        self._kept.changes += self._kept.held != 'none'
+        self._kept.held, self._kept.low_since = wanted, math.nan
         for level in ('suspect', 'fault'):
             if rises and LEVELS.index(wanted) >= LEVELS.index(level):
-                self._alarms.setdefault(level, time)
+                self._kept.alarms.setdefault(level, time)
 
     def report(self) -> SeriesReport:
         """Return what all snapshots so far say together."""
-        base = self._memory.base
+        base = self._kept.memory.base
         comb, place = None, ''
-        if self._bearing is not None and self._held in ('suspect', 'fault'):
+        if self._bearing is not None and self._kept.held in ('suspect', 'fault'):
             comb = self._loud.place(self._bearing, self._quiet)
-            place = self._answers.place or (comb.place if comb else '')
-        change = self._change(self._risen)
+            place = self._kept.answers.place or (comb.place if comb else '')
+        change = self._change(self._kept.risen)
         warmer = math.nan
         if base is not None:
-            heat = [point.temperature for point in self._points[-CONFIRMING:]]
+            heat = [point.temperature for point in self._kept.points[-CONFIRMING:]]
             warmer = float(np.median(heat)) - base.temperature
         return SeriesReport(
-            level='none' if self.lost else self._held, points=tuple(self._points),
+            level='none' if self.lost else self._kept.held, points=tuple(self._kept.points),
             baseline=(base.times[0], base.times[1]) if base else None,
             scatter=base.scatter[0] if base else math.nan,
-            change=change, alarm=self._began,
-            first_alarm=self._alarms.get('suspect', math.nan),
-            first_fault=self._alarms.get('fault', math.nan),
-            changes=self._changes, trend=self._trend(), warmer=warmer, place=place,
+            change=change, alarm=self._kept.began,
+            first_alarm=self._kept.alarms.get('suspect', math.nan),
+            first_fault=self._kept.alarms.get('fault', math.nan),
+            changes=self._kept.changes, trend=self._trend(), warmer=warmer, place=place,
             law=self._laws()[0],
             reasons=self._reasons(change, warmer, comb, place),
         )  # fmt: skip
@@ -395,18 +409,13 @@ class SeriesMonitor:
     @property
     def lost(self) -> bool:
         """Whether so many snapshots were not judged that a sound machine is none any more."""
-        return self._held == 'ok' and self._unjudged >= self._settings.baseline_windows
+        return self._kept.held == 'ok' and self._kept.unjudged >= self._settings.baseline_windows
 
     def save(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         """Plain values and arrays worth keeping over a restart; see :meth:`load`."""
         values = {
-            'memory': asdict(self._memory),
-            'points': [asdict(point) for point in self._points],
-            'source': list(self._source),
-            'rise': asdict(self._rise),
-            'answers': asdict(self._answers),
+            'kept': asdict(self._kept),
             'averaged': [[a.count, a.turns] for a in (self._quiet, self._loud)],
-            **{name: getattr(self, f'_{name}') for name in _KEPT},
         }
         arrays = {
             'levels': np.array(self._levels, dtype=np.float64).reshape(-1, len(MEASURES)),
@@ -417,7 +426,7 @@ class SeriesMonitor:
 
     def forget_answers(self) -> None:
         """Drop what the snapshots said alone: it was of another bearing."""
-        self._answers = Answers()
+        self._kept.answers = Answers()
 
     def load(self, values: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
         """
@@ -429,18 +438,11 @@ class SeriesMonitor:
             If it is not that; the monitor is then not to be used.
 
         """
-        for name in _KEPT:
-            kind = type(getattr(self, f'_{name}'))
-            setattr(self, f'_{name}', kind(values[name]))
-        self._memory = restored(Memory, values['memory'])
-        self._points = restored(list[SeriesPoint], values['points'])
+        self._kept = restored(_Kept, values['kept'])
         self._levels = list(arrays['levels'])
-        if arrays['levels'].shape != (len(self._points), len(MEASURES)):
+        if arrays['levels'].shape != (len(self._kept.points), len(MEASURES)):
             msg = f'saved levels have shape {arrays["levels"].shape}; use what save() returned'
             raise BearingTwinError(msg)
-        self._source = Source(*values['source'])
-        self._rise = restored(Rise, values['rise'])
-        self._answers = restored(Answers, values['answers'])
         for average, (count, turns) in zip(
             (self._quiet, self._loud), values['averaged'], strict=True
         ):
@@ -451,11 +453,11 @@ class SeriesMonitor:
         """Time at which the rise to an alarm began: the last zero of Page's CUSUM."""
         if math.isnan(alarm):
             return math.nan
-        times = np.array([point.time for point in self._points])
+        times = np.array([point.time for point in self._kept.points])
         until = int(np.searchsorted(times, alarm)) + 1
-        measure = MEASURES.index(self._points[until - 1].measure or MEASURES[0])
+        measure = MEASURES.index(self._kept.points[until - 1].measure or MEASURES[0])
         levels = np.array([levels[measure] for levels in self._levels[:until]])
-        base = self._memory.base
+        base = self._kept.memory.base
         start, floor = 0, float(np.median(levels[: max(until // 2, 1)]))
         reference = 0.25 * SUSPECT_DB
         if base is not None and base.times[1] < alarm:
@@ -465,10 +467,10 @@ class SeriesMonitor:
         return float(times[start + rise_begins(levels[start:], floor, reference)])
 
     def _trend(self) -> float:
-        base = self._memory.base
+        base = self._kept.memory.base
         if base is None:
             return math.nan
-        times = np.array([point.time for point in self._points])
+        times = np.array([point.time for point in self._kept.points])
         last = times >= times[-1] - 0.25 * (times[-1] - base.times[0])
         levels = np.array([levels[0] for levels in self._levels])
         return slope(times[last] / 3600.0, levels[last])
@@ -476,25 +478,28 @@ class SeriesMonitor:
     def _reasons(
         self, change: float, warmer: float, comb: Comb | None, place: str
     ) -> tuple[str, ...]:
-        reasons = [text] if (text := str(self._answers)) else []
-        base = self._memory.base
-        if base is None and not self._teaches and math.isnan(self._risen):
-            reasons.append(f'no baseline: a machine at {self._held} is not learnt')
+        reasons = [text] if (text := str(self._kept.answers)) else []
+        base = self._kept.memory.base
+        if base is None and not self._teaches and math.isnan(self._kept.risen):
+            reasons.append(f'no baseline: a machine at {self._kept.held} is not learnt')
         elif base is None:
-            count, hertz = self._memory.most()
+            count, hertz = self._kept.memory.most()
             at = '' if math.isnan(hertz) else f' at one speed (most: {count} at {hertz:.4g} Hz)'
             reasons.append(
-                f'no baseline: {len(self._points)} snapshots, not '
+                f'no baseline: {len(self._kept.points)} snapshots, not '
                 f'{self._settings.baseline_windows} (what the settings ask for) in a row{at} '
                 f'{SETTLED.format(most=SUSPECT_DB)}'
             )
         if self.lost:
-            reasons.append(f'not known: the last {self._unjudged} snapshots were not judged')
-        if self._points:
-            last = self._points[-1]
+            reasons.append(f'not known: the last {self._kept.unjudged} snapshots were not judged')
+        if self._kept.points:
+            last = self._kept.points[-1]
             if base is not None:
                 reasons.append(f'{last.measure}: {last.over_baseline:+.1f} dB over the baseline')
-                if self._held in ('suspect', 'fault') and (usual := self._usual()) is not None:
+                if (
+                    self._kept.held in ('suspect', 'fault')
+                    and (usual := self._usual()) is not None
+                ):
                     begin, end = usual.times
                     reasons.append(
                         f'as loud as from {begin:.0f} to {end:.0f} s, when it was settled too: '
@@ -504,17 +509,19 @@ class SeriesMonitor:
                 reasons.append(f'zone {last.iso_zone} of ISO 20816-3')
         if math.isfinite(change):
             reasons.append(f'the level began to rise at {change:.0f} s')
-        if self._rise.found:
-            reasons.append(f'the level has been rising for {self._rise.lasting} snapshots')
+        if self._kept.rise.found:
+            reasons.append(f'the level has been rising for {self._kept.rise.lasting} snapshots')
         if math.isfinite(warmer):
             reasons.append(str(self._laws()[0]))
             reasons.append(f'{warmer:+.0f} K against the baseline')
         if comb is not None:
             reasons.append(str(comb))
-        elif not place and self._held in ('suspect', 'fault') and self._bearing is not None:
+        elif not place and self._kept.held in ('suspect', 'fault') and self._bearing is not None:
             few = self._loud.count < LEAST_AVERAGED
             why = f'{self._loud.count} snapshots since the alarm, {LEAST_AVERAGED} are needed'
             none = 'no comb stands out of the averaged envelope'
             reasons.append(f'place unknown: {why if few else none}')
-        reasons += [f'{count} snapshots not judged: {why}' for why, count in self._refused.items()]
+        reasons += [
+            f'{count} snapshots not judged: {why}' for why, count in self._kept.refused.items()
+        ]
         return tuple(reasons)

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import replace
+from dataclasses import asdict, replace
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -16,7 +16,7 @@ from bearing_twin.diagnosis.level import staged, UNKNOWN
 from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.diagnosis.severity import LEAST
 from bearing_twin.diagnosis.shaft import Turning
-from bearing_twin.diagnosis.state import pack, unpack
+from bearing_twin.diagnosis.state import pack, restored, unpack
 from bearing_twin.diagnosis.streaming import checked_block, PATIENCE, same_rate
 from bearing_twin.diagnosis.trend import Source
 from bearing_twin.errors import BearingTwinError
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 __all__ = ['SeriesDiagnoser']
 
-_VERSION = 1007
+_VERSION = 1008
 _SOONER = 0.75
 """Share of the cycle after which the next snapshot may come: cycles are never exact."""
 
@@ -229,7 +229,7 @@ class SeriesDiagnoser:
         """State worth keeping over a restart: the series, without a snapshot that is not whole."""
         values, arrays = self._monitor.save()
         own = {
-            'source': list(self._source),
+            'source': asdict(self._source),
             'offset': self._offset,
             'last': self._last,
             'next': self._next,
@@ -250,7 +250,7 @@ class SeriesDiagnoser:
         monitor = SeriesMonitor(self._bearing, self._settings)
         try:
             monitor.load(values['series'], arrays)
-            source = Source(*values['source'])
+            source = restored(Source, values['source'])
             offset, last, following = (values[name] for name in ('offset', 'last', 'next'))
             offset, last, following = float(offset), float(last), int(following)
         except (KeyError, TypeError, ValueError, IndexError) as error:

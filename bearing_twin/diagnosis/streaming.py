@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ['PATIENCE', 'StreamingDiagnoser', 'checked_block', 'same_rate']
 
-_VERSION = 9
+_VERSION = 10
 _MOST_PARTS = 64
 PATIENCE = 3.0
 """Update intervals, or cycles of a series, without a verdict from which the last one is old."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field, replace
 import math
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES
 from bearing_twin.diagnosis.baseline import Memory, SETTLED
@@ -42,12 +42,13 @@ _FIRST = 60
 """Minutes over which a rise is looked for: what a machine does in its first healthy hour."""
 
 
-class Source(NamedTuple):
+@dataclass(frozen=True)
+class Source:
     """
     What a baseline is learnt from: levels of different sources are not compared.
 
     >>> machine = Source('imu y', '6205', 'm/s^2', 12000.0)
-    >>> machine.same(machine._replace(sample_rate=12003.2)), machine.same(Source())
+    >>> machine.same(replace(machine, sample_rate=12003.2)), machine.same(Source())
     (True, False)
     >>> print(machine)
     sensor 'imu y', bearing '6205', 'm/s^2', 12000 Hz
@@ -65,7 +66,7 @@ class Source(NamedTuple):
     def same(self, other: Source) -> bool:
         """Whether levels of both are comparable."""
         near = abs(self.sample_rate - other.sample_rate) <= _SAME_RATE * self.sample_rate
-        return near and self[:3] == other[:3]
+        return near and replace(self, sample_rate=other.sample_rate) == other
 
     def __str__(self) -> str:
         """Return it for a message."""
@@ -88,10 +89,8 @@ class Trend:
     minute: list[list[float]] = field(default_factory=list)
     """Temperature, octaves and all levels of the windows of the present minute."""
     rise: Rise = field(default_factory=Rise)
-    sensor: str = ''
-    bearing: str = ''
-    unit: str = ''
-    sample_rate: float = 0.0
+    source: Source = field(default_factory=Source)
+    """What it is learnt from; its sample rate is 0 before the first statement."""
     level: str = ''
     """Level that is held; empty before the first statement."""
     pending: str = ''
@@ -109,14 +108,9 @@ class Trend:
     other_count: int = 0
     """Verdicts in a row that gave it."""
 
-    @property
-    def source(self) -> Source:
-        """What it is learnt from; its sample rate is 0 before the first statement."""
-        return Source(self.sensor, self.bearing, self.unit, self.sample_rate)
-
     def takes(self, source: Source) -> bool:
         """Whether windows of ``source`` belong to it."""
-        return not self.sample_rate or self.source.same(source)
+        return not self.source.sample_rate or self.source.same(source)
 
     def update(
         self,
@@ -152,8 +146,8 @@ class Trend:
             return self._shown(diagnosis, hold, full)
         levels, memory = watched(severity), self.memory
         now = Condition.at(diagnosis.temperature, diagnosis.shaft_hz)
-        if not self.sample_rate:
-            self.sensor, self.bearing, self.unit, self.sample_rate = source
+        if not self.source.sample_rate:
+            self.source = source
         if memory.base is None:
             alone = raised(diagnosis).level
             self.doubtful += full and alone in ('suspect', 'fault')

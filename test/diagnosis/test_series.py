@@ -409,13 +409,16 @@ def test_series_is_saved_and_resumed_to_the_bit():
         with pytest.raises(BearingTwinError):
             straight.load(broken)
     values, arrays = unpack(before, _VERSION)
-    point = {**values['series']['points'][-1], 'time': 'x'}
+    kept = values['series']['kept']
     for changed, levels in (
-        ({'points': [*values['series']['points'][:-1], point]}, arrays['levels']),
-        ({'rise': {**values['series']['rise'], 'total': -1.0}}, arrays['levels']),
+        (
+            {'points': [*kept['points'][:-1], {**kept['points'][-1], 'time': 'x'}]},
+            arrays['levels'],
+        ),
+        ({'rise': {**kept['rise'], 'total': -1.0}}, arrays['levels']),
         ({}, arrays['levels'][:, :1]),
     ):
-        forged = {**values, 'series': {**values['series'], **changed}}
+        forged = {**values, 'series': {**values['series'], 'kept': {**kept, **changed}}}
         with pytest.raises(BearingTwinError, match='use what save'):
             straight.load(pack(_VERSION, forged, {**arrays, 'levels': levels}))
     assert straight.save() == before
