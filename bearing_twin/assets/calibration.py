@@ -175,6 +175,8 @@ class CalibrationCore:
         self._follow_repair(heard, now)
         full = self._record.held >= wanted
         hertz, self.waiting = self._record.shaft_hz() if full else (math.nan, '')
+        if self._meter.undecided:
+            self.waiting = 'its stamps do not tell yet whether its sample rate is right'
         if not full or self.waiting:
             return None
         if now >= self._compared + self._values['window']:

@@ -57,6 +57,8 @@ class RateMeter:
     def __init__(self) -> None:
         self.rate = math.nan
         """Measured rate, Hz; NaN while it is not known."""
+        self.undecided = False
+        """Whether stamps move, and do not tell the rate yet."""
         self._rates: deque[float] = deque(maxlen=SPANS)
         self._anchor: tuple[int, int] | None = None
 
@@ -77,6 +79,7 @@ class RateMeter:
             self.rate = math.nan
             self._anchor = (index, stamp)
         elapsed = stamp - self._anchor[1]
+        self.undecided = len(self._rates) < FEWEST and (elapsed > 0 or bool(self._rates))
         if elapsed >= SPAN:
             self._rates.append((index - self._anchor[0]) * NANO / elapsed)
             self._anchor = (index, stamp)
