@@ -17,7 +17,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.messages import time_message
 from bearing_twin.assets.spec import fixed, parameter
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.player import Player, Section
+from bearing_twin.recording.player import Player
 from bearing_twin.recording.schema import message_schema
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode, run
@@ -84,11 +84,9 @@ class ReplayNode(ManagedNode):
         topics = [topic for topic in p['topics'] if topic]
         self._player = Player(
             Path(p['recording']),
-            Section(
-                start_offset=p['start_offset'],
-                duration=p['duration'] or math.inf,
-                topics=topics or None,
-            ),
+            start_offset=p['start_offset'],
+            duration=p['duration'] or math.inf,
+            topics=topics or None,
             rate=p['rate'],
             loop=p['loop'],
             paused=p['start_paused'],

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 import math
 from typing import TYPE_CHECKING
 
@@ -18,19 +17,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.recording.reader import RecordedMessage, TopicInfo
 
-__all__ = ['Player', 'Section']
-
-
-@dataclass(frozen=True, kw_only=True)
-class Section:
-    """What of a recording is played."""
-
-    start_offset: float = 0.0
-    """Recorded time that is skipped at the start, s."""
-    duration: float = math.inf
-    """Recorded time that is played, s."""
-    topics: Collection[str] | None = None
-    """None: all."""
+__all__ = ['Player']
 
 
 class Player:
@@ -44,10 +31,12 @@ class Player:
     ----------
     path
         File or bag folder.
-    section
-        What of it is played.
+    start_offset, duration
+        Recorded time that is skipped at the start, and that is played, s.
+    topics
+        Topics to play; None: all.
     rate
-        Recorded seconds per second of the caller's clock.
+        Recorded seconds per second of the caller's clock; it may be changed.
     loop
         Start again at the end.
     paused
@@ -63,22 +52,20 @@ class Player:
     def __init__(
         self,
         path: Path,
-        section: Section | None = None,
         *,
+        start_offset: float = 0.0,
+        duration: float = math.inf,
+        topics: Collection[str] | None = None,
         rate: float = 1.0,
         loop: bool = False,
         paused: bool = False,
     ) -> None:
-        section = section or Section()
-        if not (section.start_offset >= 0.0 and section.duration > 0.0):
-            msg = f'{section.start_offset=}, {section.duration=}: seconds, not negative'
-            raise BearingTwinError(msg)
         self.path = path
         self.info = recording_info(path)
         if not self.info.count:
             msg = f'{path} holds no messages to play'
             raise BearingTwinError(msg)
-        unknown = set(section.topics or ()) - self.info.topics.keys()
+        unknown = set(topics or ()) - self.info.topics.keys()
         if unknown:
             msg = (
                 f'{path} has no topic {", ".join(sorted(unknown))}; it has '
@@ -91,19 +78,19 @@ class Player:
         """Times the end was reached and playing went on at the start."""
         self.played = 0
         """Messages given out."""
-        self._topics = section.topics
-        self.start = self.info.start + round(section.start_offset * NANO)
+        self._topics = topics
+        self.start = self.info.start + round(start_offset * NANO)
         """Log time at which playing starts, ns."""
-        length = min(section.duration * NANO, self.info.end + 1 - self.start)
+        length = min(duration * NANO, self.info.end + 1 - self.start)
         if length <= 0:
             msg = (
-                f'start offset {section.start_offset:g} s is not inside the recording of '
+                f'start offset {start_offset:g} s is not inside the recording of '
                 f'{self.info.duration:g} s'
             )
             raise BearingTwinError(msg)
         self.end = self.start + math.ceil(length)
         """Log time before which it ends, ns."""
-        self._rate = self._checked(rate)
+        self.rate = rate
         self._clock: float | None = None
         self._elapsed = 0.0
         self._messages: Iterator[RecordedMessage] = iter(())
@@ -112,15 +99,6 @@ class Player:
         if self._next is None:
             msg = f'{path} holds no messages of these topics in the section to play'
             raise BearingTwinError(msg)
-
-    @property
-    def rate(self) -> float:
-        """Return recorded seconds per second of the caller's clock."""
-        return self._rate
-
-    @rate.setter
-    def rate(self, rate: float) -> None:
-        self._rate = self._checked(rate)
 
     @property
     def finished(self) -> bool:
@@ -177,7 +155,7 @@ class Player:
         self._advance(now)
         if self.paused or self._next is None:
             return math.inf
-        return max(0.0, (self._next.log_time - self.start - self._elapsed) / NANO / self._rate)
+        return max(0.0, (self._next.log_time - self.start - self._elapsed) / NANO / self.rate)
 
     def step(self) -> RecordedMessage | None:
         """Give out the next message whatever the clock says; None at the end."""
@@ -192,7 +170,7 @@ class Player:
 
     def _advance(self, now: float) -> None:
         if self._clock is not None and not self.paused:
-            self._elapsed += max(0.0, now - self._clock) * self._rate * NANO
+            self._elapsed += max(0.0, now - self._clock) * self.rate * NANO
             if not self.loop:
                 self._elapsed = min(self._elapsed, float(self.end - self.start))
         self._clock = now
@@ -212,9 +190,3 @@ class Player:
             problems=self.info.problems,
         )
         self._fetch()
-
-    def _checked(self, rate: float) -> float:
-        if not 0.001 <= rate <= 1e6:
-            msg = f'{rate=} is not within 0.001..1000000'
-            raise BearingTwinError(msg)
-        return rate
