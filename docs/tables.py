@@ -38,7 +38,6 @@ from bearing_twin.nodes.diagnosis_topics import (
 from bearing_twin.recording.schedule import write_temperature_recording
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.launching import ensure_log_folder
-from bearing_twin.ros.lifecycle import ManagedNode
 import numpy as np
 import rclpy
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
@@ -49,6 +48,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.assets.spec import Spec
     from bearing_twin.ros.health import Health
+    from bearing_twin.ros.lifecycle import ManagedNode
     from rclpy.qos import QoSProfile
 
 __all__ = ['document', 'main']
@@ -87,7 +87,7 @@ parameters of machine, sensor, oil and thermal laws that have their default.
 The nodes subscribe to `joint_states` only if the parameter `joint` names a joint.
 
 The stamp of `vibration` is the time of its first sample, without regard to filter delays. The
-twin's decimator shows what happened 15 samples earlier (0.586 ms at 25.6 kHz), as the converter of
+twin's decimator shows what happened 16 samples earlier (0.625 ms at 25.6 kHz), as the converter of
 a real accelerometer does with its own delay; stamp, `first_sample` and deadline keep one exact
 relation.
 
@@ -187,7 +187,7 @@ def document() -> str:
 
 
 def _node_section(name: str, folder: Path) -> str:
-    node_class = _node_class(name)
+    node_class: type[ManagedNode] = importlib.import_module(f'bearing_twin.nodes.{name}').NODE
     topics: set[Row] = set()
     statuses: set[Row] = set()
     for parameters in _needed(name, folder):
@@ -221,18 +221,6 @@ def _node_section(name: str, folder: Path) -> str:
             *_parameters(node.parameters.specs),
         ]
     )
-
-
-def _node_class(name: str) -> type[ManagedNode]:
-    module = importlib.import_module(f'bearing_twin.nodes.{name}')
-    [found] = [
-        value
-        for value in vars(module).values()
-        if inspect.isclass(value)
-        and issubclass(value, ManagedNode)
-        and value.__module__ == module.__name__
-    ]
-    return found
 
 
 def _first_line(node_class: type[ManagedNode]) -> str:

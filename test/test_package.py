@@ -85,7 +85,7 @@ def test_every_command_can_be_imported(name):
 def test_setup_names_nodes_that_exist():
     [names] = re.findall(r'^NODES = \((.*)\)$', (ROOT / 'setup.py').read_text(), re.MULTILINE)
     for node in re.findall(r"'(\w+)'", names):
-        assert callable(importlib.import_module(f'bearing_twin.nodes.{node}').main)
+        assert callable(importlib.import_module(f'bearing_twin.nodes.{node}').NODE)
 
 
 @pytest.mark.skipif(not importlib.util.find_spec('colcon_core'), reason='colcon is not installed')

@@ -68,7 +68,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _live(args: argparse.Namespace) -> int:
-    from bearing_twin.nodes.replay import main
+    from bearing_twin.nodes.replay import NODE
+    from bearing_twin.ros.lifecycle import run as run_node
 
     parameters = {name: getattr(args, name) for name in LIVE}
     parameters |= {'recording': str(args.recording), 'clock_rate': parameters.pop('clock')}
@@ -79,7 +80,7 @@ def _live(args: argparse.Namespace) -> int:
     for name, value in parameters.items():
         # JSON is YAML, and quotes every string.
         words += ['-p', f'{name}:={json.dumps(value)}']
-    return main(words)
+    return run_node(NODE, words)
 
 
 def _offline(args: argparse.Namespace) -> int:

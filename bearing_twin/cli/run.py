@@ -32,12 +32,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the node until it is told to end."""
+    from bearing_twin.ros import lifecycle
+
     node = importlib.import_module(f'bearing_twin.nodes.{args.node}')
     if {'-h', '--help'} & set(args.arguments):
         print(_help(args.node, node))
         return 0
-    status: int = node.main(args.arguments)
-    return status
+    return lifecycle.run(node.NODE, args.arguments)
 
 
 def _help(name: str, module: Any) -> str:

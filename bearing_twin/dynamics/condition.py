@@ -54,8 +54,7 @@ class Condition:
     """Half the radial internal clearance that the equations use, m."""
     thermal_clearance: float
     """What the ring temperatures leave of it, m. Outside -5..50 um, where the model does not
-    hold, the equations go on with the nearest limit. They follow a quick change of temperature
-    within 0.2 s."""
+    hold, the equations go on with the nearest limit: then the two differ."""
     slip: float
     """Cage slip, dimensionless."""
     inner_ring_temperature: float
@@ -103,8 +102,7 @@ class Condition:
 def condition(
     parameters: TwinParameters,
     law: FloatArray,
-    at: tuple[float, float, float],
-    inputs: FloatArray,
+    inputs: tuple[float, float, float],
     states: Records,
     machines: Records,
     defects: Records,
@@ -114,13 +112,10 @@ def condition(
     """
     Put together the condition from the state of motion.
 
-    ``at`` are the temperatures of outer and inner ring, degC, and the shaft speed, Hz; ``inputs``
-    those of the equations, which follow a quick change of these within a tick of `inner_ring`.
+    ``inputs`` are the temperatures of outer and inner ring, degC, and the shaft speed, Hz.
     """
     values = np.empty(coefficients.CONDITION_SIZE)
-    coefficients.evaluate(law, *at, values)
-    skids, held = coefficients.skids(law, values), float(values[coefficients.CLEARANCE])
-    values[: coefficients.INPUTS] = inputs
+    coefficients.evaluate(law, *inputs, values)
     # As plain numbers at once: each look into an array takes longer.
     of, state = values.tolist(), states[0]
     hz, slip = of[coefficients.SHAFT_HZ], of[coefficients.SLIP]
@@ -128,9 +123,7 @@ def condition(
     gap, left = of[coefficients.CLEARANCE], of[coefficients.THERMAL_GAP]
     # The contact angle makes the ball's force larger than its radial part.
     pressed = coefficients.heaviest(law, values) / math.cos(parameters.bearing.contact_angle)
-    pressure = max(
-        contact_pressure(parameters.bearing, pressed, race=race) for race in ('inner', 'outer')
-    )
+    pressure = contact_pressure(parameters.bearing, pressed)
     passed = limits_passed(
         load=parameters.load,
         dynamic_rating=float(law[coefficients.RATING]),
@@ -138,9 +131,9 @@ def condition(
         pressure=pressure,
         kappa=of[coefficients.KAPPA],
         shaft_hz=hz,
-        clearance=(left, held),
+        clearance=(left, gap),
         apart=of[coefficients.INNER] - of[coefficients.OUTER],
-        skids=skids,
+        skids=coefficients.skids(law, values),
     )
     deepest = max((defect.depth for defect in parameters.defects), default=0.0)
     return Condition(

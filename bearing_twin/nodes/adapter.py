@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import math
-import sys
 import time
 from typing import Any, TYPE_CHECKING
 
@@ -14,7 +13,7 @@ from bearing_twin.assets.shared_specs import HARDWARE_ID
 from bearing_twin.assets.spec import fixed
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.health import Health, Level, Status
-from bearing_twin.ros.lifecycle import ManagedNode, run
+from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.qos import OVERRIDES, own, SENSOR, STREAM
 from bearing_twin.ros.subscribing import subscribe, unheard
 from bearing_twin.stamps import NANO, samples_ns, stamp_ns
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
     from rclpy.subscription import MessageInfo
     from std_msgs.msg import MultiArrayLayout
 
-__all__ = ['SPECS', 'AdapterNode', 'check_adapter', 'check_layout', 'main']
+__all__ = ['NODE', 'SPECS', 'AdapterNode', 'check_adapter', 'check_layout']
 
 SILENT_AFTER = 2.0
 ARRAY = 'float32_multi_array'
@@ -348,10 +347,4 @@ def check_layout(layout: MultiArrayLayout, channels: int, *, interleaved: bool) 
         raise BearingTwinError(msg)
 
 
-def main(args: list[str] | None = None) -> int:
-    """Run the node."""
-    return run(AdapterNode, args)
-
-
-if __name__ == '__main__':
-    sys.exit(main())
+NODE = AdapterNode

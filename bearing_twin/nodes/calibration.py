@@ -10,7 +10,6 @@ import math
 from multiprocessing import get_context
 import os
 import signal
-import sys
 import threading
 import time
 from typing import Any, TYPE_CHECKING
@@ -21,7 +20,7 @@ from bearing_twin.assets.calibration_task import work
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.diagnosis_topics import SILENT_AFTER
 from bearing_twin.ros.health import Health, Level, Status
-from bearing_twin.ros.lifecycle import ManagedNode, run
+from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.qos import MEASUREMENT, OVERRIDES, own, RESULT, STREAM
 from bearing_twin.ros.subscribing import receiver_clock, subscribe
 from bearing_twin.streams.statefile import StateFolder
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
     from bearing_twin.assets.calibration_task import Fit, Task
     from rclpy.subscription import MessageInfo
 
-__all__ = ['SPECS', 'CalibrationNode', 'main']
+__all__ = ['NODE', 'SPECS', 'CalibrationNode']
 
 POLL = 0.2
 """Time between looks at the worker, s."""
@@ -261,10 +260,4 @@ def _end(worker: ProcessPoolExecutor) -> None:
         process.terminate()
 
 
-def main(args: list[str] | None = None) -> int:
-    """Run the node."""
-    return run(CalibrationNode, args)
-
-
-if __name__ == '__main__':
-    sys.exit(main())
+NODE = CalibrationNode

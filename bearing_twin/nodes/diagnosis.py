@@ -4,19 +4,18 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.diagnosis_parameters import check_diagnosis, SPECS
 from bearing_twin.diagnosis.warming import warm_up
 from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics
 from bearing_twin.ros.health import Health
-from bearing_twin.ros.lifecycle import ManagedNode, run
+from bearing_twin.ros.lifecycle import ManagedNode
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ['DiagnosisNode', 'main']
+__all__ = ['NODE', 'DiagnosisNode']
 
 
 class DiagnosisNode(ManagedNode):
@@ -60,10 +59,4 @@ class DiagnosisNode(ManagedNode):
         self._topics.apply(values)
 
 
-def main(args: list[str] | None = None) -> int:
-    """Run the node."""
-    return run(DiagnosisNode, args)
-
-
-if __name__ == '__main__':
-    sys.exit(main())
+NODE = DiagnosisNode

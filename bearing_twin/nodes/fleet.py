@@ -8,7 +8,6 @@ from collections import deque
 from dataclasses import dataclass, replace
 from functools import partial
 import math
-import sys
 import time
 from typing import Any, TYPE_CHECKING
 
@@ -29,7 +28,7 @@ from bearing_twin.nodes.twin_topics import LONGEST_WAIT, TwinTopics
 from bearing_twin.ros import realtime
 from bearing_twin.ros.cycle import BlockCycle
 from bearing_twin.ros.health import Health
-from bearing_twin.ros.lifecycle import ManagedNode, run
+from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.qos import CHECKPOINT
 from bearing_twin.ros.subscribing import receiver_clock
 from bearing_twin.streams.pacer import Due
@@ -43,7 +42,7 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics.fleet import Fleet, FleetBlock
     from bearing_twin.dynamics.simulator import Simulator
 
-__all__ = ['SPECS', 'FleetNode', 'main']
+__all__ = ['NODE', 'SPECS', 'FleetNode']
 
 BLOCK = 4096
 """Samples per block, 160 ms: to send a block costs the same as one of 40 ms."""
@@ -152,24 +151,14 @@ class FleetNode(ManagedNode):
 
     def _build_fleet(self) -> Fleet | None:
         """Return all twins at their start; None where only diagnoses are hosted."""
-        values = [self._start(m) for m in self._twins]
+        values = [m.twin_parameters.values for m in self._twins if m.twin_parameters]
         return build_fleet(values, threads=self.parameters['threads']) if values else None
-
-    def _start(self, member: Member) -> dict[str, Any]:
-        """Return the parameters of a twin, with the temperature at which it starts anew."""
-        assert member.twin_parameters is not None
-        values = dict(member.twin_parameters.values)
-        if member.channel is not None:
-            values['start_temperature'] = member.channel.start_temperature
-        return values
 
     def _set_up_twin(self, member: Member) -> None:
         p = member.twin_parameters
         if p is None:
             return
-        member.channel = TwinChannel(
-            p.values, settle=partial(self._settle_twin, member), clock=receiver_clock(self)
-        )
+        member.channel = TwinChannel(p.values, clock=receiver_clock(self))
         shared = self.parameters
         period = shared['block_size'] / shared['sample_rate']
         member.twin = TwinTopics(
@@ -322,13 +311,8 @@ class FleetNode(ManagedNode):
         return self._fleet.extract(self._twins.index(member))
 
     def _reset_twin(self, member: Member) -> None:
-        self._place(member, build_simulator(self._start(member)))
-
-    def _settle_twin(self, member: Member, temperature: float) -> None:
-        assert self._fleet is not None
-        self._publish_share(1.0)
-        self._fleet.settle(self._twins.index(member), temperature)
-        self._checkpoints.ask()
+        assert member.twin_parameters is not None
+        self._place(member, build_simulator(member.twin_parameters.values))
 
     def _load_twin(self, member: Member, state: bytes) -> None:
         simulator = self._simulator(member)
@@ -352,10 +336,4 @@ class FleetNode(ManagedNode):
         return f'{len(self._members)} assets start anew'
 
 
-def main(args: list[str] | None = None) -> int:
-    """Run the node."""
-    return run(FleetNode, args)
-
-
-if __name__ == '__main__':
-    sys.exit(main())
+NODE = FleetNode

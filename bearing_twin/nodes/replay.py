@@ -8,7 +8,6 @@ from functools import partial
 from itertools import islice
 import math
 from pathlib import Path
-import sys
 import threading
 import time
 import traceback
@@ -20,7 +19,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.player import Player
 from bearing_twin.recording.schema import message_schema
 from bearing_twin.ros.health import Health, Level, Status
-from bearing_twin.ros.lifecycle import ManagedNode, run
+from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.qos import RESULT
 from bearing_twin.ros.rawtopics import message_class, replay_qos
 from bearing_twin.ros.remapping import check_remapping, remapping
@@ -34,7 +33,7 @@ if TYPE_CHECKING:
     from bearing_twin.recording.reader import RecordedMessage, TopicInfo
     from rclpy.publisher import Publisher
 
-__all__ = ['SPECS', 'ReplayNode', 'main']
+__all__ = ['NODE', 'SPECS', 'ReplayNode']
 
 PROGRESS_PERIOD = 5.0
 LONGEST_WAIT = 0.5
@@ -305,10 +304,4 @@ def _check_definition(topic: TopicInfo) -> None:
         raise BearingTwinError(msg)
 
 
-def main(args: list[str] | None = None) -> int:
-    """Run the node."""
-    return run(ReplayNode, args)
-
-
-if __name__ == '__main__':
-    sys.exit(main())
+NODE = ReplayNode

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.realtime_parameters import PUBLISHING
@@ -20,7 +19,7 @@ from bearing_twin.nodes.twin_topics import TwinTopics
 from bearing_twin.ros import realtime
 from bearing_twin.ros.cycle import BlockCycle
 from bearing_twin.ros.health import Health
-from bearing_twin.ros.lifecycle import ManagedNode, run
+from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.subscribing import receiver_clock
 
 if TYPE_CHECKING:
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     from bearing_twin.assets.fitted import Fitted
     from bearing_twin.streams.pacer import Due
 
-__all__ = ['PUBLISHING', 'SPECS', 'TwinNode', 'main']
+__all__ = ['NODE', 'PUBLISHING', 'SPECS', 'TwinNode']
 
 
 class TwinNode(ManagedNode):
@@ -104,10 +103,4 @@ class TwinNode(ManagedNode):
         self._topics.publish(self._twin.advance(), due, self._cycle.fields)
 
 
-def main(args: list[str] | None = None) -> int:
-    """Run the node."""
-    return run(TwinNode, args)
-
-
-if __name__ == '__main__':
-    sys.exit(main())
+NODE = TwinNode

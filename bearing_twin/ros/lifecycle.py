@@ -23,6 +23,7 @@ from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.launching import COMPILING, ensure_log_folder, LOADING
 from bearing_twin.ros.parameters import ParameterSet, unknown_at_start
 from bearing_twin.ros.subscribing import validated
+from bearing_twin.view.rerun.ending import leave
 import rclpy
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException
@@ -340,6 +341,7 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(status)
+    leave(status)
     return status
 
 

@@ -287,8 +287,9 @@ def slow(descriptor, data):
         time.sleep(0.05)
     return write(descriptor, data)
 os.write = slow
-from bearing_twin.nodes.recorder import main
-sys.exit(main(sys.argv[2:]))
+from bearing_twin.nodes.recorder import NODE
+from bearing_twin.ros.lifecycle import run
+sys.exit(run(NODE, sys.argv[2:]))
 """
 
 
