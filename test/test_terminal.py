@@ -130,6 +130,30 @@ def test_what_the_system_refuses_is_said_in_a_sentence(tmp_path, capsys):
     assert f'File exists: {str(tmp_path / "file")!r}' in capsys.readouterr().err
 
 
+@pytest.mark.parametrize('encoding', ['ascii', 'latin-1'])
+def test_a_name_that_the_terminal_cannot_show_is_escaped(tmp_path, encoding):
+    path = tmp_path / 'w\u00e9\u2192.mcap'
+    assert main(['schedule', '-o', str(path)]) == 0
+    ran = subprocess.run(
+        [*COMMAND, 'info', str(path)],
+        capture_output=True,
+        env=os.environ | {'PYTHONIOENCODING': encoding},
+    )
+    assert (ran.returncode, ran.stderr) == (0, b'')
+    assert b'\\u2192.mcap' in ran.stdout
+
+
+def test_what_cannot_be_said_is_no_success():
+    ran = subprocess.run(
+        ['sh', '-c', '"$@" >&-', 'sh', *COMMAND, 'bearings', '6205'], stderr=subprocess.PIPE
+    )
+    assert (ran.returncode, b'Bad file descriptor' in ran.stderr) == (1, True)
+    ran = subprocess.run(
+        ['sh', '-c', '"$@" 2>&-', 'sh', *COMMAND, 'info', 'nowhere'], stdout=subprocess.PIPE
+    )
+    assert (ran.returncode, ran.stdout) == (1, b'')
+
+
 @pytest.mark.parametrize('seconds', ['0', '-5', 'nan', '1e9'])
 def test_a_schedule_has_two_readings_at_least(seconds, tmp_path, capsys):
     target = tmp_path / 'run'

@@ -20,7 +20,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin import __version__
-from bearing_twin.cli.terminal import shown
+from bearing_twin.cli.terminal import mend_streams, shown
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
 
@@ -96,6 +96,7 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
         return 0
     keep_freed_memory()
     if args.command != 'run':
+        mend_streams()
         # From here on an interrupt has something to lose; nodes see to that themselves.
         begin()
     try:

@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from io import TextIOWrapper
 import math
 from numbers import Integral, Real
 import os
+from pathlib import Path
 import sys
 from typing import Any, TextIO, TYPE_CHECKING
 
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 __all__ = [
     'by_level',
     'coloured',
+    'mend_streams',
     'percent',
     'plain',
     'processes',
@@ -30,6 +33,24 @@ __all__ = [
 ]
 
 _COLOURS = {'ok': '32', 'suspect': '33', 'fault': '1;31', 'none': '36', 'bold': '1'}
+
+
+def mend_streams() -> None:
+    """
+    Let standard output take every name, and have closed streams neither lie nor be mixed up.
+
+    What an encoding (ASCII, Latin-1) does not know is written as an escape. Where standard output
+    is closed, printing fails as on a full disk; where the stream of errors is, they go nowhere.
+    """
+    if sys.stderr is None:
+        sys.stderr = Path(os.devnull).open('w')  # noqa: SIM115
+    if sys.stdout is None:
+        # Without a buffer: what it cannot write must not wait for the end.
+        sys.stdout = TextIOWrapper(
+            os.fdopen(os.open(os.devnull, os.O_RDONLY), 'wb', buffering=0), write_through=True
+        )
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors='backslashreplace')
 
 
 def refuse_given(args: argparse.Namespace, options: Iterable[str], why: str) -> None:
