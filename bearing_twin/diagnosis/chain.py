@@ -27,6 +27,7 @@ from bearing_twin.diagnosis.search import CombSearch
 from bearing_twin.diagnosis.severity import LEAST, Levels, measure_severity, of_length, SLOW_HZ
 from bearing_twin.diagnosis.shaft import ShaftSpeed, Turning
 from bearing_twin.diagnosis.sidebands import sideband_ratio
+from bearing_twin.diagnosis.thresholds import SWAY
 from bearing_twin.diagnosis.window import analyse_window
 import numpy as np
 from scipy import fft
@@ -45,7 +46,6 @@ if TYPE_CHECKING:
 __all__ = ['Analysis', 'Excerpt', 'Stretch']
 
 _CLEARER = 1.1
-_SIDEBANDS_SHOWN = 0.25
 _NO_ZONE = (
     f'no zone of ISO 20816-3: below {60.0 * SLOW_HZ:g} 1/min its velocity is that from 2 Hz on, '
     'and this one is from 10 Hz on'
@@ -359,7 +359,9 @@ class Analysis:
         other = decided(at_given, given)
         sure = other.level == 'fault' and other.result in PLACES
         clearer = sure and other.weight > _CLEARER * verdict.weight
-        if clearer and _mistaken(at_given, other, speed.shaft_hz / given_hz):
+        # Half a bin apart the two are one speed.
+        same = 2.0 * apart < 1.01 * at_given.step
+        if clearer and (same or _mistaken(at_given, other, speed.shaft_hz / given_hz)):
             return other, given
         return verdict, speed
 
@@ -368,8 +370,9 @@ def _mistaken(at_given: OrderSpectra, verdict: Verdict, gap: float) -> bool:
     """
     Whether the lines of a fault were mistaken for the harmonics of the shaft.
 
-    They can be where the fault's order is a whole number at the refined speed, unless the fault
-    itself has sidebands ``gap`` (refined over given speed) apart: the shaft does turn like that.
+    They can be where the fault's order is a whole number at the refined speed, and the fault has
+    sidebands at the turns of the given speed: these look like the other multiples of a shaft. The
+    harmonics of a comb without sidebands are too few, as two of the shaft's do not count.
     """
     found = verdict.strongest
     if found is None:
@@ -380,4 +383,4 @@ def _mistaken(at_given: OrderSpectra, verdict: Verdict, gap: float) -> bool:
     refined, given = (
         sideband_ratio(at_given, found.order, found.band, side) for side in (gap, 1.0)
     )
-    return refined < max(_CLEARER * given, _SIDEBANDS_SHOWN)
+    return given >= SWAY and refined < _CLEARER * given

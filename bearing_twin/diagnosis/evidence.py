@@ -465,6 +465,7 @@ class Evidence:
 
     smooth = _of_leading(CombSearch.smooth, undisturbed=False)
     half_turn = _of_leading(CombSearch.half_turn, undisturbed=False)
+    whole_turns = _of_leading(CombSearch.whole_turns, undisturbed=0)
 
     @_measured(undisturbed=False)
     def elsewhere_explains(self) -> bool:

@@ -473,6 +473,18 @@ def _smooth(e: Evidence) -> Verdict | None:
     return _say(e, text, about=e.leading)
 
 
+@_rule('ambiguous', 'What strikes a whole number of times a turn may be a part of the shaft.')
+def _whole_turns(e: Evidence) -> Verdict | None:
+    # A name at an unlikely slip is no alarm and asks for the speed itself.
+    if e.leading.slip > UNLIKELY_SLIP or not e.whole_turns:
+        return None
+    text = (
+        f'the shaft speed is not known well enough to tell it from {e.whole_turns} impacts a '
+        'turn, as of a coupling; give a measured speed'
+    )
+    return _say(e, text, about=e.leading, level='fault')
+
+
 @_rule('its place', 'The comb is significant, strong, and nothing else explains it.')
 def _fault(e: Evidence) -> Verdict | None:
     places = tuple(c.place for c in (e.leading, *_certain(e)) if c.index >= INDEX_FAULT)

@@ -51,6 +51,9 @@ __all__ = ['Candidate', 'CombSearch']
 _SIDEBANDS = 4
 _RACES = ('inner', 'outer')
 _UNTESTED = 1.0
+_SHARP = 1.5
+"""Bins within which a shaft at a steady speed is two thirds as clear. Simulated ones are within
+1.1, and those whose speed drifts by 3 % in 8 s are not within 2.5."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +123,7 @@ class CombSearch:
         # Six harmonics of the shaft place its speed within a sixth of a bin of the first.
         found = spectra.step / 6.0 if speed.score >= SHAFT_FOUND else math.inf
         measured = speed.tolerance <= STEADY
+        self._spread = 0.0 if measured else speed.spread
         self._precision = 0.0 if measured else min(speed.uncertainty, found)
         self.shaft_hz = speed.shaft_hz
         self.sample_rate = 2.0 * spectra.highest * speed.shaft_hz
@@ -259,6 +263,29 @@ class CombSearch:
         """Whether a comb may lie on a multiple of half a turn of the shaft."""
         slack = self._uncertainty * candidate.order + 2.0 * self.spectra.step
         return abs(candidate.order - 0.5 * round(2.0 * candidate.order)) <= slack
+
+    def whole_turns(self, candidate: Candidate) -> int:
+        """
+        How often a part of the shaft would strike in a turn to make a race's comb; 0 if none can.
+
+        It can at a whole number within the uncertainty of a speed that neither a measurement nor
+        the lines of the shaft tell, and where the speed moves so that the comb smears over it.
+        What passes a load zone is an inner race.
+        """
+        order, turns = candidate.order, round(candidate.order)
+        if candidate.place not in _RACES or not turns or self._spread <= _SHARP * self._all.step:
+            return 0
+        slack = self._spread if math.isfinite(self._spread) else self._uncertainty
+        if abs(order - turns) > slack * order and not self._reaches(order, turns):
+            return 0
+        turning = candidate.place == 'inner' and self.turning_sideband(candidate)[1]
+        return 0 if turning * RIVAL >= LOAD_ZONE else turns
+
+    def _reaches(self, order: float, whole: float) -> bool:
+        """Whether a comb is half as clear at all orders from its own to a whole one."""
+        step = 0.25 * self._all.step * (1.0 if whole > order else -1.0)
+        z = self._scores.score(self._all, np.arange(order, whole + 0.5 * step, step))
+        return bool(len(z) == 0 or z.min() >= 0.5 * z[0])
 
     def shaft_sideband_ratio(self, candidate: Candidate) -> float:
         """Mean amplitude of the shaft sidebands of a comb over that of its harmonics."""

@@ -34,6 +34,8 @@ class ShaftSpeed(NamedTuple):
     """Standard deviations of its harmonic comb over the combs beside it."""
     tolerance: float
     """Relative tolerance of the speed handed in."""
+    spread: float = math.inf
+    """Relative distance of the farthest tolerated speed that is two thirds as clear."""
 
 
 def refine_shaft_hz(
@@ -107,7 +109,9 @@ def refine_shaft_hz(
         ties = near[scores >= best - 1e-9]
         shaft_hz = float(ties[np.argmin(np.abs(ties - np.median(ties)))])
     uncertainty = bin_hz / (2.0 * shaft_hz)
-    return ShaftSpeed(shaft_hz, min(uncertainty, tolerance), best, tolerance)
+    # Where the speed moves, the lines smear, and other speeds are about as clear.
+    spread = float(np.abs(near[scores >= best / 1.5] / shaft_hz - 1.0).max())
+    return ShaftSpeed(shaft_hz, min(uncertainty, tolerance), best, tolerance, spread)
 
 
 class Turning(NamedTuple):

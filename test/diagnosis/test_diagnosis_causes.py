@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules that keep one cause from being called by another's name."""
 
-from bearing_twin.bearing import fault_orders, find_bearing, own_bearing
+from itertools import product
+
+from bearing_twin.bearing import fault_orders, find_bearing, own_bearing, PLACES
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.confidence import confidence, Trust
@@ -294,7 +296,7 @@ def test_pulsation_of_blades_is_no_alarm(rng):
     assert any('blades' in reason for reason in said.reasons)
 
 
-def _drifting(place, drift, seed):
+def _drifting(place, drift, seed, order=None, shaft=0.3):
     """8 s of impacts of a 6206, or of none, at 24.6 Hz that drift by a share of it."""
     rng = np.random.default_rng(seed)
     rate, count = 20480.0, 8 * 20480
@@ -302,12 +304,16 @@ def _drifting(place, drift, seed):
     turns = np.cumsum(24.6 * (1.0 + drift * (times / 8.0 - 0.5))) / rate
     x = rng.standard_normal(count)
     for harmonic in (1, 2, 3, 4):
-        x += 0.3 * np.sin(2.0 * np.pi * harmonic * turns + rng.uniform(0.0, 6.0))
+        x += shaft * np.sin(2.0 * np.pi * harmonic * turns + rng.uniform(0.0, 6.0))
     if place:
-        order = 3.0
-        if place != 'coupling':
+        if place == 'coupling':
+            order = order or 3.0
+        elif order is None:
             order = fault_orders(find_bearing('6206'), 0.01).impacts(place)
-        at = np.cumsum(1.0 + 0.005 * rng.standard_normal(int(turns[-1] * order) - 2)) / order
+        strikes = int(turns[-1] * order) - 2
+        gaps = 1.0 + 0.005 * rng.standard_normal(strikes)
+        # A part of the shaft keeps time with it.
+        at = (gaps + np.arange(strikes) if place == 'coupling' else np.cumsum(gaps)) / order
         heights = 1.0 + 0.2 * rng.standard_normal(len(at))
         if place == 'inner':
             heights *= 1.0 + 0.7 * np.cos(2.0 * np.pi * at)
@@ -343,6 +349,34 @@ def test_three_impacts_a_turn_of_a_shaft_that_drifts_are_no_fault_beside_order_t
         x, rate = _drifting('coupling', 0.2, seed)
         said = diagnose_record(x, rate, find_bearing(name), 24.6)
         assert said.level == 'suspect', said.reasons
+
+
+BESIDE = ((2, '6404'), (3, '6307'), (3, '6203'), (4, '6301'), (5, '6203'), (8, '6010'))
+"""Whole numbers, and a bearing that has the order of a race within 2.5 % of each."""
+
+
+@pytest.mark.parametrize('drift', [0.0, 0.03, 0.06])
+@pytest.mark.parametrize('shaft', [0.0, 0.3])
+def test_impacts_a_whole_number_of_times_a_turn_name_no_race_beside_it(drift, shaft):
+    """At a nameplate speed that is off by up to 1 %, with and without lines of the shaft."""
+    named = []
+    for seed, ((turns, name), off) in enumerate(product(BESIDE, (-0.004, 0.002, 0.01))):
+        x, rate = _drifting('coupling', drift, seed, float(turns), shaft)
+        said = diagnose_record(x, rate, find_bearing(name), 24.6 * (1.0 + off))
+        if said.level == 'fault' and said.result in PLACES:
+            named.append((turns, name, off, said.reasons))
+    assert len(named) <= 1, named
+
+
+@pytest.mark.parametrize('name', ['6307', '6203'])
+def test_a_race_beside_a_whole_order_is_named_where_the_shaft_shows(name):
+    """The lines of the shaft tell the speed, and with it that the order is no whole number."""
+    for seed, off in enumerate((-0.004, 0.0, 0.002, 0.01)):
+        for place in ('inner', 'outer'):
+            order = fault_orders(find_bearing(name)).impacts(place)
+            x, rate = _drifting(place, 0.0, seed, order)
+            said = diagnose_record(x, rate, find_bearing(name), 24.6 * (1.0 + off))
+            assert (said.result, said.level) == (place, 'fault'), said.reasons
 
 
 def test_only_records_whose_lines_may_have_smeared_are_looked_at_in_parts():

@@ -174,6 +174,12 @@ CASES = {
         'suspect',
         ('inner',),
     ),
+    'whole_turns': (
+        Evidence.of(OUTER, whole_turns=3),
+        'ambiguous',
+        'fault',
+        ('outer',),
+    ),
     'fault': (Evidence.of(INNER), 'inner', 'fault', ('inner',)),
 }
 
