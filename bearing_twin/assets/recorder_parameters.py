@@ -28,7 +28,8 @@ SPECS = (
     field_spec(WriterOptions, 'flush_period'),
     field_spec(WriterOptions, 'sync_period'),
     fixed('storage_limit', 0, 'Most space the recording may take; 0: no limit. At the limit it '
-          'stops.', 'MiB', 0, 100_000_000),
+          'stops. NAME_2, NAME_3, ... of later starts have each a limit of their own.',
+          'MiB', 0, 100_000_000),
     field_spec(WriterOptions, 'delete_oldest'),
     fixed('snapshot', False, 'Keep the last seconds in memory and write them only when the '
           'diagnosis turns to fault or ~/snapshot is called.'),
