@@ -100,7 +100,7 @@ def _table(answer: dict[str, Any]) -> list[str]:
     frequencies = FaultFrequencies(**evidence['expected_hz'])
     # In a row of 80 columns.
     rows = [
-        '              expected       clearest comb        slip  signifi- index',
+        '              expected       clearest comb         off  signifi- index',
         '              Hz     order      Hz     order           cance',
     ]
     for place in PLACES:
@@ -109,8 +109,8 @@ def _table(answer: dict[str, Any]) -> list[str]:
         if found is None:
             rows.append(f'{text}   none looked for')
             continue
-        slip = found / expected - 1.0
-        text += f'{found:9.2f}{found / shaft_hz:7.3f} {slip:+7.2%}'
+        off = found / expected - 1.0
+        text += f'{found:9.2f}{found / shaft_hz:7.3f} {off:+7.2%}'
         text += f'{evidence["score"][place]:7.1f}{evidence["modulation_index"][place]:8.2f}'
         named = place in answer['faults']
         rows.append(by_level(f'{text}  <-', answer['level']) if named else text)
