@@ -87,7 +87,7 @@ parameters of machine, sensor, oil and thermal laws that have their default.
 The nodes subscribe to `joint_states` only if the parameter `joint` names a joint.
 
 The stamp of `vibration` is the time of its first sample, without regard to filter delays. The
-twin's decimator shows what happened 16 samples earlier (0.625 ms at 25.6 kHz), as the converter of
+twin's decimator shows what happened 15 samples earlier (0.586 ms at 25.6 kHz), as the converter of
 a real accelerometer does with its own delay; stamp, `first_sample` and deadline keep one exact
 relation.
 

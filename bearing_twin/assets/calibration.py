@@ -24,6 +24,7 @@ from bearing_twin.dynamics.parameters import check_bearing
 from bearing_twin.dynamics.sensor_path import BAND_HZ, band_levels, distance
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import samples_ns
+from bearing_twin.streams.samplerate import RateMeter
 from bearing_twin_msgs.msg import Calibration
 import numpy as np
 
@@ -124,7 +125,7 @@ class CalibrationCore:
         self._load = (low, high) if high else None
         check_bearing(self.bearing)
         load_range(self.bearing, self._load)
-        self._record = _Record()
+        self._record, self._meter = _Record(), RateMeter()
         self._verdicts = Verdicts(self.bearing)
         self._next = self._rested = self._decided = self._compared = -math.inf
         self._residuals = Residuals()
@@ -162,6 +163,11 @@ class CalibrationCore:
             s, on any clock that runs on.
 
         """
+        self._meter.take(block.first_sample, block.stamp)
+        problem = self._meter.problem(block.sample_rate)
+        if problem and problem.refused:
+            self._record, self.waiting = _Record(), problem.text
+            return None
         wanted = round(self._values['window'] * block.sample_rate)
         known = shaft_hz if math.isnan(block.shaft_hz) else block.shaft_hz
         self._record.add(block, known, wanted)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+import math
 import struct
 import time
 from typing import Any, NamedTuple, TYPE_CHECKING
@@ -55,23 +56,47 @@ class TwinChannel(Inputs):
     ----------
     values
         Parameters of the twin node.
+    settle
+        Called in the physical mode with the first temperature that was measured, degC: what the
+        twin took for the temperature before was none of the machine's.
     clock
         The receiver's clock, s; simulated time may go back.
 
     """
 
     def __init__(
-        self, values: Mapping[str, Any], *, clock: Callable[[], float] = time.monotonic
+        self,
+        values: Mapping[str, Any],
+        *,
+        settle: Callable[[float], None],
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         super().__init__(
             clock, start=values['start_temperature'], timeout=values['temperature_timeout'],
             nominal=values['shaft_hz'], joint=values['joint'], highest=FASTEST_LIVE_SHAFT,
         )  # fmt: skip
         self.values = dict(values)
+        self._settle = settle
+
+    def take_temperature(self, message: Any, info: Mapping[str, Any] | None = None) -> None:
+        """Take a ``sensor_msgs/Temperature``; of several publishers the first one's only."""
+        before = self.temperature
+        super().take_temperature(message, info)
+        reading = self.temperature
+        first = math.isnan(before.taken) and not math.isnan(reading.taken)
+        if first and self.values['thermal_mode'] == 'physical':
+            self._settle(reading.used)
 
     def inputs(self) -> TwinInputs:
         """Return temperature and shaft speed for the block to be computed now."""
         return TwinInputs(self.temperature, self.shaft.hz)
+
+    @property
+    def start_temperature(self) -> float:
+        """Temperature at which the twin starts anew, degC: in the physical mode the measured."""
+        if self.values['thermal_mode'] == 'physical':
+            return self.temperature.used
+        return float(self.values['start_temperature'])
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters."""
@@ -108,7 +133,7 @@ class Twin(TwinChannel):
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         with parameters_of('twin'):
-            super().__init__(values, clock=clock)
+            super().__init__(values, settle=self._begin_at, clock=clock)
             self.simulator = build_simulator(values)
             self._checkpoints = Checkpoints('twin', node, values['checkpoint_period'])
         self.sensor: Sensor | None = None
@@ -165,9 +190,15 @@ class Twin(TwinChannel):
 
     def reset(self) -> None:
         """Go back to the start."""
+        self.simulator.start = self.start_temperature, self.simulator.start[1]
         self.simulator.reset()
         if self.sensor is not None:
             self.sensor = Sensor(self.sensor.fitted)
+        self.ask_checkpoint()
+
+    def _begin_at(self, temperature: float) -> None:
+        """Take the first measured temperature for one that the machine has had for long."""
+        self.simulator.settle(temperature)
         self.ask_checkpoint()
 
     def save(self) -> bytes:

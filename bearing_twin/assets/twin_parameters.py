@@ -92,7 +92,8 @@ SPECS = (
     parameter('shaft_hz', 25.4, 'Shaft speed while no joint tells it. A joint is taken up to the '
               'same limit.', 'Hz', 0.0, FASTEST_LIVE_SHAFT),
     JOINT,
-    fixed('start_temperature', 20.0, 'Temperature used until the first measurement.',
+    fixed('start_temperature', 20.0, 'Temperature used until the first measurement, which in the '
+          'mode physical is taken as one that the machine has had for long.',
           'degC', TABLE_LOW, TABLE_HIGH),
     parameter('temperature_timeout', 5.0, 'Age above which a temperature is stale: the last valid '
               'one is then held.', 's', 0.1, 3600.0),

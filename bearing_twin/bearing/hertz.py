@@ -99,7 +99,8 @@ def contact_pressure(
     """
     Greatest pressure between a ball and a ``race``, Pa, under a ``force`` in N.
 
-    The inner race curves away from the ball, so its contact is the hardest pressed. Half axes
+    Which race presses harder depends on the bearing: the inner one curves away from the ball, the
+    outer one has the wider groove, which counts more where balls are small. Half axes
     ``a = (2 k^2 E / pi)^(1/3) (3 Q / (sum(rho) E'))^(1/3)`` and ``b = a / k``, pressure
     ``3 Q / (2 pi a b)`` (Harris and Kotzalas, chapter 6).
 

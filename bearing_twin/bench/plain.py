@@ -151,7 +151,7 @@ def solve_plainly(
         [
             values[coefficients.K_B], p.contact_damping, p.inner_mass, p.inner_stiffness,
             p.inner_damping, p.outer_mass, p.outer_stiffness, p.outer_damping,
-            values[coefficients.SPRING], 2.0 * math.pi * p.resonance_hz, p.resonance_damping,
+            values[coefficients.FOOT_Y], 2.0 * math.pi * p.resonance_hz, p.resonance_damping,
             values[coefficients.DEPTH], values[coefficients.CLEARANCE], inner,
             CODES[defect.profile], 0.5 * defect.width, defect.depth,
             1.0 / bearing.d_ball + 0.5 / inner, defect.angle,

@@ -25,6 +25,7 @@ from bearing_twin.dynamics.statics import (
     spring_position,
     Supports,
     supports,
+    upwards,
 )
 from bearing_twin.thermal import friction, gcr15, life, lubricant, rings, slip
 import numpy as np
@@ -48,7 +49,7 @@ FloatArray = npt.NDArray[np.float64]
 _ROWS = range(99)
 
 # What `evaluate` gives. The first, INPUTS of them, are what the kernel ramps.
-K_B, DEPTH, CLEARANCE, SHAFT_HZ, SLIP, SPRING, INPUTS, *_ = _ROWS
+K_B, DEPTH, CLEARANCE, SHAFT_HZ, SLIP, FOOT_X, FOOT_Y, INPUTS, *_ = _ROWS
 (
     ALPHA, HARDNESS, FRICTION, BETA0, INNER, OUTER, VISCOSITY, KAPPA, MOMENT, LIFE, THERMAL_GAP,
     CONDITION_SIZE, *_,
@@ -56,8 +57,8 @@ K_B, DEPTH, CLEARANCE, SHAFT_HZ, SLIP, SPRING, INPUTS, *_ = _ROWS
 
 # What it takes: one row of constants a bearing.
 (
-    PHYSICAL, K_B0, CLEARANCE0, LOAD, ACROSS, SKEW, ALONG, ASIDE, N_BALLS, SLIP_MODEL, SLIP0,
-    PRESSED, COSINE, D_BALL, GAMMA, ALPHA_UNIT, EXPANDS,
+    PHYSICAL, K_B0, CLEARANCE0, LOAD, UP_X, UP_Y, ACROSS, SKEW, ALONG, ASIDE, N_BALLS,
+    SLIP_MODEL, SLIP0, PRESSED, COSINE, D_BALL, GAMMA, ALPHA_UNIT, EXPANDS,
     DELTA_H, DELTA_MU, T0, H0, MU0, D_PITCH, D_MEAN, SECTION, ASTM_A, ASTM_B, REPLENISHMENT,
     BOUNDARY, FILM, CONTAMINATION, ROLLING, SLIDING, RATING, STATIC, LIMIT, CAPACITY, RING_TO_RING,
     RING_TO_SHAFT, AMBIENT, SHAFT_RATIO,
@@ -101,6 +102,7 @@ def law_table(p: TwinParameters) -> FloatArray:
     row[PHYSICAL] = p.thermal_mode == 'physical'
     row[K_B0], row[CLEARANCE0], row[LOAD] = p.k_b0, p.clearance, p.load
     (row[ACROSS], row[SKEW], row[ALONG]), row[ASIDE] = supports(p)
+    row[UP_X], row[UP_Y] = upwards(p)
     row[N_BALLS], row[D_PITCH] = p.bearing.n_balls, p.bearing.d_pitch
     row[D_MEAN], row[SECTION] = p.bearing.mean_diameter, friction.section_height(p.bearing)
     row[SLIP_MODEL], row[SLIP0] = SLIP_MODELS.index(p.slip_law), p.slip
@@ -165,7 +167,9 @@ def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatA
         out[INNER], out[OUTER] = inner, outer
         _lubricate(law, outer, inner, hz, out)
     held = Supports((law[ACROSS], law[SKEW], law[ALONG]), law[ASIDE])
-    out[SPRING] = spring_position(law[LOAD], out[K_B], out[CLEARANCE], held, int(law[N_BALLS]))
+    spring = spring_position(law[LOAD], out[K_B], out[CLEARANCE], held, int(law[N_BALLS]))
+    out[FOOT_X] = law[UP_X] * spring + law[UP_Y] * law[ASIDE]
+    out[FOOT_Y] = law[UP_Y] * spring - law[UP_X] * law[ASIDE]
     model, out[SLIP] = law[SLIP_MODEL], 0.0
     if model == _CONSTANT:
         out[SLIP] = law[SLIP0]
@@ -194,6 +198,13 @@ def skids(law: FloatArray, values: FloatArray) -> bool:
 
 
 @compiled()
+def _foot(law: FloatArray, values: FloatArray) -> tuple[float, float]:
+    """Foot of the shaft's spring in the load's frame, m."""
+    x, y, up_x, up_y = values[FOOT_X], values[FOOT_Y], law[UP_X], law[UP_Y]
+    return up_y * x - up_x * y, up_x * x + up_y * y
+
+
+@compiled()
 def _slip(law: FloatArray, values: FloatArray) -> float:
     """Slip at which the balls' traction is the drag, see `thermal.slip`: Newton from below."""
     hz, n, clearance = values[SHAFT_HZ], int(law[N_BALLS]), values[CLEARANCE]
@@ -207,7 +218,7 @@ def _slip(law: FloatArray, values: FloatArray) -> float:
     rolling = 0.5 * math.pi * hz * race * (1.0 + law[GAMMA])
     # Force, mean pressure and film of the loaded balls, of the mean of two cage positions.
     pressed, loaded = np.empty((2 * n, 3)), 0
-    compliance, foot = (law[ACROSS], law[SKEW], law[ALONG]), (law[ASIDE], values[SPRING])
+    compliance, foot = (law[ACROSS], law[SKEW], law[ALONG]), _foot(law, values)
     for half in range(2):
         balls = healthy_balls((half / n - 0.5) * math.pi, clearance, n)
         x, y, _, _ = equilibrium(foot, values[K_B], compliance, balls, foot)
@@ -251,8 +262,7 @@ def heaviest(law: FloatArray, values: FloatArray) -> float:
 
     """
     balls = healthy_balls(-0.5 * math.pi, values[CLEARANCE], int(law[N_BALLS]))
-    compliance = law[ACROSS], law[SKEW], law[ALONG]
-    foot = law[ASIDE], values[SPRING]
+    compliance, foot = (law[ACROSS], law[SKEW], law[ALONG]), _foot(law, values)
     _, y, _, _ = equilibrium(foot, values[K_B], compliance, balls, foot)
     force: float = contact_law(max(-y - values[CLEARANCE], 0.0), values[K_B])[0]
     return force

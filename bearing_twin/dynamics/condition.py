@@ -54,7 +54,8 @@ class Condition:
     """Half the radial internal clearance that the equations use, m."""
     thermal_clearance: float
     """What the ring temperatures leave of it, m. Outside -5..50 um, where the model does not
-    hold, the equations go on with the nearest limit: then the two differ."""
+    hold, the equations go on with the nearest limit. They follow a quick change of temperature
+    within 0.2 s."""
     slip: float
     """Cage slip, dimensionless."""
     inner_ring_temperature: float
@@ -102,7 +103,8 @@ class Condition:
 def condition(
     parameters: TwinParameters,
     law: FloatArray,
-    inputs: tuple[float, float, float],
+    at: tuple[float, float, float],
+    inputs: FloatArray,
     states: Records,
     machines: Records,
     defects: Records,
@@ -112,10 +114,13 @@ def condition(
     """
     Put together the condition from the state of motion.
 
-    ``inputs`` are the temperatures of outer and inner ring, degC, and the shaft speed, Hz.
+    ``at`` are the temperatures of outer and inner ring, degC, and the shaft speed, Hz; ``inputs``
+    those of the equations, which follow a quick change of these within a tick of `inner_ring`.
     """
     values = np.empty(coefficients.CONDITION_SIZE)
-    coefficients.evaluate(law, *inputs, values)
+    coefficients.evaluate(law, *at, values)
+    skids, held = coefficients.skids(law, values), float(values[coefficients.CLEARANCE])
+    values[: coefficients.INPUTS] = inputs
     # As plain numbers at once: each look into an array takes longer.
     of, state = values.tolist(), states[0]
     hz, slip = of[coefficients.SHAFT_HZ], of[coefficients.SLIP]
@@ -123,7 +128,9 @@ def condition(
     gap, left = of[coefficients.CLEARANCE], of[coefficients.THERMAL_GAP]
     # The contact angle makes the ball's force larger than its radial part.
     pressed = coefficients.heaviest(law, values) / math.cos(parameters.bearing.contact_angle)
-    pressure = contact_pressure(parameters.bearing, pressed)
+    pressure = max(
+        contact_pressure(parameters.bearing, pressed, race=race) for race in ('inner', 'outer')
+    )
     passed = limits_passed(
         load=parameters.load,
         dynamic_rating=float(law[coefficients.RATING]),
@@ -131,9 +138,9 @@ def condition(
         pressure=pressure,
         kappa=of[coefficients.KAPPA],
         shaft_hz=hz,
-        clearance=(left, gap),
+        clearance=(left, held),
         apart=of[coefficients.INNER] - of[coefficients.OUTER],
-        skids=coefficients.skids(law, values),
+        skids=skids,
     )
     deepest = max((defect.depth for defect in parameters.defects), default=0.0)
     return Condition(

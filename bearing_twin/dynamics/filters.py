@@ -10,7 +10,9 @@ from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ['STEP_RATE', 'check_rate', 'decimator', 'oversampling', 'resonator', 'steps']
+__all__ = [
+    'STEP_RATE', 'check_rate', 'decimator', 'delay', 'oversampling', 'resonator', 'steps',
+]  # fmt: skip
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -73,7 +75,7 @@ def decimator(factor: int) -> FloatArray:
     """
     Low-pass filter for decimation by ``factor``: linear phase, Kaiser window, unit gain at 0.
 
-    Its length is a multiple of ``factor`` plus one, its delay `_LENGTH` // 2 output samples.
+    Its length is a multiple of ``factor`` plus one.
 
     Examples
     --------
@@ -86,6 +88,22 @@ def decimator(factor: int) -> FloatArray:
     k = np.arange(-half, half + 1)
     taps = np.sinc(k / factor) * np.kaiser(2 * half + 1, 7.86)
     return np.asarray(taps / taps.sum())
+
+
+def delay(sample_rate: float) -> float:
+    """
+    Return how much earlier what an output sample shows has happened, s.
+
+    The filter's middle is `_LENGTH` // 2 samples before its end. The sample k, whose time is
+    ``k / sample_rate``, is made when the step to sample k + 1 is done.
+
+    Examples
+    --------
+    >>> 1e3 * delay(25600.0)
+    0.5859375
+
+    """
+    return (_LENGTH // 2 - 1) / sample_rate
 
 
 def resonator(frequency: float, damping: float, step: float, samples: int) -> FloatArray:

@@ -19,7 +19,7 @@ from bearing_twin.dynamics.fleet_kernel import advance_all
 from bearing_twin.dynamics.fleet_lanes import Lanes
 from bearing_twin.dynamics.parameters import check_speed
 from bearing_twin.dynamics.saved import Envelope, identity
-from bearing_twin.dynamics.simulator import Block, Simulator
+from bearing_twin.dynamics.simulator import Block, same_springs, Simulator
 from bearing_twin.dynamics.tables import ball_table, defect_table, machine
 from bearing_twin.dynamics.vector import L
 from bearing_twin.dynamics.waviness import surfaces
@@ -38,7 +38,7 @@ __all__ = ['Fleet', 'FleetBlock']
 FloatArray = npt.NDArray[np.float64]
 Array = npt.NDArray[Any]
 
-_SAVED = Envelope(b'BFleet\x00\x05', struct.Struct('<dQIII'), 'a fleet')
+_SAVED = Envelope(b'BFleet\x00\x06', struct.Struct('<dQIII'), 'a fleet')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,7 +147,7 @@ class Fleet:
     @property
     def delay(self) -> float:
         """Delay of the published signals against the conditions, s."""
-        return self._lanes.delay
+        return filters.delay(self.sample_rate)
 
     def advance(self, n: int, temperatures: npt.ArrayLike, shaft_hz: npt.ArrayLike) -> FleetBlock:
         """
@@ -170,7 +170,7 @@ class Fleet:
         lanes = self._lanes
         begin, end = lanes.values, lanes.values.copy()
         _evaluate_changed(lanes.law, was_outer, was_speed, outer, speed, end)
-        start = begin[:, : coefficients.INPUTS]
+        start = begin[:, : coefficients.INPUTS] + lanes.behind
         growth = end[:, : coefficients.INPUTS] - start
         outs = [np.empty((2, (end - first) * L, n), np.float32) for first, end in self._shares]
         first, done = self.next_sample, 0
@@ -191,6 +191,7 @@ class Fleet:
                     was_speed + (speed - was_speed) * share,
                 )
         self._temperatures, self._shaft_hz, lanes.values = outer, speed, end
+        lanes.behind[:] = 0.0
         size, out = len(self), np.concatenate(outs, axis=1) if len(outs) > 1 else outs[0]
         return FleetBlock(first_sample=first, x=out[0, :size], y=out[1, :size])
 
@@ -226,18 +227,26 @@ class Fleet:
         inner = inner_ring.temperature(
             lanes.rings[index], self.next_sample % self._tick, self._tick
         )
-        inputs = self._temperatures[index], inner, self._shaft_hz[index]
+        at = self._temperatures[index], inner, self._shaft_hz[index]
         return condition(
-            p, lanes.law[index], inputs, lanes.motion(index, self.next_sample),
+            p, lanes.law[index], at, self._inputs(index), lanes.motion(index, self.next_sample),
             *self._tables[index], lanes.surfaces_of(index),
         )  # fmt: skip
+
+    def _inputs(self, index: int) -> FloatArray:
+        """Return the inputs of the equations of one bearing at the next sample."""
+        lanes, (last, growth) = self._lanes, self._lanes.drift[index]
+        inputs: FloatArray = lanes.values[index, : coefficients.INPUTS] + lanes.behind[index]
+        inputs += last + growth * (self.next_sample % self._tick)
+        return inputs
 
     def reconfigure(self, index: int, parameters: TwinParameters) -> None:
         """
         Change the parameters of one bearing while running; its state is carried on.
 
-        The inner ring's temperature is carried on as well if the mode stays physical. Parameters
-        that are refused change nothing.
+        What is there at once and what over the next block, see `Simulator.reconfigure`. The inner
+        ring's temperature is carried on as well if the mode stays physical. Parameters that are
+        refused change nothing.
         """
         self._check_index(index)
         if parameters.bearing.n_balls > self._lanes.most_balls:
@@ -251,6 +260,13 @@ class Fleet:
         self._tables[index] = self._tables_of(parameters)
         self._lanes.place(index, simulator)
         self._lanes.survey(self._parameters)
+
+    def settle(self, index: int, temperature: float) -> None:
+        """Take ``temperature``, degC, of one bearing as one it has had; `Simulator.settle`."""
+        simulator = self.extract(index)
+        simulator.settle(temperature)
+        self._temperatures[index] = simulator.temperature
+        self._lanes.place(index, simulator)
 
     def extract(self, index: int) -> Simulator:
         """
@@ -282,7 +298,7 @@ class Fleet:
         self._shaft_hz[index] = simulator.shaft_hz
         moved = self._fresh(index, ours, seed=snapshot.seed)
         rings = np.array([inner, inner]) if ours.thermal_mode == 'physical' else None
-        moved.adopt(snapshot.state, self.next_sample, rings)
+        moved.adopt(snapshot.state, self.next_sample, rings, simulator.inputs())
         self._lanes.place(index, moved)
         self._lanes.fill_filters(index, snapshot)
 
@@ -291,9 +307,10 @@ class Fleet:
         lanes = self._lanes
         carried = parameters.thermal_mode == 'physical' and not math.isnan(lanes.rings[index, 0])
         simulator = self._fresh(index, parameters, lanes.seed(index))
+        slowly = same_springs(self._parameters[index], parameters)
         simulator.adopt(
             lanes.motion(index, self.next_sample), self.next_sample,
-            lanes.rings[index] if carried else None,
+            lanes.rings[index] if carried else None, self._inputs(index) if slowly else None,
         )  # fmt: skip
         return simulator
 

@@ -95,7 +95,7 @@ def advance_all(
     history
         float32[groups, oversample, (t - 1) * 2 * L]: memory of the decimator.
     ramp, drift
-        float64[2, bearings, 6], float64[bearings, 2, 6]: inputs, as for a single bearing.
+        float64[2, bearings, 7], float64[bearings, 2, 7]: inputs, as for a single bearing.
     taps
         float32[oversample * t]: the decimator by the place of an internal sample within an output
         sample; t is a multiple of `fleet_signal.TAPS`.

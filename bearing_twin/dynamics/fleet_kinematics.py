@@ -8,7 +8,15 @@ from __future__ import annotations
 
 import math
 
-from bearing_twin.dynamics.coefficients import CLEARANCE, DEPTH, K_B, SHAFT_HZ, SLIP, SPRING
+from bearing_twin.dynamics.coefficients import (
+    CLEARANCE,
+    DEPTH,
+    FOOT_X,
+    FOOT_Y,
+    K_B,
+    SHAFT_HZ,
+    SLIP,
+)
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.fleet_layout import WAVE_STEPS
 from bearing_twin.dynamics.layout import SPIN_TURNS
@@ -111,8 +119,8 @@ def grid_point(group, inputs, growth, index, within, steps, h):
     """
     Set everything that is constant or linear up to the next grid point.
 
-    ``inputs`` (6, L) are those at the grid point, ``growth`` theirs per step. Speeds are taken at
-    the middle of the ``steps`` up to the next grid point.
+    ``inputs`` (INPUTS, L) are those at the grid point, ``growth`` theirs per step. Speeds are
+    taken at the middle of the ``steps`` up to the next grid point.
     """
     g = group
     store(g.walk, 0, normal_pairs(index, WALK, load_words(g.seed))[0])
@@ -134,9 +142,8 @@ def grid_point(group, inputs, growth, index, within, steps, h):
         g.k_b[0, i], g.k_b[1, i] = inputs[K_B, i], growth[K_B, i]
         g.depth[0, i], g.depth[1, i] = inputs[DEPTH, i], growth[DEPTH, i]
         g.gap[0, i], g.gap[1, i] = inputs[CLEARANCE, i], growth[CLEARANCE, i]
-        spring, rise = inputs[SPRING, i], growth[SPRING, i]
-        g.foot_x[0, i], g.foot_x[1, i] = g.up_x[i] * spring + g.aside_x[i], g.up_x[i] * rise
-        g.foot_y[0, i], g.foot_y[1, i] = g.up_y[i] * spring + g.aside_y[i], g.up_y[i] * rise
+        g.foot_x[0, i], g.foot_x[1, i] = inputs[FOOT_X, i], growth[FOOT_X, i]
+        g.foot_y[0, i], g.foot_y[1, i] = inputs[FOOT_Y, i], growth[FOOT_Y, i]
         g.turned[0, i], g.turned[1, i] = _small_sines(_TWO_PI * h * turning)
         g.turned[2, i], g.turned[3, i] = _small_sines(_TWO_PI * h * hz)
         for k in range(g.spalls_in):

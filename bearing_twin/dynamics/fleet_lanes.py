@@ -72,9 +72,9 @@ class Lanes:
         self.values = np.zeros((self.size, coefficients.CONDITION_SIZE))
         self.drift = np.zeros((self.size, 2, coefficients.INPUTS))
         self.rings = np.full((self.size, 2), math.nan)
+        self.behind = np.zeros((self.size, coefficients.INPUTS))
         # The decimator by the place of an internal sample within an output sample.
         taps = filters.decimator(self.oversample)
-        self.delay = (len(taps) - 1) / 2.0 / self.oversample / sample_rate
         padded = np.concatenate([np.zeros(self.oversample - 1), taps])
         self.taps = padded.reshape(-1, self.oversample).T.ravel().astype(np.float32)
         memory = (len(padded) // self.oversample - 1) * 2 * L
@@ -154,6 +154,7 @@ class Lanes:
         self.roll_on(index, snapshot.surfaces)
         self.law[index], self.values[index] = snapshot.law, snapshot.values
         self.drift[index], self.rings[index] = snapshot.drift, snapshot.rings
+        self.behind[index] = snapshot.behind
 
     def roll_on(self, index: int, surfaces: Surfaces) -> None:
         """Take over the surfaces of one bearing."""
@@ -173,12 +174,12 @@ class Lanes:
         return self._rolled[index]._replace(table=self.surfaces[index])
 
     def state(self) -> list[Array]:
-        """Motion, phases, decimators and inner rings, as views."""
+        """Motion, phases, decimators, inner rings and what is still ramped, as views."""
         singles, doubles = (
             self.groups.view(kind).reshape(len(self.groups), -1)[:, part]
             for kind, part in zip((np.float32, np.float64), fl.CARRIED, strict=True)
         )
-        return [singles, doubles, self.history, self.drift, self.rings]
+        return [singles, doubles, self.history, self.drift, self.rings, self.behind]
 
     def set_state(self, parts: Sequence[Array]) -> None:
         """Take over what :meth:`state` returned."""

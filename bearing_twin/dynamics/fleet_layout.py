@@ -63,7 +63,7 @@ GROUP = np.dtype(
         *_lanes('ftf_order spin_order jitter load_turns', _D),
         *_lanes('inner_light inner_stiffness inner_damping'),
         *_lanes('outer_light outer_stiffness_x outer_stiffness_y outer_damping_x outer_damping_y'),
-        *_lanes('up_x up_y aside_x aside_y'),
+        *_lanes('up_x up_y'),
         *_lanes('contact_damping unbalance n_balls per_ball noise'),
         *_lanes('seed', np.uint64),
         *_rows('to_z to_w', 6),  # rows of `filters.resonator`

@@ -150,6 +150,7 @@ def _inputs(ramp, drift, n, steps, at, since_tick):
             _input(ramp, drift, n, 3, at, since_tick),
             _input(ramp, drift, n, 4, at, since_tick),
             _input(ramp, drift, n, 5, at, since_tick),
+            _input(ramp, drift, n, 6, at, since_tick),
         ),
         Inputs(
             ((ramp[1, 0] - ramp[0, 0]) / n + drift[1, 0]) / steps,
@@ -158,6 +159,7 @@ def _inputs(ramp, drift, n, steps, at, since_tick):
             ((ramp[1, 3] - ramp[0, 3]) / n + drift[1, 3]) / steps,
             ((ramp[1, 4] - ramp[0, 4]) / n + drift[1, 4]) / steps,
             ((ramp[1, 5] - ramp[0, 5]) / n + drift[1, 5]) / steps,
+            ((ramp[1, 6] - ramp[0, 6]) / n + drift[1, 6]) / steps,
         ),
     )
 
@@ -221,8 +223,8 @@ def _instant(state, bearing, here, gaps):
 @compiled(inline=True)
 def _held(machine, defects, balls, surfaces, values):
     """Put together a bearing whose inputs do not change."""
-    none = Inputs(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    inputs = Inputs(values[0], values[1], values[2], values[3], values[4], values[5])
+    none = Inputs(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    inputs = Inputs(values[0], values[1], values[2], values[3], values[4], values[5], values[6])
     return Bearing(machine, defects, balls, surfaces, inputs, none)
 
 

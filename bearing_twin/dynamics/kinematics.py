@@ -39,7 +39,8 @@ class Inputs(NamedTuple):
     clearance: float
     shaft_hz: float
     slip: float
-    spring: float
+    foot_x: float
+    foot_y: float
 
 
 class Bearing(NamedTuple):
@@ -165,9 +166,9 @@ def drive(step, machine, inputs, growth, at, turning, shaft):
     """
     omega = _TWO_PI * (inputs.shaft_hz + growth.shaft_hz * at)
     step.turning = _TWO_PI * turning
-    step.k_b, spring = inputs.k_b + growth.k_b * at, inputs.spring + growth.spring * at
-    step.foot_x = machine.up_x * spring + machine.aside_x
-    step.foot_y = machine.up_y * spring + machine.aside_y
+    step.k_b = inputs.k_b + growth.k_b * at
+    step.foot_x = inputs.foot_x + growth.foot_x * at
+    step.foot_y = inputs.foot_y + growth.foot_y * at
     pull = machine.unbalance * omega * omega
     step.pull_x, step.pull_y = pull * shaft[0], pull * shaft[1]
     step.pull_rate_x, step.pull_rate_y = -pull * omega * shaft[1], pull * omega * shaft[0]

@@ -40,9 +40,7 @@ MACHINE = np.dtype(
         *_numbers('inner_light inner_stiffness inner_damping'),  # reciprocal of the mass, 1/kg
         *_numbers('outer_light outer_stiffness_x outer_stiffness_y'),
         *_numbers('outer_damping_x outer_damping_y'),
-        # Foot of the shaft's spring: per m of the input, which is along the load, and besides, m.
-        *_numbers('up_x up_y aside_x aside_y'),
-        *_numbers('load_turns'),  # direction of the load, turns
+        *_numbers('up_x up_y load_turns'),  # against the load; direction of the load, turns
         *_numbers('contact_damping unbalance ftf_order spin_order'),
         *_numbers('jitter noise'),  # walk of the cage (see `tables.machine`), sensor noise
         *_numbers('d_ball inner_radius outer_radius'),  # radii of the races at the contacts, m

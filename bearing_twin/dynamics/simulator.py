@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['RUN_IN', 'Block', 'Simulator']
+__all__ = ['RUN_IN', 'Block', 'Simulator', 'same_springs']
 
 FloatArray = npt.NDArray[np.float64]
 Records = npt.NDArray[Any]
@@ -42,7 +42,7 @@ _MOST_TURNS = 1e3
 jitter, of an almost standing shaft, back."""
 _LARGEST = 2.0**53
 """Above everything in a state: the greatest is the integer whose bits are the loaded balls."""
-_SAVED = Envelope(b'BTwin\x00\x04\x00', struct.Struct('<dIQddI'), 'one bearing')
+_SAVED = Envelope(b'BTwin\x00\x05\x00', struct.Struct('<dIQddI'), 'one bearing')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +64,7 @@ class Block:
     x: npt.NDArray[np.float32]
     """Horizontal, m/s^2."""
     y: npt.NDArray[np.float32]
-    """Vertical, m/s^2; the load acts along -y."""
+    """Vertical, m/s^2, upwards."""
     describe: Callable[[], Condition] = field(repr=False, compare=False)
     """Works out the condition."""
 
@@ -88,6 +88,7 @@ class Snapshot:
     values: FloatArray
     drift: FloatArray
     rings: FloatArray
+    behind: FloatArray
     seed: int
 
 
@@ -147,6 +148,7 @@ class Simulator:
         """Temperature and speed to which :meth:`reset` goes back, degC and Hz."""
         self.tick = inner_ring.tick_length(sample_rate)
         self._drift = np.zeros((2, coefficients.INPUTS))
+        self._behind = np.zeros(coefficients.INPUTS)
         self._rings = np.full(2, math.nan)
         self._values = np.zeros(coefficients.CONDITION_SIZE)
         self._seed = _checked(seed)
@@ -171,7 +173,7 @@ class Simulator:
     @property
     def delay(self) -> float:
         """Delay of the published signal against the condition, s."""
-        return (len(self._taps) - 1) / 2.0 / self._oversample / self.sample_rate
+        return filters.delay(self.sample_rate)
 
     def reset(self, seed: int | None = None) -> None:
         """
@@ -186,6 +188,7 @@ class Simulator:
         self._temperature, self._shaft_hz = self.start
         self._history = np.zeros((2, len(self._taps) - self._oversample))
         self._state = np.zeros(1, STATE)
+        self._behind[:] = 0.0
         self._settle_ring()
         self._run_in()
 
@@ -193,16 +196,32 @@ class Simulator:
         """
         Change defects, preset or thermal mode while running; the state is carried on.
 
-        The new parameters act from the next sample on: stiffness, clearance and slip are not
-        ramped, since a fault that is injected is there at once.
+        A fault that is injected is there from the next sample on. Load and its direction,
+        clearance, contact stiffness and slip go to their new values over the next block, as
+        temperature and speed do. With another stiffness of shaft or housing the spring's foot has
+        to be elsewhere at once, and so all are there at once.
         """
-        physical = self._parameters.thermal_mode == 'physical'
+        was, inputs = self._parameters, self.inputs()
         self._configure(parameters)
-        if physical and parameters.thermal_mode == 'physical':
+        if was.thermal_mode == parameters.thermal_mode == 'physical':
             self._carry_rings()
         else:
             self._settle_ring()
+        self._come_from(inputs if same_springs(was, parameters) else None)
         self._start_motion()
+
+    def settle(self, temperature: float) -> None:
+        """
+        Take ``temperature``, degC, as one that the outer ring has had for long.
+
+        In the physical mode the inner ring is put into its steady state; clearance, stiffness and
+        slip go there over the next block. The mode paper has no such memory, and nothing changes.
+        """
+        if self._parameters.thermal_mode == 'physical':
+            inputs = self.inputs()
+            self._temperature = check_temperature(float(temperature))
+            self._settle_ring()
+            self._come_from(inputs)
 
     def advance(self, n: int, temperature: float, shaft_hz: float) -> Block:
         """
@@ -232,7 +251,7 @@ class Simulator:
         begin, end = self._values, self._values
         if (temperature, shaft_hz) != was:
             end = self._evaluate(temperature, temperature, shaft_hz)
-        start = begin[: coefficients.INPUTS]
+        start = begin[: coefficients.INPUTS] + self._behind
         growth = end[: coefficients.INPUTS] - start
         out = np.empty((2, n), dtype=np.float32)
         first, done = self.next_sample, 0
@@ -256,6 +275,7 @@ class Simulator:
                     self.tick / self.sample_rate,
                 )  # fmt: skip
         self._temperature, self._shaft_hz, self._values = temperature, shaft_hz, end
+        self._behind[:] = 0.0
         return Block(first_sample=first, x=out[0], y=out[1], describe=self._describe())
 
     def condition(self) -> Condition:
@@ -267,7 +287,7 @@ class Simulator:
         inner = inner_ring.temperature(self._rings, self.next_sample % self.tick, self.tick)
         return functools.partial(
             _condition, self._parameters, self._law, (self._temperature, inner, self._shaft_hz),
-            self._state.tobytes(), self._machines, *self._tables(),
+            self.inputs(), self._state.tobytes(), self._machines, *self._tables(),
         )  # fmt: skip
 
     def save(self) -> bytes:
@@ -279,7 +299,7 @@ class Simulator:
         body = np.concatenate(
             [
                 self._state.view(float), self._history.ravel(), self._drift.ravel(),
-                np.nan_to_num(self._rings),
+                self._behind, np.nan_to_num(self._rings),
             ]
         )  # fmt: skip
         fields = (
@@ -302,7 +322,7 @@ class Simulator:
         fields, body = _SAVED.open(data)
         rate, seed, next_sample, temperature, shaft_hz, whose = fields
         own = (self.sample_rate, identity([self._parameters]))
-        sizes = [STATE.itemsize // 8, self._history.size, self._drift.size, 2]
+        sizes = [STATE.itemsize // 8, self._history.size, self._drift.size, self._behind.size, 2]
         if (rate, whose) != own or len(body) != 8 * sum(sizes):
             msg = (
                 f'saved state at {rate:g} Hz belongs to another sample rate, bearing geometry or '
@@ -311,7 +331,7 @@ class Simulator:
             )
             raise BearingTwinError(msg)
         values = np.frombuffer(body, dtype='<f8').astype(float)
-        state, history, drift, rings = np.split(values, np.cumsum(sizes)[:-1])
+        state, history, drift, behind, rings = np.split(values, np.cumsum(sizes)[:-1])
         state = state.view(STATE)
         bounded = np.isfinite(values).all() and np.abs(values).max() < _LARGEST
         bounded = bounded and np.abs(state['q']).max() < 1.0 and np.abs(rings).max() < 300.0
@@ -332,19 +352,28 @@ class Simulator:
         self._state = state.copy()
         self._history = history.reshape(self._history.shape).copy()
         self._drift = drift.reshape(self._drift.shape).copy()
+        self._behind[:] = behind
         physical = self._parameters.thermal_mode == 'physical'
         self._rings[:] = rings if physical else math.nan
 
-    def adopt(self, state: Records, next_sample: int, rings: FloatArray | None = None) -> None:
+    def adopt(
+        self,
+        state: Records,
+        next_sample: int,
+        rings: FloatArray | None = None,
+        inputs: FloatArray | None = None,
+    ) -> None:
         """
         Take over phases, positions and velocities in a record `layout.STATE`.
 
-        ``rings`` are the temperatures of the inner ring, as in `inner_ring`.
+        ``rings`` are the temperatures of the inner ring, as in `inner_ring`; ``inputs`` those
+        of the equations from which the next block starts, None: its own.
         """
         self.next_sample = next_sample
         if rings is not None:
             self._rings[:] = rings
             self._carry_rings()
+        self._come_from(inputs)
         self._state[:] = state
         self._start_motion()
 
@@ -361,6 +390,7 @@ class Simulator:
             values=self._values,
             drift=self._drift.copy(),
             rings=self._rings.copy(),
+            behind=self._behind.copy(),
             seed=self._seed,
         )
 
@@ -403,7 +433,7 @@ class Simulator:
 
     def _run_in(self) -> None:
         """Turn from equilibrium to the phases of sample 0, without jitter and noise."""
-        values, machines, state = self._inputs(), self._machines.copy(), self._state
+        values, machines, state = self.inputs(), self._machines.copy(), self._state
         machines['jitter'] = machines['noise'] = 0.0
         turns = self._parameters.start_angle / (2.0 * math.pi) % 1.0
         hz, carried = self._shaft_hz, self._shaft_hz * (1.0 - values[coefficients.SLIP])
@@ -424,15 +454,22 @@ class Simulator:
         state['cage'], state['shaft'], state['spin'] = turns, turns, 0.0
         self._start_motion()
 
-    def _inputs(self) -> FloatArray:
-        """Return the inputs of the equations at the next sample."""
+    def inputs(self) -> FloatArray:
+        """Return the inputs of the equations at the next sample, as `coefficients` has them."""
         values: FloatArray = self._values[: coefficients.INPUTS] + self._drift[0]
         values += self._drift[1] * (self.next_sample % self.tick)
+        values += self._behind
         return values
+
+    def _come_from(self, inputs: FloatArray | None) -> None:
+        """Let the next block start at ``inputs`` of the equations; None: where it would."""
+        self._behind[:] = 0.0
+        if inputs is not None:
+            self._behind[:] = inputs - self.inputs()
 
     def _start_motion(self) -> None:
         """Make acceleration and jerk follow from positions, velocities and parameters."""
-        kernel.start(self._state, self._machines, *self._tables(), self._inputs())
+        kernel.start(self._state, self._machines, *self._tables(), self.inputs())
 
     def _settle_ring(self) -> None:
         """Put the inner ring into its steady state."""
@@ -447,10 +484,28 @@ class Simulator:
         inner_ring.carry(self._law, outer, hz, self._rings, self._drift, self.tick)
 
 
+def same_springs(one: TwinParameters, other: TwinParameters) -> bool:
+    """
+    Whether the foot of the shaft's spring may be moved slowly from one place to the other.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> same_springs(preset('paper'), preset('paper', load=1000.0))
+    True
+    >>> same_springs(preset('paper'), preset('paper', inner_stiffness=1e6))
+    False
+
+    """
+    springs = [(p.inner_stiffness, *p.housing_stiffness) for p in (one, other)]
+    return springs[0] == springs[1]
+
+
 def _condition(
     parameters: TwinParameters,
     law: FloatArray,
-    inputs: tuple[float, float, float],
+    at: tuple[float, float, float],
+    inputs: FloatArray,
     state: bytes,
     machines: Records,
     defects: Records,
@@ -461,7 +516,7 @@ def _condition(
     # Looked up with room of its own: the simulator may run meanwhile.
     surfaces = surfaces._replace(room=surfaces.room.copy())
     states = np.frombuffer(state, STATE).copy()
-    return condition(parameters, law, inputs, states, machines, defects, balls, surfaces)
+    return condition(parameters, law, at, inputs, states, machines, defects, balls, surfaces)
 
 
 def _checked(seed: int) -> int:

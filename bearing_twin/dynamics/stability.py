@@ -178,7 +178,7 @@ def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatAr
             (
                 float(out[coefficients.K_B]),
                 float(out[coefficients.CLEARANCE]),
-                float(out[coefficients.SPRING]),
+                float(out[[coefficients.FOOT_X, coefficients.FOOT_Y]] @ upwards(p)),
             )
         )
     k_b, clearance, spring = max(factors)

@@ -11,7 +11,7 @@ from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.dynamics import filters
 from bearing_twin.dynamics.layout import CHUNK, COS, DEFECT, GAP, LANES, MACHINE, SIN
 from bearing_twin.dynamics.model import CODES, path_kink
-from bearing_twin.dynamics.statics import supports, upwards
+from bearing_twin.dynamics.statics import upwards
 import numpy as np
 import numpy.typing as npt
 
@@ -41,7 +41,7 @@ def machine(p: TwinParameters, sample_rate: float, steps: int, *, stiff: bool = 
 
     """
     orders, bearing = fault_orders(p.bearing), p.bearing
-    (up_x, up_y), aside = upwards(p), supports(p).aside
+    up_x, up_y = upwards(p)
     values = {
         'inner_light': 1.0 / p.inner_mass,
         'inner_stiffness': p.inner_stiffness,
@@ -53,8 +53,6 @@ def machine(p: TwinParameters, sample_rate: float, steps: int, *, stiff: bool = 
         'outer_damping_y': p.housing_damping[1],
         'up_x': up_x,
         'up_y': up_y,
-        'aside_x': up_y * aside,
-        'aside_y': -up_x * aside,
         'load_turns': p.load_angle / (2.0 * math.pi),
         'contact_damping': p.contact_damping,
         'unbalance': p.unbalance,

@@ -151,14 +151,24 @@ class FleetNode(ManagedNode):
 
     def _build_fleet(self) -> Fleet | None:
         """Return all twins at their start; None where only diagnoses are hosted."""
-        values = [m.twin_parameters.values for m in self._twins if m.twin_parameters]
+        values = [self._start(m) for m in self._twins]
         return build_fleet(values, threads=self.parameters['threads']) if values else None
+
+    def _start(self, member: Member) -> dict[str, Any]:
+        """Return the parameters of a twin, with the temperature at which it starts anew."""
+        assert member.twin_parameters is not None
+        values = dict(member.twin_parameters.values)
+        if member.channel is not None:
+            values['start_temperature'] = member.channel.start_temperature
+        return values
 
     def _set_up_twin(self, member: Member) -> None:
         p = member.twin_parameters
         if p is None:
             return
-        member.channel = TwinChannel(p.values, clock=receiver_clock(self))
+        member.channel = TwinChannel(
+            p.values, settle=partial(self._settle_twin, member), clock=receiver_clock(self)
+        )
         shared = self.parameters
         period = shared['block_size'] / shared['sample_rate']
         member.twin = TwinTopics(
@@ -311,8 +321,13 @@ class FleetNode(ManagedNode):
         return self._fleet.extract(self._twins.index(member))
 
     def _reset_twin(self, member: Member) -> None:
-        assert member.twin_parameters is not None
-        self._place(member, build_simulator(member.twin_parameters.values))
+        self._place(member, build_simulator(self._start(member)))
+
+    def _settle_twin(self, member: Member, temperature: float) -> None:
+        assert self._fleet is not None
+        self._publish_share(1.0)
+        self._fleet.settle(self._twins.index(member), temperature)
+        self._checkpoints.ask()
 
     def _load_twin(self, member: Member, state: bytes) -> None:
         simulator = self._simulator(member)

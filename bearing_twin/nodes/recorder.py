@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import deque
 from datetime import datetime
 from pathlib import Path
 import time
@@ -24,7 +24,7 @@ from bearing_twin.ros.qos import CHECKPOINT, RESULT, STREAM
 from bearing_twin.ros.rawsubscriptions import RawSubscriptions, TopicChoice
 from bearing_twin.ros.rawtopics import offered_qos_yaml, SUBSCRIPTION_DEPTH
 from bearing_twin.stamps import NANO
-from bearing_twin.streams.arrival import ArrivalTimes
+from bearing_twin.streams.arrival import ArrivalTimes, MessageNumbers
 from bearing_twin.wholefile import free_path
 from rclpy.clock import Clock, ClockType
 from rclpy.logging import get_logger
@@ -93,9 +93,7 @@ class RecorderNode(ManagedNode):
         self._early: deque[tuple[str, str, bytes, MessageInfo]] = deque()
         self._early_size = 0
         self._lost = 0
-        self._heard: dict[tuple[str, str], int] = {}
-        self._skipped = 0
-        self._sent_before: Counter[str] = Counter()
+        self._numbers = MessageNumbers()
         self._longest_wait = 0
         self.offer('~/split', self._split)
         self.offer('~/snapshot', self._snapshot)
@@ -115,7 +113,7 @@ class RecorderNode(ManagedNode):
         """Write what has arrived; unsubscribe from everything."""
         self._topics.close()
         # What is sent until it records again is not lost.
-        self._heard = dict.fromkeys(self._heard, 0)
+        self._numbers.pause()
         if self._early:
             self._lost += len(self._early)
             get_logger(LOGGER).error(
@@ -147,7 +145,9 @@ class RecorderNode(ManagedNode):
             waited = time.time_ns() - info['received_timestamp']
             self._longest_wait = max(self._longest_wait, waited)
         if not type_name.startswith(ABOUT_NODES):
-            self._count_missed(topic, info)
+            self._numbers.see(
+                topic, info.get('publisher_gid'), info['publication_sequence_number']
+            )
         received = self._log_time(topic, info)
         if not received:
             self._wait_for_clock(topic, type_name, cdr, info)
@@ -166,26 +166,10 @@ class RecorderNode(ManagedNode):
             self._early_size -= len(self._early.popleft()[2])
             self._lost += 1
 
-    def _count_missed(self, topic: str, info: MessageInfo) -> None:
-        """
-        Count what a publisher sent before it was heard, and what is missing between its messages.
-
-        Jazzy does not tell who sent what.
-        """
-        source, number = info.get('publisher_gid'), info['publication_sequence_number']
-        if source is None or number is None:
-            return
-        last = self._heard.get(key := (topic, str(source)))
-        self._heard[key] = max(number, last or 0)
-        if last is None:
-            self._sent_before[topic] += max(0, number - 1)
-        elif last:
-            self._skipped += max(0, number - last - 1)
-
     @property
     def _lost_on_the_way(self) -> int:
         # The middleware tells nothing of the time in which it had given this process up.
-        return self._lost + max(self._skipped, self._topics.lost)
+        return self._lost + max(self._numbers.skipped, self._topics.lost)
 
     def _log_time(self, topic: str, info: MessageInfo) -> int:
         """Return when a message was received, ns; 0 while /clock has not been heard of."""
@@ -260,8 +244,10 @@ class RecorderNode(ManagedNode):
             'topics': len(self._topics),
             'topics_left_out': len(left_out),
             'why_left_out': '; '.join(f'{topic}: {why}' for topic, why in left_out.items()),
-            'messages_sent_before': self._sent_before.total(),
-            SENT_BEFORE: '; '.join(f'{topic} {n}' for topic, n in self._sent_before.items()),
+            'messages_sent_before': self._numbers.sent_before.total(),
+            SENT_BEFORE: '; '.join(
+                f'{topic} {n}' for topic, n in self._numbers.sent_before.items()
+            ),
             'unfinished': '; '.join(map(str, self._unfinished)),
         }
         self._longest_wait = 0

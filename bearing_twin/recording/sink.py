@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 __all__ = ['MessageSink', 'Written']
 
 LATEST = 2**63
+OVERHEAD = 250
+"""Bytes that a message takes in memory besides its content."""
 
 
 class Written(NamedTuple):
@@ -29,6 +31,11 @@ class Written(NamedTuple):
     publish_time: int
     qos: str
     schema: MessageSchema
+
+    @property
+    def memory(self) -> int:
+        """Bytes that it takes while it waits."""
+        return OVERHEAD + len(self.cdr)
 
 
 class MessageSink(ABC):

@@ -105,10 +105,10 @@ class SnapshotWriter(MessageSink):
             self._writer.take(message)
             return
         self._kept.append(message)
-        self._kept_bytes += len(message.cdr)
+        self._kept_bytes += message.memory
         oldest = message.log_time - self._before
         while self._kept and (self._kept[0].log_time < oldest or self._kept_bytes > self._memory):
-            self._kept_bytes -= len(self._kept.popleft().cdr)
+            self._kept_bytes -= self._kept.popleft().memory
 
     def trigger(self, log_time: int) -> None:
         """

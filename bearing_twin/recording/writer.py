@@ -166,11 +166,11 @@ class RecordingWriter(MessageSink):
             self.dropped += 1
             return
         if self.problem:
-            if self._waiting_bytes + len(message.cdr) > self.options.cache_size:
+            if self._waiting_bytes + message.memory > self.options.cache_size:
                 self.dropped += 1
             else:
                 self._waiting.append(message)
-                self._waiting_bytes += len(message.cdr)
+                self._waiting_bytes += message.memory
         else:
             self._put(message)
         if time.monotonic() - self._flushed >= self.options.flush_period:
@@ -200,7 +200,7 @@ class RecordingWriter(MessageSink):
             self._sync()
         while self._waiting and not self.problem:
             message = self._waiting.popleft()
-            self._waiting_bytes -= len(message.cdr)
+            self._waiting_bytes -= message.memory
             self._put(message)
         if not self.problem:
             self._keep_within_limit()

@@ -1,10 +1,16 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Times of arrival in the order in which messages are handed out. Knows no ROS."""
+"""Times of arrival, and numbers, of the messages that are handed out. Knows no ROS."""
 
 from __future__ import annotations
 
-__all__ = ['ArrivalTimes']
+from collections import Counter
+from typing import Any
+
+__all__ = ['ArrivalTimes', 'MessageNumbers']
+
+MOST_HEARD = 10_000
+"""Publishers whose last number is known: beyond, the one that is silent longest is forgotten."""
 
 
 class ArrivalTimes:
@@ -45,3 +51,55 @@ class ArrivalTimes:
         latest = min(max(received, self._latest.get(topic, 0)), now)
         self._latest[topic] = latest
         return latest
+
+
+class MessageNumbers:
+    """
+    Count what publishers sent before they were heard, and what is missing between their messages.
+
+    Examples
+    --------
+    >>> numbers = MessageNumbers()
+    >>> for number in (3, 4, 6):
+    ...     numbers.see('/vibration', {'data': b'publisher'}, number)
+    >>> numbers.sent_before['/vibration'], numbers.skipped
+    (2, 1)
+
+    """
+
+    def __init__(self) -> None:
+        self.sent_before: Counter[str] = Counter()
+        """Messages by topic that were sent before their publisher was heard."""
+        self.skipped = 0
+        """Messages missing between others."""
+        # By topic and publisher; the one that is silent longest is the first.
+        self._heard: dict[tuple[str, object], int] = {}
+
+    def see(self, topic: str, source: Any, number: int | None) -> None:
+        """
+        Take note of a message.
+
+        Parameters
+        ----------
+        topic
+            Its topic.
+        source
+            Identity of its publisher as rclpy tells it; None on Jazzy, which does not.
+        number
+            Its number; None where the middleware gives none.
+
+        """
+        if source is None or number is None:
+            return
+        last = self._heard.pop(key := (topic, source['data']), None)
+        self._heard[key] = max(number, last or 0)
+        if len(self._heard) > MOST_HEARD:
+            del self._heard[next(iter(self._heard))]
+        if last is None:
+            self.sent_before[topic] += max(0, number - 1)
+        elif last:
+            self.skipped += max(0, number - last - 1)
+
+    def pause(self) -> None:
+        """Count nothing of what is sent from now to the next message."""
+        self._heard = dict.fromkeys(self._heard, 0)

@@ -5,6 +5,7 @@
 import math
 
 from bearing_twin.bearing import fault_orders, find_bearing
+from bearing_twin.diagnosis.bands import band_tree, BandTree, squared_envelopes
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.comb import accumulate, comb_scores, NEUTRAL, order_spectra
 from bearing_twin.diagnosis.demodulation import choose_layout
@@ -14,14 +15,7 @@ from bearing_twin.diagnosis.report import coarse_spectrum
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.severity import iso_zone, Levels, measure_severity
 from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample, Turning
-from bearing_twin.diagnosis.spectra import (
-    band_tree,
-    BandTree,
-    envelope_spectra,
-    local_floor,
-    squared_envelopes,
-    whiten,
-)
+from bearing_twin.diagnosis.spectra import envelope_spectra, local_floor, whiten
 import numpy as np
 import pytest
 from scipy import signal, stats

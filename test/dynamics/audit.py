@@ -64,7 +64,7 @@ def housing(
     beta: float, shaft_hz: float, seconds: float, *, clearance: float = CLEARANCE,
     load: float = LOAD, rate: float = 25600.0,
 ) -> np.ndarray:  # fmt: skip
-    """Vertical housing acceleration, m/s^2, spall of the inner race, constant speed."""
+    """Vertical housing acceleration, m/s^2, spall of the inner race, constant speed, from t=0."""
     gamma = BALL / PITCH
     shaft, cage = 2.0 * math.pi * shaft_hz, math.pi * shaft_hz * (1.0 - gamma)
     radius = 0.5 * (PITCH - BALL)
@@ -100,7 +100,7 @@ def housing(
     start = np.zeros(8)
     start[3] = -load / HOUSING_K
     start[1] = foot + load / SHAFT_K
-    times = np.arange(1, int(seconds * rate) + 1) / rate
+    times = np.arange(int(seconds * rate)) / rate
     solution = solve_ivp(
         rates, (0.0, times[-1]), start, 'RK45', times, rtol=1e-5, atol=1e-9, max_step=1e-4
     )

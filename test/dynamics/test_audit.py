@@ -37,6 +37,10 @@ def test_the_twin_moves_as_the_audit_does(shaft_hz):
     error = np.linalg.norm(ours[settled] - hot[settled]) / np.linalg.norm(hot[settled])
     # What the decimation filter takes off near 12.8 kHz is in the audit.
     assert error < 0.03
+    # No whole sample of delay more or less fits as well.
+    for off in (-1, 1):
+        shifted = np.roll(ours, off)[settled]
+        assert np.linalg.norm(shifted - hot[settled]) > 2.0 * error * np.linalg.norm(hot[settled])
 
 
 @pytest.mark.parametrize('shaft_hz', SPEEDS)

@@ -144,6 +144,15 @@ def test_samples_of_another_unit_or_rate_are_another_record(changed):
     assert take(core, range(45, 80), **changed) == []
 
 
+def test_samples_at_another_rate_than_they_say_are_not_fitted():
+    """Of 48 kHz said to be 12: each resonance would lie at a quarter of its frequency."""
+    core = CalibrationCore(VALUES)
+    for n in range(500):
+        sent = replace(block(n), sample_rate=12000.0, stamp=round(n * 1024 / 48000.0 * 1e9))
+        assert core.take(sent, temperature=40.0, shaft_hz=25.0, now=n * 0.02) is None
+    assert core.waiting.startswith('48000 samples a second arrive, sample_rate says 12000')
+
+
 def test_a_turn_of_a_fast_sensor_has_no_image_of_what_lies_above_its_band():
     """A tone of 46 kHz at 102.4 kHz would be one of 5.2 kHz at half the rate."""
     rate = 102400.0

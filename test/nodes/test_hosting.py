@@ -23,7 +23,7 @@ from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
 from block_streams import block_end, check_complete
 from builtin_interfaces.msg import Time
 import rclpy
-from sensor_msgs.msg import Imu
+from sensor_msgs.msg import Imu, Temperature
 from std_msgs.msg import Float32MultiArray
 from std_srvs.srv import Trigger
 import yaml
@@ -211,6 +211,35 @@ def test_an_interrupted_fleet_keeps_what_its_diagnoses_have_learnt(ros_domain, t
     finally:
         rclpy.try_shutdown()
     assert {'a', 'b'} <= {path.name for path in tmp_path.iterdir()}
+
+
+def test_a_hot_machine_of_a_fleet_has_been_hot_for_long(ros_domain, tmp_path):
+    assets = {name: {'twin': {'thermal_mode': 'physical'}} for name in 'ab'}
+    (tmp_path / 'assets.yaml').write_text(yaml.safe_dump({'assets': assets}))
+    rclpy.init(args=['--ros-args', '-p', f'assets_file:={tmp_path}/assets.yaml'])
+    try:
+        node = FleetNode()
+        node.bring_up()
+        size = node.parameters['block_size']
+
+        def rings():
+            return [node._fleet.condition(index).inner_ring_temperature for index in range(2)]
+
+        for number in range(2):
+            node._compute(Due(number * size, NANO, 0.0))
+        assert max(rings()) < 25.0
+        node._twins[0].channel.take_temperature(Temperature(temperature=70.0))
+        node._compute(Due(2 * size, NANO, 0.0))
+        # Between conductances of 2 and 8 W/K: 74 degC and what friction adds.
+        assert rings()[0] == pytest.approx(74.0, abs=3.0)
+        assert rings()[1] < 25.0
+        node._reset_all()
+        assert rings()[0] == pytest.approx(74.0, abs=3.0)
+        node._reset_twin(node._twins[0])
+        assert rings()[0] == pytest.approx(74.0, abs=3.0)
+        node.shut_down()
+    finally:
+        rclpy.try_shutdown()
 
 
 def test_fleet_and_adapter_follow_simulated_time(nodes, probe):

@@ -11,9 +11,11 @@ import select
 import subprocess
 import sys
 import time
+import tracemalloc
 from types import SimpleNamespace
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.streams.arrival import MessageNumbers
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.statefile import StateFolder
 from bearing_twin.streams.vibration_input import Intake, read_vibration, SourceLock
@@ -193,6 +195,20 @@ def test_before_the_first_valid_temperature_the_start_temperature_is_named():
     gate.offer(40.0, stamp=0, now=2.0)
     gate.offer(math.nan, stamp=0, now=3.0)
     assert 'last valid' in temperature_status(gate.at(3.0), '').message
+
+
+def test_publishers_that_come_and_go_take_bounded_memory():
+    numbers = MessageNumbers()
+    tracemalloc.start()
+    for publisher in range(100_000):
+        numbers.see('/alarm', {'data': b'%016d' % publisher}, 2)
+        # One that stays.
+        numbers.see('/vibration', {'data': b'stays'}, 1 + 2 * publisher)
+    taken, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert taken < 5e6
+    assert numbers.sent_before == {'/alarm': 100_000, '/vibration': 0}
+    assert numbers.skipped == 99_999
 
 
 @pytest.mark.parametrize('name', ['', '.', '..', '../x', '/etc/passwd', 'a/b', 'a\0b'])
@@ -384,7 +400,7 @@ def test_one_of_two_thermometers_is_heard_and_the_other_is_told():
 
     now = 0.0
     values = {spec.name: spec.default for spec in SPECS} | {'temperature_timeout': 5.0}
-    twin = TwinChannel(values, clock=lambda: now)
+    twin = TwinChannel(values, settle=lambda _: None, clock=lambda: now)
     for _ in range(10):
         now += 0.2
         twin.take_temperature(Temperature(temperature=25.0), {'publisher_gid': 'a'})

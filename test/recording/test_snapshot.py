@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.sink import OVERHEAD
 from bearing_twin.recording.snapshot import SnapshotWriter
 import pytest
 from recording_samples import NANO, START, TEMPERATURE, temperature_cdr
@@ -57,7 +58,7 @@ def test_a_trigger_during_a_snapshot_prolongs_it(tmp_path: Path) -> None:
 
 
 def test_memory_is_bounded(tmp_path: Path) -> None:
-    size = len(temperature_cdr(0, 0.0))
+    size = OVERHEAD + len(temperature_cdr(0, 0.0))
     writer = SnapshotWriter(tmp_path / 'run', before=1e6, after=0.0, memory=10 * size)
     for second in range(1000):
         put(writer, second)

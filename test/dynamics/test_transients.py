@@ -1,0 +1,198 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Changes while the twin runs: the first temperature, quick temperatures, operating quantities."""
+
+from dataclasses import replace
+import math
+
+from bearing_twin.dynamics import Fleet, preset, Simulator
+from bearing_twin.dynamics.trend import amplitude_change
+import numpy as np
+import pytest
+
+RATE = 25600.0
+HZ = 25.4
+
+
+def smooth(name='paper', **changes):
+    return preset(name, **({'jitter': 0.0, 'noise': 0.0} | changes))
+
+
+def settled_ring(outer):
+    """Inner ring of a 6307 between conductances of 2 and 8 W/K, without friction, degC."""
+    return (2.0 * outer + 8.0 * (20.0 + 1.1 * (outer - 20.0))) / 10.0
+
+
+def left_clearance(inner, outer):
+    """Return what is left of 5 um, m: the rings of a 6307 grow by 12e-6/K."""
+    return 5e-6 - 0.5 * 12e-6 * 57.5e-3 * (inner - outer)
+
+
+def check_settled(condition, outer):
+    # Friction makes a 6307 of the preset 0.1 to 0.5 K warmer.
+    inner = condition.inner_ring_temperature
+    assert 0.0 < inner - settled_ring(outer) < 0.5
+    gap = left_clearance(inner, outer)
+    assert condition.thermal_clearance == pytest.approx(gap, abs=1e-9)
+    assert condition.radial_clearance == pytest.approx(gap, abs=1e-9)
+
+
+# --- the first measured temperature ------------------------------------------------------------
+
+
+def hosted(**values):
+    from bearing_twin.assets.twin import Twin
+    from bearing_twin.assets.twin_parameters import SPECS
+
+    return Twin({spec.name: spec.default for spec in SPECS} | values, clock=lambda: 1.0)
+
+
+def measured(degrees, stamp=1):
+    from builtin_interfaces.msg import Time
+    from sensor_msgs.msg import Temperature
+    from std_msgs.msg import Header
+
+    return Temperature(header=Header(stamp=Time(sec=stamp)), temperature=degrees)
+
+
+def test_a_machine_that_is_hot_when_it_is_first_measured_has_been_so_for_long():
+    pytest.importorskip('sensor_msgs')
+    twin = hosted(thermal_mode='physical', preset='incipient', defect='inner', noise=0.0)
+    for _ in range(3):
+        before = twin.advance().block
+    check_settled(before.condition, 20.0)
+    twin.take_temperature(measured(70.0))
+    saved = twin.save()
+    made = twin.advance()
+    check_settled(made.block.condition, 70.0)
+    later = [twin.advance().block for _ in range(20)]
+    assert later[-1].condition.thermal_clearance == pytest.approx(
+        made.block.condition.thermal_clearance, abs=2e-8
+    )
+    # No impact of its own.
+    assert np.abs(made.block.y).max() < 1.2 * max(np.abs(each.y).max() for each in later)
+    # A checkpoint precedes it, from which the same bits come.
+    again = hosted(thermal_mode='physical', preset='incipient', defect='inner', noise=0.0)
+    again.load(saved)
+    block = again.block(1024, 70.0, HZ)
+    assert block.y.tobytes() == made.block.y.tobytes()
+    # The next ones are ordinary: the ring follows in seconds.
+    twin.take_temperature(measured(90.0, stamp=2))
+    assert twin.advance().block.condition.inner_ring_temperature < 80.0
+    twin.take_temperature(measured(70.0, stamp=3))
+    twin.reset()
+    check_settled(twin.simulator.condition(), 70.0)
+
+
+def test_a_bearing_of_a_fleet_settles_alike():
+    parameters = smooth('incipient', thermal_mode='physical')
+    fleet, single = Fleet([preset('paper'), parameters]), Simulator(parameters, seed=1)
+    fleet.advance(1024, 20.0, HZ)
+    single.advance(1024, 20.0, HZ)
+    fleet.settle(1, 70.0)
+    single.settle(70.0)
+    ours = fleet.advance(1024, [20.0, 70.0], HZ).y[1]
+    theirs = single.advance(1024, 70.0, HZ).y
+    check_settled(fleet.condition(1), 70.0)
+    assert np.linalg.norm(ours - theirs) < 5e-3 * np.linalg.norm(theirs)
+
+
+def test_the_mode_paper_takes_the_first_temperature_as_any_other():
+    pytest.importorskip('sensor_msgs')
+    twin = hosted(defect='inner')
+    twin.advance()
+    twin.take_temperature(measured(70.0))
+    block = twin.advance().block
+    plain = Simulator(preset('paper'))
+    plain.advance(1024, 20.0, HZ)
+    assert block.y.tobytes() == plain.advance(1024, 70.0, HZ).y.tobytes()
+
+
+# --- the published state is that of the motion -------------------------------------------------
+
+
+def test_the_published_slip_is_that_of_the_cage():
+    simulator = Simulator(
+        smooth('incipient', thermal_mode='physical', defect='none', load=200.0), temperature=70.0
+    )
+    for _ in range(8):
+        simulator.advance(1024, 20.0, HZ)
+        first = simulator.condition()
+        second = simulator.advance(64, 20.0, HZ).condition
+        turned = (second.cage_angle - first.cage_angle) % (2.0 * math.pi)
+        seen = turned / (2.0 * math.pi) * RATE / 64
+        # The slip may move on by a fiftieth of itself meanwhile.
+        assert seen == pytest.approx(0.5 * (first.ftf + second.ftf), rel=1e-3)
+
+
+@pytest.mark.parametrize('end', [90.0, 20.0])
+def test_the_published_ball_forces_carry_the_load_while_the_temperature_jumps(end):
+    parameters = smooth(
+        'incipient', thermal_mode='physical', defect='none', waviness=0.0, inner_damping=4000.0
+    )
+    simulator = Simulator(parameters, temperature=110.0 - end)
+    for _ in range(8):
+        condition = simulator.advance(1024, end, HZ).condition
+        angles = condition.cage_angle + 2.0 * math.pi * np.arange(8) / 8.0
+        carried = -float(condition.ball_force @ np.sin(angles))
+        assert 250.0 < carried < 750.0
+
+
+# --- the direction of the load -----------------------------------------------------------------
+
+
+def test_a_machine_that_lies_on_its_side_has_the_same_trend():
+    down = smooth(waviness=0.0)
+    for angle in (0.0, math.pi):
+        aside = replace(down, load_angle=angle, start_angle=angle)
+        for hz in (HZ, 29.0):
+            assert amplitude_change(aside, hz) == pytest.approx(
+                amplitude_change(down, hz), abs=2e-3
+            )
+
+
+# --- operating quantities ----------------------------------------------------------------------
+
+CHANGES = {
+    'load': {'load': 1600.0},
+    'direction': {'load_angle': 0.0},
+    'clearance': {'clearance': 30e-6},
+    'contact': {'hertz_stiffness': 2.4e10},
+}
+
+
+@pytest.mark.parametrize('changes', CHANGES.values(), ids=CHANGES)
+def test_a_change_of_operation_is_no_impact(changes):
+    simulator = Simulator(smooth())
+    simulator.advance(25600, 20.0, HZ)
+    simulator.reconfigure(smooth(**changes))
+    block = simulator.advance(1024, 20.0, HZ)
+    later = simulator.advance(25600, 20.0, HZ)
+    level = np.hypot(later.x, later.y)[5120:].max()
+    assert np.hypot(block.x, block.y).max() < 1.3 * level
+
+
+@pytest.mark.parametrize('changes', CHANGES.values(), ids=CHANGES)
+def test_a_change_of_operation_is_over_after_a_block_and_survives_a_save(changes):
+    changed = smooth(waviness=0.0, slip_model='none', **changes)
+    simulator = Simulator(smooth(waviness=0.0, slip_model='none'))
+    fleet = Fleet([simulator.parameters], seeds=[0])
+    simulator.advance(1000, 20.0, HZ)
+    fleet.advance(1000, 20.0, HZ)
+    fleet.reconfigure(0, changed)
+    simulator.reconfigure(changed)
+    other, hosts = Simulator(changed), Fleet([changed], seeds=[0])
+    other.load(simulator.save())
+    hosts.load(fleet.save())
+    blocks = [simulator.advance(1024, 20.0, HZ) for _ in range(4)]
+    parts = [hosts.advance(n, 20.0, HZ).y[0] for n in (1024, 5, 3067)]
+    ours = np.concatenate([block.y for block in blocks])
+    theirs = np.concatenate([fleet.advance(1024, 20.0, HZ).y[0] for _ in range(4)])
+    assert np.concatenate(parts).tobytes() == theirs.tobytes()
+    assert np.linalg.norm(theirs - ours) < 0.02 * np.linalg.norm(ours)
+    parts = [other.advance(n, 20.0, HZ).y for n in (1024, 7, 3065)]
+    assert np.concatenate(parts).tobytes() == ours.tobytes()
+    # What it has come to is what a twin of these parameters starts with.
+    reached, fresh = blocks[0].condition, Simulator(changed).condition()
+    for name in ('k_b', 'radial_clearance', 'contact_pressure', 'slip'):
+        assert getattr(reached, name) == pytest.approx(getattr(fresh, name), rel=1e-9)
