@@ -5,7 +5,13 @@
 from __future__ import annotations
 
 from bearing_twin.assets.diagnosis_parameters import SPECS as DIAGNOSIS
-from bearing_twin.assets.shared_specs import GEOMETRY, HARDWARE_ID, JOINT, STATE_DIRECTORY
+from bearing_twin.assets.shared_specs import (
+    GEOMETRY,
+    HARDWARE_ID,
+    JOINT,
+    STATE_DIRECTORY,
+    STATE_OWNER,
+)
 from bearing_twin.assets.spec import fixed
 
 __all__ = ['SPECS']
@@ -28,5 +34,6 @@ SPECS = (
     fixed('state_name', '', 'File that keeps the healthy twin and its residual, in the state '
           "folder; '' for none."),
     STATE_DIRECTORY,
+    STATE_OWNER,
     HARDWARE_ID,
 )  # fmt: skip

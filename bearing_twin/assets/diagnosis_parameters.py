@@ -13,6 +13,7 @@ from bearing_twin.assets.shared_specs import (
     HARDWARE_ID,
     JOINT,
     STATE_DIRECTORY,
+    STATE_OWNER,
 )
 from bearing_twin.assets.spec import field_spec, field_values, fixed, parameter
 from bearing_twin.bearing.catalogue import find_bearing, own_bearing
@@ -50,6 +51,7 @@ SPECS = (
     fixed('state_name', '', 'File that keeps baseline and trend over restarts, in the state '
           "folder; '' for none."),
     STATE_DIRECTORY,
+    STATE_OWNER,
     CHECKPOINT_PERIOD,
     HARDWARE_ID,
 )  # fmt: skip

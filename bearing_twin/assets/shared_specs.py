@@ -13,6 +13,7 @@ __all__ = [
     'HARDWARE_ID',
     'JOINT',
     'STATE_DIRECTORY',
+    'STATE_OWNER',
     'STATE_RATE',
     'SUBSCRIBERS',
 ]
@@ -40,6 +41,11 @@ JOINT = fixed('joint', '', "Joint of joint_states that turns with the shaft; '' 
 STATE_DIRECTORY = fixed(
     'state_directory', '', "Folder of saved states; '' for bearing_twin in ROS_HOME (~/.ros)."
 )
+
+STATE_OWNER = fixed(
+    'state_owner', '', 'Full name of the node that learnt the state, where this node had another '
+    'name then.',
+)  # fmt: skip
 
 STATE_RATE = fixed(
     'state_rate', 0.0, 'States a second of each twin, besides one at once where an input, a '

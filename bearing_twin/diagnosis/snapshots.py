@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 __all__ = ['SeriesDiagnoser']
 
-_VERSION = 1008
+_VERSION = 1009
 _SOONER = 0.75
 """Share of the cycle after which the next snapshot may come: cycles are never exact."""
 

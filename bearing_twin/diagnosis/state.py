@@ -17,7 +17,7 @@ __all__ = ['pack', 'restored', 'unpack']
 
 _MAGIC = b'BTDX'
 _HEADER = struct.Struct('<4sHIIQ')
-_DTYPES = ('float32', 'float64', 'int64')
+_DTYPES = ('float32', 'float64', 'int64', 'uint8')
 
 
 def pack(version: int, values: dict[str, Any], arrays: dict[str, np.ndarray[Any, Any]]) -> bytes:

@@ -23,7 +23,7 @@ from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.qos import MEASUREMENT, OVERRIDES, own, RESULT, STREAM
 from bearing_twin.ros.subscribing import receiver_clock, subscribe
-from bearing_twin.streams.statefile import StateFolder
+from bearing_twin.streams.statefile import KeptState, StateFolder
 from bearing_twin.streams.vibration_input import Inputs, read_vibration, SourceLock
 from bearing_twin.thermal.gate import TemperatureStatus
 from bearing_twin_msgs.msg import Calibration, Diagnosis, Vibration
@@ -72,8 +72,11 @@ class CalibrationNode(ManagedNode):
         # Of the newest block, and of the newest fit.
         self._refused, self._problem, self._latest = '', '', None
         self._running: tuple[Task, Future[Fit]] | None = None
-        self._states = StateFolder(p['state_directory'])
-        self._load_state()
+        self._state = KeptState(
+            p['state_directory'], p['state_name'], self.get_fully_qualified_name(),
+            p['state_owner'], self.get_logger().error,
+        )  # fmt: skip
+        self._state.load(self._core.load)
         self._worker = _worker()
         self._out = self.create_lifecycle_publisher(
             Calibration, 'calibration', own(RESULT), qos_overriding_options=OVERRIDES
@@ -103,8 +106,7 @@ class CalibrationNode(ManagedNode):
     def teardown(self) -> None:
         """End the worker; let another node keep the state."""
         _end(self._worker)
-        if problem := self._states.release():
-            self.get_logger().error(problem)
+        self._state.release()
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; what was learnt of another bearing is forgotten."""
@@ -112,18 +114,17 @@ class CalibrationNode(ManagedNode):
         if core.bearing != self._core.bearing:
             # A fit that runs is of the other bearing: nobody waits for it any more.
             self._core, self._running, self._latest = core, None, None
-            name = self.parameters['state_name']
-            if name and self._states.path(name).exists():
-                kept = self._states.set_aside(name)
-                self.get_logger().warning(f'{name} is of another bearing; {kept}')
+            self._state.set_aside(f'the bearing is now {core.bearing.name}')
         self._inputs.shaft.set_nominal(values['shaft_hz'] or math.nan)
 
     def _forget(self) -> str:
         # A fit that runs is compared with the healthy twin that is given up.
         self._running = None
         said = self._core.forget()
+        self._state.give_up()
         self._keep_state()
-        return said
+        unkept = self._state.problem
+        return f'{said}{unkept and f"; not kept: {unkept}"}'
 
     def _on_diagnosis(self, message: Diagnosis, _: MessageInfo) -> None:
         self._core.verdict(message)
@@ -179,24 +180,9 @@ class CalibrationNode(ManagedNode):
         self._out.publish(self._latest)
         self._keep_state()
 
-    def _load_state(self) -> None:
-        name = self.parameters['state_name']
-        if not name or not self._states.path(name).exists():
-            return
-        try:
-            self._core.load(self._states.load(name))
-        except BearingTwinError as error:
-            kept = self._states.set_aside(name)
-            self.get_logger().error(f'{error}; {kept}; the healthy twin is fitted anew')
-
     def _keep_state(self) -> None:
-        name = self.parameters['state_name']
-        if not name or self._latest is None:
-            return
-        try:
-            self._states.keep(name, self._core.save())
-        except BearingTwinError as error:
-            self.get_logger().error(str(error), throttle_duration_sec=60.0)
+        self._state.load(self._core.load)
+        self._state.keep(self._core.save)
 
     def status(self) -> Status:
         """Status of the calibration for /diagnostics."""
@@ -217,6 +203,8 @@ class CalibrationNode(ManagedNode):
             return Status(Level.WARN, f'not fitted: {problem}', values)
         if problem := next(filter(None, self._inputs.problems()), ''):
             return Status(Level.WARN, problem, values)
+        if problem := self._state.problem:
+            return Status(Level.WARN, f'the healthy twin is not kept: {problem}', values)
         if found is None:
             return Status(Level.STALE, 'no calibration yet', values)
         if stale := self._core.stale(time.monotonic()):

@@ -15,7 +15,7 @@ from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
 from bearing_twin.ros.subscribing import receiver_clock, subscribe, unheard
-from bearing_twin.streams.statefile import StateFolder
+from bearing_twin.streams.statefile import KeptState
 from bearing_twin.streams.vibration_input import Inputs, Intake, read_vibration
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
 from sensor_msgs.msg import JointState, Temperature
@@ -69,11 +69,8 @@ class DiagnosisTopics:
         if prefix:
             self._path = f'{node.get_namespace().rstrip("/")}/{prefix}diagnosis'
         self._core = DiagnosisCore(p.values)
-        self._states = StateFolder(p['state_directory'])
-        self._load_state()
         self._measured = Inputs(receiver_clock(node), joint=p['joint'])
         self._intake = Intake()
-        self._unkept = ''
         self._latest: DiagnosisResult | None = None
         self._checkpoints = Checkpoints('diagnosis', self._path, p['checkpoint_period'])
         self._verdict = node.create_lifecycle_publisher(
@@ -93,6 +90,11 @@ class DiagnosisTopics:
         self._checkpoint = node.create_lifecycle_publisher(
             Checkpoint, f'{prefix}diagnosis_checkpoint', CHECKPOINT
         )
+        self._state = KeptState(
+            p['state_directory'], p['state_name'], self._path, p['state_owner'],
+            node.get_logger().error,
+        )  # fmt: skip
+        self._load_state()
 
     @property
     def bearing(self) -> str:
@@ -126,15 +128,18 @@ class DiagnosisTopics:
 
     def release(self) -> None:
         """Let another node keep the state."""
-        if problem := self._states.release():
-            self._node.get_logger().error(problem)
+        self._state.release()
 
     def reset(self) -> str:
         """Start anew: window, baseline and trend; return what a service answers."""
         self._core = DiagnosisCore(self.parameters.values)
         self._checkpoints.ask()
         self._latest = None
-        return 'window, baseline and trend start anew'
+        self._state.give_up()
+        self._load_state()
+        self._keep()
+        unkept = self._state.problem
+        return f'window, baseline and trend start anew{unkept and f"; not kept: {unkept}"}'
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; the window restarts where the bearing has changed."""
@@ -172,6 +177,7 @@ class DiagnosisTopics:
         if intake.gaps.count(block.first_sample, block.samples.size):
             self._checkpoints.ask()
         if self._checkpoints.is_due(block.first_sample):
+            self._load_state()
             self._publish_checkpoint(block)
         for due in self._core.take(
             block, temperature=temperature, joint_hz=self._measured.shaft.hz
@@ -205,42 +211,26 @@ class DiagnosisTopics:
         self.keep_state()
 
     def _load_state(self) -> None:
-        name = self.parameters['state_name']
-        if not name or not self._states.path(name).exists():
-            return
-        try:
-            self._core.diagnoser.load(self._states.load(name))
-        except BearingTwinError as error:
-            # A baseline that cannot be read must not keep the machine without a diagnosis.
-            kept = self._states.set_aside(name)
-            self._node.get_logger().error(f'{error}; {kept}; a new baseline is learnt')
-        else:
-            self._node.get_logger().info(
-                f'baseline and trend loaded from {self._states.path(name)}'
-            )
+        if self._state.load(self._core.diagnoser.load):
+            self._node.get_logger().info(f'baseline and trend loaded from {self._state.path}')
 
     def keep_state(self) -> None:
         """Keep what was learnt, if that is asked for."""
-        name = self.parameters['state_name']
-        if not name or self._latest is None:
-            return
-        try:
-            if other := self._core.diagnoser.other_source:
-                msg = (
-                    f'{self._states.path(name)} stays as it is: {other}; choose another '
-                    'state_name, or call ~/reset to learn anew'
-                )
-                raise BearingTwinError(msg)
-            self._states.keep(name, self._core.diagnoser.save())
-        except BearingTwinError as error:
-            self._unkept = str(error)
-            self._node.get_logger().error(self._unkept, throttle_duration_sec=60.0)
-        else:
-            self._unkept = ''
+        # Before a verdict it is not known whose windows they are.
+        if self._latest is not None:
+            self._keep()
+
+    def _keep(self) -> None:
+        other = self._core.diagnoser.other_source
+        self._state.keep(
+            self._core.diagnoser.save,
+            other and f'{other}; choose another state_name, or call ~/reset to learn anew',
+        )
 
     def input_status(self) -> Status:
         """Status of the vibration stream for /diagnostics."""
-        unkept = self._unkept and f'baseline and trend are not kept: {self._unkept}'
+        unkept = self._state.problem
+        unkept = unkept and f'baseline and trend are not kept: {unkept}'
         problems = self._core.rate_problem, *self._measured.problems(), unkept
         status = input_status(self._intake, time.monotonic(), *problems)
         if self._intake.blocks or self._intake.problem or not self._node.active:

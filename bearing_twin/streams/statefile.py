@@ -8,13 +8,20 @@ import fcntl
 import os
 from pathlib import Path
 import stat
-from typing import BinaryIO
+from typing import BinaryIO, TYPE_CHECKING
 
+from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.disksync import DiskSync
 from bearing_twin.wholefile import whole_file
+import numpy as np
 
-__all__ = ['StateFolder']
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ['KeptState', 'StateFolder']
+
+_VERSION = 3001
 
 LARGEST = 64 * 1024 * 1024
 LONGEST_SYNC = 10.0
@@ -154,21 +161,50 @@ class StateFolder:
         """
         path = self.path(name)
         try:
-            # NONBLOCK: a pipe of this name must not hold the node up.
-            fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
-            with os.fdopen(fd, 'rb') as file:
-                about = os.fstat(fd)
-                if not stat.S_ISREG(about.st_mode) or about.st_size > LARGEST:
-                    msg = f'{path} is no plain file of at most {LARGEST} bytes: not a saved state'
-                    raise BearingTwinError(msg)
-                return file.read(LARGEST)
+            return self._read(path)
         except OSError as error:
-            reason = 'it is a link' if path.is_symlink() else error.strerror
-            msg = f'{path} cannot be read: {reason}'
-            raise BearingTwinError(msg) from None
+            raise BearingTwinError(_unreadable(path, error)) from None
+
+    def claim(self, name: str) -> bytes | None:
+        """
+        Make a state this object's, as :meth:`replace` does, and read it; None where there is none.
+
+        Raises
+        ------
+        BearingTwinError
+            As :meth:`load`, or if another node keeps it.
+
+        """
+        path = self.path(name)
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            self._claim(name)
+            return self._read(path)
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            raise BearingTwinError(_unreadable(path, error)) from None
+
+    def _read(self, path: Path) -> bytes:
+        # NONBLOCK: a pipe of this name must not hold the node up.
+        fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+        with os.fdopen(fd, 'rb') as file:
+            about = os.fstat(fd)
+            if not stat.S_ISREG(about.st_mode) or about.st_size > LARGEST:
+                msg = f'{path} is no plain file of at most {LARGEST} bytes: not a saved state'
+                raise BearingTwinError(msg)
+            return file.read(LARGEST)
 
     def set_aside(self, name: str) -> str:
-        """Give a state that cannot be used another name, so that it stays; say which."""
+        """
+        Give a state that cannot be used another name, so that it stays; say which.
+
+        Raises
+        ------
+        BearingTwinError
+            If it cannot be renamed.
+
+        """
         path = self.path(name)
         # What is on its way to the disk is of it.
         self._disk.close(LONGEST_SYNC)
@@ -178,7 +214,8 @@ class StateFolder:
         try:
             path.rename(aside)
         except OSError as error:
-            return f'it cannot be renamed: {error.strerror}'
+            msg = f'{path} cannot be renamed: {error.strerror}'
+            raise BearingTwinError(msg) from None
         return f'it is kept as {aside}'
 
     def release(self) -> str:
@@ -211,3 +248,129 @@ class StateFolder:
             msg = f'{self.path(name)} is kept by another node; give each its own state_name'
             raise BearingTwinError(msg) from None
         self._locks[name] = file
+
+
+class KeptState:
+    """
+    What one node has learnt, kept in a file over restarts.
+
+    The file is claimed before it is read, and holds the name of its node: what a node has learnt
+    is not given to another one that runs, or ran, under the same name of the state. Only content
+    that cannot be used is set aside. All else, such as a disk that does not answer, is tried
+    again, and nothing is written meanwhile.
+
+    Parameters
+    ----------
+    folder
+        Where it lies.
+    name
+        Name of the state; '' for none.
+    node
+        Full name of the node.
+    former
+        Full name under which it was learnt, where the node had another one; '' otherwise.
+    log
+        Told, once, why the state is not kept.
+
+    """
+
+    def __init__(
+        self, folder: str, name: str, node: str, former: str, log: Callable[[str], object]
+    ) -> None:
+        self._folder, self._name, self._log = StateFolder(folder), name, log
+        self._node, self._nodes = node, (node, former)
+        self._ours = not name
+        self._given_up = False
+        self.problem = ''
+        """Why it is not kept; '' if it is."""
+
+    @property
+    def path(self) -> Path:
+        """Where it lies."""
+        return self._folder.path(self._name)
+
+    def load(self, take: Callable[[bytes], None]) -> bool:
+        """Hand what was kept to ``take``, unless that has been done; return whether it was."""
+        if self._ours:
+            return False
+        try:
+            found = self._folder.claim(self._name)
+            self._ours = True
+            return found is not None and self._hand(found, take)
+        except BearingTwinError as error:
+            self._ours = False
+            # It may be that of a node which starts next.
+            self._folder.release()
+            self._tell(str(error))
+            return False
+
+    def _hand(self, found: bytes, take: Callable[[bytes], None]) -> bool:
+        try:
+            values, arrays = unpack(found, _VERSION)
+            node, state = values['node'], arrays['state'].tobytes()
+            if node in self._nodes:
+                if not self._given_up:
+                    take(state)
+                return not self._given_up
+        except (BearingTwinError, KeyError, TypeError) as error:
+            self.set_aside(str(error))
+            return False
+        msg = (
+            f'{self.path} was learnt by {node}, this is {self._node}: choose another state_name, '
+            f'or set state_owner to {node} if that is its former name'
+        )
+        raise BearingTwinError(msg)
+
+    def keep(self, state: Callable[[], bytes], other: str = '') -> None:
+        """
+        Write what ``state`` returns.
+
+        Parameters
+        ----------
+        state
+            Returns it.
+        other
+            Why it is none to be kept; '' if it is one.
+
+        """
+        if not self._name or not self._ours:
+            return
+        try:
+            if other:
+                msg = f'{self.path} stays as it is: {other}'
+                raise BearingTwinError(msg)
+            held = {'state': np.frombuffer(state(), np.uint8)}
+            self._folder.keep(self._name, pack(_VERSION, {'node': self._node}, held))
+        except BearingTwinError as error:
+            self._tell(str(error))
+        else:
+            self.problem = ''
+
+    def give_up(self) -> None:
+        """Take up no more what the file holds, where that was not possible yet."""
+        self._given_up = True
+
+    def set_aside(self, why: str) -> None:
+        """Let what the file holds stay under another name, where it is this node's."""
+        if not (self._name and self._ours and os.path.lexists(self.path)):
+            return
+        try:
+            self._log(f'{why}; {self._folder.set_aside(self._name)}; it is learnt anew')
+        except BearingTwinError as error:
+            self._ours = False
+            self._tell(str(error))
+
+    def release(self) -> None:
+        """Let another node keep it."""
+        if problem := self._folder.release():
+            self._tell(problem)
+
+    def _tell(self, problem: str) -> None:
+        if problem != self.problem:
+            self._log(problem)
+        self.problem = problem
+
+
+def _unreadable(path: Path, error: OSError) -> str:
+    reason = 'it is a link' if path.is_symlink() else error.strerror
+    return f'{path} cannot be read: {reason}'

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import array
 from itertools import count
+import math
 import os
 from pathlib import Path
 import re
@@ -13,6 +14,9 @@ import signal
 import subprocess
 import sys
 
+from bearing_twin.diagnosis import streaming
+from bearing_twin.diagnosis.state import unpack
+from bearing_twin.streams import statefile
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, TwinState, Vibration
 from block_streams import check_complete, DEEP
 from builtin_interfaces.msg import Time
@@ -22,6 +26,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import Temperature
 from std_msgs.msg import Header
+from std_srvs.srv import Trigger
 
 pytestmark = pytest.mark.ros
 
@@ -43,6 +48,13 @@ rclpy.spin(node)
 
 def resident(pid):
     return int(Path(f'/proc/{pid}/statm').read_text().split()[1]) * os.sysconf('SC_PAGE_SIZE')
+
+
+def learnt_from(state):
+    """Return whose windows a state was learnt from; '' if it was learnt from none."""
+    _, held = unpack(state.read_bytes(), statefile._VERSION)
+    values, _ = unpack(held['state'].tobytes(), streaming._VERSION)
+    return values['trend']['source']['unit']
 
 
 def kill(nodes, name):
@@ -93,6 +105,38 @@ def test_killed_twin_and_killed_diagnosis(nodes, probe, tmp_path):
     probe.until(lambda: f'{state} stays as it is' in log.read_text(), 'the refusal by name')
     assert nodes.end('diagnosis') == 0
     assert state.read_bytes() == learnt
+
+    # A second node and another kind of node leave it alone, and say so at once.
+    assert learnt_from(state)
+    nodes.start('diagnosis', diagnosis)
+    probe.until(lambda: f'trend loaded from {state}' in log.read_text(), 'the first')
+    nodes.start('diagnosis', diagnosis, name='second', ros=('-r', '__node:=second'))
+    kept = {key: diagnosis[key] for key in ('bearing', 'state_name', 'state_directory')}
+    nodes.start('calibration', kept)
+    for name in ('second', 'calibration'):
+        said = (tmp_path / 'logs' / f'{name}.log').read_text
+        probe.until(lambda said=said: 'line3 is kept by another node' in said(), 'its refusal')
+        assert nodes.end(name) == 0
+    assert sorted(path.name for path in state.parent.iterdir()) == ['.line3.lock', 'line3']
+    assert nodes.end('diagnosis') == 0
+    assert nodes.end('twin') == 0
+
+    # What a reset gives up stays given up, also where the machine stands still.
+    nodes.start('diagnosis', diagnosis)
+    reset = probe.node.create_client(Trigger, 'diagnosis/reset')
+    probe.until(
+        lambda: not learnt_from(state),
+        'a state without a baseline',
+        every=lambda: reset.call_async(Trigger.Request()),
+    )
+    assert nodes.end('diagnosis') == 0
+    assert not learnt_from(state)
+    del verdicts[:]
+    nodes.start('diagnosis', diagnosis)
+    nodes.start('twin', {'defect': 'outer', **DEEP})
+    probe.until(lambda: verdicts, 'verdicts')
+    assert math.isnan(verdicts[0].level_over_baseline)
+    assert nodes.end('diagnosis') == 0
     assert nodes.end('twin') == 0
     assert nodes.end('recorder') == 0
 

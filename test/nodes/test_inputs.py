@@ -7,6 +7,7 @@ from itertools import islice
 import math
 import os
 from pathlib import Path
+import resource
 import select
 import subprocess
 import sys
@@ -17,7 +18,7 @@ from types import SimpleNamespace
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.streams.arrival import MessageNumbers
 from bearing_twin.streams.shaft import ShaftSpeed
-from bearing_twin.streams.statefile import StateFolder
+from bearing_twin.streams.statefile import KeptState, StateFolder
 from bearing_twin.streams.vibration_input import Intake, read_vibration, SourceLock
 import numpy as np
 import pytest
@@ -266,7 +267,7 @@ def test_a_state_is_kept_by_one_node_at_a_time(tmp_path):
 KEEPER = """
 import sys, time
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.streams.statefile import StateFolder
+from bearing_twin.streams.statefile import KeptState, StateFolder
 folder, number = StateFolder(sys.argv[1]), sys.argv[2].encode()
 print('there', flush=True)
 while True:
@@ -348,13 +349,136 @@ def test_no_state_is_read_or_written_through_a_link(tmp_path):
         folder.load('pipe')
 
 
+class Node:
+    """What a node does with the state that it keeps."""
+
+    def __init__(self, folder, name='/pump_1/diagnosis', former=''):
+        self.log = []
+        self.learnt = None
+        self.state = KeptState(str(folder), 'pump', name, former, self.log.append)
+        self.taken = self.state.load(self.take)
+
+    def take(self, state):
+        if state == b'of a series':
+            raise BearingTwinError('saved state has version 1006')
+        self.learnt = state
+
+    def keep(self, state):
+        self.state.keep(lambda: state)
+        while self.state._folder._disk.busy:
+            time.sleep(0.001)
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_a_state_is_claimed_before_it_is_read(tmp_path):
+    first = Node(tmp_path)
+    first.keep(b'of a series')
+    before = (tmp_path / 'pump').read_bytes()
+    # Neither what it holds nor that it could not be used is the second's.
+    second = Node(tmp_path)
+    assert (second.taken, second.learnt) == (False, None)
+    assert [line.split('; ')[0] for line in second.log] == [
+        f'{tmp_path}/pump is kept by another node'
+    ]
+    second.keep(b'2')
+    assert second.state.problem == second.log[0]
+    assert (tmp_path / 'pump').read_bytes() == before
+    assert names(tmp_path) == ['.pump.lock', 'pump']
+    first.keep(b'1')
+    first.state.release()
+    # It takes over once the first is gone.
+    assert second.state.load(second.take)
+    assert second.learnt == b'1'
+    second.keep(b'2')
+    assert (len(second.log), second.state.problem) == (1, '')
+
+
+def test_a_state_of_another_machine_is_refused_by_name(tmp_path):
+    pump = Node(tmp_path)
+    pump.keep(b'pump 1')
+    pump.state.release()
+    before = (tmp_path / 'pump').read_bytes()
+    other = Node(tmp_path, '/pump_2/diagnosis')
+    assert other.learnt is None
+    assert other.log == [
+        f'{tmp_path}/pump was learnt by /pump_1/diagnosis, this is /pump_2/diagnosis: choose '
+        'another state_name, or set state_owner to /pump_1/diagnosis if that is its former name'
+    ]
+    for reset in (False, True):
+        if reset:
+            other.state.give_up()
+            assert not other.state.load(other.take)
+        other.keep(b'pump 2')
+        assert other.state.problem
+    assert (tmp_path / 'pump').read_bytes() == before
+    assert names(tmp_path) == ['.pump.lock', 'pump']
+    # A node that was renamed loses nothing, and the state is then its own.
+    renamed = Node(tmp_path, '/hall/pump_1/diagnosis', '/pump_1/diagnosis')
+    assert renamed.learnt == b'pump 1'
+    renamed.keep(b'still pump 1')
+    renamed.state.release()
+    assert Node(tmp_path, '/hall/pump_1/diagnosis').learnt == b'still pump 1'
+    assert not Node(tmp_path).taken
+
+
+@pytest.mark.parametrize('room', [0, 1], ids=['for no file', 'for the lock alone'])
+@pytest.mark.parametrize('reset', [False, True])
+def test_a_disk_that_gives_no_answer_costs_no_state(tmp_path, room, reset):
+    pump = Node(tmp_path)
+    pump.keep(b'1')
+    pump.state.release()
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    lowest = os.dup(0)
+    os.close(lowest)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (lowest + room, limits[1]))
+    try:
+        again = Node(tmp_path)
+        again.keep(b'too early')
+        if reset:
+            again.state.give_up()
+            again.keep(b'too early')
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+    assert again.log == [f'{tmp_path}/pump cannot be read: Too many open files']
+    again.keep(b'too early')
+    assert names(tmp_path) == ['.pump.lock', 'pump']
+    # Later the disk answers; what a reset has given up is not taken up then.
+    assert again.state.load(again.take) != reset
+    assert again.learnt == (None if reset else b'1')
+    again.keep(b'2')
+    assert again.state.problem == ''
+    again.state.release()
+    assert Node(tmp_path).learnt == b'2'
+
+
+@pytest.mark.parametrize('damaged', [False, True])
+def test_content_that_cannot_be_used_is_set_aside_and_learnt_anew(tmp_path, damaged):
+    pump = Node(tmp_path)
+    pump.keep(b'of a series')
+    pump.state.release()
+    if damaged:
+        (tmp_path / 'pump').write_bytes((tmp_path / 'pump').read_bytes()[:-1])
+    again = Node(tmp_path)
+    assert not again.taken
+    (said,) = again.log
+    reason = 'is damaged' if damaged else 'has version 1006'
+    assert reason in said
+    assert said.endswith(f'it is kept as {tmp_path}/pump.unreadable-1; it is learnt anew')
+    again.keep(b'2')
+    assert names(tmp_path) == ['.pump.lock', 'pump', 'pump.unreadable-1']
+
+
 def test_a_state_that_cannot_be_used_is_set_aside(tmp_path):
     folder = StateFolder(str(tmp_path))
     for number in (1, 2):
         folder.replace('a', b'other %d' % number)
         assert folder.set_aside('a') == f'it is kept as {tmp_path / "a"}.unreadable-{number}'
     assert (tmp_path / 'a.unreadable-1').read_bytes() == b'other 1'
-    assert 'cannot be renamed' in folder.set_aside('a')
+    with pytest.raises(BearingTwinError, match='cannot be renamed'):
+        folder.set_aside('a')
 
 
 @pytest.mark.ros
