@@ -41,9 +41,9 @@ class SeriesDiagnoser:
     Takes one snapshot a cycle out of the blocks of a sensor and judges all as one series.
 
     Stands where :class:`bearing_twin.diagnosis.StreamingDiagnoser` does where
-    ``settings.series_cycle`` is not 0. Between snapshots nothing need come. Time is the running
-    sample index over the sample rate; where the index starts anew, the next snapshot is one cycle
-    after the last.
+    ``settings.series_cycle`` is not 0. Between snapshots nothing need come. Time is what the
+    sample index has run at the rate of each block; where the index starts anew, the next snapshot
+    is one cycle after the last.
 
     Parameters
     ----------
@@ -70,11 +70,12 @@ class SeriesDiagnoser:
         self.other_source = ''
         """Why the last snapshot is not of the source of the series; '' if it is."""
         self._source = Source()
-        self._offset, self._last = 0.0, -math.inf
+        # Time at the sample after the newest block, and of the newest snapshot.
+        self._ended, self._last = 0.0, -math.inf
         self._next = 0
         self._rate = math.nan
-        # Times of the newest block and of the newest snapshot, or of the first block.
-        self._now = self._whole = math.nan
+        # Time of the newest snapshot that was long enough, or of the first block.
+        self._whole = math.nan
         self._short = ''
         self._parts: list[tuple[NDArray[np.float64], float]] = []
         self._due: deque[float] = deque()
@@ -122,14 +123,14 @@ class SeriesDiagnoser:
         steady = same_rate(self._rate, sample_rate)
         if self._parts and (first_sample != self._next or not steady):
             found += self._snapshot(speed_measured, known)
-        now = self._offset + first_sample / sample_rate
+        now = self._ended + (first_sample - self._next) / sample_rate
         if first_sample < self._next:
             # The source counts anew, maybe for each snapshot.
             now = self._last + self._settings.series_cycle
-            self._offset = now - first_sample / sample_rate
         if not (self._parts and steady):
             self._rate = sample_rate
-        self._now, self._next = now, first_sample + len(block)
+        self._ended = now + len(block) / sample_rate
+        self._next = first_sample + len(block)
         if math.isnan(self._whole):
             self._whole = now
         if not self._parts and now < self._last + _SOONER * self._settings.series_cycle:
@@ -144,7 +145,7 @@ class SeriesDiagnoser:
     @property
     def overdue(self) -> str:
         """Why no snapshot can be judged although samples come; '' if one can."""
-        elapsed = self._now - self._whole
+        elapsed = self._ended - self._whole
         if not elapsed > PATIENCE * self._settings.series_cycle:
             return ''
         return f'no verdict in {elapsed:.0f} s of the series{self._short}'
@@ -230,7 +231,7 @@ class SeriesDiagnoser:
         values, arrays = self._monitor.save()
         own = {
             'source': asdict(self._source),
-            'offset': self._offset,
+            'ended': self._ended,
             'last': self._last,
             'next': self._next,
         }
@@ -251,13 +252,13 @@ class SeriesDiagnoser:
         try:
             monitor.load(values['series'], arrays)
             source = restored(Source, values['source'])
-            offset, last, following = (values[name] for name in ('offset', 'last', 'next'))
-            offset, last, following = float(offset), float(last), int(following)
+            ended, last, following = (values[name] for name in ('ended', 'last', 'next'))
+            ended, last, following = float(ended), float(last), int(following)
         except (KeyError, TypeError, ValueError, IndexError) as error:
             msg = f'saved series lacks {error}; use what save() returned'
             raise BearingTwinError(msg) from error
         self._monitor, self._source = monitor, source
-        self._offset, self._last, self._next = offset, last, following
-        self._now = self._whole = math.nan
+        self._ended, self._last, self._next = ended, last, following
+        self._whole = math.nan
         self._parts.clear()
         self._due.clear()

@@ -388,6 +388,26 @@ def test_a_series_without_a_verdict_says_why():
     )
 
 
+@pytest.mark.parametrize('share', [-0.01, -5e-5, 5e-5, 0.01])
+@pytest.mark.parametrize('restarted', [False, True])
+def test_a_series_goes_on_where_the_rate_changes_after_a_year(share, restarted):
+    """A rate that is estimated from stamps differs from start to start."""
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
+    rng, index = np.random.default_rng(0), round(365 * 24 * 3600 * RATE)
+    for number in range(8):
+        if number == 4 and restarted:
+            state = diagnoser.save()
+            diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
+            diagnoser.load(state)
+        rate = RATE * (1.0 + share) if number >= 4 else RATE
+        (due,) = diagnoser.take(index, rng.standard_normal(round(0.6 * RATE)), rate, 25.0)
+        diagnoser.judge(due.analyse())
+        index += round(600.0 * rate)
+    times = [point.time for point in diagnoser._monitor.report().points]
+    assert np.diff(times) == pytest.approx(600.0, rel=0.011)
+    assert len(times) == 8
+
+
 def test_series_is_saved_and_resumed_to_the_bit():
     bearing = find_bearing('6307')
     straight = SeriesDiagnoser(bearing, CYCLE_SETTINGS)
