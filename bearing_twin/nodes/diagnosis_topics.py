@@ -72,7 +72,9 @@ class DiagnosisTopics:
         self._measured = Inputs(receiver_clock(node), joint=p['joint'])
         self._intake = Intake()
         self._latest: DiagnosisResult | None = None
-        self._checkpoints = Checkpoints('diagnosis', self._path, p['checkpoint_period'])
+        # A series, up to a megabyte, changes once a cycle.
+        period = max(p['checkpoint_period'], p['series_cycle'])
+        self._checkpoints = Checkpoints('diagnosis', self._path, period)
         self._verdict = node.create_lifecycle_publisher(
             Diagnosis, f'{prefix}diagnosis', own(RESULT), qos_overriding_options=OVERRIDES
         )
@@ -183,6 +185,8 @@ class DiagnosisTopics:
             block, temperature=temperature, joint_hz=self._measured.shaft.hz
         ):
             self._publish_verdict(due.judge(due.analyse()))
+            if self.parameters['series_cycle']:
+                self._checkpoints.ask()
 
     def _publish_verdict(self, verdict: Verdict) -> None:
         result = verdict.result

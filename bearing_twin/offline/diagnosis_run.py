@@ -51,7 +51,9 @@ class DiagnosisRun:
         """Verdicts so far, by name."""
         with parameters_of('diagnosis'):
             self._core = DiagnosisCore(values)
-            self._checkpoints = Checkpoints('diagnosis', NODE, values['checkpoint_period'])
+            self._checkpoints = Checkpoints(
+                'diagnosis', NODE, max(values['checkpoint_period'], values['series_cycle'])
+            )
         self._text = yaml.safe_dump(self.values)
         if state is not None:
             self._core.diagnoser.load(state)

@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from bearing_twin_msgs.msg import Diagnosis, Vibration
+from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Vibration
 from builtin_interfaces.msg import Time
 from std_msgs.msg import Header
 
@@ -61,3 +61,31 @@ def test_snapshots_hours_apart_are_one_series(nodes, probe):
     # Each verdict is of one snapshot, at its own time.
     assert {v.sample_count for v in verdicts} == {int(SECONDS * RATE)}
     assert all((v.header.stamp.sec - 1_700_000_000) % (3600 * HOURS) == 0 for v in verdicts)
+
+
+def test_a_series_is_saved_once_a_verdict(nodes, probe):
+    """Its state is a megabyte in the end: ten minutes of a stream do not write it sixty times."""
+    verdicts = probe.collect(Diagnosis, 'diagnosis')
+    saved = probe.collect(Checkpoint, 'diagnosis_checkpoint')
+    nodes.start(
+        'diagnosis',
+        {
+            'bearing': '6307', 'series_cycle': 600.0, 'series_snapshot': SECONDS,
+            'checkpoint_period': 10.0,
+        },
+    )  # fmt: skip
+    noise, numbers = np.random.default_rng(0).standard_normal(10 * RATE), count()
+
+    def send():
+        """Send ten seconds in one block."""
+        number = next(numbers)
+        block = snapshot(0, 1.0)
+        block.first_sample = 10 * RATE * number
+        block.header.stamp.sec += 10 * number
+        block.y = array.array('f', noise.astype(np.float32))
+        probe.publish('vibration', block)
+
+    probe.until(lambda: len(verdicts) > 3, 'verdicts', every=send)
+    # One more at the start, and after each loss on the way.
+    lost = next(numbers) - len(verdicts)
+    assert len(saved) < 20 < lost
