@@ -110,7 +110,7 @@ def diagnose_record(
     >>> x = rng.standard_normal(102400)
     >>> gap = 25600.0 / (fault_orders(bearing).bpfi * 24.7)
     >>> x[np.arange(0.0, 102400.0, gap).astype(int)] += 25.0
-    >>> verdict = diagnose_record(x, 25600.0, bearing, 24.7)
+    >>> verdict = diagnose_record(x, 25600.0, bearing, 24.7, speed_tolerance=0.002)
     >>> verdict.result, verdict.level
     ('inner', 'fault')
 

@@ -331,7 +331,7 @@ def test_an_alarm_stands_where_the_machine_becomes_too_loud_for_its_sensor():
     late *= 10.0
     limit = np.quantile(np.abs(late), 0.6)
     np.clip(late, -limit, limit, out=late)
-    told = StreamingDiagnoser(BEARING, settings).push(0, x, RATE, 25.0)
+    told = StreamingDiagnoser(BEARING, settings).push(0, x, RATE, 25.0, speed_measured=True)
     assert [told[n].result for n in (9, 15)] == ['healthy', 'inner']
     assert {d.level for d in told[14:]} == {'fault'}
     assert 'is clipped' in ' '.join(told[-1].reasons)
