@@ -455,10 +455,8 @@ def test_a_long_series_is_kept_more_coarsely(monkeypatch):
 
 @pytest.mark.parametrize(('rise', 'over', 'level'), [(24.0, 120, 'fault'), (9.0, 60, 'none')])
 def test_a_machine_that_gets_loud_while_it_is_learnt_is_not_its_own_baseline(rise, over, level):
-    rng, monitor = (
-        np.random.default_rng(3),
-        SeriesMonitor(None, DiagnosisSettings(baseline_windows=20)),
-    )
+    rng = np.random.default_rng(3)
+    monitor = SeriesMonitor(None, DiagnosisSettings(baseline_windows=20))
     for number in range(over + 60):
         height = 10.0 ** (rise * min(number / over, 1.0) / 20.0)
         monitor.add(600.0 * number, height * rng.standard_normal(COUNT), RATE, SHAFT_HZ)
@@ -468,10 +466,8 @@ def test_a_machine_that_gets_loud_while_it_is_learnt_is_not_its_own_baseline(ris
 
 
 def test_a_machine_that_stands_still_teaches_nothing():
-    rng, monitor = (
-        np.random.default_rng(4),
-        SeriesMonitor(None, DiagnosisSettings(baseline_windows=20)),
-    )
+    rng = np.random.default_rng(4)
+    monitor = SeriesMonitor(None, DiagnosisSettings(baseline_windows=20))
     for number in range(60):
         height, hertz = (1e-3, 0.0) if number < 30 else (1.0, SHAFT_HZ)
         monitor.add(number, height * rng.standard_normal(COUNT), RATE, hertz)
