@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
@@ -13,7 +14,7 @@ from scipy import signal
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['CONDITIONS', 'MACHINES', 'disturbance']
+__all__ = ['CONDITIONS', 'MACHINES', 'disturbance', 'with_memory']
 
 CONDITIONS = ('none', *PLACES)
 """True conditions of the bearings of a study."""
@@ -114,3 +115,13 @@ def _ringing(
     tail = t[t < _RING_S]
     ring = np.exp(-_DECAY * tail) * np.sin(2.0 * np.pi * natural_hz * tail)
     return np.asarray(signal.oaconvolve(shocks, ring)[: len(shocks)])
+
+
+def with_memory(noise: NDArray[np.float64], memory: float) -> NDArray[np.float64]:
+    """
+    Let white noise remember so many samples, along its first axis; its scatter stays.
+
+    The first few times ``memory`` samples scatter less.
+    """
+    keep = math.exp(-1.0 / memory)
+    return np.asarray(signal.lfilter([math.sqrt(1.0 - keep**2)], [1.0, -keep], noise, axis=0))

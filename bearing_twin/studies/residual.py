@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.calibration.residual import DECISIONS_A_YEAR, LEAST, Residual, spectral_levels
 from bearing_twin.recording.snapshots import read_snapshots
+from bearing_twin.studies.disturbances import with_memory
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
 from scipy.signal import lfilter
@@ -66,8 +67,7 @@ def false_alarms(
         drawn = rng.standard_t(6, shape) / math.sqrt(1.5) if heavy else rng.standard_normal(shape)
         drawn += rng.standard_normal((len(drawn), 1))
         if memory:
-            keep = math.exp(-1.0 / memory)
-            drawn = lfilter([math.sqrt(1.0 - keep**2)], [1.0, -keep], drawn, axis=0)
+            drawn = with_memory(drawn, memory)
         residual = Residual()
         for row in drawn[100 : 100 + LEARNT]:
             residual.learn(names, row)

@@ -11,14 +11,13 @@ wander (an autoregressive process) over the median of their first hour, and prin
 from __future__ import annotations
 
 from itertools import product
-import math
 import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.onset import DECISION_DB, REFERENCE_DB, Rise
+from bearing_twin.studies.disturbances import with_memory
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
-from scipy.signal import lfilter
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,9 +29,7 @@ BASELINE = 60
 
 
 def _levels(rng: np.random.Generator, count: int, wander: float, memory: float) -> np.ndarray:
-    keep = math.exp(-1.0 / memory)
-    noise = wander * math.sqrt(1.0 - keep**2) * rng.standard_normal(count + 400)
-    return np.asarray(lfilter([1.0], [1.0, -keep], noise)[400:])
+    return wander * with_memory(rng.standard_normal(count + 400), memory)[400:]
 
 
 def largest_sum(rng: np.random.Generator, wander: float, memory: float) -> float:

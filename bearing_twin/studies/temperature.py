@@ -36,6 +36,7 @@ from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.snapshots import read_snapshots
+from bearing_twin.studies.disturbances import with_memory
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
 from scipy.signal import lfilter
@@ -117,8 +118,7 @@ def _coverage(
     count, held = 240, []
     time = np.arange(count)
     for _ in range(machines):
-        keep = math.exp(-1.0 / memory)
-        noise = lfilter([math.sqrt(1.0 - keep**2)], [1.0, -keep], rng.standard_normal(2 * count))
+        noise = with_memory(rng.standard_normal(2 * count), memory)
         heat = 90.0 - 50.0 * np.exp(-time / 40.0)
         if shape == 'days':
             heat = 70.0 + 12.0 * np.sin(2.0 * np.pi * time / 100.0)

@@ -8,10 +8,10 @@ import math
 from bearing_twin.calibration.residual import LEAST, Residual, Residuals, spectral_levels
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies import residual as study
+from bearing_twin.studies.disturbances import with_memory
 from bearing_twin.studies.residual import CHANGES, false_alarms, poisson_bound, seen_after
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 from scipy.stats import poisson
 
 SHOWS = {
@@ -52,9 +52,8 @@ def test_healthy_decisions_that_were_not_learnt_from_stay_below(kind):
 def test_a_band_that_remembers_longer_than_the_others_has_a_limit_of_its_own():
     """Few do on a real machine, as the level of a flow; with one memory for all, alarms came."""
     rng = np.random.default_rng(4)
-    keep = math.exp(-1.0 / 60.0)
     drawn = rng.standard_normal((3000, 64))
-    drawn[:, :8] = lfilter([2.0 * math.sqrt(1.0 - keep**2)], [1.0, -keep], drawn[:, :8], axis=0)
+    drawn[:, :8] = 2.0 * with_memory(drawn[:, :8], 60.0)
     residual, names = Residual(), tuple(map(str, range(64)))
     for row in drawn[1000:1512]:
         residual.learn(names, row)

@@ -22,6 +22,7 @@ from bearing_twin.diagnosis.state import restored
 from bearing_twin.diagnosis.trend import Source, Trend
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies import rise, temperature
+from bearing_twin.studies.disturbances import with_memory
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -30,9 +31,7 @@ MACHINE = Source('imu y', '6307', 'g', 25600.0)
 
 
 def wander(rng, count, memory, height=0.6):
-    keep = math.exp(-1.0 / memory)
-    noise = rng.standard_normal(count + 200) * height * math.sqrt(1.0 - keep**2)
-    return lfilter([1.0], [1.0, -keep], noise)[200:]
+    return height * with_memory(rng.standard_normal(count + 200), memory)[200:]
 
 
 @pytest.mark.parametrize('memory', [1, 10, 40])
