@@ -10,15 +10,15 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.schema import message_schema
 from bearing_twin.ros.executor import PolledGroup
+from bearing_twin.ros.qos import own
 from bearing_twin.ros.rawtopics import (
-    deepened,
-    matches,
     message_class,
     published_type,
     SUBSCRIPTION_DEPTH,
     subscription_qos,
 )
 from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.qos import qos_check_compatible, QoSCompatibility
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -118,7 +118,9 @@ class RawSubscriptions:
         for name, (type_name, qos) in topics.items():
             topic = self._node.resolve_topic_name(name)
             if topic in self._choice:
-                self._subscribe(topic, type_name, deepened(qos))
+                deep = own(qos)
+                deep.depth = SUBSCRIPTION_DEPTH
+                self._subscribe(topic, type_name, deep)
 
     def discover(self) -> None:
         """
@@ -143,7 +145,7 @@ class RawSubscriptions:
             try:
                 type_name = published_type(same)
                 qos = subscription_qos(same)
-                if known is None or former != type_name or not matches(known.qos_profile, qos):
+                if known is None or former != type_name or _misses(known.qos_profile, qos):
                     self._subscribe(topic, type_name, qos)
             except BearingTwinError as error:
                 self._unsubscribe(topic)
@@ -208,6 +210,11 @@ class RawSubscriptions:
 
     def _on_lost(self, info: QoSMessageLostInfo) -> None:
         self.lost += info.total_count_change
+
+
+def _misses(subscribed: QoSProfile, offered: QoSProfile) -> bool:
+    """Whether a subscription with one profile gets nothing of what is offered with another."""
+    return qos_check_compatible(offered, subscribed)[0] == QoSCompatibility.ERROR
 
 
 def _compiled(name: str, text: str) -> re.Pattern[str] | None:

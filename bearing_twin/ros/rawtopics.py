@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import copy
 import importlib
 from typing import Any, TYPE_CHECKING
 
@@ -21,8 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     'SUBSCRIPTION_DEPTH',
-    'deepened',
-    'matches',
     'message_class',
     'offered_qos_yaml',
     'published_type',
@@ -81,27 +78,6 @@ def published_type(publishers: Sequence[TopicEndpointInfo]) -> str:
         )
         raise BearingTwinError(msg)
     return type_name
-
-
-def matches(subscribed: QoSProfile, offered: QoSProfile) -> bool:
-    """Whether a subscription with the profile ``subscribed`` gets what is ``offered``."""
-    return not (
-        (
-            subscribed.reliability == ReliabilityPolicy.RELIABLE
-            and offered.reliability == ReliabilityPolicy.BEST_EFFORT
-        )
-        or (
-            subscribed.durability == DurabilityPolicy.TRANSIENT_LOCAL
-            and offered.durability == DurabilityPolicy.VOLATILE
-        )
-    )
-
-
-def deepened(offered: QoSProfile) -> QoSProfile:
-    """Return a profile with the depth that recordings need."""
-    deep = copy.copy(offered)
-    deep.depth = SUBSCRIPTION_DEPTH
-    return deep
 
 
 def subscription_qos(publishers: Sequence[TopicEndpointInfo]) -> QoSProfile:
