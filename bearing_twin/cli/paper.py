@@ -50,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
         entries = [claim.to_dict() for claim in claims]
         print(json.dumps(entries, indent=2, ensure_ascii=False, allow_nan=False))
     elif args.table:
-        print(claims_table(claims, with_reason=False))
+        print(f'{summary_line(claims)}.\n\n{claims_table(claims, with_reason=False)}')
     else:
         for claim in claims:
             print(f'{claim.verdict.replace("_", " "):40} {claim.id}')

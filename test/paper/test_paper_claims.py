@@ -175,10 +175,11 @@ def test_peak_times_turn_with_the_peaks(study):
 MISPRINTS = {
     'symbols-d-and-D', 'angle-convention', 'projection-of-forces', 'c-d-is-a-depth',
     'resultant-angle', 'friction-equation', 'hardness-increases', 'table-3-called-hardness',
+    'table-1-magnitude',
 }  # fmt: skip
 GENUINE = {
-    'f-in-quoted-twice', 'friction-lowers-the-frequency', 'peak-times-at-every-temperature',
-    'formula-verifies-simulation', 'table-1-magnitude', 'expansion-is-a-strain',
+    'friction-lowers-the-frequency', 'peak-times-at-every-temperature',
+    'formula-verifies-simulation', 'expansion-is-a-strain',
     'stiffness-rises',
 }  # fmt: skip
 """What an audit of the paper by hand found contradicted; f_in is within what 0.7 s resolve."""

@@ -14,7 +14,7 @@ from bearing_twin.paper import settings
 from bearing_twin.paper.claims import rounded
 from bearing_twin.paper.figures import FIGURES
 from bearing_twin.paper.output import MARKER, prepare_folder
-from bearing_twin.paper.report import figure_name
+from bearing_twin.paper.report import figure_name, summary_line
 import matplotlib.image
 import numpy as np
 import pytest
@@ -106,7 +106,9 @@ def test_waterfalls_mark_the_peak_times_and_show_their_ratio_to_20_degc(study):
 
 def test_documentation_has_the_table_of_the_command(claims):
     """Update it with the output of ``bearing-twin paper --table``."""
-    rows = re.findall(r'^\| `([\w-]+)` \| (.*) \|$', DOCS.read_text('utf-8'), re.MULTILINE)
+    document = DOCS.read_text('utf-8')
+    assert f'\n{summary_line(list(claims.values()))}.\n' in document
+    rows = re.findall(r'^\| `([\w-]+)` \| (.*) \|$', document, re.MULTILINE)
     found = {name: cells.split(' | ') for name, cells in rows}
     assert list(found) == list(claims)
     for name, claim in claims.items():
