@@ -27,7 +27,8 @@ Kotzalas, Advanced Concepts of Bearing Technology, 5th ed., chapter 14), and its
 wanders: it rolls along a track that closes only after `layout.SPIN_TURNS` turns. Waves shorter
 than `_SHORTEST` are bridged by the contact, which is as long in the rolling direction. What is
 shorter still, the roughness, is carried by the film and not felt. Since both end the spectrum, the
-lowest and the highest band show a tenth less than v.
+lowest band shows 18 % less than v and the highest 12 % (6307, 6001 and 6320; of the angular
+contact bearing 7218B 35 and 6 %).
 
 The default of 50 um/s is a choice and no class of a standard. ISO 15242 tells how to measure and
 sets no limits; JB/T 10187 and GB/T 32325 set them by size for the classes V (any bearing) to V4,

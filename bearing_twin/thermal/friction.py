@@ -34,10 +34,12 @@ SERIES = {
     '64': (3.6e-7, 2.43e-3),
     '160': (4.3e-7, 4.63e-3),
     '618': (4.7e-7, 6.50e-3),
+    '619': (4.3e-7, 4.75e-3),
 }
 """Geometry constants R1 and S1 of a bearing series."""
 UNKNOWN_SERIES = '62'
-"""Taken where a bearing names no series: R1 is off by 5 % and S1 by 15 % from '60' or '63'."""
+"""Taken where a bearing names no series: a geometry of one's own, or angular contact, for which
+SKF has other equations. R1 is off by 5 % and S1 by 15 % from '60' or '63'."""
 
 _K_Z = 3.1
 """Geometry constant of single row deep groove ball bearings."""
