@@ -54,7 +54,14 @@ def _machine(name: str, *, implied: bool = True) -> Spec:
 
 def _group(group: str, owner: type) -> tuple[Spec, ...]:
     return tuple(
-        field_spec(owner, name, name=f'{group}.{name}', implied=True) for name in quantities(owner)
+        field_spec(
+            owner,
+            name,
+            name=f'{group}.{name}',
+            implied=True,
+            absent=(0.0, about.special[1]) if default is None and about.special else None,
+        )
+        for name, (default, about) in quantities(owner).items()
     )
 
 

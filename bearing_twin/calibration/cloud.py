@@ -17,8 +17,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 from bearing_twin.thermal.rings import (
     clearance_change,
-    CLEARANCE_HIGH,
-    CLEARANCE_LOW,
+    clearance_limits,
     ThermalNetwork,
 )
 import numpy as np
@@ -142,11 +141,11 @@ def unknowns(situation: Situation) -> dict[str, Unknown]:
     low, high = load_range(situation.bearing, situation.load)
     # What the twin bears at the hottest: a large bearing loses more of its clearance.
     hot = TABLE_HIGH
-    lost = clearance_change(
-        hot + ThermalNetwork().inner_excess(hot), hot, situation.bearing.d_pitch
-    )
-    tightest = max(0.0, 1e6 * (CLEARANCE_LOW - lost) + 0.01)
-    loosest = min(tightest + 12.0, 1e6 * CLEARANCE_HIGH)
+    pitch = situation.bearing.d_pitch
+    lost = clearance_change(hot + ThermalNetwork().scaled(pitch).inner_excess(hot), hot, pitch)
+    least, most = clearance_limits(pitch)
+    tightest = max(0.0, 1e6 * (least - lost) + 0.01)
+    loosest = min(tightest + 12.0, 1e6 * most)
     if tightest >= loosest:
         msg = (
             f'a bearing of {1e3 * situation.bearing.d_pitch:.0f} mm pitch diameter loses '

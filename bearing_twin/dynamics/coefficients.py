@@ -51,8 +51,8 @@ _ROWS = range(99)
 # What `evaluate` gives. The first, INPUTS of them, are what the kernel ramps.
 K_B, DEPTH, CLEARANCE, SHAFT_HZ, SLIP, FOOT_X, FOOT_Y, INPUTS, *_ = _ROWS
 (
-    ALPHA, HARDNESS, FRICTION, BETA0, INNER, OUTER, VISCOSITY, KAPPA, MOMENT, LIFE, THERMAL_GAP,
-    CONDITION_SIZE, *_,
+    ALPHA, HARDNESS, FRICTION, BETA0, INNER, OUTER, VISCOSITY, KAPPA, MOMENT, EQUIVALENT, LIFE,
+    THERMAL_GAP, CONDITION_SIZE, *_,
 ) = _ROWS[INPUTS:]  # fmt: skip
 
 # What it takes: one row of constants a bearing.
@@ -61,7 +61,7 @@ K_B, DEPTH, CLEARANCE, SHAFT_HZ, SLIP, FOOT_X, FOOT_Y, INPUTS, *_ = _ROWS
     SLIP_MODEL, SLIP0, PRESSED, COSINE, D_BALL, GAMMA, ALPHA_UNIT, EXPANDS,
     DELTA_H, DELTA_MU, T0, H0, MU0, D_PITCH, D_MEAN, SECTION, ASTM_A, ASTM_B, REPLENISHMENT,
     BOUNDARY, FILM, CONTAMINATION, ROLLING, SLIDING, RATING, STATIC, LIMIT, CAPACITY, RING_TO_RING,
-    RING_TO_SHAFT, AMBIENT, SHAFT_RATIO,
+    RING_TO_SHAFT, AMBIENT, SHAFT_RATIO, LEAST_GAP, MOST_GAP,
     LAW_SIZE, *_,
 ) = _ROWS  # fmt: skip
 
@@ -80,6 +80,7 @@ _relative_modulus = compiled()(rings.relative_modulus)
 _inner_ring_target = compiled()(rings.inner_ring_target)
 _inner_ring_step = compiled()(rings.inner_ring_step)
 _beta0 = compiled()(gcr15.beta0)
+_equivalent_load = compiled()(life.equivalent_load)
 _life_factor = compiled()(life.life_factor)
 _life_hours = compiled()(life.life_hours)
 _drag = compiled()(slip.drag)
@@ -112,7 +113,7 @@ def law_table(p: TwinParameters) -> FloatArray:
     row[D_BALL], row[GAMMA] = p.bearing.d_ball, p.bearing.gamma
     row[ALPHA_UNIT], row[T0] = p.beta0.alpha_unit, p.beta0.reference_temperature
     row[[EXPANDS, DELTA_H, DELTA_MU, H0, MU0]] = p.beta0.weights
-    oil, network = p.lubricant, p.network
+    oil, network = p.lubricant, p.thermal_network
     row[[ASTM_A, ASTM_B]] = oil.astm_constants
     row[REPLENISHMENT], row[CONTAMINATION] = oil.replenishment, oil.contamination
     row[BOUNDARY], row[FILM] = oil.boundary_friction, oil.film_friction
@@ -125,6 +126,7 @@ def law_table(p: TwinParameters) -> FloatArray:
     row[CAPACITY] = network.inner_capacity
     row[RING_TO_RING], row[RING_TO_SHAFT] = network.ring_to_ring, network.ring_to_shaft
     row[AMBIENT], row[SHAFT_RATIO] = network.ambient, network.shaft_ratio
+    row[LEAST_GAP], row[MOST_GAP] = rings.clearance_limits(p.bearing.d_pitch)
     return row
 
 
@@ -160,11 +162,8 @@ def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatA
         _lubricate(law, outer, outer, hz, out)
     else:
         out[DEPTH] = out[BETA0] = 1.0
-        out[K_B] = law[K_B0] * _relative_modulus(0.5 * (inner + outer))
-        gap = law[CLEARANCE0] + _clearance_change(inner, outer, law[D_PITCH])
-        out[THERMAL_GAP] = gap
-        out[CLEARANCE] = min(max(gap, rings.CLEARANCE_LOW), rings.CLEARANCE_HIGH)
         out[INNER], out[OUTER] = inner, outer
+        _fit(law, outer, inner, out)
         _lubricate(law, outer, inner, hz, out)
     held = Supports((law[ACROSS], law[SKEW], law[ALONG]), law[ASIDE])
     spring = spring_position(law[LOAD], out[K_B], out[CLEARANCE], held, int(law[N_BALLS]))
@@ -269,19 +268,31 @@ def heaviest(law: FloatArray, values: FloatArray) -> float:
 
 
 @compiled()
+def _fit(law: FloatArray, outer: float, inner: float, out: FloatArray) -> None:
+    """Contact stiffness and clearance that the rings' temperatures leave."""
+    out[K_B] = law[K_B0] * _relative_modulus(0.5 * (inner + outer))
+    gap = law[CLEARANCE0] + _clearance_change(inner, outer, law[D_PITCH])
+    out[THERMAL_GAP] = gap
+    out[CLEARANCE] = min(max(gap, law[LEAST_GAP]), law[MOST_GAP])
+
+
+@compiled()
 def _lubricate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatArray) -> None:
     """Viscosity between the rings' temperatures, kappa, friction moment and life."""
+    load = _equivalent_load(law[LOAD], out[K_B], out[CLEARANCE], int(law[N_BALLS]))
+    # The friction model knows no preload: under one this is the least that it adds.
+    rubbing = max(law[LOAD], load) if out[CLEARANCE] < 0.0 else law[LOAD]
     rpm = 60.0 * hz
     nu = _viscosity(0.5 * (inner + outer), law[ASTM_A], law[ASTM_B])
     mu = _sliding_friction(_metallic_share(rpm, nu, law[D_MEAN]), law[BOUNDARY], law[FILM])
     kappa = nu / _rated_viscosity(rpm, law[D_MEAN])
-    out[VISCOSITY], out[KAPPA] = nu, kappa
+    out[VISCOSITY], out[KAPPA], out[EQUIVALENT] = nu, kappa, load
     out[MOMENT] = _friction_moment(
-        rpm, nu, law[LOAD], law[D_MEAN], law[SECTION], law[ROLLING], law[SLIDING],
+        rpm, nu, rubbing, law[D_MEAN], law[SECTION], law[ROLLING], law[SLIDING],
         law[REPLENISHMENT], mu,
     )  # fmt: skip
-    factor = _life_factor(kappa, law[CONTAMINATION] * law[LIMIT] / law[LOAD])
-    out[LIFE] = _life_hours(factor, law[LOAD], rpm, law[RATING], law[STATIC])
+    factor = _life_factor(kappa, law[CONTAMINATION] * law[LIMIT] / load)
+    out[LIFE] = _life_hours(factor, load, rpm, law[RATING], law[STATIC])
 
 
 @compiled()
@@ -306,6 +317,7 @@ def inner_temperature(
     out = np.zeros(CONDITION_SIZE)
     start = inner if duration < math.inf else outer
     for _ in range(1 if duration < math.inf else 30):
+        _fit(law, outer, start, out)
         _lubricate(law, outer, start, hz, out)
         shaft = law[AMBIENT] + law[SHAFT_RATIO] * (outer - law[AMBIENT])
         target = _inner_ring_target(

@@ -53,9 +53,9 @@ class Condition:
     radial_clearance: float
     """Half the radial internal clearance that the equations use, m."""
     thermal_clearance: float
-    """What the ring temperatures leave of it, m. Outside -5..50 um, where the model does not
-    hold, the equations go on with the nearest limit. They follow a quick change of temperature
-    within 0.2 s."""
+    """What the ring temperatures leave of it, m. Outside `rings.clearance_limits`, where the
+    model does not hold, the equations go on with the nearest limit. They follow a quick change of
+    temperature within 0.2 s."""
     slip: float
     """Cage slip, dimensionless."""
     inner_ring_temperature: float
@@ -67,9 +67,10 @@ class Condition:
     kappa: float
     """Viscosity ratio of ISO 281."""
     friction_moment: float
-    """N m."""
+    """N m; a preload is taken for the load of `life.equivalent_load`, the least that it adds."""
     life_hours: float
-    """Modified rating life L10mh of ISO 281, h; NaN where a limit is passed at which it ends."""
+    """Modified rating life L10mh of ISO 281, h, under that load; NaN where a limit is passed at
+    which it ends."""
     contact_pressure: float
     """Of the hardest pressed ball of a sound bearing at rest, Pa."""
     limits_passed: Limit
@@ -133,6 +134,7 @@ def condition(
     )
     passed = limits_passed(
         load=parameters.load,
+        equivalent=of[coefficients.EQUIVALENT],
         dynamic_rating=float(law[coefficients.RATING]),
         static_rating=float(law[coefficients.STATIC]),
         pressure=pressure,

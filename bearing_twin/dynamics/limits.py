@@ -11,6 +11,7 @@ the end at 4.2 GPa for ball bearings, where a ten thousandth of the ball diamete
 from __future__ import annotations
 
 from enum import IntFlag
+import math
 from typing import NamedTuple
 
 from bearing_twin.thermal.slip import HIGHEST_SLIP
@@ -45,6 +46,7 @@ class Passed(NamedTuple):
 def limits_passed(
     *,
     load: float,
+    equivalent: float,
     dynamic_rating: float,
     static_rating: float,
     pressure: float,
@@ -59,7 +61,9 @@ def limits_passed(
 
     Parameters
     ----------
-    load, dynamic_rating, static_rating
+    load, equivalent
+        Radial load, and the one of `life.equivalent_load`, which counts for the life, N.
+    dynamic_rating, static_rating
         N.
     pressure
         Of the hardest pressed ball at rest, Pa.
@@ -76,19 +80,22 @@ def limits_passed(
     --------
     >>> usual = {'dynamic_rating': 14e3, 'static_rating': 7850.0, 'pressure': 2e9, 'kappa': 1.0}
     >>> usual |= {'shaft_hz': 25.0, 'clearance': (5e-6, 5e-6), 'apart': 0.0, 'skids': False}
-    >>> limits_passed(load=1000.0, **usual).sentences
+    >>> limits_passed(load=1000.0, equivalent=1000.0, **usual).sentences
     ()
-    >>> limits_passed(load=7500.0, **usual).sentences[0]
+    >>> limits_passed(load=7500.0, equivalent=7500.0, **usual).sentences[0]
     'no life: the load of 7.5 kN exceeds half the dynamic rating of 14 kN, where ISO 281 ends'
 
     """
     left, used = clearance
+    pressed = f'the load of {load * 1e-3:g} kN'
+    if not math.isclose(load, equivalent, rel_tol=0.05):
+        pressed += f', with this clearance as bad as {equivalent * 1e-3:.3g} kN,'
     said = {
-        Limit.LIFE_LOAD: load > 0.5 * dynamic_rating
-        and f'no life: the load of {load * 1e-3:g} kN exceeds half the dynamic rating of '
+        Limit.LIFE_LOAD: equivalent > 0.5 * dynamic_rating
+        and f'no life: {pressed} exceeds half the dynamic rating of '
         f'{dynamic_rating * 1e-3:g} kN, where ISO 281 ends',
-        Limit.STATIC_LOAD: load > static_rating
-        and f'no life: the load of {load * 1e-3:g} kN exceeds the static rating of '
+        Limit.STATIC_LOAD: equivalent > static_rating
+        and f'no life: {pressed} exceeds the static rating of '
         f'{static_rating * 1e-3:g} kN, beyond which balls and races stay dented',
         Limit.PRESSURE: pressure > HIGHEST_PRESSURE
         and f'the contacts yield: {pressure * 1e-9:.1f} GPa under the hardest pressed ball exceed '

@@ -16,8 +16,8 @@ from bearing_twin.thermal.gcr15 import Beta0, FRICTION_TABLE, TABLE_HIGH, TABLE_
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin.thermal.rings import (
     clearance_change,
-    CLEARANCE_HIGH,
-    CLEARANCE_LOW,
+    clearance_limits,
+    Scaled,
     ThermalNetwork,
 )
 
@@ -202,7 +202,7 @@ class TwinParameters:
     lubricant
         Oil, for friction and life.
     network
-        Heat capacities and conductances of the rings, for the physical mode.
+        Heat capacity and conductances of the rings, for the physical mode; see `thermal_network`.
     friction_series
         None: that of the bearing, or '62' where the catalogue does not know it.
     dynamic_rating, fatigue_limit
@@ -227,7 +227,7 @@ class TwinParameters:
         'paper',
         'Temperature law: paper (beta0 of tables 1-3; the preset decides whether impacts fall or '
         'rise) or physical (ring temperatures and clearance; impacts fall once the rings have '
-        'settled).',
+        'settled, where the inner one is the hotter).',
         choices=THERMAL_MODES,
     )
     defects: tuple[Defect, ...] = ()
@@ -241,10 +241,11 @@ class TwinParameters:
     )
     clearance: float = quantity(
         5e-6,
-        'Radial clearance, half the internal one, at one ring temperature.',
+        'Radial clearance, half the internal one, at one ring temperature; -5 to 50 um for a '
+        'pitch diameter of 57.5 mm (6307), in proportion to it for others.',
         unit='m',
-        low=CLEARANCE_LOW,
-        high=CLEARANCE_HIGH,
+        low=-50e-6,
+        high=500e-6,
     )
     hertz_stiffness: float | None = quantity(
         None,
@@ -379,8 +380,15 @@ class TwinParameters:
             self._check_defect(defect)
             for other in self.defects[:index]:
                 self._check_apart(other, defect)
+        low, high = clearance_limits(self.bearing.d_pitch)
+        check_range('clearance', self.clearance, low, high, f'm for {self.bearing.name}')
         if self.thermal_mode == 'physical':
-            self._check_clearance()
+            self._check_clearance(low, high)
+
+    @property
+    def thermal_network(self) -> Scaled:
+        """Network in use: `network`, scaled to the bearing."""
+        return self.network.scaled(self.bearing.d_pitch)
 
     @property
     def slip_law(self) -> SlipModel:
@@ -407,15 +415,15 @@ class TwinParameters:
             return self.hertz_stiffness
         return radial_factor(self.bearing)
 
-    def _check_clearance(self) -> None:
+    def _check_clearance(self, low: float, high: float) -> None:
         for outer in (TABLE_LOW, TABLE_HIGH):
-            excess = self.network.inner_excess(outer)
+            excess = self.thermal_network.inner_excess(outer)
             left = self.clearance + clearance_change(outer + excess, outer, self.bearing.d_pitch)
-            if not CLEARANCE_LOW <= left <= CLEARANCE_HIGH:
+            if not low <= left <= high:
                 msg = (
                     f'with the outer ring at {outer:g} degC the inner ring is {excess:+.1f} K '
                     f'from it and leaves a radial clearance of {left * 1e6:.1f} um, outside '
-                    f'{CLEARANCE_LOW * 1e6:g}..{CLEARANCE_HIGH * 1e6:g} um: the bearing would '
+                    f'{low * 1e6:.3g}..{high * 1e6:.3g} um: the bearing would '
                     f'seize or hang loose; change clearance={self.clearance * 1e6:g} um, '
                     f'shaft_ratio={self.network.shaft_ratio:g} or ambient='
                     f'{self.network.ambient:g} degC'

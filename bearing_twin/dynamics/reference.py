@@ -23,7 +23,7 @@ from bearing_twin.dynamics.layout import CHUNK, SPIN_TURNS
 from bearing_twin.dynamics.model import CODES, contact_force, defect_path
 from bearing_twin.dynamics.simulator import RUN_IN
 from bearing_twin.dynamics.waviness import profiles
-from bearing_twin.thermal import friction, gcr15, rings, slip
+from bearing_twin.thermal import friction, gcr15, life, rings, slip
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import solve_ivp
@@ -276,18 +276,25 @@ def _held_slip(p: TwinParameters, constants: _Constants, nu: float) -> float:
 
 def _inner_ring(p: TwinParameters, outer: float, shaft_hz: float) -> float:
     """Steady temperature of the inner ring, degC, with the heat of the friction in balance."""
-    rpm, oil, network, bearing = 60.0 * shaft_hz, p.lubricant, p.network, p.bearing
+    rpm, oil, network, bearing = 60.0 * shaft_hz, p.lubricant, p.thermal_network, p.bearing
+    least, most = rings.clearance_limits(bearing.d_pitch)
     series = p.friction_series or bearing.series or friction.UNKNOWN_SERIES
 
     def excess(inner: float) -> float:
         nu = oil.viscosity(0.5 * (inner + outer))
+        k_b = p.k_b0 * rings.relative_modulus(0.5 * (inner + outer))
+        left = p.clearance + rings.clearance_change(inner, outer, bearing.d_pitch)
+        gap = min(max(left, least), most)
+        load = p.load
+        if gap < 0.0:
+            load = max(load, life.equivalent_load(load, k_b, gap, bearing.n_balls))
         sliding = friction.sliding_friction(
             friction.metallic_share(rpm, nu, bearing.mean_diameter),
             oil.boundary_friction,
             oil.film_friction,
         )
         moment = friction.friction_moment(
-            rpm, nu, p.load, bearing.mean_diameter, friction.section_height(bearing),
+            rpm, nu, load, bearing.mean_diameter, friction.section_height(bearing),
             *friction.SERIES[series], oil.replenishment, sliding,
         )  # fmt: skip
         power = friction.power_loss(moment, rpm)

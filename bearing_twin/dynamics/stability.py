@@ -20,7 +20,7 @@ from bearing_twin.dynamics.statics import (
 )
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import TEMPERATURES
-from bearing_twin.thermal.rings import CLEARANCE_LOW
+from bearing_twin.thermal.rings import clearance_limits
 import numpy as np
 import numpy.typing as npt
 
@@ -184,7 +184,7 @@ def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatAr
     k_b, clearance, spring = max(factors)
     held = supports(p)
     if preloaded and p.thermal_mode == 'physical':
-        clearance = CLEARANCE_LOW
+        clearance, _ = clearance_limits(p.bearing.d_pitch)
         spring = spring_position(p.load, k_b, clearance, held, p.bearing.n_balls)
     n = p.bearing.n_balls
     balls = healthy_balls(-math.pi / 2, clearance, n)

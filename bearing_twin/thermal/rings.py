@@ -10,17 +10,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
+from typing import NamedTuple
 
 from bearing_twin.quantity import check_fields, quantity
 
 __all__ = [
-    'CLEARANCE_HIGH',
-    'CLEARANCE_LOW',
     'EXPANSION_STEEL',
     'RING_HIGH',
     'RING_LOW',
     'ThermalNetwork',
     'clearance_change',
+    'clearance_limits',
     'inner_ring_step',
     'inner_ring_target',
     'relative_modulus',
@@ -28,9 +28,10 @@ __all__ = [
 
 EXPANSION_STEEL = 12e-6
 """Linear thermal expansion coefficient of 100Cr6/GCr15, 1/K."""
-CLEARANCE_LOW, CLEARANCE_HIGH = -5e-6, 50e-6
-"""Radial clearance for which the model holds, m. Below, a bearing seizes: its heat and the
-yielding of rings that the model takes as rigid decide. Above, no ball bearing is fitted."""
+_PITCH = 57.5e-3
+"""Pitch diameter of a 6307, whose values are scaled to other bearings, m."""
+_LEAST, _MOST = -5e-6, 50e-6
+"""Limits of the radial clearance of a 6307, m."""
 
 RING_LOW, RING_HIGH = -60.0, 250.0
 """Temperatures of an inner ring that the laws of this room hold for, degC. Above, hardened
@@ -55,6 +56,26 @@ def clearance_change(inner: float, outer: float, d_pitch: float) -> float:
 
     """
     return 0.5 * EXPANSION_STEEL * d_pitch * (outer - inner)
+
+
+def clearance_limits(d_pitch: float) -> tuple[float, float]:
+    """
+    Return the least and the greatest radial clearance for which the model holds, m.
+
+    -5 and 50 um for a 6307, for others in proportion to the pitch diameter, as the strain of the
+    rings goes. Below, a bearing seizes: its heat and the yielding of rings that the model takes as
+    rigid decide. Above is more than twice the clearance that bearings are made with.
+
+    Examples
+    --------
+    Of a 6307 and of a bearing of 200 mm bore:
+
+    >>> [[round(1e6 * limit) for limit in clearance_limits(d)] for d in (57.5e-3, 310e-3)]
+    [[-5, 50], [-27, 270]]
+
+    """
+    size = d_pitch / _PITCH
+    return _LEAST * size, _MOST * size
 
 
 def relative_modulus(temperature: float) -> float:
@@ -118,25 +139,44 @@ class ThermalNetwork:
 
         C_i dT_i/dt = P/2 - G_io (T_i - T_o) - G_is (T_i - T_sh)
 
-    The default capacity is that of the inner ring of a 6307, 0.17 kg. ``shaft_ratio`` is
+    Capacity and conductances that are None are those of a 6307 (its inner ring of 0.17 kg has 80
+    J/K; 2 W/K between the rings, 8 W/K to the shaft), scaled to the bearing: a capacity goes with
+    the cube of the pitch diameter, a conductance with the diameter itself. ``shaft_ratio`` is
     above 1 where heat comes in along the shaft (motor, pump, turbine), below 1 where the housing
     is heated.
 
     Examples
     --------
-    >>> round(ThermalNetwork().inner_excess(70.0), 1)
+    >>> ThermalNetwork().scaled(115e-3).inner_capacity
+    640.0
+    >>> round(ThermalNetwork().scaled(115e-3).inner_excess(70.0), 1)
     4.0
 
     """
 
-    inner_capacity: float = quantity(
-        80.0, 'Thermal mode physical: heat capacity of the inner ring.', 'J/K', 0.1, 1e6
+    inner_capacity: float | None = quantity(
+        None,
+        'Thermal mode physical: heat capacity of the inner ring.',
+        unit='J/K',
+        low=0.1,
+        high=1e6,
+        special=(None, '80 J/K of a 6307 times the cube of the pitch diameter over 57.5 mm'),
     )
-    ring_to_ring: float = quantity(
-        2.0, 'Thermal mode physical: conductance between the rings.', 'W/K', 1e-3, 1e4
+    ring_to_ring: float | None = quantity(
+        None,
+        'Thermal mode physical: conductance between the rings.',
+        unit='W/K',
+        low=1e-3,
+        high=1e4,
+        special=(None, '2 W/K of a 6307 times the pitch diameter over 57.5 mm'),
     )
-    ring_to_shaft: float = quantity(
-        8.0, 'Thermal mode physical: conductance from inner ring to shaft.', 'W/K', 1e-3, 1e4
+    ring_to_shaft: float | None = quantity(
+        None,
+        'Thermal mode physical: conductance from inner ring to shaft.',
+        unit='W/K',
+        low=1e-3,
+        high=1e4,
+        special=(None, '8 W/K of a 6307 times the pitch diameter over 57.5 mm'),
     )
     ambient: float = quantity(
         20.0, 'Thermal mode physical: temperature of the surroundings.', 'degC', -40.0, 110.0
@@ -150,6 +190,27 @@ class ThermalNetwork:
 
     def __post_init__(self) -> None:
         check_fields(self)
+
+    def scaled(self, d_pitch: float) -> Scaled:
+        """Return the network of a bearing of this pitch diameter, m."""
+        size = d_pitch / _PITCH
+        return Scaled(
+            inner_capacity=80.0 * size**3 if self.inner_capacity is None else self.inner_capacity,
+            ring_to_ring=2.0 * size if self.ring_to_ring is None else self.ring_to_ring,
+            ring_to_shaft=8.0 * size if self.ring_to_shaft is None else self.ring_to_shaft,
+            ambient=self.ambient,
+            shaft_ratio=self.shaft_ratio,
+        )
+
+
+class Scaled(NamedTuple):
+    """A `ThermalNetwork` of one bearing, nothing left open."""
+
+    inner_capacity: float
+    ring_to_ring: float
+    ring_to_shaft: float
+    ambient: float
+    shaft_ratio: float
 
     def shaft(self, outer: float) -> float:
         """Shaft temperature, degC, at the outer ring temperature ``outer``."""

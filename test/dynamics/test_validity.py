@@ -13,9 +13,11 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import Beta0
 from bearing_twin.thermal.life import static_rating
 from bearing_twin.thermal.lubricant import Lubricant
-from bearing_twin.thermal.rings import CLEARANCE_LOW, ThermalNetwork
+from bearing_twin.thermal.rings import clearance_limits, ThermalNetwork
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
 
 RATE = 25600.0
 B = find_bearing('6307')
@@ -94,7 +96,8 @@ REFUSED = {
         lambda: build(defects=spalls(('inner', math.pi), ('inner', -math.pi))), '0 mm apart',
         '1 mm', 'move one'),
     'load': (lambda: build(load=1.0), 'load=1.0', '10..50000 N', 'choose'),
-    'clearance': (lambda: build(clearance=math.nan), 'clearance=nan', '-5e-06..5e-05 m', 'choose'),
+    'clearance': (
+        lambda: build(clearance=math.nan), 'clearance=nan', '-5e-05..0.0005 m', 'choose'),
     'resonance': (lambda: build(resonance_hz=20e3), '20000.0', '500..11000 Hz', '0: none'),
     'slip': (lambda: build(slip=0.05), '=0.34', '0..0.3', 'choose'),
     'eccentric': (lambda: build(unbalance=0.02), '=0.00319', '0..0.001 m', 'choose'),
@@ -172,7 +175,7 @@ def test_a_bearing_that_would_seize_goes_on_and_says_so():
     apart = quenched.inner_ring_temperature - 20.0
     assert quenched.thermal_clearance == pytest.approx(5e-6 - 0.345e-6 * apart, rel=1e-3)
     assert quenched.thermal_clearance < -20e-6
-    assert quenched.radial_clearance == CLEARANCE_LOW
+    assert quenched.radial_clearance == pytest.approx(clearance_limits(57.5e-3)[0], rel=1e-9)
     assert np.isfinite(block.y).all()
     assert np.abs(block.y).max() < 1000.0
     for _ in range(4):
@@ -200,7 +203,7 @@ def test_a_bearing_that_would_seize_goes_on_and_says_so():
     ],
 )
 def test_no_life_beyond_half_the_dynamic_or_the_static_rating(case, expected):
-    condition = Simulator(build(**case), temperature=40.0).condition()
+    condition = Simulator(build(clearance=0.0, **case), temperature=40.0).condition()
     # The pressure limit is near C0, and moves with the clearance.
     assert condition.limits_passed & ~Limit.PRESSURE == expected
     assert math.isnan(condition.life_hours) == bool(expected)
@@ -280,3 +283,123 @@ def test_friction_follows_the_series_of_the_bearing():
     assert light > moment(friction_series='62') > moment() > heavy
     unknown = dataclasses.replace(B, series='')
     assert moment(bearing=unknown) == moment(friction_series='62')
+
+
+def test_bearings_of_the_thinnest_series_rub_as_skf_says():
+    """SKF: R1 4.3e-7 and S1 4.75e-3 of the series 619, 3.9e-7 and 3.23e-3 of 62."""
+    thin = find_bearing('6908')
+
+    def moment(load, **changes):
+        machine = build(bearing=thin, load=load, **changes)
+        return Simulator(machine, temperature=90.0).condition().friction_moment
+
+    for load in (500.0, 4000.0):
+        more = moment(load) / moment(load, friction_series='62')
+        assert 4.3 / 3.9 < more < 4.75 / 3.23
+        assert moment(load) == moment(load, friction_series='619')
+
+
+# --- preload and the ball loads ----------------------------------------------------------------
+
+
+def cubic_mean_of_ball_loads(load, clearance, n, k_b):
+    """Mean of Q^3 over ball positions, to the power 1/3, N; rigid rings that carry the load."""
+    cosines = np.cos(2.0 * math.pi * (np.arange(32 * n) + 0.5) / (32 * n))
+
+    def pressed(sink):
+        return k_b * np.maximum(sink * cosines - clearance, 0.0) ** 1.5
+
+    sink = brentq(lambda s: n * np.mean(pressed(s) * cosines) - load, 0.0, 1e-3, xtol=1e-15)
+    return float(np.mean(pressed(sink) ** 3) ** (1.0 / 3.0))
+
+
+@pytest.mark.parametrize('clearance', [-5e-6, 0.0, 5e-6, 20e-6, 40e-6])
+@pytest.mark.parametrize(('name', 'load'), [('6307', 500.0), ('6307', 3200.0), ('6211', 200.0)])
+def test_life_and_friction_know_how_hard_the_balls_are_pressed(name, load, clearance):
+    bearing = find_bearing(name)
+
+    def state(gap):
+        condition = Simulator(build(bearing=bearing, load=load, clearance=gap)).condition()
+        return condition, cubic_mean_of_ball_loads(load, gap, bearing.n_balls, condition.k_b)
+
+    (free, usual), (pressed, harder) = state(0.0), state(clearance)
+    ratio = harder / usual
+    # With that oil a_ISO is 50, so the life goes with the cube of the load alone.
+    if free.life_hours * pressed.life_hours < math.inf and load < 1000.0:
+        assert pressed.life_hours / free.life_hours == pytest.approx(ratio**-3, rel=0.02)
+    # SKF: a part of the moment goes with the power 0.54 of the load, another with 5/3.
+    moved = pressed.friction_moment / free.friction_moment
+    ratio = max(ratio, 1.0) if clearance < 0.0 else 1.0
+    assert 0.999 * ratio**0.54 <= moved <= 1.001 * ratio ** (5.0 / 3.0)
+
+
+def test_few_balls_that_bear_end_the_life_earlier():
+    small = {'bearing': find_bearing('6001'), 'load': 2300.0}
+    free, tight = (Simulator(build(clearance=gap, **small)).condition() for gap in (0.0, 17e-6))
+    assert not free.limits_passed & (Limit.LIFE_LOAD | Limit.STATIC_LOAD)
+    share = [
+        cubic_mean_of_ball_loads(2300.0, gap, small['bearing'].n_balls, free.k_b)
+        for gap in (0.0, 17e-6)
+    ]
+    assert 2300.0 * share[1] / share[0] > static_rating(small['bearing'])
+    assert tight.limits_passed & Limit.STATIC_LOAD
+    assert math.isnan(tight.life_hours)
+    assert 'with this clearance as bad as' in tight.warnings[0]
+
+
+# --- size --------------------------------------------------------------------------------------
+
+
+def test_ring_and_clearance_go_with_the_size_of_the_bearing():
+    """A capacity grows with the volume, a conductance with the length: time with the area."""
+    hot, start = 60.0, 20.0
+    for name in ('6205', '6307', '6340'):
+        bearing = find_bearing(name)
+        size = bearing.d_pitch / 57.5e-3
+        parameters = preset(
+            'incipient', bearing=bearing, defect='none', thermal_mode='physical', load=100.0,
+            clearance=5e-6 * size, noise=0.0,
+        )  # fmt: skip
+        simulator = Simulator(parameters, temperature=start, shaft_hz=1.0, sample_rate=5000.0)
+        began = simulator.condition().inner_ring_temperature
+        duration = 8.0 * size**2
+        # At once to the outer temperature, then the time constant of 8 s of a 6307.
+        simulator.advance(50, hot, 1.0)
+        block = simulator.advance(round(5000.0 * duration), hot, 1.0)
+        target = (2.0 * hot + 8.0 * (20.0 + 1.1 * (hot - 20.0))) / 10.0
+        left = (block.condition.inner_ring_temperature - target) / (began - target)
+        assert left == pytest.approx(math.exp(-1.0), abs=0.03)
+    # What C3 of a bearing of 200 mm bore leaves is no clearance that hangs loose.
+    assert build(bearing=find_bearing('6340'), clearance=60e-6).clearance == 60e-6
+    with pytest.raises(BearingTwinError, match='clearance'):
+        build(bearing=find_bearing('6001'), clearance=45e-6)
+
+
+def test_which_race_is_pressed_harder_depends_on_the_bearing():
+    for name in ('6820', '6307', '6001', '16020'):
+        bearing = find_bearing(name)
+        load = 0.05 * static_rating(bearing)
+        condition = Simulator(build(bearing=bearing, load=load, clearance=0.0)).condition()
+        # Stribeck: 4.37/Z of the load on the heaviest ball.
+        force = 4.37 * load / bearing.n_balls
+        expected = max(hertz(bearing, force, sign) for sign in (1.0, -1.0))
+        assert condition.contact_pressure == pytest.approx(expected, rel=0.01)
+
+
+def hertz(bearing, force, sign):
+    """Greatest pressure, Pa, on the inner race (sign 1) or the outer one (-1)."""
+    d, gamma = bearing.d_ball, bearing.d_ball / bearing.d_pitch
+    across = 2.0 / d + sign * 2.0 * gamma / (d * (1.0 - sign * gamma))
+    along = 2.0 / d - 1.0 / ({1.0: 0.515, -1.0: 0.525}[sign] * d)
+
+    def unequal(k):
+        m = 1.0 - 1.0 / k**2
+        return ((k * k + 1.0) * ellipe(m) - 2.0 * ellipk(m)) / ((k * k - 1.0) * ellipe(m)) - (
+            across - along
+        ) / (across + along)
+
+    k = brentq(unequal, 1.001, 100.0)
+    modulus = 208e9 / (1.0 - 0.3**2)
+    size = 3.0 * force / ((across + along) * modulus)
+    a = (2.0 * k * k * ellipe(1.0 - 1.0 / k**2) / math.pi * size) ** (1.0 / 3.0)
+    return 1.5 * force / (math.pi * a * a / k)

@@ -120,7 +120,7 @@ def test_clearance_is_what_the_expanded_parts_leave(inner, outer):
 
 
 def test_inner_ring_step_is_the_exact_solution():
-    network, outer, power = rings.ThermalNetwork(), 60.0, 5.0
+    network, outer, power = rings.ThermalNetwork().scaled(57.5e-3), 60.0, 5.0
     target = rings.inner_ring_target(
         outer, network.shaft(outer), power, network.ring_to_ring, network.ring_to_shaft
     )
