@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 import math
 
-from bearing_twin.calibration.summaries import levinson
+from bearing_twin.calibration.summaries import HIGH_SHARE, levinson
 from bearing_twin.dynamics.sensor_path import SensorPath
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -197,7 +197,7 @@ def noise_floor(x: FloatArray, sample_rate: float) -> tuple[float, float, float]
         [signal.welch(part, sample_rate, nperseg=min(len(part), length))[1] for part in parts]
     )
     # The mean that is taken off each segment takes from the lowest lines too.
-    density = density[:, 4 : int(0.86 * density.shape[1])]
+    density = density[:, 4 : int(HIGH_SHARE * density.shape[1])]
     floors = np.empty(SEGMENTS)
     for first in (0, 1):
         others = density[1 - first :: 2].mean(axis=0)

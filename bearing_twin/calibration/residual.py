@@ -14,6 +14,7 @@ from dataclasses import asdict, dataclass, field, replace
 import math
 from typing import Any
 
+from bearing_twin.calibration.summaries import HIGH_SHARE
 from bearing_twin.diagnosis.dependence import lag_one
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -27,8 +28,8 @@ FloatArray = npt.NDArray[np.float64]
 ORDERS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0)
 """Of the shaft: imbalance, misalignment and looseness are there."""
 ORDER_WIDTH = 0.01
-LOWEST_HZ, HIGHEST_SHARE = 10.0, 0.86
-"""Third octaves from 10 Hz to where an anti-aliasing filter begins, of half the sample rate."""
+LOWEST_HZ = 10.0
+"""Third octaves begin there, and end where an anti-aliasing filter begins."""
 LEAST_S = 2.0
 """Least length of a window: lines of a shaft from 5 Hz on are told from their neighbours."""
 DECISIONS_A_YEAR = 365 * 24 * 60
@@ -107,7 +108,7 @@ def spectral_levels(
     step = float(hertz[1])
     names, levels = [], []
     centres = LOWEST_HZ * 2.0 ** (np.arange(40) / 3.0)
-    for centre in centres[centres * 2.0 ** (1.0 / 6.0) < HIGHEST_SHARE * sample_rate / 2.0]:
+    for centre in centres[centres * 2.0 ** (1.0 / 6.0) < HIGH_SHARE * sample_rate / 2.0]:
         inside = (hertz >= centre * 2.0 ** (-1.0 / 6.0)) & (hertz < centre * 2.0 ** (1.0 / 6.0))
         band = power[inside]
         enough = len(band) >= 3
