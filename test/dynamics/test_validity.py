@@ -54,7 +54,8 @@ REFUSED = {
     'H0': (lambda: Beta0(reference_hardness=-1.0), 'hardness=-1.0', '1..100 HRC', 'choose'),
     'few balls': (lambda: bearing(n_balls=2), 'n_balls=2', '3..100', 'give the number'),
     'crowded': (lambda: bearing(n_balls=13), '13 elements of 0.014', '0.0575 m', 'check n_balls'),
-    'millimetres': (lambda: bearing(d_ball=14.0, d_pitch=57.5), '57.5 m', '20 m', 'in metres?'),
+    'millimetres': (
+        lambda: bearing(d_ball=14.0, d_pitch=57.5), '57500 mm', '20 m', 'is the unit right?'),
     'degrees': (lambda: bearing(contact_angle=15.0), '15.0 rad', '0..pi/2', 'in radians'),
     'bore': (
         lambda: dataclasses.replace(B, bore=50e-3), 'bore=0.05 m', '0.0435', 'check them'),
@@ -69,8 +70,8 @@ REFUSED = {
         lambda: build(bearing=bearing(contact_angle=1.0)), 'contact_angle=1.0', '0..0.785',
         'choose'),
     'tiny': (
-        lambda: build(bearing=bearing(d_ball=1e-7, d_pitch=1e-6)), 'hertz_stiffness=',
-        '1e+08..1e+12', 'choose'),
+        lambda: build(bearing=bearing(d_ball=1e-7, d_pitch=1e-6)), 'balls of 0.0001 mm',
+        '0.1 mm', 'is the unit right?'),
     'place': (lambda: spalls(('roof', 0.0)), "'roof'", 'inner, outer, ball, cage', 'choose'),
     'profile': (lambda: spalls(('inner', 0.0), profile='x'), "'x'", 'halfsine', 'choose'),
     'width': (lambda: spalls(('inner', 0.0), width=2e-2), 'width=0.02', '5e-05..0.01', 'choose'),

@@ -163,7 +163,7 @@ def test_defects_of_their_own_sizes_and_places():
         ({'defect': 'inner+inner:angle=0.01'}, 'overlap.*move one'),
         ({'defect': 'inner:width=0.02'}, r'width=0.02 is outside .*0.01'),
         ({'bearing': ''}, "geometry='' is not Z,D_BALL_MM"),
-        ({'bearing': '', 'geometry': '8,30,28,0'}, 'd_ball=0.03 m.*need 0 < d_ball'),
+        ({'bearing': '', 'geometry': '8,30,28,0'}, 'balls of 30 mm.*need 0.1 mm <= d_ball'),
         ({'bearing': 'ZA-2115'}, 'choose a ball bearing'),
         ({'unbalance': -0.5}, 'unbalance=-0.5 is outside 0..0.025 kg m; choose'),
         ({'unbalance': 0.02}, 'unbalance over inner_mass'),
