@@ -20,6 +20,7 @@ from bearing_twin.calibration.fit import decimated
 from bearing_twin.calibration.passage import load_range
 from bearing_twin.calibration.residual import MOVED, Residuals, Unexplained
 from bearing_twin.diagnosis.state import pack, unpack
+from bearing_twin.diagnosis.streaming import same_rate
 from bearing_twin.dynamics.parameters import check_bearing
 from bearing_twin.dynamics.sensor_path import BAND_HZ, band_levels, distance
 from bearing_twin.errors import BearingTwinError
@@ -69,15 +70,18 @@ class _Record:
     """Index, sample rate, unit and sensor of a block that goes on."""
 
     def add(self, block: VibrationBlock, shaft_hz: float, most: int) -> None:
-        source = block.sample_rate, block.unit, block.frame_id
-        if (block.first_sample, *source) != self.following:
+        index, rate, unit, frame_id = self.following
+        alike = (block.first_sample, block.unit, block.frame_id) == (index, unit, frame_id)
+        if not (alike and same_rate(rate, block.sample_rate)):
+            rate = block.sample_rate
             self.parts.clear()
             self.speeds.clear()
             self.held = 0
         self.parts.append(block.samples)
         self.speeds.append(shaft_hz)
         self.held += len(block.samples)
-        self.following = (block.first_sample + len(block.samples), *source)
+        index = block.first_sample + len(block.samples)
+        self.following = index, rate, block.unit, block.frame_id
         while self.held - len(self.parts[0]) >= most:
             self.held -= len(self.parts.popleft())
             self.speeds.popleft()
@@ -190,9 +194,9 @@ class CalibrationCore:
         self._next, self._rested = now + self._values['period'], math.inf
         first = self._record.following[0] - wanted
         return Task(
-            samples=self._samples(wanted), sample_rate=block.sample_rate, bearing=self.bearing,
-            shaft_hz=hertz, temperature=temperature, unit=block.unit, place=heard.place,
-            load=self._load, candidates=self._values['candidates'], others=tuple(self._seen),
+            samples=self._samples(wanted), sample_rate=self._record.following[1],
+            bearing=self.bearing, shaft_hz=hertz, temperature=temperature, unit=block.unit,
+            place=heard.place, load=self._load, candidates=self._values['candidates'], others=tuple(self._seen),
             reference=self._reference, healthy=heard.healthy, repairs=self._repairs,
             stamp=block.stamp + samples_ns(first - block.first_sample, block.sample_rate),
             frame_id=block.frame_id, first_sample=first,
@@ -233,7 +237,8 @@ class CalibrationCore:
         if old is None or abs(shaft_hz / old.situation.shaft_hz - 1.0) > MOVED:
             return ''
         x, rate = decimated(self._samples(wanted), self._record.following[1])
-        if (rate, self._record.following[2]) != (old.situation.sample_rate, old.sensor_unit):
+        unit = self._record.following[2]
+        if not (unit == old.sensor_unit and same_rate(rate, old.situation.sample_rate)):
             return 'its sample rate or unit is another one'
         x = x - x.mean()
         level = 20.0 * math.log10(max(float(x.std()), 1e-300) / max(old.rms, 1e-300))

@@ -144,6 +144,12 @@ def test_samples_of_another_unit_or_rate_are_another_record(changed):
     assert take(core, range(45, 80), **changed) == []
 
 
+def test_a_rate_that_a_driver_measures_anew_makes_one_record():
+    core = CalibrationCore(VALUES | {'window': 2.0, 'period': 1.0})
+    sent = [task for n in range(60) for task in take(core, [n], sample_rate=RATE + 0.1 * (n % 3))]
+    assert sent and sent[0].sample_rate == RATE
+
+
 def test_samples_at_another_rate_than_they_say_are_not_fitted():
     """Of 48 kHz said to be 12: each resonance would lie at a quarter of its frequency."""
     core = CalibrationCore(VALUES)
