@@ -194,13 +194,23 @@ class CalibrationCore:
         self._next, self._rested = now + self._values['period'], math.inf
         first = self._record.following[0] - wanted
         return Task(
-            samples=self._samples(wanted), sample_rate=self._record.following[1],
-            bearing=self.bearing, shaft_hz=hertz, temperature=temperature, unit=block.unit,
-            place=heard.place, load=self._load, candidates=self._values['candidates'], others=tuple(self._seen),
-            reference=self._reference, healthy=heard.healthy, repairs=self._repairs,
+            samples=self._samples(wanted),
+            sample_rate=self._record.following[1],
+            bearing=self.bearing,
+            shaft_hz=hertz,
+            temperature=temperature,
+            unit=block.unit,
+            place=heard.place,
+            load=self._load,
+            candidates=self._values['candidates'],
+            others=tuple(self._seen),
+            reference=self._reference,
+            healthy=heard.healthy,
+            repairs=self._repairs,
             stamp=block.stamp + samples_ns(first - block.first_sample, block.sample_rate),
-            frame_id=block.frame_id, first_sample=first,
-        )  # fmt: skip
+            frame_id=block.frame_id,
+            first_sample=first,
+        )
 
     def _samples(self, wanted: int) -> NDArray[np.float64]:
         """Return the newest samples of the record."""
