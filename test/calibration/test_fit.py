@@ -27,9 +27,17 @@ from bearing_twin.calibration.refusals import Kind, no_impacts, unresolved
 from bearing_twin.calibration.summaries import correlate, summarise
 from bearing_twin.calibration.whatif import expect, features
 from bearing_twin.cli import main
-from bearing_twin.dynamics import preset, Simulator
+from bearing_twin.dynamics import preset, Simulator, TwinParameters
+from bearing_twin.dynamics.coefficients import (
+    CLEARANCE,
+    CONDITION_SIZE,
+    evaluate,
+    law_table,
+    THERMAL_GAP,
+)
 from bearing_twin.dynamics.sensor_path import band_levels, distance, SensorPath
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.thermal.rings import ThermalNetwork
 import numpy as np
 import pytest
 from scipy import signal
@@ -490,7 +498,7 @@ def test_files_of_one_machine_at_two_speeds_give_one_width(data_dir, capsys):
 
 def test_a_file_that_cannot_be_fitted_is_named(tmp_path, capsys):
     path = tmp_path / 'short.npz'
-    np.savez(path, x=np.zeros(10), fs=RATE)
+    np.savez(path, x=np.random.default_rng(0).standard_normal(10), fs=RATE)
     status = main(['fit', str(path), '--bearing', '6205', '--shaft-hz', '15', '--json'])
     assert status == 1
     assert 'shaft turns' in json.loads(capsys.readouterr().out)['error']
@@ -621,16 +629,19 @@ def test_a_long_simulation_in_blocks_is_the_one_in_a_piece(monkeypatch):
     assert np.array_equal(next(vibrations(machine, values, 0.2, 1)), whole)
 
 
-def test_a_bearing_too_large_for_the_clearance_of_the_twin_is_said_to_be():
-    def clearance(d_pitch):
-        large = Bearing(name='large', n_balls=20, d_ball=0.08, d_pitch=d_pitch, contact_angle=0.0)
-        machine = Situation(bearing=large, place='outer', shaft_hz=1.0, sample_rate=RATE)
-        return unknowns(machine)['clearance_um']
-
-    assert clearance(0.9).high - clearance(0.9).low == pytest.approx(12.0)
-    assert clearance(1.0).high == 50.0
-    with pytest.raises(BearingTwinError, match=r'2000 mm pitch.*a smaller bearing can be fitted'):
-        clearance(2.0)
+@pytest.mark.parametrize('d_pitch', [0.01, 0.02, 0.9, 2.0])
+def test_the_clearances_supposed_are_those_of_a_twin_of_any_size_hot_and_cold(d_pitch):
+    sized = Bearing(
+        name='sized', n_balls=8, d_ball=0.2 * d_pitch, d_pitch=d_pitch, contact_angle=0.0
+    )
+    machine = Situation(bearing=sized, place='outer', shaft_hz=10.0, sample_rate=RATE)
+    supposed = unknowns(machine)['clearance_um']
+    for clearance in (supposed.low, supposed.high):
+        p = TwinParameters(bearing=sized, clearance=1e-6 * clearance, thermal_mode='physical')
+        law, values = law_table(p), np.empty(CONDITION_SIZE)
+        hot = ThermalNetwork().scaled(d_pitch).inner_excess(110.0)
+        evaluate(law, 110.0, 110.0 + hot, 10.0, values)
+        assert values[CLEARANCE] == values[THERMAL_GAP]
 
 
 def test_no_limit_is_said_where_no_defect_of_any_width_would_show():
