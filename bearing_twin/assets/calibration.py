@@ -24,8 +24,8 @@ from bearing_twin.diagnosis.streaming import same_rate
 from bearing_twin.dynamics.parameters import check_bearing
 from bearing_twin.dynamics.sensor_path import BAND_HZ, band_levels, distance
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.stamps import samples_ns
-from bearing_twin.streams.samplerate import RateMeter
+from bearing_twin.stamps import NANO, samples_ns
+from bearing_twin.streams.samplerate import off_rate, REFUSED
 from bearing_twin_msgs.msg import Calibration
 import numpy as np
 
@@ -65,6 +65,8 @@ class _Record:
     parts: deque[NDArray[np.float32]] = field(default_factory=deque)
     speeds: deque[float] = field(default_factory=deque)
     """Hz; NaN where it is not known."""
+    stamps: deque[int] = field(default_factory=deque)
+    """Of the first sample of each part, ns."""
     held: int = 0
     following: tuple[int, float, str, str] = (-1, 0.0, '', '')
     """Index, sample rate, unit and sensor of a block that goes on."""
@@ -76,15 +78,23 @@ class _Record:
             rate = block.sample_rate
             self.parts.clear()
             self.speeds.clear()
+            self.stamps.clear()
             self.held = 0
         self.parts.append(block.samples)
         self.speeds.append(shaft_hz)
+        self.stamps.append(block.stamp)
         self.held += len(block.samples)
         index = block.first_sample + len(block.samples)
         self.following = index, rate, block.unit, block.frame_id
         while self.held - len(self.parts[0]) >= most:
             self.held -= len(self.parts.popleft())
             self.speeds.popleft()
+            self.stamps.popleft()
+
+    def stamped_rate(self) -> float:
+        """Return the sample rate that the stamps tell, Hz; NaN where they stand still."""
+        elapsed = self.stamps[-1] - self.stamps[0]
+        return (self.held - len(self.parts[-1])) * NANO / elapsed if elapsed > 0 else math.nan
 
     def shaft_hz(self) -> tuple[float, str]:
         """Return the mean speed, Hz, and why there is none to fit at; '' if there is."""
@@ -129,7 +139,7 @@ class CalibrationCore:
         self._load = (low, high) if high else None
         check_bearing(self.bearing)
         load_range(self.bearing, self._load)
-        self._record, self._meter = _Record(), RateMeter()
+        self._record = _Record()
         self._verdicts = Verdicts(self.bearing)
         self._next = self._rested = self._decided = self._compared = -math.inf
         self._residuals = Residuals()
@@ -167,11 +177,6 @@ class CalibrationCore:
             s, on any clock that runs on.
 
         """
-        self._meter.take(block.first_sample, block.stamp)
-        problem = self._meter.problem(block.sample_rate)
-        if problem and problem.refused:
-            self._record, self.waiting = _Record(), problem.text
-            return None
         wanted = round(self._values['window'] * block.sample_rate)
         known = shaft_hz if math.isnan(block.shaft_hz) else block.shaft_hz
         self._record.add(block, known, wanted)
@@ -179,8 +184,9 @@ class CalibrationCore:
         self._follow_repair(heard, now)
         full = self._record.held >= wanted
         hertz, self.waiting = self._record.shaft_hz() if full else (math.nan, '')
-        if self._meter.undecided:
-            self.waiting = 'its stamps do not tell yet whether its sample rate is right'
+        if full and abs(self._record.stamped_rate() / self._record.following[1] - 1.0) > REFUSED:
+            # A NaN is no reason.
+            self.waiting = off_rate(self._record.stamped_rate(), self._record.following[1])
         if not full or self.waiting:
             return None
         if now >= self._compared + self._values['window']:

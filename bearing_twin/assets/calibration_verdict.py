@@ -8,6 +8,7 @@ import math
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
+from bearing_twin.diagnosis.streaming import same_rate
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
@@ -99,7 +100,8 @@ class Verdicts:
             return Heard(
                 None, self._other or 'no diagnosis was heard, start the diagnosis node beside this'
             )
-        if (said.header.frame_id, said.sample_rate) != (frame_id, sample_rate):
+        alike = same_rate(said.sample_rate, sample_rate)
+        if not (said.header.frame_id == frame_id and alike):
             return Heard(
                 None,
                 f'the diagnosis is of sensor {said.header.frame_id!r} at {said.sample_rate:g} Hz, '

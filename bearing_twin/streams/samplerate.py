@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from bearing_twin.stamps import NANO
 
-__all__ = ['REFUSED', 'RateMeter', 'RateProblem']
+__all__ = ['REFUSED', 'RateMeter', 'RateProblem', 'off_rate']
 
 SPAN = NANO
 """Time over which one rate is taken, ns: a message that is 10 ms late shifts it by 1 %."""
@@ -57,8 +57,6 @@ class RateMeter:
     def __init__(self) -> None:
         self.rate = math.nan
         """Measured rate, Hz; NaN while it is not known."""
-        self.undecided = False
-        """Whether stamps move, and do not tell the rate yet."""
         self._rates: deque[float] = deque(maxlen=SPANS)
         self._anchor: tuple[int, int] | None = None
 
@@ -79,7 +77,6 @@ class RateMeter:
             self.rate = math.nan
             self._anchor = (index, stamp)
         elapsed = stamp - self._anchor[1]
-        self.undecided = len(self._rates) < FEWEST and (elapsed > 0 or bool(self._rates))
         if elapsed >= SPAN:
             self._rates.append((index - self._anchor[0]) * NANO / elapsed)
             self._anchor = (index, stamp)
@@ -101,8 +98,18 @@ class RateMeter:
         refused = abs(off) > REFUSED
         if not refused and not (abs(off) > WARNED and len(self._rates) == SPANS):
             return None
-        return RateProblem(
-            refused,
-            f'{measured:.5g} samples a second arrive, sample_rate says {declared:.6g} '
-            f'({100.0 * off:+.1f} %): set sample_rate to {round(measured):d}',
-        )
+        return RateProblem(refused, off_rate(measured, declared))
+
+
+def off_rate(measured: float, declared: float) -> str:
+    """
+    Say how far a measured rate is from the declared one, Hz.
+
+    >>> off_rate(12000.0, 25600.0)
+    '12000 samples a second arrive, sample_rate says 25600 (-53.1 %): set sample_rate to 12000'
+
+    """
+    return (
+        f'{measured:.5g} samples a second arrive, sample_rate says {declared:.6g} '
+        f'({100.0 * (measured / declared - 1.0):+.1f} %): set sample_rate to {round(measured):d}'
+    )

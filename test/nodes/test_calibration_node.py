@@ -150,6 +150,18 @@ def test_a_rate_that_a_driver_measures_anew_makes_one_record():
     assert sent and sent[0].sample_rate == RATE
 
 
+def test_snapshots_that_are_shorter_than_a_rate_takes_to_measure_are_fitted():
+    """Three seconds an hour, with stamps and an index that begins anew each time."""
+    core = CalibrationCore(VALUES | {'window': 2.0, 'period': 1.0})
+    tasks = []
+    for hour in range(3):
+        for n in range(75):
+            sent = replace(block(n), stamp=round((3600 * hour + n * 0.04) * 1e9))
+            now = 3600.0 * hour + n * 0.04
+            tasks.append(core.take(sent, temperature=40.0, shaft_hz=25.0, now=now))
+    assert len([task for task in tasks if task is not None]) >= 3
+
+
 def test_samples_at_another_rate_than_they_say_are_not_fitted():
     """Of 48 kHz said to be 12: each resonance would lie at a quarter of its frequency."""
     core = CalibrationCore(VALUES)
