@@ -77,15 +77,38 @@ def read_csv(path: Path) -> dict[str, Any]:
         # T may be a temperature, T_1 one of several.
         known = _seconds(name) > 0.0 and not re.search(r'\d', name)
         if time and column.size > 1 and (len(time[0]) > 1 or known):
-            # Of printed times most steps are rounded; the mean one is not.
-            step = _seconds(name) * float(column[-1] - column[0]) / (column.size - 1)
+            unit = _seconds(name)
+            step = unit * _mean_step(column)
             if step > 0.0 and is_even(column):
                 found.setdefault('fs', np.array(1.0 / step))
-            elif step > 0.0:
-                found['no_rate'] = np.array(f'the times of its column {name!r} have gaps')
+            elif unit > 0.0 and not step <= 0.0:
+                said = f'the times of its column {name!r} have gaps, or too few digits'
+                found['no_rate'] = np.array(said)
         else:
             found[name] = np.ascontiguousarray(column)
     return found
+
+
+def _mean_step(column: NDArray[Any]) -> float:
+    """
+    Return the mean step of printed times; NaN where they change too seldom to tell.
+
+    Most single steps are rounded. Of times that stand still for several values the first and the
+    last stair are cut short, so that they are left out.
+
+    >>> times = np.floor(np.arange(29000) / 12000.0)
+    >>> round(1.0 / _mean_step(times), 3), _mean_step(times[:20000])
+    (12000.0, nan)
+
+    """
+    changes = np.flatnonzero(np.diff(column)) + 1
+    if len(changes) == len(column) - 1:
+        return float(column[-1] - column[0]) / (len(column) - 1)
+    # Where a stair begins is known to a value: a thousand of them make it 0.1 %.
+    if len(changes) < 2 or changes[-1] - changes[0] < 1000:
+        return np.nan
+    first, last = changes[[0, -1]]
+    return float(column[last] - column[first]) / float(last - first)
 
 
 def is_even(column: NDArray[Any]) -> bool:

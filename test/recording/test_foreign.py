@@ -315,9 +315,28 @@ def test_times_with_a_gap_give_no_sample_rate(tmp_path: Path) -> None:
     path = tmp_path / 'a.csv'
     rows = [f'{k / 12000.0:.6f},{v:.4f}' for k, v in enumerate(np.sin(np.arange(30000)))]
     path.write_text('time,acc\n' + '\n'.join(rows[:12000] + rows[12020:]))
-    with pytest.raises(BearingTwinError, match="times of its column 'time' have gaps; give it"):
+    with pytest.raises(BearingTwinError, match="times of its column 'time' have gaps, or"):
         read_signal(path)
     assert read_signal(path, sample_rate=12000.0).sample_rate == 12000.0
+
+
+@pytest.mark.parametrize(('seconds', 'decimals'), [(4.5, 0), (1.03, 1), (0.5, 2), (0.5, 4)])
+def test_times_that_stand_still_for_many_values_give_the_rate_between_their_changes(
+    tmp_path: Path, seconds, decimals
+) -> None:
+    path = tmp_path / 'a.csv'
+    times = np.floor(np.arange(round(seconds * 25600.0)) / 25600.0 * 10**decimals) / 10**decimals
+    path.write_text(
+        'time,acc\n' + '\n'.join(f'{t:.{decimals}f},{k % 7}' for k, t in enumerate(times))
+    )
+    assert read_signal(path).sample_rate == pytest.approx(25600.0, rel=1.5e-3)
+
+
+def test_times_that_hardly_change_give_no_sample_rate(tmp_path: Path) -> None:
+    path = tmp_path / 'a.csv'
+    path.write_text('time,acc\n' + '\n'.join(f'{k // 12000},{k % 7}' for k in range(18000)))
+    with pytest.raises(BearingTwinError, match="its column 'time' have gaps, or too few digits"):
+        read_signal(path)
 
 
 def test_a_rate_that_overrules_the_file_is_named_beside_it(tmp_path: Path) -> None:
