@@ -122,7 +122,7 @@ class CalibrationNode(ManagedNode):
         self._running = None
         said = self._core.forget()
         self._state.give_up()
-        self._keep_state()
+        self._keep_state(wait=True)
         unkept = self._state.problem
         return f'{said}{unkept and f"; not kept: {unkept}"}'
 
@@ -180,9 +180,9 @@ class CalibrationNode(ManagedNode):
         self._out.publish(self._latest)
         self._keep_state()
 
-    def _keep_state(self) -> None:
+    def _keep_state(self, *, wait: bool = False) -> None:
         self._state.load(self._core.load)
-        self._state.keep(self._core.save)
+        self._state.keep(self._core.save, wait=wait)
 
     def status(self) -> Status:
         """Status of the calibration for /diagnostics."""

@@ -139,7 +139,7 @@ class DiagnosisTopics:
         self._latest = None
         self._state.give_up()
         self._load_state()
-        self._keep()
+        self._keep(wait=True)
         unkept = self._state.problem
         return f'window, baseline and trend start anew{unkept and f"; not kept: {unkept}"}'
 
@@ -186,7 +186,9 @@ class DiagnosisTopics:
         ):
             self._publish_verdict(due.judge(due.analyse()))
             if self.parameters['series_cycle']:
+                # The next block may come a cycle later.
                 self._checkpoints.ask()
+                self._keep()
 
     def _publish_verdict(self, verdict: Verdict) -> None:
         result = verdict.result
@@ -224,11 +226,12 @@ class DiagnosisTopics:
         if self._latest is not None:
             self._keep()
 
-    def _keep(self) -> None:
+    def _keep(self, *, wait: bool = False) -> None:
         other = self._core.diagnoser.other_source
         self._state.keep(
             self._core.diagnoser.save,
             other and f'{other}; choose another state_name, or call ~/reset to learn anew',
+            wait=wait,
         )
 
     def input_status(self) -> Status:

@@ -131,22 +131,22 @@ class StateFolder:
             raise BearingTwinError(msg) from None
         return path
 
-    def keep(self, name: str, state: bytes) -> None:
+    def keep(self, name: str, state: bytes, *, wait: bool = False) -> None:
         """
-        Have a thread :meth:`replace` a state, so that nobody waits for the disk.
+        Have a thread :meth:`replace` a state, so that nobody has to ``wait`` for the disk.
 
         Of states that come faster than the disk takes them, the newest is written.
 
         Raises
         ------
         BearingTwinError
-            What was wrong the last time.
+            What was wrong the last time, or, after a ``wait``, this time.
 
         """
         self._newest[name] = state
         self._disk.do(self._replace_newest)
-        if self._problem:
-            raise BearingTwinError(self._problem)
+        if problem := self._settled() if wait else self._problem:
+            raise BearingTwinError(problem)
 
     def load(self, name: str) -> bytes:
         """
@@ -220,10 +220,15 @@ class StateFolder:
 
     def release(self) -> str:
         """Let another node keep the states; return why the newest was not written, or ''."""
-        self._disk.close(LONGEST_SYNC)
+        problem = self._settled()
         for lock in self._locks.values():
             lock.close()
         self._locks.clear()
+        return problem
+
+    def _settled(self) -> str:
+        """Wait for the disk; return why it has not taken the newest state, or ''."""
+        self._disk.close(LONGEST_SYNC)
         return 'the disk did not take the newest state' if self._disk.busy else self._problem
 
     def _replace_newest(self) -> None:
@@ -321,7 +326,7 @@ class KeptState:
         )
         raise BearingTwinError(msg)
 
-    def keep(self, state: Callable[[], bytes], other: str = '') -> None:
+    def keep(self, state: Callable[[], bytes], other: str = '', *, wait: bool = False) -> None:
         """
         Write what ``state`` returns.
 
@@ -331,6 +336,8 @@ class KeptState:
             Returns it.
         other
             Why it is none to be kept; '' if it is one.
+        wait
+            Whether to wait for the disk, as a service does whose answer must be true.
 
         """
         if not self._name or not self._ours:
@@ -340,7 +347,7 @@ class KeptState:
                 msg = f'{self.path} stays as it is: {other}'
                 raise BearingTwinError(msg)
             held = {'state': np.frombuffer(state(), np.uint8)}
-            self._folder.keep(self._name, pack(_VERSION, {'node': self._node}, held))
+            self._folder.keep(self._name, pack(_VERSION, {'node': self._node}, held), wait=wait)
         except BearingTwinError as error:
             self._tell(str(error))
         else:
