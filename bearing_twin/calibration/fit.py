@@ -131,6 +131,9 @@ def fit(
     if place is None:
         said = diagnose_record(x, sample_rate, bearing, shaft_hz, unit=unit)
         place, slip = said.result if said.result in PLACES else 'none', said.slip
+        if said.level == 'fault' and len(said.faults) == 1:
+            # *Ambiguous* with a part of the shaft.
+            place = said.faults[0]
         if place == 'none' and said.result != 'healthy':
             refusal = Refusal(
                 Kind.NO_PART,
