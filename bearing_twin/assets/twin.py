@@ -190,7 +190,7 @@ class Twin(TwinChannel):
 
     def reset(self) -> None:
         """Go back to the start."""
-        self.simulator.start = self.start_temperature, self.simulator.start[1]
+        self.simulator.start = self.start_temperature, self.simulator.shaft_hz
         self.simulator.reset()
         if self.sensor is not None:
             self.sensor = Sensor(self.sensor.fitted)
