@@ -135,12 +135,14 @@ class OverTemperature:
     def state(self, message: Any) -> None:
         """Take a TwinState: the slip and the frequency at which its first defect strikes."""
         temperature = recorded(message, 'temperature_used')
-        place = str(getattr(message, 'defect', '')).partition('+')[0].partition(':')[0].strip()
-        if place != self._defect and self._defect is not None:
+        said = str(getattr(message, 'defect', ''))
+        place = said.partition('+')[0].partition(':')[0].strip()
+        defect = '+'.join(part.partition(':')[0].strip() for part in said.split('+'))
+        if defect != self._defect and self._defect is not None:
             # What changes with the defect is not what temperature does.
             self._sums.clear()
             self.strips.clear()
-        self._defect = place
+        self._defect = defect
         if place in PLACES:
             self._add('frequency', temperature, impacts(message, place))
         self._add('slip', temperature, 100.0 * recorded(message, 'slip'))

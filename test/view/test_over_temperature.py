@@ -46,8 +46,9 @@ def test_another_defect_of_the_twin_is_no_effect_of_temperature():
     hear('inner:width=0.002', 20.0, 4.0)
     hear('inner:width=0.003', 80.0, 3.0)
     assert list(over.curves[0].temperatures) == [20.0, 80.0] and len(over.strips) == 2
-    hear('ball', 80.0, 1.0)
-    assert list(over.curves[0].values) == [1.0] and len(over.strips) == 1
+    for defect in ('ball', 'ball+inner'):
+        hear(defect, 80.0, 1.0)
+        assert list(over.curves[0].values) == [1.0] and len(over.strips) == 1
 
 
 def block(**source):
