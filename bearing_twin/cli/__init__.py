@@ -95,8 +95,8 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
         parser.print_help()
         return 0
     keep_freed_memory()
+    mend_streams()
     if args.command != 'run':
-        mend_streams()
         # From here on an interrupt has something to lose; nodes see to that themselves.
         begin()
     try:

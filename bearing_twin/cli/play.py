@@ -121,7 +121,7 @@ def _play(signal: Signal, args: argparse.Namespace) -> int:
         # An RCLError: TERM ends the context under the hands of whoever asks it.
         if rclpy.ok():
             raise
-        return 143
+        return 0 if args.loop else 143
     finally:
         rclpy.try_shutdown()
 
