@@ -77,11 +77,11 @@ def read_csv(path: Path) -> dict[str, Any]:
         # T may be a temperature, T_1 one of several.
         known = _seconds(name) > 0.0 and not re.search(r'\d', name)
         if time and column.size > 1 and (len(time[0]) > 1 or known):
-            unit = _seconds(name)
-            step = unit * _mean_step(column)
+            scale = _seconds(name)
+            step = scale * _mean_step(column)
             if step > 0.0 and is_even(column):
                 found.setdefault('fs', np.array(1.0 / step))
-            elif unit > 0.0 and not step <= 0.0:
+            elif scale > 0.0 and not step <= 0.0:
                 said = f'the times of its column {name!r} have gaps, or too few digits'
                 found['no_rate'] = np.array(said)
         else:
