@@ -127,6 +127,8 @@ class SeriesDiagnoser:
         if first_sample < self._next:
             # The source counts anew, maybe for each snapshot.
             now = self._last + self._settings.series_cycle
+        # A pause is no time of the series in which samples came.
+        self._whole += max(now - self._ended - self._settings.series_cycle, 0.0)
         if not (self._parts and steady):
             self._rate = sample_rate
         self._ended = now + len(block) / sample_rate

@@ -388,6 +388,14 @@ def test_a_series_without_a_verdict_says_why():
     )
 
 
+def test_a_series_that_pauses_is_not_overdue_when_it_goes_on():
+    """A burst each fifth cycle: no snapshot was due while no samples came."""
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
+    for number in range(3):
+        diagnoser.take(round(5 * number * 600.0 * RATE), np.ones(20), RATE, 25.0)
+        assert not diagnoser.overdue
+
+
 @pytest.mark.parametrize('share', [-0.01, -5e-5, 5e-5, 0.01])
 @pytest.mark.parametrize('restarted', [False, True])
 def test_a_series_goes_on_where_the_rate_changes_after_a_year(share, restarted):
