@@ -77,14 +77,17 @@ class TwinChannel(Inputs):
         )  # fmt: skip
         self.values = dict(values)
         self._settle = settle
+        self.settled = False
+        """Whether the rings have a history: of a first reading, or of a state that was loaded."""
 
     def take_temperature(self, message: Any, info: Mapping[str, Any] | None = None) -> None:
         """Take a ``sensor_msgs/Temperature``; of several publishers the first one's only."""
-        before = self.temperature
         super().take_temperature(message, info)
         reading = self.temperature
-        first = math.isnan(before.taken) and not math.isnan(reading.taken)
-        if first and self.values['thermal_mode'] == 'physical':
+        if self.settled or math.isnan(reading.taken):
+            return
+        self.settled = True
+        if self.values['thermal_mode'] == 'physical':
             self._settle(reading.used)
 
     def inputs(self) -> TwinInputs:
@@ -243,7 +246,7 @@ class Twin(TwinChannel):
         if (fitted and fitted.text) != (self.fitted and self.fitted.text):
             simulator = build_simulator(self.values, self._parameters(fitted))
         simulator.load(parts[0])
-        self.simulator, self.sensor = simulator, sensor
+        self.simulator, self.sensor, self.settled = simulator, sensor, True
         self._changing, self._next = bool(changing), following
         self.values = dict(self.values)
         self.ask_checkpoint()

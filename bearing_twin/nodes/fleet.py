@@ -333,6 +333,8 @@ class FleetNode(ManagedNode):
         simulator = self._simulator(member)
         simulator.load(state)
         self._place(member, simulator)
+        if member.channel is not None:
+            member.channel.settled = True
 
     def _place(self, member: Member, simulator: Simulator) -> None:
         assert self._fleet is not None

@@ -84,6 +84,22 @@ def test_a_machine_that_is_hot_when_it_is_first_measured_has_been_so_for_long():
     check_settled(twin.simulator.condition(), 70.0)
 
 
+def test_a_state_that_is_loaded_keeps_its_rings_whenever_the_first_temperature_comes():
+    pytest.importorskip('sensor_msgs')
+    values = {'thermal_mode': 'physical', 'preset': 'incipient', 'noise': 0.0}
+    warming = hosted(**values, start_temperature=70.0)
+    warming.take_temperature(measured(20.0))
+    warming.take_temperature(measured(70.0, stamp=2))
+    warming.advance()
+    state, expected = warming.save(), warming.advance().block.condition.inner_ring_temperature
+    assert expected < 60.0
+    later = hosted(**values)
+    later.load(state)
+    later.take_temperature(measured(70.0))
+    found = later.advance().block.condition.inner_ring_temperature
+    assert found == pytest.approx(expected, abs=0.1)
+
+
 def test_a_bearing_of_a_fleet_settles_alike():
     parameters = smooth('incipient', thermal_mode='physical')
     fleet, single = Fleet([preset('paper'), parameters]), Simulator(parameters, seed=1)
