@@ -19,7 +19,7 @@ from mcap.writer import CompressionType, Writer
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from bearing_twin.recording.disksync import DiskSync
+    from bearing_twin.disksync import DiskSync
     from bearing_twin.recording.schema import MessageSchema
 
 __all__ = ['LIBRARY', 'Attached', 'OutputFile']

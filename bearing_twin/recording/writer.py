@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import time
 from typing import TYPE_CHECKING
 
+from bearing_twin.disksync import DiskSync
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import check_fields, quantity
 from bearing_twin.recording.bagmetadata import BagFile, metadata_record, write_metadata_file
-from bearing_twin.recording.disksync import DiskSync
 from bearing_twin.recording.outfile import Attached, OutputFile
 from bearing_twin.recording.sink import MessageSink, Written
 from bearing_twin.stamps import NANO

@@ -11,8 +11,8 @@ import stat
 from typing import BinaryIO, TYPE_CHECKING
 
 from bearing_twin.diagnosis.state import pack, unpack
+from bearing_twin.disksync import DiskSync
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.disksync import DiskSync
 from bearing_twin.wholefile import whole_file
 import numpy as np
 
