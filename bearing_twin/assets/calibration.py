@@ -184,9 +184,10 @@ class CalibrationCore:
         self._follow_repair(heard, now)
         full = self._record.held >= wanted
         hertz, self.waiting = self._record.shaft_hz() if full else (math.nan, '')
-        if full and abs(self._record.stamped_rate() / self._record.following[1] - 1.0) > REFUSED:
-            # A NaN is no reason.
-            self.waiting = off_rate(self._record.stamped_rate(), self._record.following[1])
+        stamped, said = self._record.stamped_rate(), self._record.following[1]
+        # A NaN is no reason.
+        if full and abs(stamped / said - 1.0) > REFUSED:
+            self.waiting = off_rate(stamped, said)
         if not full or self.waiting:
             return None
         if now >= self._compared + self._values['window']:
@@ -201,7 +202,7 @@ class CalibrationCore:
         first = self._record.following[0] - wanted
         return Task(
             samples=self._samples(wanted),
-            sample_rate=self._record.following[1],
+            sample_rate=said,
             bearing=self.bearing,
             shaft_hz=hertz,
             temperature=temperature,
