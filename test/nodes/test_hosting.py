@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A real accelerometer through the adapter, and many bearings in one process."""
 
+from contextlib import contextmanager
 import itertools
 from itertools import pairwise
 import signal
@@ -193,33 +194,36 @@ def test_one_process_hosts_many_bearings(nodes, probe, tmp_path):
     assert nodes.end('fleet', by=signal.SIGTERM) == 0
 
 
-def test_an_interrupted_fleet_keeps_what_its_diagnoses_have_learnt(ros_domain, tmp_path):
-    learnt = {'window': 1.0, 'update_interval': 0.5, 'state_directory': str(tmp_path)}
-    assets = {name: {'twin': {}, 'diagnosis': learnt | {'state_name': name}} for name in 'ab'}
-    (tmp_path / 'assets.yaml').write_text(yaml.safe_dump({'assets': assets}))
-    rclpy.init(args=['--ros-args', '-p', f'assets_file:={tmp_path}/assets.yaml'])
+@contextmanager
+def fleet_here(assets, folder):
+    """Bring up a fleet in this process; the context ends with it."""
+    (folder / 'assets.yaml').write_text(yaml.safe_dump({'assets': assets}))
+    rclpy.init(args=['--ros-args', '-p', f'assets_file:={folder}/assets.yaml'])
     try:
         node = FleetNode()
         node.bring_up()
+        yield node
+        node.shut_down()
+    finally:
+        rclpy.try_shutdown()
+
+
+def test_an_interrupted_fleet_keeps_what_its_diagnoses_have_learnt(ros_domain, tmp_path):
+    learnt = {'window': 1.0, 'update_interval': 0.5, 'state_directory': str(tmp_path)}
+    assets = {name: {'twin': {}, 'diagnosis': learnt | {'state_name': name}} for name in 'ab'}
+    with fleet_here(assets, tmp_path) as node:
         size = node.parameters['block_size']
         for first in range(0, 3 * 25600, size):
             node._compute(Due(first, NANO + first * NANO // 25600, 0.0))
         # The last blocks wait for their slots when rclpy hears the signal.
         assert len(node._pending) == 2
         rclpy.shutdown()
-        node.shut_down()
-    finally:
-        rclpy.try_shutdown()
     assert {'a', 'b'} <= {path.name for path in tmp_path.iterdir()}
 
 
 def test_a_hot_machine_of_a_fleet_has_been_hot_for_long(ros_domain, tmp_path):
     assets = {name: {'twin': {'thermal_mode': 'physical'}} for name in 'ab'}
-    (tmp_path / 'assets.yaml').write_text(yaml.safe_dump({'assets': assets}))
-    rclpy.init(args=['--ros-args', '-p', f'assets_file:={tmp_path}/assets.yaml'])
-    try:
-        node = FleetNode()
-        node.bring_up()
+    with fleet_here(assets, tmp_path) as node:
         size = node.parameters['block_size']
 
         def rings():
@@ -237,9 +241,6 @@ def test_a_hot_machine_of_a_fleet_has_been_hot_for_long(ros_domain, tmp_path):
         assert rings()[0] == pytest.approx(74.0, abs=3.0)
         node._reset_twin(node._twins[0])
         assert rings()[0] == pytest.approx(74.0, abs=3.0)
-        node.shut_down()
-    finally:
-        rclpy.try_shutdown()
 
 
 def test_fleet_and_adapter_follow_simulated_time(nodes, probe):
