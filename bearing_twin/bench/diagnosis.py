@@ -42,7 +42,7 @@ def measure() -> dict[str, float]:
     """
     Measure one second at 25.6 kHz, all stages, one core.
 
-    What the figures mean is said in :data:`bearing_twin.bench.figures.FIGURES`.
+    The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
     Those of a kurtogram are there where PySDKit is installed.
 
     """

@@ -51,7 +51,7 @@ def live_run(
     progress
         Called with the seconds that have passed, every half minute.
 
-    What the figures mean is said in :data:`bearing_twin.bench.figures.FIGURES`.
+    The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
 
     """
     with tempfile.TemporaryDirectory() as name, own_domain(os.getpid()) as domain:

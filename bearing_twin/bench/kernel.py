@@ -52,7 +52,7 @@ def measure() -> dict[str, float]:
     """
     Measure; takes about 30 s.
 
-    What the figures mean is said in :data:`bearing_twin.bench.figures.FIGURES`.
+    The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
 
     """
     warm_up(fleet=True)

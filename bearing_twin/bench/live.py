@@ -46,7 +46,7 @@ def measure() -> dict[str, float]:
     """
     Measure what one bearing costs, and run half as many as that allows.
 
-    What the figures mean is said in :data:`bearing_twin.bench.figures.FIGURES`.
+    The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
 
     Raises
     ------

@@ -22,7 +22,7 @@ def measure() -> dict[str, float]:
     Run the paper's schedule offline, and verify the recording that comes out.
 
     The fastest of three runs counts, after one that loads and compiles.
-    What the figures mean is said in :data:`bearing_twin.bench.figures.FIGURES`.
+    The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
 
     """
     with tempfile.TemporaryDirectory() as name:

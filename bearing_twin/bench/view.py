@@ -30,7 +30,7 @@ def measure() -> dict[str, float]:
     Draw a recording of twin and diagnosis at 25.6 kHz as the recorder does.
 
     Each load is the lower of two runs after one that loads.
-    What the figures mean is said in :data:`bearing_twin.bench.figures.FIGURES`.
+    The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
 
     """
     with tempfile.TemporaryDirectory() as name:

@@ -165,7 +165,7 @@ def test_a_damaged_head_costs_what_it_holds(
 
 
 class BadSector(io.BytesIO):
-    """A file of which a disk cannot read one sector."""
+    """A file with a sector that the disk cannot read."""
 
     sector = 0
 
