@@ -235,10 +235,11 @@ class Fleet:
 
     def _inputs(self, index: int) -> FloatArray:
         """Return the inputs of the equations of one bearing at the next sample."""
-        lanes, (last, growth) = self._lanes, self._lanes.drift[index]
-        inputs: FloatArray = lanes.values[index, : coefficients.INPUTS] + lanes.behind[index]
-        inputs += last + growth * (self.next_sample % self._tick)
-        return inputs
+        lanes = self._lanes
+        return inner_ring.inputs(
+            lanes.values[index], lanes.behind[index], lanes.drift[index],
+            self.next_sample % self._tick,
+        )  # fmt: skip
 
     def reconfigure(self, index: int, parameters: TwinParameters) -> None:
         """

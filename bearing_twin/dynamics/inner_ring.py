@@ -22,7 +22,9 @@ from bearing_twin.dynamics.compiled import compiled
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ['advance', 'advance_all', 'carry', 'settle', 'temperature', 'tick_length']
+__all__ = [
+    'advance', 'advance_all', 'carry', 'inputs', 'settle', 'temperature', 'tick_length',
+]  # fmt: skip
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -54,6 +56,30 @@ def temperature(rings: FloatArray, since_tick: int, tick: int) -> float:
 
     """
     return float(rings[0] + (rings[1] - rings[0]) * (since_tick / tick))
+
+
+def inputs(
+    values: FloatArray, behind: FloatArray, drift: FloatArray, since_tick: int
+) -> FloatArray:
+    """
+    Sum up the inputs of the equations, float64[INPUTS], ``since_tick`` samples after a tick.
+
+    In the order of the kernels. ``values`` are those of `coefficients.evaluate`; ``behind`` is how
+    far the inputs are from them where a ramp begins.
+
+    Examples
+    --------
+    >>> drift = np.zeros((2, coefficients.INPUTS))
+    >>> drift[:, coefficients.CLEARANCE] = -1e-6, 1e-9
+    >>> values = np.full(coefficients.CONDITION_SIZE, 5e-6)
+    >>> at = inputs(values, np.zeros(coefficients.INPUTS), drift, since_tick=640)
+    >>> round(1e6 * float(at[coefficients.CLEARANCE]), 2)
+    4.64
+
+    """
+    total: FloatArray = values[: coefficients.INPUTS] + behind
+    total += drift[0] + drift[1] * since_tick
+    return total
 
 
 def settle(law: FloatArray, outer: float, hz: float, rings: FloatArray, drift: FloatArray) -> None:

@@ -456,10 +456,9 @@ class Simulator:
 
     def inputs(self) -> FloatArray:
         """Return the inputs of the equations at the next sample, as `coefficients` has them."""
-        values: FloatArray = self._values[: coefficients.INPUTS] + self._drift[0]
-        values += self._drift[1] * (self.next_sample % self.tick)
-        values += self._behind
-        return values
+        return inner_ring.inputs(
+            self._values, self._behind, self._drift, self.next_sample % self.tick
+        )
 
     def _come_from(self, inputs: FloatArray | None) -> None:
         """Let the next block start at ``inputs`` of the equations; None: where it would."""

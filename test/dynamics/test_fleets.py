@@ -136,6 +136,18 @@ def test_fleet_carries_the_inner_ring_and_refuses_without_a_trace():
         Fleet([preset('incipient')] * 2).load(before[0])
 
 
+def test_a_fleet_knows_the_state_of_its_bearings_to_the_bit_as_each_alone():
+    parameters = preset('incipient', thermal_mode='physical')
+    fleet, single = Fleet([parameters]), Simulator(parameters)
+    known = 'k_b', 'radial_clearance', 'slip', 'bpfi', 'contact_pressure'
+    # The rings warm: between the ticks every input drifts.
+    for n in (2570, 700, 613, 2048, 31):
+        fleet.advance(n, 90.0, 25.4)
+        alone = single.advance(n, 90.0, 25.4).condition
+        ours = fleet.condition(0)
+        assert [getattr(ours, name) for name in known] == [getattr(alone, name) for name in known]
+
+
 def test_a_ball_that_spins_fast_meets_both_races_by_turns():
     """At a low rate its spall passes several contacts between two points of the grid."""
     ball = preset('incipient', defect='ball', jitter=0.0, noise=0.0, waviness=0.0)
