@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import time
 from typing import TYPE_CHECKING
 
@@ -13,6 +12,7 @@ from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import recover
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.streams.statefile import StateFolder
+from loopdisk import loop_disk
 import pytest
 from recording_samples import START, VIBRATION, vibration_cdr
 import yaml
@@ -21,46 +21,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-
-class Disk:
-    """An ext4 whose journal is written each second."""
-
-    def __init__(self, folder: Path, options: str) -> None:
-        self.path = folder / 'disk'
-        self._image, self._after = folder / 'image', folder / 'after'
-        for made in (self.path, self._after):
-            made.mkdir()
-        with self._image.open('wb') as file:
-            file.truncate(64 * 2**20)
-        call('mkfs.ext4', '-q', self._image)
-        call('mount', '-o', f'loop,commit=1,{options}', self._image, self.path)
-        self._mounted = [self.path]
-
-    def cut(self) -> Path:
-        """Return what a cut at this moment leaves."""
-        copy = self._image.with_suffix('.cut')
-        call('cp', '--sparse=always', self._image, copy)
-        call('mount', '-o', 'loop', copy, self._after)
-        self._mounted.append(self._after)
-        return self._after
-
-    def close(self) -> None:
-        for folder in self._mounted:
-            subprocess.run(['umount', '-l', folder], check=False)
-
-
-def call(*words: object) -> None:
-    subprocess.run([str(word) for word in words], check=True, capture_output=True)
+    from loopdisk import Disk
 
 
 @pytest.fixture(params=['auto_da_alloc', 'noauto_da_alloc'])
 def disk(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Disk]:
-    try:
-        made = Disk(tmp_path, request.param)
-    except (OSError, subprocess.CalledProcessError) as error:
-        pytest.skip(f'a file system cannot be made and mounted here: {error}')
-    yield made
-    made.close()
+    with loop_disk(tmp_path, request.param) as made:
+        yield made
 
 
 def test_a_state_survives_a_power_cut(disk: Disk) -> None:

@@ -1,0 +1,284 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Saved states: whole, of one node at a time, and never another's."""
+
+import errno
+import os
+import resource
+import select
+import subprocess
+import sys
+import time
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.streams.statefile import KeptState, StateFolder
+import pytest
+
+
+@pytest.mark.parametrize('name', ['', '.', '..', '../x', '/etc/passwd', 'a/b', 'a\0b'])
+def test_states_stay_in_their_folder(tmp_path, name):
+    with pytest.raises(BearingTwinError, match='plain file name'):
+        StateFolder(str(tmp_path)).save(name, b'x')
+
+
+def test_a_state_is_saved_once_where_there_are_no_hard_links(tmp_path, monkeypatch):
+    def refuse(*_):
+        raise PermissionError(errno.EPERM, 'Operation not permitted')
+
+    monkeypatch.setattr(os, 'link', refuse)
+    folder = StateFolder(str(tmp_path))
+    folder.save('a', b'1')
+    with pytest.raises(BearingTwinError, match='exists and is not overwritten'):
+        folder.save('a', b'2')
+    assert folder.load('a') == b'1'
+    assert [path.name for path in tmp_path.iterdir()] == ['a']
+
+
+def test_states_are_not_overwritten(tmp_path):
+    folder = StateFolder(str(tmp_path / 'new'))
+    folder.save('a', b'1')
+    with pytest.raises(BearingTwinError, match='not overwritten'):
+        folder.save('a', b'2')
+    assert folder.load('a') == b'1'
+    folder.replace('a', b'3')
+    assert folder.load('a') == b'3'
+    with pytest.raises(BearingTwinError, match='cannot be read'):
+        folder.load('b')
+
+
+def test_a_state_is_kept_by_one_node_at_a_time(tmp_path):
+    first, second = StateFolder(str(tmp_path)), StateFolder(str(tmp_path))
+    first.replace('a', b'1')
+    with pytest.raises(BearingTwinError, match='kept by another node'):
+        second.replace('a', b'2')
+    second.replace('b', b'2')
+    first.replace('a', b'3')
+    assert second.load('a') == b'3'
+    first.release()
+    second.replace('a', b'4')
+    # A process of its own, too.
+    write = (
+        'import sys; from bearing_twin.streams.statefile import StateFolder as F\n'
+        "F(sys.argv[1]).replace('a', b'5')"
+    )
+    ran = subprocess.run([sys.executable, '-c', write, str(tmp_path)], capture_output=True)
+    assert ran.returncode
+    assert b'kept by another node' in ran.stderr
+    assert first.load('a') == b'4'
+
+
+KEEPER = """
+import sys, time
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.streams.statefile import KeptState, StateFolder
+folder, number = StateFolder(sys.argv[1]), sys.argv[2].encode()
+print('there', flush=True)
+while True:
+    try:
+        folder.replace('a', number * 100_000)
+        print('kept', flush=True)
+    except BearingTwinError as error:
+        assert 'kept by another node' in str(error), error
+        time.sleep(0.001)
+"""
+
+
+def contend(rounds, folder):
+    """Let three processes keep one state, kill the one that does: the next one takes over."""
+    words = [sys.executable, '-c', KEEPER, str(folder)]
+    keepers, before = [], None
+    try:
+        for number in range(rounds):
+            while len(keepers) < 3:
+                name = str((number + len(keepers)) % 10)
+                keepers.append(subprocess.Popen([*words, name], stdout=subprocess.PIPE))
+                assert keepers[-1].stdout.readline() == b'there\n'
+            ready, _, _ = select.select([k.stdout for k in keepers], [], [], 120.0)
+            [keeper] = [k for k in keepers if k.stdout in ready]
+            assert keeper is not before
+            before = keeper
+            keeper.kill()
+            keeper.wait()
+            keepers.remove(keeper)
+            # Whole, whenever it struck.
+            state = StateFolder(str(folder)).load('a')
+            assert len(state) == 100_000
+            assert len(set(state)) == 1
+    finally:
+        for keeper in keepers:
+            keeper.kill()
+            keeper.wait()
+
+
+def test_three_processes_that_are_killed_leave_a_whole_state(tmp_path):
+    contend(4, tmp_path)
+
+
+@pytest.mark.soak
+def test_a_hundred_killed_keepers_of_one_state(tmp_path):
+    contend(100, tmp_path)
+
+
+def test_a_state_that_is_kept_waits_for_no_disk_and_says_what_went_wrong(tmp_path):
+    first, second = StateFolder(str(tmp_path)), StateFolder(str(tmp_path))
+    for number in range(300):
+        first.keep('a', b'%d' % number)
+    second.keep('b', b'2')
+    assert second.release() == ''
+    second.keep('a', b'other')
+    assert 'kept by another node' in second.release()
+    with pytest.raises(BearingTwinError, match='kept by another node'):
+        second.keep('a', b'other')
+    assert first.release() == ''
+    assert first.load('a') == b'299'
+
+
+def test_no_state_is_read_or_written_through_a_link(tmp_path):
+    outside = tmp_path / 'outside'
+    outside.write_bytes(b'precious')
+    folder = StateFolder(str(tmp_path / 'states'))
+    folder.replace('part', b'1')
+    (tmp_path / 'states' / 'link').symlink_to(outside)
+    with pytest.raises(BearingTwinError, match='is a link'):
+        folder.replace('link', b'2')
+    with pytest.raises(BearingTwinError, match='it is a link'):
+        folder.load('link')
+    with pytest.raises(BearingTwinError, match='exists'):
+        folder.save('link', b'2')
+    folder.replace('part', b'2')
+    assert outside.read_bytes() == b'precious'
+    os.mkfifo(tmp_path / 'states' / 'pipe')
+    with pytest.raises(BearingTwinError, match='no plain file'):
+        folder.load('pipe')
+
+
+class Node:
+    """What a node does with the state that it keeps."""
+
+    def __init__(self, folder, name='/pump_1/diagnosis', former=''):
+        self.log = []
+        self.learnt = None
+        self.state = KeptState(str(folder), 'pump', name, former, self.log.append)
+        self.taken = self.state.load(self.take)
+
+    def take(self, state):
+        if state == b'of a series':
+            raise BearingTwinError('saved state has version 1006')
+        self.learnt = state
+
+    def keep(self, state):
+        self.state.keep(lambda: state)
+        while self.state._folder._disk.busy:
+            time.sleep(0.001)
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_a_state_is_claimed_before_it_is_read(tmp_path):
+    first = Node(tmp_path)
+    first.keep(b'of a series')
+    before = (tmp_path / 'pump').read_bytes()
+    # Neither what it holds nor that it could not be used is the second's.
+    second = Node(tmp_path)
+    assert (second.taken, second.learnt) == (False, None)
+    assert [line.split('; ')[0] for line in second.log] == [
+        f'{tmp_path}/pump is kept by another node'
+    ]
+    second.keep(b'2')
+    assert second.state.problem == second.log[0]
+    assert (tmp_path / 'pump').read_bytes() == before
+    assert names(tmp_path) == ['.pump.lock', 'pump']
+    first.keep(b'1')
+    first.state.release()
+    # It takes over once the first is gone.
+    assert second.state.load(second.take)
+    assert second.learnt == b'1'
+    second.keep(b'2')
+    assert (len(second.log), second.state.problem) == (1, '')
+
+
+def test_a_state_of_another_machine_is_refused_by_name(tmp_path):
+    pump = Node(tmp_path)
+    pump.keep(b'pump 1')
+    pump.state.release()
+    before = (tmp_path / 'pump').read_bytes()
+    other = Node(tmp_path, '/pump_2/diagnosis')
+    assert other.learnt is None
+    assert other.log == [
+        f'{tmp_path}/pump was learnt by /pump_1/diagnosis, this is /pump_2/diagnosis: choose '
+        'another state_name, or set state_owner to /pump_1/diagnosis if that is its former name'
+    ]
+    for reset in (False, True):
+        if reset:
+            other.state.give_up()
+            assert not other.state.load(other.take)
+        other.keep(b'pump 2')
+        assert other.state.problem
+    assert (tmp_path / 'pump').read_bytes() == before
+    assert names(tmp_path) == ['.pump.lock', 'pump']
+    # A node that was renamed loses nothing, and the state is then its own.
+    renamed = Node(tmp_path, '/hall/pump_1/diagnosis', '/pump_1/diagnosis')
+    assert renamed.learnt == b'pump 1'
+    renamed.keep(b'still pump 1')
+    renamed.state.release()
+    assert Node(tmp_path, '/hall/pump_1/diagnosis').learnt == b'still pump 1'
+    assert not Node(tmp_path).taken
+
+
+@pytest.mark.parametrize('room', [0, 1], ids=['for no file', 'for the lock alone'])
+@pytest.mark.parametrize('reset', [False, True])
+def test_a_disk_that_gives_no_answer_costs_no_state(tmp_path, room, reset):
+    pump = Node(tmp_path)
+    pump.keep(b'1')
+    pump.state.release()
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    lowest = os.dup(0)
+    os.close(lowest)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (lowest + room, limits[1]))
+    try:
+        again = Node(tmp_path)
+        again.keep(b'too early')
+        if reset:
+            again.state.give_up()
+            again.keep(b'too early')
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+    assert again.log == [f'{tmp_path}/pump cannot be read: Too many open files']
+    again.keep(b'too early')
+    assert names(tmp_path) == ['.pump.lock', 'pump']
+    # Later the disk answers; what a reset has given up is not taken up then.
+    assert again.state.load(again.take) != reset
+    assert again.learnt == (None if reset else b'1')
+    again.keep(b'2')
+    assert again.state.problem == ''
+    again.state.release()
+    assert Node(tmp_path).learnt == b'2'
+
+
+@pytest.mark.parametrize('damaged', [False, True])
+def test_content_that_cannot_be_used_is_set_aside_and_learnt_anew(tmp_path, damaged):
+    pump = Node(tmp_path)
+    pump.keep(b'of a series')
+    pump.state.release()
+    if damaged:
+        (tmp_path / 'pump').write_bytes((tmp_path / 'pump').read_bytes()[:-1])
+    again = Node(tmp_path)
+    assert not again.taken
+    (said,) = again.log
+    reason = 'is damaged' if damaged else 'has version 1006'
+    assert reason in said
+    assert said.endswith(f'it is kept as {tmp_path}/pump.unreadable-1; it is learnt anew')
+    again.keep(b'2')
+    assert names(tmp_path) == ['.pump.lock', 'pump', 'pump.unreadable-1']
+
+
+def test_a_state_that_cannot_be_used_is_set_aside(tmp_path):
+    folder = StateFolder(str(tmp_path))
+    for number in (1, 2):
+        folder.replace('a', b'other %d' % number)
+        assert folder.set_aside('a') == f'it is kept as {tmp_path / "a"}.unreadable-{number}'
+    assert (tmp_path / 'a.unreadable-1').read_bytes() == b'other 1'
+    with pytest.raises(BearingTwinError, match='cannot be renamed'):
+        folder.set_aside('a')
