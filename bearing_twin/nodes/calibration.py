@@ -76,7 +76,7 @@ class CalibrationNode(ManagedNode):
             p['state_directory'], p['state_name'], self.get_fully_qualified_name(),
             p['state_owner'], self.get_logger().error,
         )  # fmt: skip
-        self._state.load(self._core.load)
+        self._state.load(self._core.load, wait=True)
         self._worker = _worker()
         self._out = self.create_lifecycle_publisher(
             Calibration, 'calibration', own(RESULT), qos_overriding_options=OVERRIDES

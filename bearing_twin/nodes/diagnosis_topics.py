@@ -96,7 +96,7 @@ class DiagnosisTopics:
             p['state_directory'], p['state_name'], self._path, p['state_owner'],
             node.get_logger().error,
         )  # fmt: skip
-        self._load_state()
+        self._load_state(wait=True)
 
     @property
     def bearing(self) -> str:
@@ -216,8 +216,8 @@ class DiagnosisTopics:
         )
         self.keep_state()
 
-    def _load_state(self) -> None:
-        if self._state.load(self._core.diagnoser.load):
+    def _load_state(self, *, wait: bool = False) -> None:
+        if self._state.load(self._core.diagnoser.load, wait=wait):
             self._node.get_logger().info(f'baseline and trend loaded from {self._state.path}')
 
     def keep_state(self) -> None:

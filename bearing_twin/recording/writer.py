@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ['RecordingWriter', 'WriterOptions', 'whole_recording']
 
-LONGEST_SYNC = 10.0
-"""Longest time that the end of a recording waits for the disk, s."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class WriterOptions:
@@ -231,7 +228,7 @@ class RecordingWriter(MessageSink):
         self.flush()
         self._finish()
         self.problem = self._settle()
-        self._disk.close(LONGEST_SYNC)
+        self._disk.settle()
         if self._listed is not self._to_list:
             self._unlisted = 'metadata.yaml waits for the disk'
         self.problem = self.problem or self._unlisted
@@ -249,7 +246,7 @@ class RecordingWriter(MessageSink):
     def discard(self) -> None:
         """Remove what has been made of the recording: a result that was not to be left cut."""
         self._closed = True
-        self._disk.close(LONGEST_SYNC)
+        self._disk.settle()
         for file in (*self._ending, self._file):
             file.abandon()
         names = [file.name for file in self._finished]

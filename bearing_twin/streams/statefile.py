@@ -4,14 +4,16 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 import fcntl
+from functools import partial
 import os
 from pathlib import Path
 import stat
-from typing import BinaryIO, TYPE_CHECKING
+from typing import BinaryIO, TYPE_CHECKING, TypeVar
 
 from bearing_twin.diagnosis.state import pack, unpack
-from bearing_twin.disksync import DiskSync
+from bearing_twin.disksync import DiskSync, SILENT
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.wholefile import whole_file
 import numpy as np
@@ -19,13 +21,15 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from bearing_twin.disksync import Job
+
 __all__ = ['KeptState', 'StateFolder']
 
 _VERSION = 3001
 
 LARGEST = 64 * 1024 * 1024
-LONGEST_SYNC = 10.0
-"""Longest time that letting go of a state waits for the disk, s."""
+
+T = TypeVar('T')
 
 
 class StateFolder:
@@ -41,10 +45,6 @@ class StateFolder:
 
     def __init__(self, folder: str) -> None:
         self._folder = folder
-        self._locks: dict[str, BinaryIO] = {}
-        self._disk = DiskSync()
-        self._newest: dict[str, bytes] = {}
-        self._problem = ''
 
     @property
     def folder(self) -> Path:
@@ -100,53 +100,8 @@ class StateFolder:
             msg = f'{path} exists and is not overwritten; choose another name'
             raise BearingTwinError(msg) from None
         except OSError as error:
-            msg = f'{path} cannot be written: {error.strerror}'
-            raise BearingTwinError(msg) from None
+            raise BearingTwinError(_refusal(path, 'written', error)) from None
         return path
-
-    def replace(self, name: str, state: bytes) -> Path:
-        """
-        Write a state that the node itself keeps up to date, atomically.
-
-        The first call makes it this object's: no other one writes it while this one exists.
-
-        Raises
-        ------
-        BearingTwinError
-            If the name is not plain, another node keeps the state, it is a link, or the file
-            cannot be written.
-
-        """
-        path = self.path(name)
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            self._claim(name)
-            if path.is_symlink():
-                msg = f'{path} is a link, through which no state is written; remove it'
-                raise BearingTwinError(msg)
-            with whole_file(path) as file:
-                file.write(state)
-        except OSError as error:
-            msg = f'{path} cannot be written: {error.strerror}'
-            raise BearingTwinError(msg) from None
-        return path
-
-    def keep(self, name: str, state: bytes, *, wait: bool = False) -> None:
-        """
-        Have a thread :meth:`replace` a state, so that nobody has to ``wait`` for the disk.
-
-        Of states that come faster than the disk takes them, the newest is written.
-
-        Raises
-        ------
-        BearingTwinError
-            What was wrong the last time, or, after a ``wait``, this time.
-
-        """
-        self._newest[name] = state
-        self._disk.do(self._replace_newest)
-        if problem := self._settled() if wait else self._problem:
-            raise BearingTwinError(problem)
 
     def load(self, name: str) -> bytes:
         """
@@ -161,98 +116,9 @@ class StateFolder:
         """
         path = self.path(name)
         try:
-            return self._read(path)
+            return _read(path)
         except OSError as error:
-            raise BearingTwinError(_unreadable(path, error)) from None
-
-    def claim(self, name: str) -> bytes | None:
-        """
-        Make a state this object's, as :meth:`replace` does, and read it; None where there is none.
-
-        Raises
-        ------
-        BearingTwinError
-            As :meth:`load`, or if another node keeps it.
-
-        """
-        path = self.path(name)
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            self._claim(name)
-            return self._read(path)
-        except FileNotFoundError:
-            return None
-        except OSError as error:
-            raise BearingTwinError(_unreadable(path, error)) from None
-
-    def _read(self, path: Path) -> bytes:
-        # NONBLOCK: a pipe of this name must not hold the node up.
-        fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
-        with os.fdopen(fd, 'rb') as file:
-            about = os.fstat(fd)
-            if not stat.S_ISREG(about.st_mode) or about.st_size > LARGEST:
-                msg = f'{path} is no plain file of at most {LARGEST} bytes: not a saved state'
-                raise BearingTwinError(msg)
-            return file.read(LARGEST)
-
-    def set_aside(self, name: str) -> str:
-        """
-        Give a state that cannot be used another name, so that it stays; say which.
-
-        Raises
-        ------
-        BearingTwinError
-            If it cannot be renamed.
-
-        """
-        path = self.path(name)
-        # What is on its way to the disk is of it.
-        self._disk.close(LONGEST_SYNC)
-        number = 1
-        while (aside := path.with_name(f'{name}.unreadable-{number}')).exists():
-            number += 1
-        try:
-            path.rename(aside)
-        except OSError as error:
-            msg = f'{path} cannot be renamed: {error.strerror}'
-            raise BearingTwinError(msg) from None
-        return f'it is kept as {aside}'
-
-    def release(self) -> str:
-        """Let another node keep the states; return why the newest was not written, or ''."""
-        problem = self._settled()
-        for lock in self._locks.values():
-            lock.close()
-        self._locks.clear()
-        return problem
-
-    def _settled(self) -> str:
-        """Wait for the disk; return why it has not taken the newest state, or ''."""
-        self._disk.close(LONGEST_SYNC)
-        return 'the disk did not take the newest state' if self._disk.busy else self._problem
-
-    def _replace_newest(self) -> None:
-        if not self._newest:
-            return
-        try:
-            self.replace(*self._newest.popitem())
-            self._problem = ''
-        except BearingTwinError as error:
-            self._problem = str(error)
-
-    def _claim(self, name: str) -> None:
-        if name in self._locks:
-            return
-        lock = self.folder / f'.{name}.lock'
-        fd = os.open(lock, os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o644)
-        file = os.fdopen(fd, 'wb')
-        try:
-            fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            file.close()
-            msg = f'{self.path(name)} is kept by another node; give each its own state_name'
-            raise BearingTwinError(msg) from None
-        self._locks[name] = file
+            raise BearingTwinError(_refusal(path, 'read', error)) from None
 
 
 class KeptState:
@@ -263,6 +129,9 @@ class KeptState:
     is not given to another one that runs, or ran, under the same name of the state. Only content
     that cannot be used is set aside. All else, such as a disk that does not answer, is tried
     again, and nothing is written meanwhile.
+
+    A thread does what waits for the disk, in the order in which it is asked for: letting go of the
+    file comes after the last write, however long that takes.
 
     Parameters
     ----------
@@ -284,51 +153,53 @@ class KeptState:
     ) -> None:
         self._folder, self._name, self._log = StateFolder(folder), name, log
         self._node, self._nodes = node, (node, former)
-        self._ours = not name
-        self._given_up = False
-        self.problem = ''
-        """Why it is not kept; '' if it is."""
+        self._disk = DiskSync()
+        self._claimed: Job[bytes | None] | None = None
+        self._lock: BinaryIO | None = None
+        # What the file held: until one is true, it is not written.
+        self._taken_up = self._given_up = False
+        self._newest: bytes | None = None
+        self._problem = ''
 
     @property
     def path(self) -> Path:
         """Where it lies."""
         return self._folder.path(self._name)
 
-    def load(self, take: Callable[[bytes], None]) -> bool:
-        """Hand what was kept to ``take``, unless that has been done; return whether it was."""
-        if self._ours:
-            return False
-        try:
-            found = self._folder.claim(self._name)
-            self._ours = True
-            return found is not None and self._hand(found, take)
-        except BearingTwinError as error:
-            self._ours = False
-            # It may be that of a node which starts next.
-            self._folder.release()
-            self._tell(str(error))
-            return False
+    @property
+    def problem(self) -> str:
+        """Why it is not kept; '' if it is."""
+        return self._problem or ('' if self._disk.patience else SILENT)
 
-    def _hand(self, found: bytes, take: Callable[[bytes], None]) -> bool:
+    def load(self, take: Callable[[bytes], None], *, wait: bool = False) -> bool:
+        """
+        Hand what was kept to ``take``, unless that has been done; return whether it was.
+
+        What the disk has not given yet is handed over by a later call, or this one may ``wait``.
+        """
+        if self._taken_up or not self._name:
+            return False
+        self._claimed = self._claimed or self._do(self._claim)
+        if wait and self._disk.settle():
+            self._tell(f'{self.path} is not read yet: {SILENT}')
+        if not self._claimed.done():
+            return False
+        found, self._claimed = self._claimed.result(), None
+        if found is None:
+            return False
+        self._taken_up = True
+        if self._given_up:
+            return False
         try:
-            values, arrays = unpack(found, _VERSION)
-            node, state = values['node'], arrays['state'].tobytes()
-            if node in self._nodes:
-                if not self._given_up:
-                    take(state)
-                return not self._given_up
-        except (BearingTwinError, KeyError, TypeError) as error:
+            take(found)
+        except BearingTwinError as error:
             self.set_aside(str(error))
             return False
-        msg = (
-            f'{self.path} was learnt by {node}, this is {self._node}: choose another state_name, '
-            f'or set state_owner to {node} if that is its former name'
-        )
-        raise BearingTwinError(msg)
+        return True
 
     def keep(self, state: Callable[[], bytes], other: str = '', *, wait: bool = False) -> None:
         """
-        Write what ``state`` returns.
+        Have what ``state`` returns written; where it comes faster than the disk, the newest is.
 
         Parameters
         ----------
@@ -340,18 +211,16 @@ class KeptState:
             Whether to wait for the disk, as a service does whose answer must be true.
 
         """
-        if not self._name or not self._ours:
+        if not self._name or not (self._taken_up or self._given_up):
             return
-        try:
-            if other:
-                msg = f'{self.path} stays as it is: {other}'
-                raise BearingTwinError(msg)
-            held = {'state': np.frombuffer(state(), np.uint8)}
-            self._folder.keep(self._name, pack(_VERSION, {'node': self._node}, held), wait=wait)
-        except BearingTwinError as error:
-            self._tell(str(error))
-        else:
-            self.problem = ''
+        if other:
+            self._tell(f'{self.path} stays as it is: {other}')
+            return
+        held = {'state': np.frombuffer(state(), np.uint8)}
+        self._newest = pack(_VERSION, {'node': self._node}, held)
+        self._do(self._write)
+        if wait:
+            self._disk.settle()
 
     def give_up(self) -> None:
         """Take up no more what the file holds, where that was not possible yet."""
@@ -359,25 +228,116 @@ class KeptState:
 
     def set_aside(self, why: str) -> None:
         """Let what the file holds stay under another name, where it is this node's."""
-        if not (self._name and self._ours and os.path.lexists(self.path)):
-            return
-        try:
-            self._log(f'{why}; {self._folder.set_aside(self._name)}; it is learnt anew')
-        except BearingTwinError as error:
-            self._ours = False
-            self._tell(str(error))
+        if self._taken_up:
+            self._do(partial(self._set_aside, why))
 
     def release(self) -> None:
-        """Let another node keep it."""
-        if problem := self._folder.release():
-            self._tell(problem)
+        """Let another node keep it, when the disk has taken the newest."""
+        self._do(self._let_go)
+        if self._name and self._disk.settle():
+            self._tell(f'{self.path} is not written, and stays claimed: {SILENT}')
+
+    def _do(self, work: Callable[[], T | None]) -> Job[T | None]:
+        """Have the thread do something, and say what goes wrong."""
+
+        def told() -> T | None:
+            try:
+                return work()
+            except OSError as error:
+                self._tell(_refusal(self.path, 'kept', error))
+            except BearingTwinError as error:
+                self._tell(str(error))
+            return None
+
+        return self._disk.do(told)
+
+    def _claim(self) -> bytes | None:
+        """Return what the file holds for ``take``; None where there is nothing."""
+        found = None
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self._take_lock()
+            with suppress(FileNotFoundError):
+                found = self._learnt()
+        except (BearingTwinError, OSError):
+            # It may be that of a node which starts next.
+            self._let_go()
+            raise
+        self._taken_up = found is None
+        return found
+
+    def _take_lock(self) -> None:
+        if self._lock is not None:
+            return
+        lock = self.path.with_name(f'.{self._name}.lock')
+        fd = os.open(lock, os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o644)
+        self._lock = os.fdopen(fd, 'wb')
+        try:
+            fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            msg = f'{self.path} is kept by another node; give each its own state_name'
+            raise BearingTwinError(msg) from None
+
+    def _learnt(self) -> bytes | None:
+        found = _read(self.path)
+        try:
+            values, arrays = unpack(found, _VERSION)
+            node, state = values['node'], arrays['state'].tobytes()
+        except (BearingTwinError, KeyError, TypeError) as error:
+            self._set_aside(str(error))
+            return None
+        if node in self._nodes:
+            return state
+        msg = (
+            f'{self.path} was learnt by {node}, this is {self._node}: choose another state_name, '
+            f'or set state_owner to {node} if that is its former name'
+        )
+        raise BearingTwinError(msg)
+
+    def _write(self) -> None:
+        state, self._newest = self._newest, None
+        ours = self._lock is not None and (self._taken_up or self._given_up)
+        if state is None or not ours:
+            return
+        with whole_file(self.path) as file:
+            file.write(state)
+        self._problem = ''
+
+    def _set_aside(self, why: str) -> None:
+        number = 1
+        while (aside := self.path.with_name(f'{self._name}.unreadable-{number}')).exists():
+            number += 1
+        try:
+            self.path.rename(aside)
+        except FileNotFoundError:
+            return
+        except OSError:
+            self._taken_up = False
+            raise
+        self._log(f'{why}; it is kept as {aside}; it is learnt anew')
+
+    def _let_go(self) -> None:
+        if self._lock is not None:
+            self._lock.close()
+            self._lock = None
 
     def _tell(self, problem: str) -> None:
-        if problem != self.problem:
+        if problem != self._problem:
             self._log(problem)
-        self.problem = problem
+        self._problem = problem
 
 
-def _unreadable(path: Path, error: OSError) -> str:
+def _refusal(path: Path, what: str, error: OSError) -> str:
     reason = 'it is a link' if path.is_symlink() else error.strerror
-    return f'{path} cannot be read: {reason}'
+    return f'{path} cannot be {what}: {reason}'
+
+
+def _read(path: Path) -> bytes:
+    # NONBLOCK: a pipe of this name must not hold the node up.
+    fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    with os.fdopen(fd, 'rb') as file:
+        about = os.fstat(fd)
+        if not stat.S_ISREG(about.st_mode) or about.st_size > LARGEST:
+            msg = f'{path} is no plain file of at most {LARGEST} bytes: not a saved state'
+            raise BearingTwinError(msg)
+        return file.read(LARGEST)

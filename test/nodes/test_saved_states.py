@@ -3,6 +3,7 @@
 """Saved states: whole, of one node at a time, and never another's."""
 
 import errno
+import fcntl
 import os
 import resource
 import select
@@ -10,9 +11,34 @@ import subprocess
 import sys
 import time
 
+from bearing_twin import disksync
+from bearing_twin.diagnosis.state import unpack
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.streams import statefile
 from bearing_twin.streams.statefile import KeptState, StateFolder
+from loopdisk import loop_disk
 import pytest
+
+
+class Node:
+    """What a node does with the state that it keeps."""
+
+    def __init__(self, folder, name='/pump_1/diagnosis', former=''):
+        self.log = []
+        self.learnt = None
+        self.state = KeptState(str(folder), 'pump', name, former, self.log.append)
+        self.taken = self.load()
+
+    def load(self):
+        return self.state.load(self.take, wait=True)
+
+    def take(self, state):
+        if state == b'of a series':
+            raise BearingTwinError('saved state has version 1006')
+        self.learnt = state
+
+    def keep(self, state):
+        self.state.keep(lambda: state, wait=True)
 
 
 @pytest.mark.parametrize('name', ['', '.', '..', '../x', '/etc/passwd', 'a/b', 'a\0b'])
@@ -40,46 +66,24 @@ def test_states_are_not_overwritten(tmp_path):
     with pytest.raises(BearingTwinError, match='not overwritten'):
         folder.save('a', b'2')
     assert folder.load('a') == b'1'
-    folder.replace('a', b'3')
-    assert folder.load('a') == b'3'
     with pytest.raises(BearingTwinError, match='cannot be read'):
         folder.load('b')
 
 
-def test_a_state_is_kept_by_one_node_at_a_time(tmp_path):
-    first, second = StateFolder(str(tmp_path)), StateFolder(str(tmp_path))
-    first.replace('a', b'1')
-    with pytest.raises(BearingTwinError, match='kept by another node'):
-        second.replace('a', b'2')
-    second.replace('b', b'2')
-    first.replace('a', b'3')
-    assert second.load('a') == b'3'
-    first.release()
-    second.replace('a', b'4')
-    # A process of its own, too.
-    write = (
-        'import sys; from bearing_twin.streams.statefile import StateFolder as F\n'
-        "F(sys.argv[1]).replace('a', b'5')"
-    )
-    ran = subprocess.run([sys.executable, '-c', write, str(tmp_path)], capture_output=True)
-    assert ran.returncode
-    assert b'kept by another node' in ran.stderr
-    assert first.load('a') == b'4'
-
-
 KEEPER = """
 import sys, time
-from bearing_twin.errors import BearingTwinError
-from bearing_twin.streams.statefile import KeptState, StateFolder
-folder, number = StateFolder(sys.argv[1]), sys.argv[2].encode()
+from bearing_twin.streams.statefile import KeptState
+folder, number = sys.argv[1], sys.argv[2].encode()
+state = KeptState(folder, 'a', '/pump/diagnosis', '', lambda _: None)
 print('there', flush=True)
 while True:
-    try:
-        folder.replace('a', number * 100_000)
-        print('kept', flush=True)
-    except BearingTwinError as error:
-        assert 'kept by another node' in str(error), error
+    state.load(lambda _: None, wait=True)
+    state.keep(lambda: number * 100_000, wait=True)
+    if state.problem:
+        assert 'kept by another node' in state.problem, state.problem
         time.sleep(0.001)
+    else:
+        print('kept', flush=True)
 """
 
 
@@ -101,7 +105,8 @@ def contend(rounds, folder):
             keeper.wait()
             keepers.remove(keeper)
             # Whole, whenever it struck.
-            state = StateFolder(str(folder)).load('a')
+            _, held = unpack((folder / 'a').read_bytes(), statefile._VERSION)
+            state = held['state'].tobytes()
             assert len(state) == 100_000
             assert len(set(state)) == 1
     finally:
@@ -119,57 +124,34 @@ def test_a_hundred_killed_keepers_of_one_state(tmp_path):
     contend(100, tmp_path)
 
 
-def test_a_state_that_is_kept_waits_for_no_disk_and_says_what_went_wrong(tmp_path):
-    first, second = StateFolder(str(tmp_path)), StateFolder(str(tmp_path))
+def test_of_states_that_come_faster_than_the_disk_the_newest_is_kept(tmp_path):
+    pump = Node(tmp_path)
     for number in range(300):
-        first.keep('a', b'%d' % number)
-    second.keep('b', b'2')
-    assert second.release() == ''
-    second.keep('a', b'other')
-    assert 'kept by another node' in second.release()
-    with pytest.raises(BearingTwinError, match='kept by another node'):
-        second.keep('a', b'other')
-    assert first.release() == ''
-    assert first.load('a') == b'299'
+        pump.state.keep(lambda number=number: b'%d' % number)
+    pump.state.release()
+    assert Node(tmp_path).learnt == b'299'
 
 
 def test_no_state_is_read_or_written_through_a_link(tmp_path):
     outside = tmp_path / 'outside'
     outside.write_bytes(b'precious')
-    folder = StateFolder(str(tmp_path / 'states'))
-    folder.replace('part', b'1')
-    (tmp_path / 'states' / 'link').symlink_to(outside)
-    with pytest.raises(BearingTwinError, match='is a link'):
-        folder.replace('link', b'2')
+    states = tmp_path / 'states'
+    pump = Node(states)
+    pump.state.release()
+    (states / 'pump').symlink_to(outside)
+    pump = Node(states)
+    pump.keep(b'1')
+    assert pump.log == [f'{states}/pump cannot be kept: it is a link']
+    folder = StateFolder(str(states))
+    (states / 'link').symlink_to(outside)
     with pytest.raises(BearingTwinError, match='it is a link'):
         folder.load('link')
     with pytest.raises(BearingTwinError, match='exists'):
         folder.save('link', b'2')
-    folder.replace('part', b'2')
     assert outside.read_bytes() == b'precious'
-    os.mkfifo(tmp_path / 'states' / 'pipe')
+    os.mkfifo(states / 'pipe')
     with pytest.raises(BearingTwinError, match='no plain file'):
         folder.load('pipe')
-
-
-class Node:
-    """What a node does with the state that it keeps."""
-
-    def __init__(self, folder, name='/pump_1/diagnosis', former=''):
-        self.log = []
-        self.learnt = None
-        self.state = KeptState(str(folder), 'pump', name, former, self.log.append)
-        self.taken = self.state.load(self.take)
-
-    def take(self, state):
-        if state == b'of a series':
-            raise BearingTwinError('saved state has version 1006')
-        self.learnt = state
-
-    def keep(self, state):
-        self.state.keep(lambda: state)
-        while self.state._folder._disk.busy:
-            time.sleep(0.001)
 
 
 def names(folder):
@@ -193,7 +175,7 @@ def test_a_state_is_claimed_before_it_is_read(tmp_path):
     first.keep(b'1')
     first.state.release()
     # It takes over once the first is gone.
-    assert second.state.load(second.take)
+    assert second.load()
     assert second.learnt == b'1'
     second.keep(b'2')
     assert (len(second.log), second.state.problem) == (1, '')
@@ -213,7 +195,7 @@ def test_a_state_of_another_machine_is_refused_by_name(tmp_path):
     for reset in (False, True):
         if reset:
             other.state.give_up()
-            assert not other.state.load(other.take)
+            assert not other.load()
         other.keep(b'pump 2')
         assert other.state.problem
     assert (tmp_path / 'pump').read_bytes() == before
@@ -245,11 +227,11 @@ def test_a_disk_that_gives_no_answer_costs_no_state(tmp_path, room, reset):
             again.keep(b'too early')
     finally:
         resource.setrlimit(resource.RLIMIT_NOFILE, limits)
-    assert again.log == [f'{tmp_path}/pump cannot be read: Too many open files']
+    assert again.log == [f'{tmp_path}/pump cannot be kept: Too many open files']
     again.keep(b'too early')
     assert names(tmp_path) == ['.pump.lock', 'pump']
     # Later the disk answers; what a reset has given up is not taken up then.
-    assert again.state.load(again.take) != reset
+    assert again.load() != reset
     assert again.learnt == (None if reset else b'1')
     again.keep(b'2')
     assert again.state.problem == ''
@@ -265,20 +247,65 @@ def test_content_that_cannot_be_used_is_set_aside_and_learnt_anew(tmp_path, dama
     if damaged:
         (tmp_path / 'pump').write_bytes((tmp_path / 'pump').read_bytes()[:-1])
     again = Node(tmp_path)
+    again.keep(b'2')
     assert not again.taken
     (said,) = again.log
     reason = 'is damaged' if damaged else 'has version 1006'
     assert reason in said
     assert said.endswith(f'it is kept as {tmp_path}/pump.unreadable-1; it is learnt anew')
-    again.keep(b'2')
     assert names(tmp_path) == ['.pump.lock', 'pump', 'pump.unreadable-1']
 
 
-def test_a_state_that_cannot_be_used_is_set_aside(tmp_path):
-    folder = StateFolder(str(tmp_path))
+def test_a_state_that_is_set_aside_stays_under_a_name_of_its_own(tmp_path):
+    pump = Node(tmp_path)
     for number in (1, 2):
-        folder.replace('a', b'other %d' % number)
-        assert folder.set_aside('a') == f'it is kept as {tmp_path / "a"}.unreadable-{number}'
-    assert (tmp_path / 'a.unreadable-1').read_bytes() == b'other 1'
-    with pytest.raises(BearingTwinError, match='cannot be renamed'):
-        folder.set_aside('a')
+        pump.keep(b'other %d' % number)
+        pump.state.set_aside('the bearing is now 6205')
+    pump.state.set_aside('nothing is there any more')
+    pump.state.release()
+    assert pump.log == [
+        f'the bearing is now 6205; it is kept as {tmp_path}/pump.unreadable-{number}; '
+        'it is learnt anew'
+        for number in (1, 2)
+    ]
+    assert names(tmp_path) == ['.pump.lock', 'pump.unreadable-1', 'pump.unreadable-2']
+
+
+def is_locked(folder):
+    """Whether a process keeps the state; a disk that hangs gives the lock to be looked at."""
+    with (folder / '.pump.lock').open() as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+    return False
+
+
+def test_what_a_hanging_disk_takes_late_is_not_written_over_the_next_nodes(tmp_path, monkeypatch):
+    monkeypatch.setattr(disksync, 'LONGEST', 0.5)
+    with loop_disk(tmp_path) as disk:
+        states = disk.path / 'states'
+        pump = Node(states)
+        pump.keep(b'1')
+        with disk.hanging():
+            pump.state.keep(lambda: b'2')
+            pump.state.release()
+            assert is_locked(states)
+            assert pump.log == [
+                f'{states}/pump is not written, and stays claimed: the disk has not answered'
+                ' for 10 s'
+            ]
+            # Nor does the next one wait for longer, at its start and later.
+            began = time.monotonic()
+            following = Node(states)
+            following.load()
+            assert time.monotonic() - began < 2 * 0.5
+            assert following.state.problem.startswith(f'{states}/pump is not read yet')
+        end = time.monotonic() + 60.0
+        while not following.load():
+            assert time.monotonic() < end, following.state.problem
+        assert following.learnt == b'2'
+        following.keep(b'3')
+        following.state.release()
+        assert Node(states).learnt == b'3'
+        assert not is_locked(states)

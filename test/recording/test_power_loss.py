@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import recover
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
-from bearing_twin.streams.statefile import StateFolder
+from bearing_twin.streams.statefile import KeptState, StateFolder
 from loopdisk import loop_disk
 import pytest
 from recording_samples import START, VIBRATION, vibration_cdr
@@ -31,17 +31,25 @@ def disk(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Disk]:
 
 
 def test_a_state_survives_a_power_cut(disk: Disk) -> None:
-    states = StateFolder(str(disk.path / 'states'))
-    states.replace('kept', b'A' * 20_000)
+    folder = str(disk.path / 'states')
+    kept = [KeptState(folder, name, '/pump', '', print) for name in ('kept', 'first')]
+    for state in kept:
+        state.load(print, wait=True)
+    kept[0].keep(lambda: b'A' * 20_000, wait=True)
     os.sync()
-    states.replace('kept', b'B' * 20_000)
-    states.keep('first', b'F' * 20_000)
-    states.save('saved', b'S' * 20_000)
-    assert states.release() == ''
+    kept[0].keep(lambda: b'B' * 20_000)
+    kept[1].keep(lambda: b'F' * 20_000)
+    StateFolder(folder).save('saved', b'S' * 20_000)
+    for state in kept:
+        state.release()
+        assert not state.problem
     time.sleep(2.5)
-    after = StateFolder(str(disk.cut() / 'states'))
-    assert [after.load(name)[:1] for name in ('kept', 'first', 'saved')] == [b'B', b'F', b'S']
-    assert {len(after.load(name)) for name in ('kept', 'first', 'saved')} == {20_000}
+    after = str(disk.cut() / 'states')
+    learnt: list[bytes] = []
+    for name in ('kept', 'first'):
+        assert KeptState(after, name, '/pump', '', print).load(learnt.append, wait=True)
+    learnt.append(StateFolder(after).load('saved'))
+    assert learnt == [letter * 20_000 for letter in (b'B', b'F', b'S')]
 
 
 def test_a_finished_bag_survives_a_power_cut(disk: Disk) -> None:
