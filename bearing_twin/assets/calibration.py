@@ -60,49 +60,60 @@ REPAIRED = (
 
 @dataclass
 class _Record:
-    """The newest samples of one sensor, without a gap, and the shaft speed of each block."""
+    """The newest blocks of one sensor, without a gap."""
 
-    parts: deque[NDArray[np.float32]] = field(default_factory=deque)
-    speeds: deque[float] = field(default_factory=deque)
-    """Hz; NaN where it is not known."""
-    stamps: deque[int] = field(default_factory=deque)
-    """Of the first sample of each part, ns."""
+    blocks: deque[VibrationBlock] = field(default_factory=deque)
+    """The shaft speed of each is the one to use, NaN where none is known."""
     held: int = 0
-    following: tuple[int, float, str, str] = (-1, 0.0, '', '')
-    """Index, sample rate, unit and sensor of a block that goes on."""
+    """Samples."""
 
-    def add(self, block: VibrationBlock, shaft_hz: float, most: int) -> None:
-        index, rate, unit, frame_id = self.following
-        alike = (block.first_sample, block.unit, block.frame_id) == (index, unit, frame_id)
-        if not (alike and same_rate(rate, block.sample_rate)):
-            rate = block.sample_rate
-            self.parts.clear()
-            self.speeds.clear()
-            self.stamps.clear()
+    @property
+    def newest(self) -> VibrationBlock:
+        return self.blocks[-1]
+
+    @property
+    def sample_rate(self) -> float:
+        """Of the oldest block, Hz: those of the others may differ by what clocks drift."""
+        return self.blocks[0].sample_rate
+
+    @property
+    def end(self) -> int:
+        """Index of the sample that is still to come."""
+        return self.newest.first_sample + len(self.newest.samples)
+
+    def add(self, block: VibrationBlock, most: int) -> None:
+        """Append a block, and drop the oldest as long as ``most`` samples are left."""
+        if not (self.blocks and self._goes_on(block)):
+            self.blocks.clear()
             self.held = 0
-        self.parts.append(block.samples)
-        self.speeds.append(shaft_hz)
-        self.stamps.append(block.stamp)
+        self.blocks.append(block)
         self.held += len(block.samples)
-        index = block.first_sample + len(block.samples)
-        self.following = index, rate, block.unit, block.frame_id
-        while self.held - len(self.parts[0]) >= most:
-            self.held -= len(self.parts.popleft())
-            self.speeds.popleft()
-            self.stamps.popleft()
+        while self.held - len(self.blocks[0].samples) >= most:
+            self.held -= len(self.blocks.popleft().samples)
+
+    def _goes_on(self, block: VibrationBlock) -> bool:
+        was = (self.end, self.newest.unit, self.newest.frame_id)
+        alike = (block.first_sample, block.unit, block.frame_id) == was
+        return alike and same_rate(self.sample_rate, block.sample_rate)
 
     def stamped_rate(self) -> float:
         """Return the sample rate that the stamps tell, Hz; NaN where they stand still."""
-        elapsed = self.stamps[-1] - self.stamps[0]
-        return (self.held - len(self.parts[-1])) * NANO / elapsed if elapsed > 0 else math.nan
+        elapsed = self.newest.stamp - self.blocks[0].stamp
+        before = self.held - len(self.newest.samples)
+        return before * NANO / elapsed if elapsed > 0 else math.nan
+
+    def samples(self, wanted: int) -> NDArray[np.float64]:
+        """Return the newest samples."""
+        parts = [block.samples for block in self.blocks]
+        return np.concatenate(parts)[-wanted:].astype(np.float64)
 
     def shaft_hz(self) -> tuple[float, str]:
         """Return the mean speed, Hz, and why there is none to fit at; '' if there is."""
-        speeds = np.array(self.speeds)
+        speeds = np.array([block.shaft_hz for block in self.blocks])
         if not np.isfinite(speeds).all():
             return math.nan, 'no shaft speed: set shaft_hz, or joint where joint_states has it'
         slowest, fastest = float(speeds.min()), float(speeds.max())
-        mean = float(np.average(speeds, weights=[len(part) for part in self.parts]))
+        mean = float(np.average(speeds, weights=[len(block.samples) for block in self.blocks]))
         if fastest <= 0.0:
             return math.nan, 'the shaft stands still: start the machine'
         if fastest - slowest > MOVED * mean:
@@ -157,7 +168,8 @@ class CalibrationCore:
 
     def verdict(self, message: Diagnosis) -> None:
         """Take what the diagnosis says: where a defect is looked for, and what health is."""
-        self._verdicts.take(message, self._record.following[3] if self._record.held else None)
+        record = self._record
+        self._verdicts.take(message, record.newest.frame_id if record.held else None)
 
     def take(
         self, block: VibrationBlock, *, temperature: float, shaft_hz: float, now: float
@@ -178,13 +190,14 @@ class CalibrationCore:
 
         """
         wanted = round(self._values['window'] * block.sample_rate)
-        known = shaft_hz if math.isnan(block.shaft_hz) else block.shaft_hz
-        self._record.add(block, known, wanted)
+        if math.isnan(block.shaft_hz):
+            block = replace(block, shaft_hz=shaft_hz)
+        self._record.add(block, wanted)
         heard = self._heard()
         self._follow_repair(heard, now)
         full = self._record.held >= wanted
         hertz, self.waiting = self._record.shaft_hz() if full else (math.nan, '')
-        stamped, said = self._record.stamped_rate(), self._record.following[1]
+        stamped, said = self._record.stamped_rate(), self._record.sample_rate
         # A NaN is no reason.
         if full and abs(stamped / said - 1.0) > REFUSED:
             self.waiting = off_rate(stamped, said)
@@ -199,9 +212,9 @@ class CalibrationCore:
         if self._reference and self._reference['machine']['unit'] != block.unit:
             self.forget()
         self._next, self._rested = now + self._values['period'], math.inf
-        first = self._record.following[0] - wanted
+        first = self._record.end - wanted
         return Task(
-            samples=self._samples(wanted),
+            samples=self._record.samples(wanted),
             sample_rate=said,
             bearing=self.bearing,
             shaft_hz=hertz,
@@ -219,14 +232,10 @@ class CalibrationCore:
             first_sample=first,
         )
 
-    def _samples(self, wanted: int) -> NDArray[np.float64]:
-        """Return the newest samples of the record."""
-        return np.concatenate(self._record.parts)[-wanted:].astype(np.float64)
-
     def _heard(self) -> Heard:
         """Return what the diagnosis says of the record."""
-        end, rate, _, frame_id = self._record.following
-        return self._verdicts.of(frame_id, end, rate)
+        record = self._record
+        return self._verdicts.of(record.newest.frame_id, record.end, record.sample_rate)
 
     def _follow_repair(self, heard: Heard, now: float) -> None:
         """Forget the defect of a bearing that has been healthy for long enough."""
@@ -253,8 +262,8 @@ class CalibrationCore:
         old = self._latest
         if old is None or abs(shaft_hz / old.situation.shaft_hz - 1.0) > MOVED:
             return ''
-        x, rate = decimated(self._samples(wanted), self._record.following[1])
-        unit = self._record.following[2]
+        x, rate = decimated(self._record.samples(wanted), self._record.sample_rate)
+        unit = self._record.newest.unit
         if not (unit == old.sensor_unit and same_rate(rate, old.situation.sample_rate)):
             return 'its sample rate or unit is another one'
         x = x - x.mean()
