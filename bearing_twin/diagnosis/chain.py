@@ -359,9 +359,7 @@ class Analysis:
         other = decided(at_given, given)
         sure = other.level == 'fault' and other.result in PLACES
         clearer = sure and other.weight > _CLEARER * verdict.weight
-        # Half a bin apart the two are one speed.
-        same = 2.0 * apart < 1.01 * at_given.step
-        if clearer and (same or _mistaken(at_given, other, speed.shaft_hz / given_hz)):
+        if clearer and _mistaken(at_given, other, speed.shaft_hz / given_hz):
             return other, given
         return verdict, speed
 
@@ -372,8 +370,11 @@ def _mistaken(at_given: OrderSpectra, verdict: Verdict, gap: float) -> bool:
 
     They can be where the fault's order is a whole number at the refined speed, and the fault has
     sidebands at the turns of the given speed: these look like the other multiples of a shaft. The
-    harmonics of a comb without sidebands are too few, as two of the shaft's do not count.
+    harmonics of a comb without sidebands are too few, as two of the shaft's do not count. Half a
+    bin apart the two speeds are one, and the clearer fault is right.
     """
+    if 2.0 * abs(gap - 1.0) < 1.01 * at_given.step:
+        return True
     found = verdict.strongest
     if found is None:
         return False
