@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Generator
     from pathlib import Path
 
-__all__ = ['SILENT', 'DiskSync', 'Job']
 
 LONGEST = 10.0
 """Longest time that anybody waits for an answer of the disk, s."""

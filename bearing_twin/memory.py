@@ -6,8 +6,6 @@ from __future__ import annotations
 
 import ctypes
 
-__all__ = ['keep_freed_memory']
-
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # malloc.h of glibc
 LARGEST = 32 * 1024 * 1024
 """Largest block that is kept, bytes; glibc takes no higher threshold."""

@@ -21,8 +21,6 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ['Quantity', 'check_fields', 'check_range', 'check_whole', 'quantities', 'quantity']
-
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:

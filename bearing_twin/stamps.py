@@ -6,8 +6,6 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ['LATEST', 'NANO', 'samples_ns', 'split_ns', 'stamp_ns']
-
 NANO = 1_000_000_000
 """Nanoseconds in a second."""
 

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ['free_path', 'sync_folder', 'whole_file']
-
 
 @contextlib.contextmanager
 def whole_file(path: Path, *, new: bool = False) -> Iterator[BinaryIO]:

@@ -15,8 +15,6 @@ import sys
 
 from bearing_twin.diagnosis.rules import RULES
 
-__all__ = ['with_block', 'with_rules']
-
 
 def with_block(text: str, name: str, content: str) -> str:
     """Return the document with other text between the markers of a name."""

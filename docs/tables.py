@@ -51,7 +51,6 @@ if TYPE_CHECKING:
     from bearing_twin.ros.lifecycle import ManagedNode
     from rclpy.qos import QoSProfile
 
-__all__ = ['document', 'main']
 
 NODES = ('twin', 'diagnosis', 'calibration', 'recorder', 'replay', 'adapter', 'fleet')
 

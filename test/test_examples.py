@@ -42,9 +42,11 @@ def test_every_public_function_has_an_example(room):
     without = [
         f'{module.__name__}.{name}'
         for module in modules(room)[1:]
-        for name in getattr(module, '__all__', ())
-        if inspect.isfunction(inspect.unwrap(getattr(module, name)))
-        and not is_compiled(getattr(module, name))
-        and '>>>' not in (getattr(module, name).__doc__ or '')
+        for name, of in vars(module).items()
+        if not name.startswith('_')
+        and inspect.isfunction(inspect.unwrap(of))
+        and of.__module__ == module.__name__
+        and not is_compiled(of)
+        and '>>>' not in (of.__doc__ or '')
     ]
     assert without == []

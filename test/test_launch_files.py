@@ -12,10 +12,10 @@ import signal
 import subprocess
 import time
 
+from bearing_twin.assets.recorder_parameters import SPECS as RECORDER
 from bearing_twin.assets.twin_parameters import SPECS as TWIN
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.fleet import SPECS as FLEET
-from bearing_twin.nodes.recorder import SPECS as RECORDER
 from bearing_twin.nodes.replay import SPECS as REPLAY
 import pytest
 

@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from bearing_twin_msgs.msg import Diagnosis
     from numpy.typing import NDArray
 
-__all__ = ['CalibrationCore']
 
 _VERSION = 2004
 SHARE = 1.0 / 3.0

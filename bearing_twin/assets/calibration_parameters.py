@@ -14,8 +14,6 @@ from bearing_twin.assets.shared_specs import (
 )
 from bearing_twin.assets.spec import fixed
 
-__all__ = ['SPECS']
-
 _SHARED = {spec.name: spec for spec in DIAGNOSIS}
 
 SPECS = (

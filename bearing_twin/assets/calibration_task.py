@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.impacts import Impacts
     from numpy.typing import NDArray
 
-__all__ = ['Fit', 'Task', 'work']
 
 SHOWN_S = 2.0
 """Length of the fitted twin's vibration that is shown beside the machine's, s."""

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin_msgs.msg import Diagnosis
 
-__all__ = ['Heard', 'Verdicts']
 
 OLDEST_S = 10.0
 """Greatest age of a verdict that is used, from the end of its window to that of the record, s; two

@@ -19,8 +19,6 @@ from std_msgs.msg import Header
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ['Checkpoints', 'configuration_values', 'parameters_of']
-
 
 class Checkpoints:
     """

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from bearing_twin_msgs.msg import Diagnosis, Spectrum
     from std_msgs.msg import Float64MultiArray
 
-__all__ = ['DiagnosisCore', 'DueVerdict', 'Verdict']
-
 
 class Verdict(NamedTuple):
     """A verdict, and the messages in which it is published."""

@@ -28,14 +28,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.bearing import Bearing
 
-__all__ = [
-    'SPECS',
-    'build_bearing',
-    'build_diagnoser',
-    'build_settings',
-    'check_diagnosis',
-    'nominal_speed',
-]
 
 _SETTINGS = tuple(field_spec(DiagnosisSettings, name) for name in quantities(DiagnosisSettings))
 

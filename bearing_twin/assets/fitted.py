@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics.simulator import Block
     from numpy.typing import NDArray
 
-__all__ = ['Fitted', 'Likeness', 'Sensor', 'read_fitted']
 
 GEOMETRY = ('n_balls', 'd_ball', 'd_pitch', 'contact_angle')
 SAME = 1e-6

@@ -19,7 +19,6 @@ import yaml
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-__all__ = ['DIAGNOSIS_SPECS', 'SHARED', 'TWIN_SPECS', 'Asset', 'build_fleet', 'read_assets']
 
 SHARED = ('sample_rate', 'block_size', 'checkpoint_period')
 """Parameters that are one for all twins of a fleet: their blocks are computed together."""

@@ -21,15 +21,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis import Spectrum as SpectrumResult
     from numpy.typing import NDArray
 
-__all__ = [
-    'diagnosis_message',
-    'features_messages',
-    'floats',
-    'message_header',
-    'spectrum_message',
-    'time_message',
-]
-
 
 def time_message(ns: int) -> Time:
     """Nanoseconds to a stamp; clamped to what the message can carry."""

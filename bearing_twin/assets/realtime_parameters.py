@@ -10,8 +10,6 @@ from bearing_twin.assets.shared_specs import STATE_RATE, SUBSCRIBERS
 from bearing_twin.assets.spec import fixed, parameter, Spec
 from bearing_twin.assets.twin_parameters import FITTED
 
-__all__ = ['PUBLISHING', 'SPECS', 'THRESHOLDS', 'Threshold']
-
 
 class Threshold(NamedTuple):
     """A measure of punctuality, and what of it is worth a warning and what is an error."""

@@ -7,8 +7,6 @@ from __future__ import annotations
 from bearing_twin.assets.spec import field_spec, fixed
 from bearing_twin.recording.writer import WriterOptions
 
-__all__ = ['SPECS']
-
 SPECS = (
     fixed('output', '', 'Bag folder to make, or one file if it ends in .mcap. Where there is one '
           "of this name already, NAME_2 is made, then NAME_3. '': bearing_twin_DATE-TIME in the "

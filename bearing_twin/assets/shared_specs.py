@@ -6,18 +6,6 @@ from __future__ import annotations
 
 from bearing_twin.assets.spec import fixed, parameter
 
-__all__ = [
-    'AUTOSTART',
-    'CHECKPOINT_PERIOD',
-    'GEOMETRY',
-    'HARDWARE_ID',
-    'JOINT',
-    'STATE_DIRECTORY',
-    'STATE_OWNER',
-    'STATE_RATE',
-    'SUBSCRIBERS',
-]
-
 AUTOSTART = fixed(
     'autostart', True, 'Configure and activate at start; false leaves that to a lifecycle '
     'manager.', read_only=True,

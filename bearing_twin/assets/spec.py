@@ -16,17 +16,6 @@ from bearing_twin.quantity import quantities, Quantity
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-__all__ = [
-    'Spec',
-    'Value',
-    'configuration',
-    'field_spec',
-    'field_values',
-    'fixed',
-    'no_parameter',
-    'parameter',
-    'read_values',
-]
 
 Value = bool | int | float | str | list[str]
 

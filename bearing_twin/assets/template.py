@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['MessageTemplate']
 
 CODES = {'double': 'd', 'uint64': 'Q', 'uint32': 'I', 'int32': 'i', 'uint8': 'B'}
 PROBES = 8

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from bearing_twin.thermal.gate import GatedTemperature
     from bearing_twin_msgs.msg import Checkpoint
 
-__all__ = ['Twin', 'TwinChannel', 'TwinInputs']
 
 _SAVED = Envelope(b'BTfit\x00\x01\x00', struct.Struct('<?4I'), 'one fitted twin')
 """Whether the next block changes the twin; sizes of state, calibration, sensor and next one."""

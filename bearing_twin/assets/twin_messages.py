@@ -20,14 +20,6 @@ if TYPE_CHECKING:
     from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
 
-__all__ = [
-    'REALTIME',
-    'StateTurns',
-    'TwinBlock',
-    'TwinBytes',
-    'state_message',
-    'vibration_message',
-]
 
 OF_CONDITION = (
     'alpha',

@@ -27,7 +27,6 @@ from bearing_twin.thermal.rings import ThermalNetwork
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ['FASTEST_LIVE_SHAFT', 'FITTED', 'SPECS', 'build_parameters', 'build_simulator']
 
 FASTEST_LIVE_SHAFT = 100.0
 """

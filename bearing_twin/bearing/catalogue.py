@@ -19,14 +19,6 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = [
-    'bearing_of_orders',
-    'catalogue',
-    'close_bearings',
-    'find_bearing',
-    'named_bearing',
-    'own_bearing',
-]
 
 _MAKERS = 'skf|fag|ina|nsk|ntn|snr|koyo|nachi|timken|zkl|urb|fbj|c&u|schaeffler|jtekt'
 _SUFFIX = r'(?:-?2?(?:rs[a-z0-9]?|rz|z|ru|rd)|zz|vv|ddu?|ll[ubh]|c[2345]|cn|cm|tn9?|jem|m|j|n|nr)'

@@ -10,8 +10,6 @@ from typing import Literal, NamedTuple
 
 from bearing_twin.errors import BearingTwinError
 
-__all__ = ['Bearing', 'FaultFrequencies', 'fault_frequencies', 'fault_orders']
-
 
 class FaultFrequencies(NamedTuple):
     """

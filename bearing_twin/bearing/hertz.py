@@ -13,14 +13,6 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from bearing_twin.bearing.geometry import Bearing
 
-__all__ = [
-    'POISSON_STEEL',
-    'YOUNG_STEEL',
-    'contact_pressure',
-    'contact_stiffness',
-    'load_deflection_factor',
-    'radial_factor',
-]
 
 YOUNG_STEEL = 208e9
 """Young's modulus of bearing steel at 20 degC, Pa."""

@@ -16,8 +16,6 @@ from typing import NamedTuple
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
-__all__ = ['Balls', 'basic_dynamic_rating', 'basic_static_rating', 'infer_balls', 'static_factor']
-
 _FC = (
     29.1, 35.8, 40.3, 43.8, 46.7, 49.1, 51.1, 52.8, 54.3, 55.5, 56.6, 57.5, 58.2, 58.8, 59.3,
     59.6, 59.8, 59.9, 60.0, 59.9, 59.8, 59.6, 59.3, 59.0, 58.6, 58.2, 57.7, 57.1, 56.6, 56.0,

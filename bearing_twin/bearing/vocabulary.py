@@ -6,18 +6,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-__all__ = [
-    'FAULT_CODES',
-    'LEVELS',
-    'PLACES',
-    'RESULTS',
-    'STAGES',
-    'STAGE_STEPS',
-    'TITLES',
-    'Place',
-    'next_step',
-]
-
 Place = Literal['inner', 'outer', 'ball', 'cage']
 
 PLACES: tuple[Place, ...] = ('inner', 'outer', 'ball', 'cage')

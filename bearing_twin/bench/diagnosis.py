@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['fault_signal', 'measure']
 
 RATE, SHAFT_HZ, LEVEL = 25600.0, 25.0, 6
 REPEATS = 15

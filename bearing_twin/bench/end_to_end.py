@@ -20,7 +20,6 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ['cpu_seconds', 'live_run', 'wait_for']
 
 START_TIMEOUT = 600.0
 RECORDED = 100_000

@@ -6,8 +6,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ['FIGURES', 'Figure']
-
 
 class Figure(NamedTuple):
     """Meaning of one figure."""

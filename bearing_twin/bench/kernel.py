@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['measure']
 
 _RATE = 25600.0
 _BLOCK = 1024

@@ -18,8 +18,6 @@ from bearing_twin.recording.reader import read_messages
 from bearing_twin.ros.domain import own_domain
 from bearing_twin.ros.launching import local_environment, NodeProcesses
 
-__all__ = ['measure']
-
 FEW, MANY = 2, 16
 """Bearings of the two runs whose difference is the cost of one bearing."""
 PROVED = 0.5

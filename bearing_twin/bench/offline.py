@@ -12,8 +12,6 @@ from bearing_twin.offline.run import run_offline
 from bearing_twin.offline.verify import reproduce
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 
-__all__ = ['measure']
-
 RUNS = 3
 
 

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
     from bearing_twin.dynamics.reference import Reference
 
-__all__ = ['error_after_start', 'relative_error', 'solve_plainly', 'time_at']
 
 FloatArray = npt.NDArray[np.float64]
 

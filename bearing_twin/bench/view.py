@@ -16,9 +16,8 @@ from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.viewer import free_port, LOOPBACK
 
 if TYPE_CHECKING:
-    from bearing_twin.recording.reader import RecordedMessage
+    from bearing_twin.recording.catalogue import RecordedMessage
 
-__all__ = ['measure']
 
 RUNS = 2
 AT_ONCE = 500

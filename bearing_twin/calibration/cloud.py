@@ -23,15 +23,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.bearing import Bearing
 
-__all__ = [
-    'HIGHEST_RATE',
-    'Situation',
-    'Unknown',
-    'example',
-    'parameters',
-    'simulate',
-    'unknowns',
-]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -198,6 +189,12 @@ def vibrations(
     Yield the housing's acceleration of the candidates in batches, m/s^2, shape (batch, n).
 
     Noise of the sensor, `noise_ratio` of each candidate's own RMS, is in it.
+
+    >>> machine = example()
+    >>> drawn = {name: u.place([0.4, 0.6]) for name, u in unknowns(machine).items()}
+    >>> [batch.shape for batch in vibrations(machine, drawn, 0.1, 0)]
+    [(2, 1280)]
+
     """
     count = len(values['load'])
     rng = np.random.default_rng([seed, 1])

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.summaries import Summary
     from bearing_twin.dynamics.sensor_path import SensorPath
 
-__all__ = ['of_defect', 'of_path', 'supposed', 'taken_off', 'without_defect']
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -56,7 +56,6 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.summaries import Summary
     from bearing_twin.dynamics.sensor_path import SensorPath
 
-__all__ = ['decimated', 'fit', 'fitted_vibration']
 
 FloatArray = npt.NDArray[np.float64]
 

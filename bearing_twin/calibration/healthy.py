@@ -25,16 +25,6 @@ from scipy import fft, signal
 if TYPE_CHECKING:
     from bearing_twin.calibration.cloud import Situation
 
-__all__ = [
-    'COMB_OVER_FLOOR',
-    'LOSS_DB',
-    'UNKNOWN_DB',
-    'WIDTHS_MM',
-    'line_over_floor',
-    'order_of_the_shaft',
-    'shown',
-    'smallest_shown',
-]
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.cloud import Situation
     from bearing_twin.calibration.summaries import Correlation, Summary
 
-__all__ = ['Impacts', 'follows_speed', 'impacts_of', 'ringing']
 
 SAME_TIME, OTHER_SPEED = 0.03, 1.08
 """Two impacts at the same time within this share at speeds this far apart are ringing."""

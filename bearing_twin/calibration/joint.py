@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.impacts import Impacts
     from bearing_twin.calibration.result import Calibration
 
-__all__ = ['compared', 'joined', 'passage_width']
 
 WIDTH = 'defect_width_mm'
 

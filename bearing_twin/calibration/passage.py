@@ -21,14 +21,6 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
 
-__all__ = [
-    'contact_speed',
-    'impact_spacing',
-    'interference',
-    'load_range',
-    'path_curvature',
-    'widest',
-]
 
 WIDEST = 10e-3
 """Widest defect that `dynamics.Defect` takes, m."""

@@ -21,8 +21,6 @@ import numpy as np
 import numpy.typing as npt
 from scipy import fft, linalg, signal
 
-__all__ = ['LINE_DAMPING', 'Resonance', 'identify', 'noise_floor', 'resonances']
-
 FloatArray = npt.NDArray[np.float64]
 
 REACH_S = 5e-3

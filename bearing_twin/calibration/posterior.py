@@ -28,16 +28,6 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.cloud import Situation, Unknown
     from bearing_twin.calibration.summaries import Summary
 
-__all__ = [
-    'Posterior',
-    'features',
-    'keep',
-    'limit',
-    'resolved',
-    'sample',
-    'supposed',
-    'weighted_quantile',
-]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -143,7 +133,13 @@ def features(summaries: list[Summary], situation: Situation) -> FloatArray:
 
 
 def distances(rows: FloatArray, measured: FloatArray) -> FloatArray:
-    """Distance of each row of features from the measured ones."""
+    """
+    Distance of each row of features from the measured ones.
+
+    >>> distances(np.array([[0.0, 1.0], [3.0, 5.0]]), np.array([0.0, 1.0])).tolist()
+    [0.0, 5.0]
+
+    """
     difference = rows - measured
     unlike = np.isnan(rows[:, 0]) != math.isnan(measured[0])
     return np.asarray(np.sqrt((np.nan_to_num(difference) ** 2).sum(axis=1)) + _UNLIKE * unlike)

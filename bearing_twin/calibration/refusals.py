@@ -25,15 +25,6 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
-__all__ = [
-    'NARROWED',
-    'Kind',
-    'Refusal',
-    'no_impacts',
-    'too_wide',
-    'unresolved',
-    'untold',
-]
 
 NARROWED = 0.5
 """A quantity is identifiable where its 90 % interval is at most this share of the prior's."""

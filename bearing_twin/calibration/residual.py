@@ -21,8 +21,6 @@ import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
-__all__ = ['DECISIONS_A_YEAR', 'MOVED', 'Residual', 'Residuals', 'Unexplained', 'spectral_levels']
-
 FloatArray = npt.NDArray[np.float64]
 
 ORDERS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0)

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics import TwinParameters
     from numpy.typing import NDArray
 
-__all__ = ['Calibration', 'Estimate', 'in_words']
-
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:

@@ -18,16 +18,6 @@ import numpy as np
 import numpy.typing as npt
 from scipy import fft, linalg, ndimage, signal
 
-__all__ = [
-    'RIVAL',
-    'Correlation',
-    'Summary',
-    'correlate',
-    'levinson',
-    'squared_envelope',
-    'summarise',
-]
-
 FloatArray = npt.NDArray[np.float64]
 
 MEMORY_S = 1.2e-3

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.cloud import Situation
     from bearing_twin.calibration.result import Calibration
 
-__all__ = ['Expectation', 'Interval', 'expect', 'features']
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.bearing import Bearing
 
-__all__ = ['configure', 'run']
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""

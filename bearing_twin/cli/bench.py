@@ -19,7 +19,6 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     import argparse
 
-__all__ = ['BENCHES', 'configure', 'run']
 
 BENCHES = {
     'kernel': 'bearing seconds per core second of the equations of motion',

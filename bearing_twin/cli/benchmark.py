@@ -47,7 +47,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.diagnosis import Diagnosis
 
-__all__ = ['OUTCOMES', 'Case', 'Piece', 'configure', 'judge', 'read_cases', 'run', 'score_case']
 
 OUTCOMES = ('correct', 'wrong', 'suspect', 'ambiguous', 'insufficient', 'missed')
 """Of one piece. A healthy one is ``correct`` if said healthy and ``wrong`` on an alarm."""

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.recording.foreign import Signal
 
-__all__ = ['judge_misled', 'misled_rows']
 
 COUNT = 12
 """Other bearings that are tried on a record."""

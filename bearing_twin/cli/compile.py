@@ -21,8 +21,6 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     import argparse
 
-__all__ = ['configure', 'run']
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""

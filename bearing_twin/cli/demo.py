@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.recording.reader import RecordingInfo
 
-__all__ = ['configure', 'run', 'shipped_schedule']
 
 PRESET = 'paper'
 SLOWEST, FASTEST = 0.001, 1e6

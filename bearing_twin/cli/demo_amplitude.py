@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-__all__ = ['AmplitudeByTemperature']
 
 STEP = 10.0
 """Width of a bar of temperature, K: the distance of the paper's nodes."""

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from pathlib import Path
 
-__all__ = ['Found', 'find_hidden']
 
 WIDTH_MM = 2.0
 HIDDEN = {

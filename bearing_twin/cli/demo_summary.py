@@ -22,8 +22,6 @@ from bearing_twin.recording.reader import read_messages
 from bearing_twin.streams.vibration_input import GapCounter
 from bearing_twin.view.verdict import impacts
 
-__all__ = ['Summary', 'summarise']
-
 LEVEL_FAULT = 2
 """``LEVEL_FAULT`` of ``Diagnosis.msg``."""
 

@@ -17,8 +17,6 @@ from rclpy.executors import SingleThreadedExecutor
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ['Watcher']
-
 
 class Watcher:
     """Listen to the twin and to the diagnosis."""

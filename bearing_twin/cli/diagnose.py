@@ -35,17 +35,6 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Iterator, Sequence
 
-__all__ = [
-    'Task',
-    'add_reading',
-    'channels_of',
-    'configure',
-    'diagnose_file',
-    'evidence',
-    'picture',
-    'run',
-    'unread',
-]
 
 SINGLE = ('speed_tolerance', 'plot', 'jobs', 'dask')
 SERIES = ('cycle', 'baseline', 'hold')

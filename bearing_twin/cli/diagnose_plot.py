@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.diagnosis import Diagnosis, Spectrum
 
-__all__ = ['draw']
-
 
 def draw(diagnosis: Diagnosis, path: Path, *, title: str) -> None:
     """Write the picture of a diagnosis to ``path`` (PNG)."""

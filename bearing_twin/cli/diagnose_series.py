@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.series_result import SeriesReport
 
-__all__ = ['run_series']
-
 
 def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
     """Judge the files as one series; 0 if every file could be read."""

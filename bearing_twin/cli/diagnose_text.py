@@ -12,8 +12,6 @@ from bearing_twin.cli.terminal import by_level
 from bearing_twin.diagnosis.severity import SLOW_HZ
 from bearing_twin.view.style import FAMILIES
 
-__all__ = ['line', 'page']
-
 _ORDERS = {family.key: family.label for family in FAMILIES}
 
 

@@ -23,8 +23,6 @@ from bearing_twin.recording.foreign import read_signal
 if TYPE_CHECKING:
     import argparse
 
-__all__ = ['configure', 'load_range', 'run']
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""

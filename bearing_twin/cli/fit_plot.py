@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from bearing_twin.calibration import Calibration
     from numpy.typing import NDArray
 
-__all__ = ['draw']
-
 
 def draw(found: Calibration, x: NDArray[np.float64], sample_rate: float, path: Path) -> None:
     """Write the picture of a calibration to ``path`` (PNG)."""

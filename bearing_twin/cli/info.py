@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from bearing_twin.recording.health import RecordingHealth
     from bearing_twin.recording.reader import RecordingInfo
 
-__all__ = ['configure', 'run']
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""

@@ -15,8 +15,6 @@ from bearing_twin.paper import claims_table, recompute, summary_line
 if TYPE_CHECKING:
     import argparse
 
-__all__ = ['configure', 'run']
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from bearing_twin.recording.foreign import Signal
     from rclpy.publisher import Publisher
 
-__all__ = ['configure', 'run']
 
 TOPICS = {'float32_multi_array': 'samples', 'imu': 'imu', 'vibration': 'vibration'}
 """Message types, and the topics on which adapter and diagnosis listen to them."""

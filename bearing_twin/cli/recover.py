@@ -15,8 +15,6 @@ from bearing_twin.recording.recover import recover
 if TYPE_CHECKING:
     import argparse
 
-__all__ = ['configure', 'run']
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""

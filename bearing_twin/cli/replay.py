@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Iterator
 
-__all__ = ['configure', 'run']
-
 
 LIVE = ('rate', 'loop', 'start_offset', 'duration', 'topics', 'remap', 'clock', 'start_paused')
 OFFLINE = ('output', 'temperature', 'twin', 'diagnosis', 'json')

@@ -16,8 +16,6 @@ from bearing_twin.wholefile import whole_file
 if TYPE_CHECKING:
     import argparse
 
-__all__ = ['configure', 'run']
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""

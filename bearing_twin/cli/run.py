@@ -15,7 +15,6 @@ from bearing_twin.cli.terminal import by_level
 if TYPE_CHECKING:
     from bearing_twin.assets.spec import Spec
 
-__all__ = ['NODES', 'configure', 'run']
 
 NODES = ('adapter', 'calibration', 'diagnosis', 'fleet', 'recorder', 'replay', 'twin')
 

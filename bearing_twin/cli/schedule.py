@@ -17,8 +17,6 @@ from bearing_twin.recording.schedule import (
 if TYPE_CHECKING:
     import argparse
 
-__all__ = ['configure', 'run']
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""

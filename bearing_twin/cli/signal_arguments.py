@@ -18,13 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-__all__ = [
-    'UNITS',
-    'add_signal_arguments',
-    'as_recordings',
-    'given_bearing',
-    'given_speed',
-]
 
 SAID = ('bearing', 'geometry', 'shaft_hz', 'rpm', 'sample_rate', 'channel', 'unit')
 """Options that describe vibration files."""

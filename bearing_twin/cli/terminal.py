@@ -19,18 +19,6 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Iterable
 
-__all__ = [
-    'by_level',
-    'coloured',
-    'mend_streams',
-    'percent',
-    'plain',
-    'processes',
-    'progress',
-    'refuse_given',
-    'shown',
-    'shown_inside',
-]
 
 _COLOURS = {'ok': '32', 'suspect': '33', 'fault': '1;31', 'none': '36', 'bold': '1'}
 

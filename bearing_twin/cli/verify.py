@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.offline.agreement import Reproduction
 
-__all__ = ['configure', 'run']
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""

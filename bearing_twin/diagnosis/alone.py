@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.chain import Analysis
     from bearing_twin.diagnosis.result import Diagnosis
 
-__all__ = ['CONFIRMING', 'Answers', 'answer_alone']
 
 CONFIRMING = 5
 """Snapshots whose median is judged: two of five may be disturbed."""

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from numpy.typing import NDArray
 
-__all__ = ['AveragedEnvelope', 'Comb']
 
 STEP = 0.05
 """Orders a bin; snapshots of up to 20 turns resolve no more, and longer ones are blurred to it."""

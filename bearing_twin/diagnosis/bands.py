@@ -14,7 +14,6 @@ from scipy import fft
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['BandTree', 'band_tree', 'squared_envelopes']
 
 _MOST_TILES = 4
 

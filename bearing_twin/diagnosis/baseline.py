@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['SETTLED', 'Baseline', 'Memory', 'settled']
 
 SETTLED_DB, SETTLED_K = 1.0, 1.5
 """Change over a window up to which level and temperature count as settled. Film and clearance, and

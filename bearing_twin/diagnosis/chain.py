@@ -43,7 +43,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.window import Window
     from numpy.typing import NDArray
 
-__all__ = ['Analysis', 'Excerpt', 'Stretch']
 
 _CLEARER = 1.1
 _NO_ZONE = (

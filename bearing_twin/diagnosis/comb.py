@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.kernels import best_bands, comb_sums, NEUTRAL, three_bins
+from bearing_twin.diagnosis.kernels import best_bands, comb_sums, three_bins
 import numpy as np
 
 if TYPE_CHECKING:
@@ -17,15 +17,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
 
-__all__ = [
-    'HARMONICS',
-    'NEUTRAL',
-    'CombScores',
-    'OrderSpectra',
-    'accumulate',
-    'comb_scores',
-    'order_spectra',
-]
 
 HARMONICS = 4
 """Harmonics of a comb. Fault lines fade after a few, and each empty harmonic costs power."""

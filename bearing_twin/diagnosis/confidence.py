@@ -13,8 +13,6 @@ import math
 from bearing_twin.diagnosis.gate import HEALTHY_TURNS
 from bearing_twin.diagnosis.thresholds import SLIP_COST
 
-__all__ = ['KINDS', 'LEAST_CONFIDENCE', 'Trust', 'confidence']
-
 KINDS = ('fault', 'suspect', 'ambiguous', 'elsewhere', 'healthy')
 """Kinds of answers that have a confidence: ``'fault'`` stands for every named fault,
 ``'elsewhere'`` for impacts at an order of no part of the bearing."""

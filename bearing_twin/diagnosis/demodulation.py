@@ -29,15 +29,6 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from numpy.typing import NDArray
 
-__all__ = [
-    'SECONDS',
-    'Layout',
-    'Segment',
-    'choose_layout',
-    'demodulate',
-    'highest_fault_order',
-    'highest_order',
-]
 
 SECONDS = 1.0
 """Least length of a segment, where the window has it."""

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['Z90', 'Condition', 'HealthyRecord', 'Law', 'Slope', 'fit_law', 'lag_one']
 
 PER_KELVIN = (-0.016, 0.05)
 """Mean and standard deviation of the change of level with temperature, dB/K, over healthy bearings

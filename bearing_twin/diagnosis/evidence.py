@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.comb import OrderSpectra
 
-__all__ = ['Claims', 'Evidence', 'LoadZone']
-
 
 class Claims(NamedTuple):
     """Combs after each that two places claim has been given to one of them."""

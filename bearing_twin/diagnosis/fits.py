@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from numpy.typing import NDArray
 
-__all__ = ['fitting_bearings', 'fitting_speeds', 'what_fits']
 
 _SLIPS = (0.0, 0.015)
 """Slips of a loaded cage."""

@@ -15,18 +15,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = [
-    'CAGE_TURNS',
-    'CONVERTER_STEPS',
-    'DAMPING',
-    'HEALTHY_TURNS',
-    'HIGHEST_RINGING_HZ',
-    'SHAFT_TURNS',
-    'Extent',
-    'check_extents',
-    'check_record',
-    'fastest_impacts_hz',
-]
 
 SHAFT_TURNS = 20.0
 """Least shaft turns in a window for any statement: the comb has then 20 bins a shaft order."""

@@ -14,7 +14,8 @@ import functools
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.comb import HARMONICS, NEUTRAL
+from bearing_twin.diagnosis.comb import HARMONICS
+from bearing_twin.diagnosis.kernels import NEUTRAL
 import numpy as np
 
 if TYPE_CHECKING:
@@ -23,14 +24,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.comb import OrderSpectra
     from numpy.typing import NDArray
 
-__all__ = [
-    'MISSING',
-    'denser_series',
-    'line_heights',
-    'masked_by_shaft',
-    'missing_harmonics',
-    'unshared_height',
-]
 
 _SPREAD = 0.42
 """Standard deviation of log(1 + E) for E ~ Exp(1), one window."""

@@ -11,7 +11,6 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['limit_impulsive_outliers']
 
 _ABOVE = 2.0
 _TURNS = 5

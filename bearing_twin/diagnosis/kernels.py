@@ -12,7 +12,6 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['NEUTRAL', 'best_bands', 'comb_sums', 'line_power', 'over_floor', 'three_bins']
 
 NEUTRAL = 0.5963474
 """Mean of log(1 + E) for E ~ Exp(1): e E1(1). What a bin counts for that must not speak."""

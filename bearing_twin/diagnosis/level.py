@@ -14,17 +14,6 @@ from bearing_twin.diagnosis.severity import HIGHEST_LIMIT
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis, Severity
 
-__all__ = [
-    'FALLEN',
-    'FAULT_DB',
-    'SUSPECT_DB',
-    'UNKNOWN',
-    'by_zone',
-    'fault_stage',
-    'is_urgent',
-    'raised',
-    'staged',
-]
 
 SUSPECT_DB, FAULT_DB = 6.0, 12.0
 """Level over the baseline of a machine that is doubtful, and of one that is damaged: twice and

@@ -14,7 +14,6 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['Rise', 'rise_begins', 'slope']
 
 REFERENCE_DB = 3.0
 """Half the rise that is looked for, twice the acceleration: the best reference (Moustakides,

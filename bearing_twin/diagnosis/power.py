@@ -18,8 +18,6 @@ from typing import Any
 from bearing_twin.diagnosis.severity import acceleration_factor
 import numpy as np
 
-__all__ = ['shown_by', 'smallest_detectable']
-
 
 @functools.cache
 def _table() -> dict[str, Any]:

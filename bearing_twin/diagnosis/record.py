@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis
     from numpy.typing import ArrayLike
 
-__all__ = ['diagnose_record']
 
 _WINDOW_TURNS = 256.0
 """Shaft turns of the windows into which a record is cut."""

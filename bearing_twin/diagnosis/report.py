@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.window import Window
     from numpy.typing import NDArray
 
-__all__ = ['coarse_spectrum', 'insufficient', 'not_shown', 'report']
-
 
 def report(
     verdict: Verdict,

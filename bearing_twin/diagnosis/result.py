@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import FaultFrequencies
     from numpy.typing import NDArray
 
-__all__ = ['Diagnosis', 'Severity', 'Spectrum']
-
 
 def _nothing() -> NDArray[np.float32]:
     return np.zeros(0, dtype=np.float32)

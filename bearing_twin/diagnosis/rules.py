@@ -55,8 +55,6 @@ if TYPE_CHECKING:
 
     _Apply = Callable[[Evidence], Verdict | None]
 
-__all__ = ['RULES', 'Rule', 'decide']
-
 
 class Rule(NamedTuple):
     """One rule of the table."""

@@ -46,7 +46,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.shaft import ShaftSpeed
     from numpy.typing import NDArray
 
-__all__ = ['Candidate', 'CombSearch']
 
 _SIDEBANDS = 4
 _RACES = ('inner', 'outer')

@@ -46,7 +46,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['SeriesMonitor']
 
 FALL_DB = 2.0
 """The level falls this far below the threshold it rose over before it is taken back."""

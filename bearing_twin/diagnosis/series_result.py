@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.dependence import Law
 
-__all__ = ['SeriesPoint', 'SeriesReport']
-
 
 @dataclass(frozen=True, kw_only=True)
 class SeriesPoint:

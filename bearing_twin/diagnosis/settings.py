@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import check_fields, quantity
 
-__all__ = ['LONGEST_WINDOW', 'DiagnosisSettings']
-
 LONGEST_WINDOW = 60.0
 """Longest window, s."""
 

@@ -16,21 +16,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = [
-    'BANDS_HZ',
-    'GRAVITY',
-    'HIGHEST_LIMIT',
-    'ISO_LIMITS',
-    'LEAST',
-    'MEASURES',
-    'SLOW_HZ',
-    'Levels',
-    'acceleration_factor',
-    'iso_zone',
-    'measure_severity',
-    'of_length',
-    'watched',
-]
 
 BANDS_HZ = ((10.0, 1000.0), (1000.0, 5000.0), (5000.0, 20000.0))
 """Standard bands of ``band_rms``, Hz; a band beyond half the sample rate counts as empty."""

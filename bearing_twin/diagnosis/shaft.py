@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
 
-__all__ = ['SHAFT_FOUND', 'ShaftSpeed', 'Turning', 'refine_shaft_hz', 'resample']
 
 SHAFT_FOUND = 5.0
 """Score from which the harmonics of the shaft are believed."""

@@ -14,13 +14,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.comb import OrderSpectra
     from numpy.typing import NDArray
 
-__all__ = [
-    'HANN_BINS',
-    'comb_power',
-    'modulation_index',
-    'sideband_ratio',
-    'sideband_ratios',
-]
 
 HANN_BINS = 1.5
 """Noise bandwidth of the Hann window, bins: a line spreads over three."""

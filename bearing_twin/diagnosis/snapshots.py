@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.settings import DiagnosisSettings
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['SeriesDiagnoser']
 
 _VERSION = 1009
 _SOONER = 0.75

@@ -21,15 +21,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = [
-    'WHITENINGS',
-    'EnvelopeSpectra',
-    'envelope_spectra',
-    'floor_levels',
-    'line_cap',
-    'local_floor',
-    'whiten',
-]
 
 WHITENINGS = ('capped', 'cepstral')
 """Whitenings of :func:`whiten`, in the order of its output."""

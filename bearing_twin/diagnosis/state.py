@@ -13,8 +13,6 @@ import zlib
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
-__all__ = ['pack', 'restored', 'unpack']
-
 _MAGIC = b'BTDX'
 _HEADER = struct.Struct('<4sHIIQ')
 _DTYPES = ('float32', 'float64', 'int64', 'uint8')

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['PATIENCE', 'StreamingDiagnoser', 'checked_block', 'same_rate']
 
 _VERSION = 10
 _MOST_PARTS = 64

@@ -4,34 +4,6 @@
 
 from __future__ import annotations
 
-__all__ = [
-    'BLURRED',
-    'CARRIER',
-    'IMPACTS',
-    'INDEX_FAULT',
-    'INDEX_NOISE',
-    'INDEX_NOISE_TURNS',
-    'INDEX_SMOOTH',
-    'INDEX_STRIKE',
-    'INDEX_SUSPECT',
-    'JOINT_SLIP',
-    'KURTOSIS',
-    'LOAD_ZONE',
-    'MAINS_HZ',
-    'RIPPLE',
-    'RIVAL',
-    'SLIP',
-    'SLIP_COST',
-    'SLOW_CAGE',
-    'STEADY',
-    'SWAY',
-    'UNLIKELY_SLIP',
-    'Z_CAGE',
-    'Z_ELSEWHERE',
-    'Z_FAULT',
-    'Z_SECOND_LOOK',
-]
-
 Z_FAULT = 5.5
 """Score above which a comb is not chance."""
 

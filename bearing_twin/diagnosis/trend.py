@@ -19,7 +19,6 @@ import numpy as np
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis
 
-__all__ = ['Source', 'Trend']
 
 _SAME_RATE = 0.05
 _DOUBTFUL = 0.1

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.diagnosis.search import Candidate
 
-__all__ = ['Verdict', 'highest_comb']
-
 
 def highest_comb(candidates: Iterable[Candidate]) -> Candidate | None:
     """

@@ -8,8 +8,6 @@ from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.record import diagnose_record
 import numpy as np
 
-__all__ = ['warm_up']
-
 RATE, SHAFT_HZ = 25600, 25.0
 
 

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
 
-__all__ = ['Window', 'analyse_window']
-
 
 @dataclass(frozen=True)
 class Window:

@@ -34,14 +34,6 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = [
-    'CONDITION_SIZE',
-    'evaluate',
-    'heaviest',
-    'inner_temperature',
-    'law_table',
-    'skids',
-]
 
 FloatArray = npt.NDArray[np.float64]
 

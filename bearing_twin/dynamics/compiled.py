@@ -27,7 +27,6 @@ from numba.core import event
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ['FAST', 'cache_folder', 'compiled', 'has_compiled']
 
 FAST = frozenset({'contract', 'reassoc', 'nsz', 'arcp', 'nnan', 'ninf'})
 """Floating point freedom of the kernels; the same machine still gives the same bits."""

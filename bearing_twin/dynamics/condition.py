@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
     from bearing_twin.dynamics.waviness import Surfaces
 
-__all__ = ['Condition']
 
 FloatArray = npt.NDArray[np.float64]
 Records = npt.NDArray[Any]
@@ -117,6 +116,11 @@ def condition(
 
     ``at`` are the temperatures of outer and inner ring, degC, and the shaft speed, Hz; ``inputs``
     those of the equations, which follow a quick change of these within a tick of `inner_ring`.
+
+    >>> from bearing_twin.dynamics import preset, Simulator
+    >>> round(Simulator(preset('paper'), temperature=60.0).condition().beta0, 3)
+    1.011
+
     """
     values = np.empty(coefficients.CONDITION_SIZE)
     coefficients.evaluate(law, *at, values)

@@ -22,7 +22,6 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import Profile
 
-__all__ = ['defect_places', 'placed_defects', 'read_defects']
 
 _KEYS = {'width': float, 'depth': float, 'angle': float, 'ball': int, 'profile': str}
 _BETWEEN = re.compile(r'\+(?![\d.])')  # not the sign of a number

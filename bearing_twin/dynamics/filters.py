@@ -10,10 +10,6 @@ from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
 
-__all__ = [
-    'STEP_RATE', 'check_rate', 'decimator', 'delay', 'oversampling', 'resonator', 'steps',
-]  # fmt: skip
-
 FloatArray = npt.NDArray[np.float64]
 
 STEP_RATE = 25600.0

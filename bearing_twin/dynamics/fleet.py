@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['Fleet', 'FleetBlock']
 
 FloatArray = npt.NDArray[np.float64]
 Array = npt.NDArray[Any]

@@ -27,8 +27,6 @@ from bearing_twin.dynamics.vector import L
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ['advance_all', 'room_size']
-
 Array = npt.NDArray[Any]
 
 

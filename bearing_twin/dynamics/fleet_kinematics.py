@@ -37,8 +37,6 @@ from bearing_twin.dynamics.vector import (
 from bearing_twin.dynamics.waviness import REPEATED, under
 import numpy as np
 
-__all__ = ['first_slot', 'grid_point', 'look_up_waves', 'open_gap', 'place_waves', 'wrap_phases']
-
 _NOWHERE = 1e4
 """Number of no slot."""
 _STANDING = 1e-12

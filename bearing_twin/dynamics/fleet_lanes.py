@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics.simulator import Simulator, Snapshot
     from bearing_twin.dynamics.waviness import Surfaces
 
-__all__ = ['Lanes']
 
 FloatArray = npt.NDArray[np.float64]
 Array = npt.NDArray[Any]

@@ -14,10 +14,6 @@ from bearing_twin.dynamics.parameters import MAX_DEFECTS
 from bearing_twin.dynamics.vector import L
 import numpy as np
 
-__all__ = [
-    'BALL_COS', 'BALL_ROWS', 'BALL_SIN', 'CARRIED', 'GROUP', 'MAX_SPALLS', 'NUMBER', 'WAVE_STEPS',
-]  # fmt: skip
-
 MAX_SPALLS = MAX_DEFECTS
 """Most spalls of one bearing of a fleet."""
 

@@ -24,8 +24,6 @@ from bearing_twin.dynamics.model import contact_force, ring_motion
 from bearing_twin.dynamics.vector import any_of, chosen, load, magnitude, splat, store
 import numpy as np
 
-__all__ = ['Surfaces', 'advance']
-
 _F = np.float32
 _ZERO = _F(0.0)
 

@@ -11,8 +11,6 @@ from bearing_twin.dynamics.random import NOISE, normal_pairs
 from bearing_twin.dynamics.vector import L, load, load_words, splat, store
 import numpy as np
 
-__all__ = ['TAPS', 'copy', 'decimate', 'hand_out', 'sense']
-
 TAPS = 11
 """Taps of the decimator applied at once."""
 

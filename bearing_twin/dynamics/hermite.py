@@ -12,8 +12,6 @@ from __future__ import annotations
 
 from bearing_twin.dynamics.compiled import compiled, FAST
 
-__all__ = ['ZERO', 'correct', 'snap', 'sum2', 'sum3', 'sum4', 'taylor']
-
 ZERO = (0.0, 0.0, 0.0, 0.0)
 
 

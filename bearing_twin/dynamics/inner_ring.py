@@ -22,10 +22,6 @@ from bearing_twin.dynamics.compiled import compiled
 import numpy as np
 import numpy.typing as npt
 
-__all__ = [
-    'advance', 'advance_all', 'carry', 'inputs', 'settle', 'temperature', 'tick_length',
-]  # fmt: skip
-
 FloatArray = npt.NDArray[np.float64]
 
 _TICK = 0.1

@@ -34,8 +34,6 @@ from bearing_twin.dynamics.kinematics import at_time, kinks
 from bearing_twin.dynamics.layout import COS, GAP, GAP_RATE, SIN
 from bearing_twin.dynamics.model import contact_force, ring_motion
 
-__all__ = ['FAR', 'Scratch', 'integrate', 'predict', 'ring_rates']
-
 _IN_ORDER = FAST - {'reassoc'}
 """Without reassociation the sum over the balls stays scalar and skips the unloaded ones, which for
 one bearing is faster than vector lanes that have to be added up."""

@@ -35,7 +35,6 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.dynamics.waviness import Surfaces
 
-__all__ = ['FAST_HZ', 'advance', 'ball_forces', 'settle', 'start']
 
 FloatArray = npt.NDArray[np.float64]
 Records = npt.NDArray[np.void]

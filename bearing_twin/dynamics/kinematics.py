@@ -20,11 +20,6 @@ from bearing_twin.dynamics.layout import COS, GAP, GAP_RATE, LANES, SIN, SPIN_TU
 from bearing_twin.dynamics.model import defect_path
 from bearing_twin.dynamics.waviness import look_up
 
-__all__ = [
-    'Bearing', 'Inputs', 'advance_steps', 'at_time', 'drive', 'kinks', 'open_gaps', 'place_balls',
-    'wrap_phases',
-]  # fmt: skip
-
 _TWO_PI = 2.0 * math.pi
 _SHORTEST_KINK = 1e-9
 """Kinks closer to the ends of a step than this part of it are none, nor are nearly equal ones."""

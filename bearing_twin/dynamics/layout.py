@@ -10,11 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = [
-    'CHUNK', 'COS', 'DEFECT', 'GAP', 'GAP_RATE', 'LANES', 'MACHINE', 'SIN', 'SPIN_TURNS',
-    'STATE', 'STEP',
-]  # fmt: skip
-
 _F = np.float64
 
 

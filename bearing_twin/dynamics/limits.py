@@ -16,8 +16,6 @@ from typing import NamedTuple
 
 from bearing_twin.thermal.slip import HIGHEST_SLIP
 
-__all__ = ['HIGHEST_PRESSURE', 'LEAST_KAPPA', 'Limit', 'Passed', 'limits_passed']
-
 HIGHEST_PRESSURE = 4.2e9
 """Contact pressure that defines the static rating of ball bearings, Pa (ISO 76)."""
 LEAST_KAPPA = 0.1

@@ -41,11 +41,6 @@ from typing import Any, TypeAlias
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.vector import any_of, chosen, cosine_sine, magnitude, root
 
-__all__ = [
-    'BALL', 'CODES', 'COSINE_FLANKS', 'HALF_SINE', 'RECTANGLE', 'contact_force', 'contact_law',
-    'defect_path', 'path_kink', 'ring_motion',
-]  # fmt: skip
-
 Value: TypeAlias = Any
 """A number, or lanes of a fleet."""
 Pair: TypeAlias = tuple[Value, Value]

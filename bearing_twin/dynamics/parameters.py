@@ -21,18 +21,6 @@ from bearing_twin.thermal.rings import (
     ThermalNetwork,
 )
 
-__all__ = [
-    'DOWN',
-    'FITTED',
-    'MAX_DEFECTS',
-    'MAX_SHAFT_HZ',
-    'PROFILES',
-    'Defect',
-    'TwinParameters',
-    'check_bearing',
-    'check_speed',
-]
-
 Profile = Literal['ball', 'rect', 'halfsine', 'smooth']
 ThermalMode = Literal['paper', 'physical']
 SlipModel = Literal['none', 'constant', 'mu_proportional', 'traction']

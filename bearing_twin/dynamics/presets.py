@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.dynamics.parameters import Profile
 
-__all__ = ['PRESETS', 'PRESET_FIELDS', 'preset']
-
 
 @dataclass(frozen=True)
 class _Preset:

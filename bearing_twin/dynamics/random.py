@@ -19,8 +19,6 @@ from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.vector import chosen, has_bit, real, root, sines, splat_words, split
 import numpy as np
 
-__all__ = ['NOISE', 'SURFACE', 'WALK', 'normal_pair', 'normal_pairs', 'philox']
-
 NOISE, WALK, SURFACE = 0, 1, 2
 """Streams of one seed: sensor noise, cage phase, profiles of races and balls."""
 

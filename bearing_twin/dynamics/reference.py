@@ -33,7 +33,6 @@ from scipy.optimize import brentq, root
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['Reference', 'solve']
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['Envelope', 'identity']
 
 _CHECKSUM = 4
 """Bytes of the CRC-32 of all that follows it, little endian."""

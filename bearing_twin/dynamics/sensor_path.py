@@ -17,16 +17,6 @@ from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
 
-__all__ = [
-    'BAND_HZ',
-    'PathFilter',
-    'SensorPath',
-    'band_levels',
-    'distance',
-    'stable',
-    'window_length',
-]
-
 FloatArray = npt.NDArray[np.float64]
 
 BAND_HZ = 100.0

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['RUN_IN', 'Block', 'Simulator', 'same_springs']
 
 FloatArray = npt.NDArray[np.float64]
 Records = npt.NDArray[Any]

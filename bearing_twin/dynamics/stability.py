@@ -27,7 +27,6 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['amplification', 'check_step', 'steps', 'system_matrices']
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -21,10 +21,6 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = [
-    'Supports', 'contact', 'equilibrium', 'healthy_balls', 'spring_position', 'supports',
-    'upwards',
-]  # fmt: skip
 
 FloatArray = npt.NDArray[np.float64]
 Symmetric = tuple[float, float, float]

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
     from bearing_twin.dynamics.simulator import Block
 
-__all__ = ['SETTLE_S', 'successor']
 
 SETTLE_S = 0.1
 """How long the successor has turned, s: what its own start excites has died away."""

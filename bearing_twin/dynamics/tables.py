@@ -18,7 +18,6 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['ball_table', 'defect_table', 'machine']
 
 FloatArray = npt.NDArray[np.float64]
 Records = npt.NDArray[Any]

@@ -17,7 +17,6 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['amplitude_change', 'impact_amplitude', 'mean_of_largest', 'trend_sentence']
 
 TOP_SHARE = 0.2
 SETTLING, RECORD = 0.4, 3.0

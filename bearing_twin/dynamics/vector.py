@@ -27,28 +27,6 @@ from numba.extending import intrinsic, lower_builtin, overload, register_model
 import numpy as np
 import numpy.typing as npt
 
-__all__ = [
-    'FLOATS',
-    'L',
-    'aligned',
-    'any_of',
-    'chosen',
-    'cosine_sine',
-    'floor',
-    'has_bit',
-    'load',
-    'load_fours',
-    'load_words',
-    'magnitude',
-    'real',
-    'root',
-    'sines',
-    'splat',
-    'splat_words',
-    'split',
-    'store',
-]
-
 L = 16
 """Numbers in a value."""
 _F = np.float32

@@ -9,8 +9,6 @@ from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.sensor_path import SensorPath
 from bearing_twin.dynamics.simulator import Simulator
 
-__all__ = ['warm_up']
-
 
 def warm_up(*, fleet: bool = False) -> None:
     """

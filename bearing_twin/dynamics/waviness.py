@@ -59,7 +59,6 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
 
-__all__ = ['REPEATED', 'Surfaces', 'look_up', 'profiles', 'surfaces', 'under']
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from rclpy.subscription import MessageInfo
     from std_msgs.msg import MultiArrayLayout
 
-__all__ = ['NODE', 'SPECS', 'AdapterNode', 'check_adapter', 'check_layout']
 
 SILENT_AFTER = 2.0
 ARRAY = 'float32_multi_array'

@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from bearing_twin.assets.calibration_task import Fit, Task
     from rclpy.subscription import MessageInfo
 
-__all__ = ['NODE', 'SPECS', 'CalibrationNode']
 
 POLL = 0.2
 """Time between looks at the worker, s."""

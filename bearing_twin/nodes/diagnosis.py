@@ -15,8 +15,6 @@ from bearing_twin.ros.lifecycle import ManagedNode
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ['NODE', 'DiagnosisNode']
-
 
 class DiagnosisNode(ManagedNode):
     """Diagnose the vibration that arrives; from the twin or from a real accelerometer."""

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
     from rclpy.subscription import MessageInfo, Subscription
 
-__all__ = ['DiagnosisTopics', 'input_status', 'verdict_status']
 
 SILENT_AFTER = 2.0
 

@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics.fleet import Fleet, FleetBlock
     from bearing_twin.dynamics.simulator import Simulator
 
-__all__ = ['NODE', 'SPECS', 'FleetNode']
 
 BLOCK = 4096
 """Samples per block, 160 ms: to send a block costs the same as one of 40 ms."""

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from bearing_twin.nodes.twin_topics import TwinTopics
     from bearing_twin.ros.lifecycle import ManagedNode
 
-__all__ = ['Member']
-
 
 class Member:
     """

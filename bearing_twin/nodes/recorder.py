@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
     from rclpy.subscription import MessageInfo
 
-__all__ = ['NODE', 'SPECS', 'RecorderNode']
 
 DISCOVERY_PERIOD = 0.25
 LOGGER = 'bearing_twin.recorder'

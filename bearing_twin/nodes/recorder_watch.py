@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.logger import RerunLogger
     from rclpy.impl.rcutils_logger import RcutilsLogger
 
-__all__ = ['RecordingWatch']
 
 CHECKPOINT = 'bearing_twin_msgs/msg/Checkpoint'
 DIAGNOSIS = 'bearing_twin_msgs/msg/Diagnosis'

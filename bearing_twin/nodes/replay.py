@@ -30,10 +30,10 @@ from rosgraph_msgs.msg import Clock
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bearing_twin.recording.reader import RecordedMessage, TopicInfo
+    from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.reader import TopicInfo
     from rclpy.publisher import Publisher
 
-__all__ = ['NODE', 'SPECS', 'ReplayNode']
 
 PROGRESS_PERIOD = 5.0
 LONGEST_WAIT = 0.5

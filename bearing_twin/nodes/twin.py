@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from bearing_twin.assets.fitted import Fitted
     from bearing_twin.streams.pacer import Due
 
-__all__ = ['NODE', 'PUBLISHING', 'SPECS', 'TwinNode']
-
 
 class TwinNode(ManagedNode):
     """

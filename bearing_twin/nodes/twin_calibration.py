@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from bearing_twin.ros.health import Health
     from bearing_twin.ros.lifecycle import ManagedNode
 
-__all__ = ['TwinCalibration', 'named']
-
 
 def named(values: Mapping[str, Any]) -> Fitted | None:
     """

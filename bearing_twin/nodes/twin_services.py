@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from bearing_twin.ros.lifecycle import ManagedNode
     from bearing_twin.ros.parameters import ParameterSet
 
-__all__ = ['TwinServices']
-
 
 class TwinServices:
     """

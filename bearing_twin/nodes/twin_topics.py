@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
 
-__all__ = ['TwinTopics', 'temperature_status', 'validity_status']
 
 LONGEST_WAIT = 10.0
 

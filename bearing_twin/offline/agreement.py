@@ -12,9 +12,7 @@ from bearing_twin.recording.schema import canonical_cdr, other_version
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from bearing_twin.recording.reader import RecordedMessage
-
-__all__ = ['Agreement', 'Reproduction', 'without_padding']
+    from bearing_twin.recording.catalogue import RecordedMessage
 
 
 @dataclass

@@ -22,9 +22,8 @@ from bearing_twin.streams.vibration_input import read_vibration
 if TYPE_CHECKING:
     from bearing_twin.offline.agreement import Reproduction
     from bearing_twin.offline.output import Output
-    from bearing_twin.recording.reader import RecordedMessage
+    from bearing_twin.recording.catalogue import RecordedMessage
 
-__all__ = ['HORIZON', 'DiagnosisCheck']
 
 _REACH = 2.0 * LONGEST_WINDOW
 """Time for which blocks are kept: a window and the stretch before it, s."""

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from bearing_twin.offline.output import Output
     from bearing_twin.streams.vibration_input import VibrationBlock
 
-__all__ = ['DiagnosisRun']
 
 NODE = '/diagnosis'
 

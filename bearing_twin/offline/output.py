@@ -10,8 +10,6 @@ from typing import Any, NamedTuple
 from bearing_twin.recording.schema import message_schema, store_from_text
 import numpy as np
 
-__all__ = ['Output', 'decode', 'output']
-
 
 class Output(NamedTuple):
     """One message to be published or recorded."""

@@ -20,8 +20,9 @@ from bearing_twin.dynamics.limits import Limit
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.diagnosis_run import DiagnosisRun
 from bearing_twin.offline.output import Output, output
+from bearing_twin.recording.catalogue import known_fields
 from bearing_twin.recording.qos import sensor_qos
-from bearing_twin.recording.reader import known_fields, read_messages, recording_info
+from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.writer import RecordingWriter, whole_recording, WriterOptions
 from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.streams.ahead import ahead
@@ -38,9 +39,8 @@ if TYPE_CHECKING:
     from bearing_twin.assets.diagnosis import DueVerdict
     from bearing_twin.diagnosis.chain import Analysis
     from bearing_twin.dynamics.condition import Condition
-    from bearing_twin.recording.reader import RecordedMessage
+    from bearing_twin.recording.catalogue import RecordedMessage
 
-__all__ = ['OfflineReport', 'run_offline']
 
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'
 STATE = 'bearing_twin_msgs/msg/TwinState'

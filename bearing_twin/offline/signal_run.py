@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.recording.foreign import Signal
 
-__all__ = ['record_signal']
 
 BLOCK = 1024
 

@@ -21,9 +21,7 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics.fleet import Fleet
     from bearing_twin.dynamics.simulator import Block
     from bearing_twin.offline.agreement import Reproduction
-    from bearing_twin.recording.reader import RecordedMessage
-
-__all__ = ['FleetCheck', 'TwinCheck']
+    from bearing_twin.recording.catalogue import RecordedMessage
 
 
 class Recorded(NamedTuple):

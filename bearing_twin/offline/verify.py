@@ -17,8 +17,9 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.agreement import Agreement, Reproduction
 from bearing_twin.offline.diagnosis_check import DiagnosisCheck, HORIZON
 from bearing_twin.offline.twin_check import FleetCheck, TwinCheck
+from bearing_twin.recording.catalogue import known_fields
 from bearing_twin.recording.health import sent_before
-from bearing_twin.recording.reader import known_fields, read_messages, recording_info
+from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.schema import other_version
 from bearing_twin.streams.vibration_input import SOURCE_MEASURED
 
@@ -26,9 +27,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from pathlib import Path
 
-    from bearing_twin.recording.reader import RecordedMessage
+    from bearing_twin.recording.catalogue import RecordedMessage
 
-__all__ = ['reproduce']
 
 CHECKPOINT = 'bearing_twin_msgs/msg/Checkpoint'
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'

@@ -19,8 +19,6 @@ from bearing_twin.paper.verdicts import (
 )
 import numpy as np
 
-__all__ = ['Claim', 'percent', 'percents', 'rounded']
-
 
 @dataclass(frozen=True, kw_only=True)
 class Claim:

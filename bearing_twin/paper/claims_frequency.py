@@ -16,7 +16,6 @@ import numpy as np
 if TYPE_CHECKING:
     from bearing_twin.paper.study import FrequencyPoint, Study
 
-__all__ = ['BIN', 'frequency_claims']
 
 LOWEST = 5.0
 """Envelope lines below it are not looked for, Hz."""

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from bearing_twin.paper.study import Study
     import numpy.typing as npt
 
-__all__ = ['general_claims']
-
 
 def general_claims(study: Study) -> list[Claim]:
     """Judge the generality of the trends and what the paper says about their cause."""

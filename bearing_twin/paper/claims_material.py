@@ -23,8 +23,6 @@ from bearing_twin.thermal.rings import EXPANSION_STEEL, relative_modulus
 import numpy as np
 from scipy.stats import kendalltau
 
-__all__ = ['material_claims']
-
 
 def material_claims() -> list[Claim]:
     """Judge sections 3.1 to 3.4 on the tables and on beta0."""

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics import TwinParameters
     from bearing_twin.paper.study import Study
 
-__all__ = ['circulation', 'model_claims', 'static_position', 'system_matrix']
 
 _Law = Callable[..., tuple[float, float]]
 

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.paper.study import Study
 
-__all__ = ['frequency_interval', 'impact_numbers', 'peak_claims']
 
 TIME_DIGIT = 0.001
 """Last digit printed of a time, s."""

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.paper.study import Study
 
-__all__ = ['shift_claims', 'slip_needed']
 
 SHIFT_TOLERANCE = 0.02
 """Agreement asked of a shift that is read off two records of 12 s, Hz."""

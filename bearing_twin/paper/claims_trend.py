@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics import TwinParameters
     from bearing_twin.paper.study import Study
 
-__all__ = ['PATHS', 'falling_window', 'formula_change', 'own_ratio', 'trend_claims']
 
 RESOLUTION = 0.001
 """Relative error of the simulation: changes below it have no direction."""

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ['Dimension', 'derived', 'dimension', 'is_homogeneous']
 
 Dimension = tuple[float, float, float, float]
 """Exponents of kg, m, s and A."""

@@ -13,8 +13,6 @@ from bearing_twin.paper.claims_model import static_position
 from bearing_twin.paper.figures_force import unit_force
 import numpy as np
 
-__all__ = ['EquationRow', 'equation_table']
-
 COLD, HOT = settings.TEMPERATURE_NODES[0], settings.TEMPERATURE_NODES[-1]
 
 

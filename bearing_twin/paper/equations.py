@@ -21,25 +21,6 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
 
-__all__ = [
-    'alpha_strain',
-    'ball_angles',
-    'ball_forces',
-    'ball_frequency',
-    'beta0',
-    'cage_frequency',
-    'cage_speed',
-    'deformation_eq5',
-    'deformation_eq8',
-    'expansion_term',
-    'forces_as_printed',
-    'friction_force_as_printed',
-    'inner_frequency',
-    'outer_frequency',
-    'resultant_as_printed',
-    'static_force',
-    'total_force',
-]
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from bearing_twin.paper.study import Study
     from matplotlib.figure import Figure
 
-__all__ = ['FIGURES', 'Drawing']
-
 
 @dataclass(frozen=True)
 class Drawing:

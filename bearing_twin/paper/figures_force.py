@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from bearing_twin.paper.study import Study
     from matplotlib.figure import Figure
 
-__all__ = ['resultant', 'single_damping', 'single_stiffness', 'unit_force']
 
 FloatArray = npt.NDArray[np.float64]
 

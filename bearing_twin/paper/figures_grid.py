@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from bearing_twin.paper.study import Study
     from matplotlib.figure import Figure
 
-__all__ = ['grid_map']
 
 _PATHS = {'ball': 'path of a ball', 'rect': "equation 8's window"}
 

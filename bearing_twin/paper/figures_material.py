@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from bearing_twin.paper.study import Study
     from matplotlib.figure import Figure
 
-__all__ = ['expansion', 'friction', 'hardness']
-
 
 def _table(title: str, values: gcr15.FloatArray, text: str, colour: str) -> Figure:
     figure = new_figure(title, width=7.0, height=4.2)

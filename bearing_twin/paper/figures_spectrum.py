@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ['signal', 'spectrum']
 
 _FREQUENCY = 'frequency f / Hz'
 _HARMONICS = 3

@@ -15,14 +15,6 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-__all__ = [
-    'COLOURS',
-    'TEMPERATURE_LABEL',
-    'label',
-    'new_figure',
-    'save',
-    'temperature_colour',
-]
 
 COLOURS = ('#1f5fa8', '#c8502d', '#3b8a4e', '#7a4fa3')
 """Blue, red, green, violet: told apart in print and by most colour-blind readers."""

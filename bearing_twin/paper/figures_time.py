@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     import numpy.typing as npt
 
-__all__ = ['peaks', 'waterfall']
 
 _COLUMNS = 900
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from bearing_twin.paper.claims import Claim
     from bearing_twin.paper.study import Study
 
-__all__ = ['judge']
-
 
 def judge(study: Study) -> list[Claim]:
     """Return every claim with its verdict, in the order of the report."""

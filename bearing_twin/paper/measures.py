@@ -10,14 +10,6 @@ import numpy as np
 import numpy.typing as npt
 from scipy.signal import hilbert
 
-__all__ = [
-    'envelope_spectrum',
-    'line_contrast',
-    'line_frequency',
-    'peak_near',
-    'spectrum',
-]
-
 FloatArray = npt.NDArray[np.float64]
 
 

@@ -11,7 +11,6 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ['MARKER', 'prepare_folder']
 
 MARKER = '.bearing-twin-paper'
 """File by which a folder that this command wrote is known."""

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from bearing_twin.paper.claims import Claim
     from bearing_twin.paper.study import Study
 
-__all__ = ['recompute', 'write_results']
-
 
 def recompute(folder: Path, *, processes: int = 2, quiet: bool = False) -> list[Claim]:
     """

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.paper.claims import Claim
 
-__all__ = ['claims_table', 'figure_name', 'render_report', 'summary_line']
 
 _DIGITS = 6
 

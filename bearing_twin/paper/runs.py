@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics import TwinParameters
     from bearing_twin.dynamics.parameters import Profile, ThermalMode
 
-__all__ = ['Record', 'RunSpec', 'in_parallel', 'simulate']
 
 FloatArray = npt.NDArray[np.float64]
 S = TypeVar('S')

@@ -17,36 +17,6 @@ from bearing_twin.thermal.gcr15 import Beta0, TEMPERATURES
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = [
-    'AMPLITUDE_AT_20',
-    'AMPLITUDE_UNIT',
-    'APPROACH',
-    'BEARING',
-    'BORE',
-    'C_D_UNIT',
-    'DELTA_H',
-    'DELTA_MU',
-    'DISCLOSED',
-    'DURATION',
-    'EXPERIMENT',
-    'FACTORS',
-    'FACTOR_TEXT',
-    'FORMULA_RATIOS',
-    'F_IN',
-    'F_IN_PRINTED_AT_20',
-    'LITERATURE_PRESETS',
-    'OUTSIDE',
-    'PEAK_TIMES',
-    'PRESET_NAMES',
-    'REQUIRED',
-    'SHAFT_HZ',
-    'STATED_SINGLE_CURVES',
-    'STATED_TRENDS',
-    'SYSTEM_MASS',
-    'TEMPERATURE_NODES',
-    'Factor',
-    'factor_of',
-]
 
 Factor = Literal['expansion', 'hardness', 'friction', 'all']
 

@@ -17,7 +17,6 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import Profile
 
-__all__ = ['SPACE', 'STATES', 'Grid', 'Space']
 
 FloatArray = npt.NDArray[np.float64]
 

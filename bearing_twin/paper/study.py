@@ -22,15 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
 
-__all__ = [
-    'FrequencyPoint',
-    'Study',
-    'TrendPoint',
-    'WarmPoint',
-    'Warming',
-    'run_study',
-]
-
 FloatArray = npt.NDArray[np.float64]
 
 STARTS = 8

@@ -10,19 +10,6 @@ from typing import Literal, TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = [
-    'CONTRADICTED',
-    'MISPRINT',
-    'NOT_CHECKABLE',
-    'REPRODUCED',
-    'UNDER_SETTINGS',
-    'VERDICTS',
-    'Verdict',
-    'all_settings',
-    'same_direction',
-    'share',
-    'within',
-]
 
 Verdict = Literal[
     'reproduced',

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-__all__ = ['BagFile', 'BagTopic', 'metadata_record', 'write_metadata_file']
 
 VERSION = 9
 NO_MESSAGE = 2**63 - 1

@@ -20,14 +20,6 @@ from mcap.records import Channel, Schema
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-__all__ = [
-    'DEFINITIONS',
-    'Catalogue',
-    'RecordedChannel',
-    'RecordedMessage',
-    'known_fields',
-    'own_definitions',
-]
 
 DEFINITIONS = (Opcode.SCHEMA, Opcode.CHANNEL)
 MOST_HELD = 64 * 1024 * 1024

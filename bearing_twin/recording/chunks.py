@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.recording.mcapfile import RawRecord
 
-__all__ = ['NEW_DESCRIPTION', 'Chunks', 'SpentRecording']
 
 LARGEST_CHUNK = 128 * 1024 * 1024
 """Largest chunk after unpacking, bytes."""

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['is_even', 'read_csv']
 
 HEAD = 100
 """Lines in which the numbers must begin."""

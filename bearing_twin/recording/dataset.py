@@ -19,14 +19,6 @@ import numpy as np
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
 
-__all__ = [
-    'DatasetSignal',
-    'dataset_bearing',
-    'dataset_signals',
-    'fault_label',
-    'is_dataset',
-    'read_dataset_signal',
-]
 
 DatasetSignal = dict[str, Any]
 """One row of the metadata, by the column names of layout version 2."""

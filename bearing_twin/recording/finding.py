@@ -12,8 +12,6 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ['find_recording', 'natural']
-
 
 def natural(path: Path) -> list[tuple[int, str]]:
     """Return the key of an order of names in which 2 comes before 10."""

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['LARGEST_FILE', 'MOST_SAMPLES', 'Signal', 'channels', 'read_signal']
 
 LARGEST_FILE = 1024 * 1024 * 1024
 """Largest npz, mat, wav or csv file, bytes. MCAP files are read in pieces and have no limit."""

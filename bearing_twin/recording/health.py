@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.recording.catalogue import RecordedMessage
 
-__all__ = ['SENT_BEFORE', 'RecordingHealth', 'TopicHealth', 'recording_health', 'sent_before']
 
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'
 SEVERAL_SOURCES = 3

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ['read_mat']
 
 MOST_UNPACKED = 1024 * 1024 * 1024
 DEEPEST = 32

@@ -36,27 +36,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-__all__ = [
-    'CHUNK_HEAD',
-    'LARGEST_RECORD',
-    'LARGEST_TABLE',
-    'MAGIC',
-    'MESSAGE_HEAD',
-    'RECORD_HEAD',
-    'BrokenRecording',
-    'RawRecord',
-    'UnfinishedRecording',
-    'check_magic',
-    'content',
-    'message_head',
-    'parse',
-    'parse_from',
-    'read_at',
-    'read_record',
-    'record_at',
-    'refuse_special',
-    'walk',
-]
 
 MAGIC = b'\x89MCAP0\r\n'
 LARGEST_RECORD = 128 * 1024 * 1024

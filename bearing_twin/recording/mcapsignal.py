@@ -9,7 +9,8 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.reader import known_fields, read_messages, recording_info
+from bearing_twin.recording.catalogue import known_fields
+from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.stamps import NANO, stamp_ns
 import numpy as np
 
@@ -17,10 +18,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from bearing_twin.recording.reader import RecordedMessage, TopicInfo
+    from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.reader import TopicInfo
     from numpy.typing import NDArray
 
-__all__ = ['read_vibration_topic', 'vibration_topics']
 
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'
 SINGLE: dict[str, Callable[[Any], Any]] = {

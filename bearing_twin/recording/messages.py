@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.recording.mcapfile import RawRecord
 
-__all__ = ['Selection', 'in_file_order', 'in_time_order']
 
 EXTRAS = (Opcode.ATTACHMENT, Opcode.METADATA)
 MOST_MERGED = 256 * 1024 * 1024

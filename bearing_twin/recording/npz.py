@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Collection
     from pathlib import Path
 
-__all__ = ['MOST_UNPACKED', 'read_npz']
 
 MOST_UNPACKED = 1024 * 1024 * 1024
 """Most that is read of a file, unpacked, bytes."""

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from bearing_twin.disksync import DiskSync
     from bearing_twin.recording.schema import MessageSchema
 
-__all__ = ['LIBRARY', 'Attached', 'OutputFile']
 
 LIBRARY = f'bearing_twin {__version__}'
 """Who wrote a file, as its header says; the first word marks our own."""

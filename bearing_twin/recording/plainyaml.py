@@ -9,8 +9,6 @@ from typing import Any
 from bearing_twin.errors import BearingTwinError
 import yaml
 
-__all__ = ['LONGEST', 'load_plain']
-
 LONGEST = 1_000_000
 """Longest text that is parsed, characters."""
 

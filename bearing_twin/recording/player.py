@@ -15,9 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
     from pathlib import Path
 
-    from bearing_twin.recording.reader import RecordedMessage, TopicInfo
-
-__all__ = ['Player']
+    from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.reader import TopicInfo
 
 
 class Player:

@@ -13,7 +13,6 @@ import yaml
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-__all__ = ['qos_profile', 'qos_yaml', 'read_qos', 'sensor_qos']
 
 NEVER = {'sec': 9223372036, 'nsec': 854775807}
 """The infinite duration of rmw."""

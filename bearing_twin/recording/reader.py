@@ -12,7 +12,6 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.catalogue import (
     Catalogue,
     DEFINITIONS,
-    known_fields,
     RecordedChannel,
     RecordedMessage,
 )
@@ -41,16 +40,6 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
     from pathlib import Path
 
-__all__ = [
-    'RecordedChannel',
-    'RecordedMessage',
-    'RecordingInfo',
-    'TopicInfo',
-    'known_fields',
-    'read_messages',
-    'recording_files',
-    'recording_info',
-]
 
 MOST_METADATA = 8 * 1024 * 1024
 """Most metadata that is shown of a recording, bytes."""

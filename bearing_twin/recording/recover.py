@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from bearing_twin.recording.mcapfile import RawRecord
     from bearing_twin.recording.writer import RecordingWriter
 
-__all__ = ['RecoveryReport', 'find_unfinished', 'recover']
 
 MOST_LOOKED_AT = 1000
 MOST_ASKED = 8

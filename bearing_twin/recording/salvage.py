@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
     from pathlib import Path
 
-__all__ = ['open_mcap', 'sound_records']
 
 BLOCK = 4 * 1024 * 1024
 """Bytes that are searched at a time."""

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['load_trend', 'paper_schedule', 'undated', 'write_temperature_recording']
 
 TEMPERATURE = 'sensor_msgs/msg/Temperature'
 START = 1_577_836_800 * NANO

@@ -21,14 +21,6 @@ if TYPE_CHECKING:
 
     from rosbags.interfaces.typing import Typesdict
 
-__all__ = [
-    'MessageSchema',
-    'canonical_cdr',
-    'message_schema',
-    'other_version',
-    'store_from_text',
-    'type_conflict',
-]
 
 SEPARATOR = '=' * 80 + '\n'
 

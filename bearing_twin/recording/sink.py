@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from bearing_twin.recording.catalogue import RecordedMessage
     from typing_extensions import Self
 
-__all__ = ['MessageSink', 'Written']
 
 LATEST = 2**63
 OVERHEAD = 250

@@ -16,8 +16,6 @@ from bearing_twin.stamps import NANO
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ['SnapshotWriter']
-
 
 class SnapshotWriter(MessageSink):
     """

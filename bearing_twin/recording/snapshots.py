@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['Snapshot', 'read_snapshots', 'series_files']
 
 ENDINGS = ('.npz', '.mat', '.csv', '.txt', '.tsv', '.wav', '.mcap')
 

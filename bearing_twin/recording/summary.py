@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from bearing_twin.recording.mcapfile import RawRecord
     from numpy.typing import NDArray
 
-__all__ = ['chunk_index', 'summary_records']
 
 FOOTER_LENGTH = RECORD_HEAD.size + 20
 SMALLEST_CHUNK = RECORD_HEAD.size + CHUNK_HEAD.size + 8

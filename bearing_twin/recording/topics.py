@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Names and types of the topics of twin and diagnosis."""
 
-__all__ = ['FEATURES', 'OWN_TOPICS', 'is_feature']
-
 FEATURES = (
     'result',
     'level',

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ['RecordingWriter', 'WriterOptions', 'whole_recording']
-
 
 @dataclass(frozen=True, kw_only=True)
 class WriterOptions:

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from bearing_twin.streams.pacer import Due
     from rclpy.clock import JumpHandle, TimeJump
 
-__all__ = ['BlockCycle']
 
 STILL_AFTER = 1.0
 JUMP = 10.0

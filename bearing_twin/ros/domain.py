@@ -17,7 +17,6 @@ import rclpy
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ['HIGHEST_DOMAIN', 'check_domain', 'inhabitants', 'own_domain']
 
 HIGHEST_DOMAIN = 232
 """Above it the port numbers of DDS end."""

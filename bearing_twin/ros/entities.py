@@ -11,8 +11,6 @@ if TYPE_CHECKING:
 
     from rclpy.lifecycle import LifecycleNode
 
-__all__ = ['destroy_new', 'entities']
-
 
 def entities(node: LifecycleNode) -> set[Any]:
     """Return publishers, subscriptions, services, clients and timers of a node."""

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from rclpy.node import Node
     from rclpy.subscription import Subscription
 
-__all__ = ['LeanExecutor', 'PolledGroup']
 
 RARE_PERIOD = 0.1
 """Time between two looks at services and events of the middleware, s."""

@@ -9,8 +9,6 @@ from pathlib import Path
 
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 
-__all__ = ['PROFILES', 'set_up_fast_dds']
-
 PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
 TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
 MODE = 'RMW_FASTRTPS_PUBLICATION_MODE'

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
 
-__all__ = ['Health', 'Level', 'Status', 'known']
-
 
 PLAIN = str.maketrans({'"': "'", '\n': ' ', '\\': '/'})
 NUMBER = re.compile(r'[-+]?\d[\d.e+-]*|\bnan\b|\binf\b')

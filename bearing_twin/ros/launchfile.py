@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from launch import LaunchContext, Substitution
 
-__all__ = ['Argument', 'launch_description', 'shared']
 
 PACKAGE = 'bearing_twin'
 

@@ -17,7 +17,6 @@ from bearing_twin.errors import BearingTwinError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ['COMPILING', 'LOADING', 'NodeProcesses', 'ensure_log_folder', 'local_environment']
 
 COMPILING = 'compiling the kernel (first start only)'
 """What a twin logs when its start takes long for that reason."""

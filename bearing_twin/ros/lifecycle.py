@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from rclpy.service import Service
     from rclpy.subscription import MessageInfo, Subscription
 
-__all__ = ['ManagedNode', 'answered', 'run']
 
 SLOW = 2.0
 """Time after which a node says why its preparation takes long, s."""

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from rclpy.node import Node
     from rclpy.parameter import Parameter
 
-__all__ = ['ParameterSet', 'descriptor', 'unknown_at_start']
-
 
 def unknown_at_start(node: Node) -> list[str]:
     """Return a sentence on each parameter that was given at start and that the node has not."""

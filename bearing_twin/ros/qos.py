@@ -10,18 +10,6 @@ import math
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-__all__ = [
-    'CHECKPOINT',
-    'MEASUREMENT',
-    'OVERRIDES',
-    'RESULT',
-    'SENSOR',
-    'STREAM',
-    'own',
-    'profile',
-    'stream',
-]
-
 HELD = 2.0
 """Time whose blocks a publisher holds for those who have missed one, s."""
 

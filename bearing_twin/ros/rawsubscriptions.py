@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
     OnMessage = Callable[[str, str, bytes, MessageInfo], None]
 
-__all__ = ['RawSubscriptions', 'TopicChoice']
 
 POLL_PERIOD = 0.02
 """Longest that a message waits, s: 25 000 messages a second of one topic are taken in time."""

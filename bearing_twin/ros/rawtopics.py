@@ -18,14 +18,6 @@ if TYPE_CHECKING:
 
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-__all__ = [
-    'SUBSCRIPTION_DEPTH',
-    'message_class',
-    'offered_qos_yaml',
-    'published_type',
-    'replay_qos',
-    'subscription_qos',
-]
 
 SUBSCRIPTION_DEPTH = 500
 """Messages kept for a recorder that is held up by its disk: 20 s of blocks of 40 ms."""

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from bearing_twin.streams.pacer import LatenessReport
     from bearing_twin.streams.timing import CycleStatistics
 
-__all__ = ['build_pacer', 'check_thresholds', 'lock_memory', 'raise_priority', 'status']
 
 MCL_CURRENT, MCL_FUTURE = 1, 2
 

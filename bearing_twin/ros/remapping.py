@@ -14,8 +14,6 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ['check_remapping', 'remapping']
-
 
 def remapping(rules: list[str]) -> dict[str, str]:
     """

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
     from rclpy.subscription import MessageInfo, Subscription
 
-__all__ = ['read_message', 'receiver_clock', 'subscribe', 'unheard', 'validated']
 
 HEADER = 4
 """Bytes before the message: its encoding, and how many bytes of padding end it."""

@@ -7,8 +7,6 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
-__all__ = ['ArrivalTimes', 'MessageNumbers']
-
 MOST_HEARD = 10_000
 """Publishers whose last number is known: beyond, the one that is silent longest is forgotten."""
 

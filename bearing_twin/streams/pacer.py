@@ -13,8 +13,6 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import NANO, samples_ns
 import numpy as np
 
-__all__ = ['Due', 'LatenessReport', 'Pacer']
-
 RECENT = 1500
 """Blocks that statistics speak of: a minute at 25 blocks/s."""
 

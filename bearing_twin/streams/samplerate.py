@@ -11,8 +11,6 @@ from typing import NamedTuple
 
 from bearing_twin.stamps import NANO
 
-__all__ = ['REFUSED', 'RateMeter', 'RateProblem', 'off_rate']
-
 SPAN = NANO
 """Time over which one rate is taken, ns: a message that is 10 ms late shifts it by 1 %."""
 

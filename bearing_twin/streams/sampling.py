@@ -15,7 +15,6 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['BlockBuilder', 'SampledBlock', 'SequenceTracker', 'StampTracker', 'split_channels']
 
 ESTIMATE_FROM = 256
 """Stamps from which an unknown sample rate is estimated."""

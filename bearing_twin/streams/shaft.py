@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ['FASTEST_SHAFT', 'ShaftSpeed']
 
 FASTEST_SHAFT = 1000.0
 """Fastest shaft that is believed, Hz."""

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.disksync import Job
 
-__all__ = ['KeptState', 'StateFolder']
 
 _VERSION = 3001
 

@@ -10,8 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-__all__ = ['CycleStatistics', 'Spread']
-
 KEPT = 1500
 
 

@@ -22,17 +22,6 @@ if TYPE_CHECKING:
     from bearing_twin.thermal.gate import GatedTemperature
     from numpy.typing import NDArray
 
-__all__ = [
-    'SOURCE_MEASURED',
-    'SOURCE_SIMULATED',
-    'SOURCE_UNKNOWN',
-    'GapCounter',
-    'Inputs',
-    'Intake',
-    'SourceLock',
-    'VibrationBlock',
-    'read_vibration',
-]
 
 LOWEST_RATE = 100.0
 HIGHEST_RATE = 1_000_000.0

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     Row = dict[str, Any]
     Task = tuple[str, str, Callable[..., list[Row]], tuple[Any, ...]]
 
-__all__ = ['main', 'print_tables', 'summary', 'tasks']
 
 BINS = 10
 """Of the histogram of ranks."""

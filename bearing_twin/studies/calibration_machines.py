@@ -38,19 +38,6 @@ if TYPE_CHECKING:
     from bearing_twin.calibration import Calibration
     from numpy.typing import NDArray
 
-__all__ = [
-    'drawn_machine',
-    'drawn_modes',
-    'fit_impacts',
-    'fit_path',
-    'fit_record',
-    'fit_twin',
-    'fit_whatif',
-    'records',
-    'ring',
-    'row_of',
-    'train',
-]
 
 BEARINGS = ('6203', '6204', '6205', '6206', '6208', '6305', '6308', '6310', '6313', '6220')
 RATES = (12000.0, 20000.0, 25600.0, 51200.0, 64000.0, 100000.0)

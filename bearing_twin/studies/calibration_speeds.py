@@ -41,7 +41,6 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
-__all__ = ['KINDS', 'look_at_speeds']
 
 KINDS = (
     'twins',

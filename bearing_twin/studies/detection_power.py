@@ -23,7 +23,6 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ['main', 'simulate_table']
 
 BEARING = '6307-catalogue'
 RATE = 25600.0

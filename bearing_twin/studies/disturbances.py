@@ -14,7 +14,6 @@ from scipy import signal
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['CONDITIONS', 'MACHINES', 'disturbance', 'with_memory']
 
 CONDITIONS = ('none', *PLACES)
 """True conditions of the bearings of a study."""

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ['MODELS', 'Machine', 'judge_case', 'main', 'outcome', 'study']
 
 MODELS = ('twin', 'impacts')
 

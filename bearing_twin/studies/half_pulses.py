@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['KINDS', 'main', 'measured']
 
 KINDS = ('pulses', 'fault', 'two edges')
 BEARINGS = ('6205', '6307', '6308', '6203', '6318')

@@ -23,7 +23,6 @@ from scipy import signal
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['RIGS', 'SHAPES', 'Case', 'Rig', 'draw', 'record']
 
 SHAPES = ('point', 'double', 'extended')
 """One impact a pass; one at each edge of a spall; noise while the ball is on it."""

@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ['expected', 'main', 'measured', 'ripple']
 
 SPREADS = (np.inf, 4.0, 2.2, 1.5, 1.0)
 """Spreads of the load zone; infinite: a part that does not move through the load."""

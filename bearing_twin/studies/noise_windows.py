@@ -45,7 +45,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.verdict import Verdict
     from numpy.typing import NDArray
 
-__all__ = ['KINDS', 'SECONDS', 'NoiseWindow', 'draw', 'main']
 
 KINDS = ('white', 'pink', 'lines')
 BEARINGS = ('6205', '6307', 'ZA-2115', 'UER204')

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
     from types import ModuleType
 
-__all__ = ['arguments', 'print_table', 'read_lines', 'write_table']
-
 
 def arguments(module: ModuleType, *, writes: bool = False) -> argparse.ArgumentParser:
     """Return a parser that says what a study does, with the file to write if it writes one."""

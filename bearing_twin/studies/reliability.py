@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from bearing_twin.studies.generalisation import Machine
     from numpy.typing import NDArray
 
-__all__ = ['Told', 'calibration_error', 'fit', 'main', 'tell']
 
 FEWEST = 25
 """Least answers of a kind from which weights are fitted."""

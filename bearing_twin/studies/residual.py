@@ -30,17 +30,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = [
-    'CHANGES',
-    'MACHINE_HZ',
-    'RATE',
-    'false_alarms',
-    'main',
-    'poisson_bound',
-    'rates',
-    'residual_of',
-    'seen_after',
-]
 
 RATE, SECONDS, MACHINE_HZ = 12800.0, 4.0, 24.0
 LEARNT = 60

@@ -22,7 +22,6 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ['largest_sum', 'main', 'minutes_until']
 
 YEAR = 365 * 24 * 60
 BASELINE = 60

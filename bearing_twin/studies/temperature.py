@@ -47,7 +47,6 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
     from bearing_twin.recording.snapshots import Snapshot
 
-__all__ = ['PHYSICAL', 'main', 'run_table', 'simulated_slopes']
 
 RATE = 25600.0
 SPEEDS = (15.0, 30.0)

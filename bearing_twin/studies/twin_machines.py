@@ -17,7 +17,6 @@ import numpy as np
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
 
-__all__ = ['Case', 'draw', 'record']
 
 RATES = (12800.0, 20000.0, 25600.0, 51200.0)
 SETTLE_S = 0.5

@@ -17,15 +17,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
 
-__all__ = [
-    'SERIES',
-    'UNKNOWN_SERIES',
-    'friction_moment',
-    'metallic_share',
-    'power_loss',
-    'section_height',
-    'sliding_friction',
-]
 
 SERIES = {
     '60': (4.1e-7, 3.73e-3),

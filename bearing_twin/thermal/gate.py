@@ -10,8 +10,6 @@ import math
 
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 
-__all__ = ['GatedTemperature', 'TemperatureGate', 'TemperatureStatus']
-
 PHYSICAL_LOW = -273.15
 PHYSICAL_HIGH = 1000.0
 """Absolute zero, and what no bearing survives, degC: a reading beyond is a broken sensor."""

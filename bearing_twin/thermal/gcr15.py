@@ -16,23 +16,6 @@ from bearing_twin.quantity import check_fields, quantity
 import numpy as np
 import numpy.typing as npt
 
-__all__ = [
-    'BETA0_HIGH',
-    'BETA0_LOW',
-    'EXPANSION_TABLE',
-    'FRICTION_TABLE',
-    'HARDNESS_TABLE',
-    'TABLE_HIGH',
-    'TABLE_LOW',
-    'TEMPERATURES',
-    'Beta0',
-    'alpha',
-    'beta0',
-    'check_temperature',
-    'friction',
-    'hardness',
-]
-
 FloatArray = npt.NDArray[np.float64]
 
 

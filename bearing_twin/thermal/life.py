@@ -17,14 +17,6 @@ import numpy as np
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
 
-__all__ = [
-    'dynamic_rating',
-    'equivalent_load',
-    'fatigue_limit',
-    'life_factor',
-    'life_hours',
-    'static_rating',
-]
 
 _COSINES = np.cos(np.pi * (np.arange(64) + 0.5) / 64)
 """Of the angles from the direction of the load at which a ball is looked at, on half the ring."""

@@ -14,8 +14,6 @@ import math
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import check_fields, quantity
 
-__all__ = ['Lubricant', 'rated_viscosity', 'viscosity']
-
 _KELVIN = 273.15
 
 

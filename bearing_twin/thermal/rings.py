@@ -14,18 +14,6 @@ from typing import NamedTuple
 
 from bearing_twin.quantity import check_fields, quantity
 
-__all__ = [
-    'EXPANSION_STEEL',
-    'RING_HIGH',
-    'RING_LOW',
-    'ThermalNetwork',
-    'clearance_change',
-    'clearance_limits',
-    'inner_ring_step',
-    'inner_ring_target',
-    'relative_modulus',
-]
-
 EXPANSION_STEEL = 12e-6
 """Linear thermal expansion coefficient of 100Cr6/GCr15, 1/K."""
 _PITCH = 57.5e-3

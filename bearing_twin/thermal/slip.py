@@ -41,8 +41,6 @@ import math
 
 from bearing_twin.bearing import POISSON_STEEL, YOUNG_STEEL
 
-__all__ = ['HIGHEST_SLIP', 'drag', 'film_slope', 'traction']
-
 HIGHEST_SLIP = 0.05
 """Slip at which the law ends."""
 

@@ -15,7 +15,6 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['QUANTITIES', 'STEP', 'STRIP_SECONDS', 'Curve', 'OverTemperature', 'Strip', 'Strips']
 
 QUANTITIES = {
     'amplitude': 'Amplitude',

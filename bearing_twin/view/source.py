@@ -22,7 +22,6 @@ from bearing_twin.view.trends import LOUD, zone_limits
 if TYPE_CHECKING:
     from bearing_twin.view.trends import Limit
 
-__all__ = ['Source', 'bearing_in_words', 'fleet_tables', 'twin_in_words']
 
 PLACE = {'inner': 'inner race', 'outer': 'outer race', 'ball': 'ball', 'cage': 'cage'}
 

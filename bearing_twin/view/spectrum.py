@@ -22,7 +22,6 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['ENVELOPE', 'HARMONICS', 'Comb', 'SpectrumPicture', 'combs', 'highest', 'low_high']
 
 ENVELOPE = 'squared_envelope_spectrum'
 HARMONICS = 4

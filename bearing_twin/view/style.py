@@ -8,17 +8,6 @@ from typing import NamedTuple
 
 from bearing_twin.bearing.vocabulary import RESULTS, TITLES
 
-__all__ = [
-    'APPLICATION',
-    'FAMILIES',
-    'LANE_LEVELS',
-    'LINE',
-    'TEMPERATURE_STATES',
-    'VERDICTS',
-    'Family',
-    'State',
-]
-
 APPLICATION = 'bearing_twin'
 """Rerun keeps a blueprint per application."""
 

@@ -14,20 +14,6 @@ from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE
 from bearing_twin.view.style import Colour, FAMILIES, LINE
 import numpy as np
 
-__all__ = [
-    'CALIBRATION',
-    'DIAGNOSIS',
-    'LOUD',
-    'OVER_LIMITS',
-    'TWIN_STATE',
-    'ZERO',
-    'Limit',
-    'Panel',
-    'Trend',
-    'recorded',
-    'zone_limits',
-]
-
 
 def recorded(message: Any, field: str, index: int | None = None) -> float:
     """

@@ -16,23 +16,6 @@ from bearing_twin.diagnosis.thresholds import INDEX_SUSPECT, Z_CAGE, Z_FAULT
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.view.trends import recorded
 
-__all__ = [
-    'Headline',
-    'Tally',
-    'facts',
-    'impacts',
-    'judged_by_velocity',
-    'next_step',
-    'number',
-    'pretty',
-    'reasons',
-    'rival',
-    'same_window',
-    'shaft_speed',
-    'title_of',
-    'urgency',
-]
-
 SUSTAINED = 3
 """Windows in a row from which on a verdict is no passing one."""
 NO_LEVEL = 3

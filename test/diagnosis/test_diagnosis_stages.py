@@ -7,9 +7,10 @@ import math
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.bands import band_tree, BandTree, squared_envelopes
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.comb import accumulate, comb_scores, NEUTRAL, order_spectra
+from bearing_twin.diagnosis.comb import accumulate, comb_scores, order_spectra
 from bearing_twin.diagnosis.demodulation import choose_layout
 from bearing_twin.diagnosis.gate import check_record
+from bearing_twin.diagnosis.kernels import NEUTRAL
 from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.report import coarse_spectrum
 from bearing_twin.diagnosis.settings import DiagnosisSettings

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from bearing_twin.recording.reader import RecordingInfo
     from bearing_twin.view.report.data import Machine
 
-__all__ = ['appendix', 'off_default']
 
 SPECS = {
     'twin': (*twin_parameters.SPECS, *realtime_parameters.PUBLISHING),

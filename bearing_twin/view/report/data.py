@@ -10,8 +10,9 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.catalogue import known_fields
 from bearing_twin.recording.plainyaml import load_plain
-from bearing_twin.recording.reader import known_fields, read_messages, recording_info
+from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.vibration_input import HIGHEST_RATE
 from bearing_twin.view.over_temperature import OverTemperature
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.recording.catalogue import RecordedMessage
-
-__all__ = ['Machine', 'collect']
 
 
 @dataclass

@@ -16,7 +16,6 @@ import numpy as np
 if TYPE_CHECKING:
     from bearing_twin.view.report.data import Machine
 
-__all__ = ['explained', 'over_each_other']
 
 MACHINE: dict[str, Any] = {'color': '#424242', 'label': 'machine', 'linewidth': 0.8}
 TWIN: dict[str, Any] = {'color': '#1565c0', 'label': 'twin', 'linewidth': 0.8}

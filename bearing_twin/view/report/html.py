@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ['CSS', 'table']
 
 # On a phone a picture keeps a width at which its text is legible, and moves under the finger.
 CSS = """

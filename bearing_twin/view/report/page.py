@@ -42,8 +42,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.view.report.data import Machine
 
-__all__ = ['report_page']
-
 
 def report_page(path: Path, source: Path | None = None) -> str:
     """

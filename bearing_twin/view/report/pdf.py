@@ -11,8 +11,6 @@ import tempfile
 
 from bearing_twin.errors import BearingTwinError
 
-__all__ = ['browse', 'pdf_of']
-
 BROWSERS = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable')
 TIMEOUT = 120.0
 """Longest that a page may take, s."""

@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-__all__ = ['appended_figures', 'figures']
-
 
 DECIDING = ('significance', 'modulation', 'baseline')
 """Panels of the evidence that are not in the appendix, beside level or velocity."""

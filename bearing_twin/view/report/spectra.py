@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ['CAPTION', 'draw_envelope_spectrum', 'draw_spectrum']
 
 CAPTION = (
     f'Triangles: the {HARMONICS} harmonics found; ticks: the nominal ones, without slip; dots: '

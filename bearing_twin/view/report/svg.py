@@ -16,16 +16,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.style import Colour
     from matplotlib.figure import Figure
 
-__all__ = [
-    'BINS',
-    'FAMILY_COLOURS',
-    'STYLE',
-    'VERDICT_COLOURS',
-    'WIDTH',
-    'hex_colour',
-    'svg_element',
-]
-
 
 def hex_colour(colour: Colour) -> str:
     """Return a colour as HTML and matplotlib take it."""

@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
     from numpy.typing import NDArray
 
-__all__ = [
-    'MAGNIFIED', 'SLOWED', 'Bearing3D', 'check_pose', 'contact_forces', 'greatest_force',
-]  # fmt: skip
 
 SLOWED = 40.0
 """The bearing is drawn turning this many times slower than it does."""

@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.view.rerun.scene import Scene
 
-__all__ = ['PAGES', 'automatic', 'layout']
 
 PAGES = ('Verdict', 'Vibration', 'Evidence', 'Temperature', 'Twin', 'Calibration', 'Nodes')
 """Pages of a bearing, each of them for a laptop's screen."""

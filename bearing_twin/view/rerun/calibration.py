@@ -16,7 +16,6 @@ import rerun as rr
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ['CalibrationPicture']
 
 NAMES = 'machine', 'twin'
 FIELDS = 'measured_turn', 'twin_turn'

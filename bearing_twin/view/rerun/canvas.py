@@ -27,8 +27,6 @@ if TYPE_CHECKING:
             """Bring it there."""
 
 
-__all__ = ['Canvas']
-
 _T = TypeVar('_T', bound=np.generic)
 
 

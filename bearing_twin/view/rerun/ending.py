@@ -8,8 +8,6 @@ import os
 import sys
 import threading
 
-__all__ = ['SERVING', 'leave']
-
 SERVING = 'rerun'
 """Name of the threads that serve viewers."""
 

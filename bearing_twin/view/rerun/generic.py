@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.view.style import Colour
 
-__all__ = ['AnyPicture', 'scalars']
 
 MOST = 24
 """Most lines of one topic."""

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
     from bearing_twin.view.style import State
 
-__all__ = ['AGAIN', 'HealthPicture', 'Lane']
 
 AGAIN = 10_000_000_000
 """What lasts is logged again after this time, ns: servers forget, viewers come late."""

@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from bearing_twin.bearing.geometry import Bearing
     from bearing_twin.view.rerun.outlet import Mark
 
-__all__ = ['RerunLogger']
 
 SETTLED = NANO
 """A new topic is laid out when none has followed for this long, ns."""

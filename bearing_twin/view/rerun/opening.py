@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.recording.reader import RecordingInfo, TopicInfo
 
-__all__ = ['draw_recordings']
 
 ARRIVAL = 'message_log_time'
 """Timeline that Rerun gives every message of an MCAP file."""

@@ -16,8 +16,6 @@ from bearing_twin.view.style import APPLICATION
 import rerun as rr
 import rerun_bindings
 
-__all__ = ['WAITING', 'Mark', 'Outlet', 'ServedOutlet']
-
 Mark = Callable[[rr.RecordingStream], None]
 """Something drawn: puts itself into a recording. It is made once for all outlets."""
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
     from bearing_twin.view.trends import Panel
 
-__all__ = ['Asset', 'Picture', 'Trends']
-
 
 @dataclass
 class Asset:

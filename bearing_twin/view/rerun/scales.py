@@ -13,8 +13,6 @@ from bearing_twin.view.spectrum import ENVELOPE, SpectrumPicture
 from bearing_twin.view.trends import recorded
 import numpy as np
 
-__all__ = ['Scales']
-
 
 class Scales:
     """Largest values of the messages taken; 0 and None where there were none."""

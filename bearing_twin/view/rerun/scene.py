@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.picture import Asset, Picture
     from bearing_twin.view.rerun.timebase import Timebase
 
-__all__ = ['PICTURES', 'Scene', 'namespace_of']
 
 PICTURES: dict[str, type[Picture]] = {
     'bearing_twin_msgs/msg/Vibration': Waveform,

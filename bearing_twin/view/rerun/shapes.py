@@ -14,16 +14,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.style import Colour
     from numpy.typing import NDArray
 
-__all__ = [
-    'cage',
-    'face',
-    'inner_radius',
-    'inner_ring',
-    'lathe',
-    'outer_radius',
-    'outer_ring',
-    'width',
-]
 
 TURN = 96
 """Facets of a turn."""

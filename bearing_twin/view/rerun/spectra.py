@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.style import Colour
     from numpy.typing import NDArray
 
-__all__ = ['SpectrumBars', 'vector']
 
 BARS = 200
 """Most bars drawn, of two pixels or more each; of neighbouring bins the highest is kept."""

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
     from numpy.typing import NDArray
 
-__all__ = ['Spectrogram']
 
 COLUMNS = 300
 ROWS = 96

@@ -15,7 +15,6 @@ import rerun as rr
 if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
 
-__all__ = ['TemperaturePicture']
 
 NAME = 'measured'
 

@@ -11,8 +11,6 @@ from bearing_twin.view.rerun.picture import Picture
 from bearing_twin.view.source import bearing_in_words, fleet_tables
 import rerun as rr
 
-__all__ = ['CheckpointPicture', 'LogPicture', 'TextPicture', 'entity', 'parameter_tables']
-
 LOG_LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'CRITICAL'}
 
 

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ['Timebase', 'stamp_of']
 
 FAR = 10 * NANO
 """A stamp further than this from its arrival is of another clock, ns."""

@@ -18,8 +18,6 @@ import rerun as rr
 if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
 
-__all__ = ['TwinPicture']
-
 
 class TwinPicture(Picture):
     """Draw the messages of one twin_state topic."""

@@ -21,7 +21,6 @@ import rerun as rr
 if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
 
-__all__ = ['VerdictPicture']
 
 CARD = (640, 150)
 """Width and height of the card, pixels."""

@@ -25,7 +25,6 @@ import rerun_cli
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-__all__ = ['LOOPBACK', 'HeadlessViewer', 'free_port', 'live_url', 'show', 'show_in_browser']
 
 LOOPBACK = '127.0.0.1'
 START_TIMEOUT = 30.0

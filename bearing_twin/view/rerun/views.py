@@ -17,28 +17,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.scene import Scene
     from bearing_twin.view.trends import Panel
 
-__all__ = [
-    'View',
-    'bearing_views',
-    'card_and_reasons',
-    'card_view',
-    'colour_legend',
-    'envelope_views',
-    'fitted_views',
-    'is_bearing',
-    'lane_paths',
-    'lanes_view',
-    'lines_view',
-    'number_views',
-    'over_temperature_views',
-    'panel_views',
-    'paths_of',
-    'spectrum_views',
-    'temperature_views',
-    'verdict_lane',
-    'waterfall_views',
-    'waveform_views',
-]
 
 CLOSE = 0.25
 """Length of the close look at the waveform, s."""

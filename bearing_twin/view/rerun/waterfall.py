@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.over_temperature import Strips
     from bearing_twin.view.rerun.canvas import Canvas
 
-__all__ = ['Waterfall']
 
 POINTS = 600
 COLD, HOT = 20.0, 110.0

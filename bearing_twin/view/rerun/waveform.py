@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
     from numpy.typing import NDArray
 
-__all__ = ['AXES', 'Waveform', 'extremes']
 
 FINE, COARSE = 16, 64
 """Samples behind one pair of the close look and of the envelope."""
