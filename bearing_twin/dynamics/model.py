@@ -9,9 +9,11 @@ they use only arithmetic and the operations of `vector` that take both.
 
 To change the contact law edit `contact_law`. Its power 1.5 also decides the starting value of
 `statics.spring_position`, the margin for the unbalance in `stability.check_step`, the pieces of a
-step in `integrator`, and the unit of K_b, which `bearing.hertz` computes; each says so. The tests
-compare with the power 1.5 on purpose. `vector` knows roots and no other powers: x**1.25 is
-x * root(root(x)).
+step in `integrator`, the load of `life.equivalent_load`, the sinking of a ball in
+`passage.interference` and `estimates.taken_off`, the pressure under a ball (force^(1/3)) in
+`coefficients` and `reference`, and the unit of K_b, which `bearing.hertz` computes. The tests and
+`paper` compare with the power 1.5 on purpose. `vector` knows roots and no other powers: x**1.25
+is x * root(root(x)).
 
 To add a profile:
 

@@ -20,7 +20,7 @@ from bearing_twin.bearing import contact_pressure, fault_orders, PLACES
 from bearing_twin.dynamics import filters
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.layout import CHUNK, SPIN_TURNS
-from bearing_twin.dynamics.model import CODES, contact_force, defect_path
+from bearing_twin.dynamics.model import CODES, contact_force, contact_law, defect_path
 from bearing_twin.dynamics.simulator import RUN_IN
 from bearing_twin.dynamics.waviness import profiles
 from bearing_twin.thermal import friction, gcr15, life, rings, slip
@@ -257,7 +257,8 @@ def _held_slip(p: TwinParameters, constants: _Constants, nu: float) -> float:
         at = _at_rest(standing, _HEALTHY, _SMOOTH, 0.0)
         angles = standing.start + 2.0 * math.pi * np.arange(bearing.n_balls) / bearing.n_balls
         deep = (at[:2] - at[2:]) @ np.array([np.cos(angles), np.sin(angles)]) - constants.clearance
-        for force in constants.k_b * deep[deep > 0.0] ** 1.5 / constants.cosine:
+        for approach in deep[deep > 0.0]:
+            force = contact_law(approach, constants.k_b)[0] / constants.cosine
             pressure = math.sqrt(both[0] * both[1]) * force ** (1.0 / 3.0) / 1.5
             film = slip.film_slope(pressure, force, nu, rolling, bearing.d_ball)
             contacts.append((force, pressure, film))
