@@ -29,6 +29,7 @@ from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
 from bearing_twin.diagnosis.level import is_urgent
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.dataset import dataset_signals, is_dataset
+from bearing_twin.recording.finding import SIGNAL_FILES
 from bearing_twin.recording.foreign import channels, read_signal
 
 if TYPE_CHECKING:
@@ -111,7 +112,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         'files',
         nargs='+',
         metavar='FILE',
-        help='.npz .mat .wav .csv .mcap, or a folder made by bearing-datasets',
+        help=f'{" ".join(SIGNAL_FILES)} .mcap, or a folder made by bearing-datasets',
     )
     add_signal_arguments(parser)
 

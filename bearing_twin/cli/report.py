@@ -22,7 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         'recording',
         type=Path,
-        help='MCAP file, bag folder, folder of a demo, or .npz .mat .wav .csv or a Parquet set as '
+        help='MCAP file, bag folder, folder of a demo, or a vibration file or Parquet set as '
         'diagnose reads',
     )
     parser.add_argument(

@@ -11,7 +11,7 @@ from bearing_twin.bearing import Bearing, find_bearing, named_bearing, own_beari
 from bearing_twin.cli.terminal import refuse_given
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.dataset import is_dataset
-from bearing_twin.recording.finding import find_recording
+from bearing_twin.recording.finding import find_recording, SIGNAL_FILES
 
 if TYPE_CHECKING:
     import argparse
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 SAID = ('bearing', 'geometry', 'shaft_hz', 'rpm', 'sample_rate', 'channel', 'unit')
 """Options that describe vibration files."""
 UNITS = ('m/s^2', 'g')
-FILES = ('.npz', '.mat', '.wav', '.csv', '.txt', '.tsv')
 
 
 def add_signal_arguments(parser: argparse.ArgumentParser) -> None:
@@ -77,14 +76,14 @@ def as_recordings(paths: Sequence[Path], args: argparse.Namespace, folder: Path)
 
     """
     if not any(map(_is_signal, paths)):
-        kinds = f'{", ".join(FILES)} and Parquet sets'
+        kinds = f'{", ".join(SIGNAL_FILES)} and Parquet sets'
         refuse_given(args, SAID, f'for {kinds} only; a recording says it itself')
     # Files of one name each have a folder for themselves.
     return [_as_recording(path, args, folder / str(k)) for k, path in enumerate(paths)]
 
 
 def _is_signal(path: Path) -> bool:
-    return path.suffix.lower() in FILES or is_dataset(path)
+    return path.suffix.lower() in SIGNAL_FILES or is_dataset(path)
 
 
 def _as_recording(path: Path, args: argparse.Namespace, folder: Path) -> Path:

@@ -33,7 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs='*',
         type=Path,
         metavar='RECORDING',
-        help='MCAP file, bag folder, folder of a demo, .rrd, or .npz .mat .wav .csv or a Parquet '
+        help='MCAP file, bag folder, folder of a demo, .rrd, or a vibration file or Parquet '
         'set as diagnose reads; several stand side by side',
     )
     parser.add_argument(

@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
+SIGNAL_FILES = ('.npz', '.mat', '.wav', '.csv', '.txt', '.tsv')
+"""Endings of vibration files of other people, each with its reader in `recording.foreign`."""
+
+
 def natural(path: Path) -> list[tuple[int, str]]:
     """Return the key of an order of names in which 2 comes before 10."""
     words = re.split(r'(\d+)', path.name)

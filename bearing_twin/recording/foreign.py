@@ -20,6 +20,7 @@ from bearing_twin.diagnosis.severity import acceleration_factor, GRAVITY
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.csvfile import is_even, read_csv
 from bearing_twin.recording.dataset import dataset_signals, is_dataset, read_dataset_signal
+from bearing_twin.recording.finding import SIGNAL_FILES
 from bearing_twin.recording.matfile import read_mat
 from bearing_twin.recording.mcapfile import refuse_special
 from bearing_twin.recording.mcapsignal import read_vibration_topic, vibration_topics
@@ -204,11 +205,10 @@ def _named(names: Iterable[str], said: str, path: Path) -> str:
 
 def _reader(path: Path) -> Callable[[Path], dict[str, Any]]:
     """Return what reads the arrays of a file, which is there and not too large."""
-    readers = {'.npz': read_npz, '.mat': read_mat, '.csv': read_csv, '.wav': _read_wav}
-    kind = path.suffix.lower()
-    reader = readers.get('.csv' if kind in ('.txt', '.tsv') else kind)
+    readers = (read_npz, read_mat, _read_wav, read_csv, read_csv, read_csv)
+    reader = dict(zip(SIGNAL_FILES, readers, strict=True)).get(path.suffix.lower())
     if reader is None:
-        msg = f'{path}: files ending in {", ".join(readers)} and .mcap are read'
+        msg = f'{path}: files ending in {", ".join(SIGNAL_FILES)} and .mcap are read'
         raise BearingTwinError(msg)
     refuse_special(path)
     try:

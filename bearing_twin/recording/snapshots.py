@@ -9,7 +9,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.finding import natural
+from bearing_twin.recording.finding import natural, SIGNAL_FILES
 from bearing_twin.recording.foreign import read_signal, Signal
 from bearing_twin.recording.npz import read_npz
 import numpy as np
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
-
-
-ENDINGS = ('.npz', '.mat', '.csv', '.txt', '.tsv', '.wav', '.mcap')
 
 
 @dataclass(frozen=True)
@@ -55,15 +52,16 @@ def series_files(paths: Sequence[Path]) -> list[Path]:
         If there is none.
 
     """
+    endings = (*SIGNAL_FILES, '.mcap')
     files: list[Path] = []
     for path in paths:
         if path.is_dir():
-            inside = (item for item in path.iterdir() if item.suffix.lower() in ENDINGS)
+            inside = (item for item in path.iterdir() if item.suffix.lower() in endings)
             files += sorted(inside, key=natural)
         else:
             files.append(path)
     if not files:
-        msg = f'{", ".join(map(str, paths))}: no file ends in {", ".join(ENDINGS)}'
+        msg = f'{", ".join(map(str, paths))}: no file ends in {", ".join(endings)}'
         raise BearingTwinError(msg)
     return files
 
