@@ -8,6 +8,7 @@ from pathlib import Path
 
 import bearing_twin.diagnosis
 from bearing_twin.diagnosis.confidence import KINDS, Trust
+from bearing_twin.diagnosis.rules import RULES
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies import calibration, detection_power, generalisation, reliability
 import numpy as np
@@ -38,6 +39,10 @@ def test_a_study_without_a_place_to_write_ends_before_it_begins(study, tmp_path,
             study.main(words)
         assert ended.value.code == 2
     assert 'is no folder' in capsys.readouterr().err
+
+
+def test_what_is_not_rated_are_rules():
+    assert set(reliability.UNRATED) - {rule.name for rule in RULES} == {'record_gate'}
 
 
 def test_weights_of_the_confidence_are_those_of_the_answers():

@@ -14,6 +14,7 @@ from bearing_twin.bearing import FAULT_CODES, PLACES
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.gate import SHAFT_TURNS
 from bearing_twin.diagnosis.level import raised, staged, UNKNOWN
+from bearing_twin.diagnosis.rules import FAINT
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.shaft import Turning
 from bearing_twin.diagnosis.spectra import floor_levels
@@ -32,13 +33,6 @@ if TYPE_CHECKING:
 
 _WINDOW_TURNS = 256.0
 """Shaft turns of the windows into which a record is cut."""
-
-_TOO_WEAK = 'weak_modulation'
-"""Rule whose answer gets a second look at windows that are whitened as a whole."""
-
-_FAINT = (_TOO_WEAK, 'no_comb', 'uncertain_health', 'two_faint_places')
-"""Rules whose answer gets a look at the parts of a record whose speed is one number: where the
-speed moves, the lines of a fault smear over the whole and not over its parts."""
 
 _PART_TURNS = 2.0 * SHAFT_TURNS
 """Least shaft turns of a part: twice those that a diagnosis needs."""
@@ -138,13 +132,15 @@ def diagnose_record(
     excerpt = cut()
     analysis = excerpt.analyse()
     found = analysis.conclude()
-    if found.rule == _TOO_WEAK and len(excerpt.stretches) > excerpt.pieces:
+    faint = found.rule in FAINT
+    if faint and found.level == 'suspect' and len(excerpt.stretches) > excerpt.pieces:
         # Each segment is taken relative to its own noise, so impacts in bursts of seconds weigh
         # little in the mean.
         whole = cut(divided=False).analyse().conclude()
         if whole.level == 'fault':
             found = replace(whole, reasons=(*whole.reasons, _BURSTS))
-    if found.rule in _FAINT and speeds.size == 1 and _smeared(analysis):
+    # Where the speed moves, the lines of a fault smear over the whole and not over its parts.
+    if faint and speeds.size == 1 and _smeared(analysis):
 
         def parts(count: int) -> list[Excerpt]:
             if len(excerpt.stretches) % count == 0:

@@ -6,7 +6,7 @@ From evidence to a verdict: the first rule of an ordered table that applies.
 A rule is a function of the evidence that returns a verdict, or None where it does not apply. The
 rules are asked in the order of this file. A new rule touches:
 
-- this file: the function, at its place in the order;
+- this file: the function, at its place in the order, and what `Rule` asks about its answer;
 - ``evidence.py``: a property for each new quantity, with its value where nothing disturbs the
   combs, and ``search.py`` if the quantity has to be measured in the spectra;
 - ``thresholds.py`` and the table of thresholds in ``docs/diagnosis.md``;
@@ -63,17 +63,24 @@ class Rule(NamedTuple):
     answer: str
     why: str
     apply: Callable[[Evidence], Verdict | None]
+    faint: bool
+    """Whether parts of a record are looked at, where a fault may show better than in the whole."""
+    nothing_shows: bool
+    """Whether it says that no fault shows, and not that the machine is healthy: a trend learns."""
 
 
 RULES: list[Rule] = []
 """All rules, in the order in which they are asked; the last always applies."""
 
 
-def _rule(answer: str, why: str) -> Callable[[_Apply], _Apply]:
+def _rule(
+    answer: str, why: str, *, faint: bool = False, nothing_shows: bool = False
+) -> Callable[[_Apply], _Apply]:
     """Append a rule to the table; it has the name of its function."""
 
     def append(apply: _Apply) -> _Apply:
-        RULES.append(Rule(apply.__name__.lstrip('_'), answer, why, apply))
+        name = apply.__name__.lstrip('_')
+        RULES.append(Rule(name, answer, why, apply, faint, nothing_shows))
         return apply
 
     return append
@@ -211,6 +218,8 @@ def _bursts(e: Evidence) -> Verdict | None:
 @_rule(
     'insufficient',
     'Combs of two places of one bearing are not chance: first damage, or waves of its surfaces.',
+    faint=True,
+    nothing_shows=True,
 )
 def _two_faint_places(e: Evidence) -> Verdict | None:
     if e.remaining or len(e.faint) < 2:
@@ -222,7 +231,12 @@ def _two_faint_places(e: Evidence) -> Verdict | None:
     return _silent(e, text)
 
 
-@_rule('insufficient', 'Of machines with such combs more are damaged than sound.')
+@_rule(
+    'insufficient',
+    'Of machines with such combs more are damaged than sound.',
+    faint=True,
+    nothing_shows=True,
+)
 def _uncertain_health(e: Evidence) -> Verdict | None:
     if e.remaining:
         return None
@@ -240,7 +254,9 @@ def _uncertain_health(e: Evidence) -> Verdict | None:
 
 
 @_rule(
-    'insufficient', 'A short window shows strong faults only, so it cannot call a bearing healthy.'
+    'insufficient',
+    'A short window shows strong faults only, so it cannot call a bearing healthy.',
+    nothing_shows=True,
 )
 def _few_shaft_turns(e: Evidence) -> Verdict | None:
     if e.remaining or e.turns >= HEALTHY_TURNS:
@@ -252,7 +268,11 @@ def _few_shaft_turns(e: Evidence) -> Verdict | None:
     return _silent(e, text)
 
 
-@_rule('insufficient', 'Impacts hardly show that come faster than their ringing dies away.')
+@_rule(
+    'insufficient',
+    'Impacts hardly show that come faster than their ringing dies away.',
+    nothing_shows=True,
+)
 def _run_together(e: Evidence) -> Verdict | None:
     highest_hz = highest_fault_order(e.bearing) * e.shaft_hz
     shown_hz = fastest_impacts_hz(e.sample_rate)
@@ -267,7 +287,7 @@ def _run_together(e: Evidence) -> Verdict | None:
     return _silent(e, text)
 
 
-@_rule('healthy', 'No comb is both significant and strong.')
+@_rule('healthy', 'No comb is both significant and strong.', faint=True)
 def _no_comb(e: Evidence) -> Verdict | None:
     if e.remaining:
         return None
@@ -448,7 +468,7 @@ def _uncertain_second(e: Evidence) -> Verdict | None:
     return _say(e, *texts, about=e.leading, faults=places, level='fault', candidates=found)
 
 
-@_rule('suspect', 'A significant comb that modulates the envelope little is no alarm.')
+@_rule('suspect', 'A significant comb that modulates the envelope little is no alarm.', faint=True)
 def _weak_modulation(e: Evidence) -> Verdict | None:
     places = tuple(c.place for c in _in_order(e))
     if any(c.index >= INDEX_FAULT for c in (e.leading, *_certain(e))):
@@ -496,6 +516,10 @@ def _fault(e: Evidence) -> Verdict | None:
         'less; check bearing and speed'
     )
     return replace(verdict, level='suspect', reasons=(*verdict.reasons, text))
+
+
+FAINT = frozenset(rule.name for rule in RULES if rule.faint)
+NOTHING_SHOWS = frozenset(rule.name for rule in RULES if rule.nothing_shows)
 
 
 def decide(evidence: Evidence) -> Verdict:

@@ -13,6 +13,7 @@ from bearing_twin.diagnosis.baseline import Memory, SETTLED
 from bearing_twin.diagnosis.dependence import Condition, Z90
 from bearing_twin.diagnosis.level import FALLEN, FAULT_DB, raised, staged, SUSPECT_DB
 from bearing_twin.diagnosis.onset import Rise
+from bearing_twin.diagnosis.rules import NOTHING_SHOWS
 from bearing_twin.diagnosis.severity import MEASURES, watched
 import numpy as np
 
@@ -35,8 +36,6 @@ _LOWEST = 'no baseline yet: over the lowest level so far; ~/reset if the machine
 _MOST_OVER_DB = 0.5 * SUSPECT_DB
 """Level over the lowest from which on a stream that has settled has no baseline: one that settles
 on its way to 10 dB is suspect in the end all the same."""
-_NOTHING_SHOWS = ('run_together', 'few_shaft_turns', 'uncertain_health', 'two_faint_places')
-"""Rules that say of a window that no fault shows, and not that the machine is healthy."""
 _FIRST = 60
 """Minutes over which a rise is looked for: what a machine does in its first healthy hour."""
 
@@ -152,7 +151,7 @@ class Trend:
             self.doubtful += full and alone in ('suspect', 'fault')
             louder = memory.over(levels, now)[0] >= SUSPECT_DB
             # Where no fault could show the level is as good as that of a healthy window.
-            silent = full and alone == 'none' and diagnosis.rule in _NOTHING_SHOWS
+            silent = full and alone == 'none' and diagnosis.rule in NOTHING_SHOWS
             # A healthy window among faulty ones shows a damaged machine.
             if (alone == 'ok' or silent) and (louder or self.level in ('', 'ok')):
                 self.count += 1

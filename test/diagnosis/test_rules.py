@@ -6,7 +6,7 @@ from pathlib import Path
 import runpy
 
 from bearing_twin.diagnosis.evidence import Claims, Evidence
-from bearing_twin.diagnosis.rules import decide, RULES
+from bearing_twin.diagnosis.rules import decide, FAINT, NOTHING_SHOWS, RULES
 from bearing_twin.diagnosis.search import Candidate
 import pytest
 
@@ -191,6 +191,14 @@ def test_rule_is_reached_without_a_signal(rule):
     assert (said.rule, said.result, said.level, said.faults) == (rule.name, result, level, faults)
     assert said.reasons
     assert rule.answer in (said.result, 'its place')
+
+
+def test_rules_without_a_statement_are_marked():
+    """Parts of a record and a trend ask by these marks; of a dead sensor nothing is learnt."""
+    silent = {name for name, (_, _, level, _) in CASES.items() if level == 'none'}
+    assert silent - NOTHING_SHOWS == {'few_steps'}
+    suspect = {name for name, (_, _, level, _) in CASES.items() if level == 'suspect'}
+    assert suspect & FAINT == {'weak_modulation'}
 
 
 def test_every_rule_has_a_case_and_a_sentence():
