@@ -34,9 +34,9 @@ from bearing_twin.diagnosis.severity import (
     watched,
 )
 from bearing_twin.diagnosis.shaft import Turning
-from bearing_twin.diagnosis.state import restored
 from bearing_twin.diagnosis.trend import Source
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.packed import restored
 import numpy as np
 from scipy import fft
 

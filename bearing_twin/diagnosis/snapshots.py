@@ -16,10 +16,10 @@ from bearing_twin.diagnosis.level import staged, UNKNOWN
 from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.diagnosis.severity import LEAST
 from bearing_twin.diagnosis.shaft import Turning
-from bearing_twin.diagnosis.state import pack, restored, unpack
 from bearing_twin.diagnosis.streaming import checked_block, PATIENCE, same_rate
 from bearing_twin.diagnosis.trend import Source
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.packed import pack, restored, unpack
 import numpy as np
 
 if TYPE_CHECKING:

@@ -15,9 +15,9 @@ from bearing_twin.diagnosis.chain import Excerpt, Stretch
 from bearing_twin.diagnosis.comb import OrderSpectra
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.shaft import Turning
-from bearing_twin.diagnosis.state import pack, restored, unpack
 from bearing_twin.diagnosis.trend import Source, Trend
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.packed import pack, restored, unpack
 import numpy as np
 
 if TYPE_CHECKING:

@@ -12,9 +12,9 @@ from pathlib import Path
 import stat
 from typing import BinaryIO, TYPE_CHECKING, TypeVar
 
-from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.disksync import DiskSync, SILENT
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.packed import pack, unpack
 from bearing_twin.wholefile import whole_file
 import numpy as np
 

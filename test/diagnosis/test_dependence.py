@@ -18,9 +18,9 @@ from bearing_twin.diagnosis.dependence import (
 from bearing_twin.diagnosis.level import raised
 from bearing_twin.diagnosis.onset import DECISION_DB, Rise
 from bearing_twin.diagnosis.report import insufficient
-from bearing_twin.diagnosis.state import restored
 from bearing_twin.diagnosis.trend import Source, Trend
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.packed import restored
 from bearing_twin.studies import rise, temperature
 from bearing_twin.studies.disturbances import with_memory
 import numpy as np

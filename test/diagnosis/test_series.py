@@ -15,8 +15,8 @@ from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.snapshots import _VERSION, SeriesDiagnoser
-from bearing_twin.diagnosis.state import pack, unpack
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.packed import pack, unpack
 import numpy as np
 import pytest
 

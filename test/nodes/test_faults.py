@@ -15,7 +15,7 @@ import subprocess
 import sys
 
 from bearing_twin.diagnosis import streaming
-from bearing_twin.diagnosis.state import unpack
+from bearing_twin.packed import unpack
 from bearing_twin.streams import statefile
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, TwinState, Vibration
 from block_streams import check_complete, DEEP

@@ -12,8 +12,8 @@ import sys
 import time
 
 from bearing_twin import disksync
-from bearing_twin.diagnosis.state import unpack
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.packed import unpack
 from bearing_twin.streams import statefile
 from bearing_twin.streams.statefile import KeptState, StateFolder
 from loopdisk import loop_disk
