@@ -92,3 +92,27 @@ def ros_domain(compiled, turns, monkeypatch, tmp_path):
     with own_domain(next(turns), listen=0.0) as domain:
         monkeypatch.setenv('ROS_DOMAIN_ID', str(domain))
         yield domain
+
+
+@pytest.fixture
+def here(ros_domain):
+    """
+    Return a maker of nodes in this process, which end with the test.
+
+    The parameters are those of the first node, which all have.
+    """
+    import rclpy
+
+    made = []
+
+    def make(node_class, **parameters):
+        if not rclpy.ok():
+            given = (f'{name}:={json.dumps(value)}' for name, value in parameters.items())
+            rclpy.init(args=['--ros-args', *(word for each in given for word in ('-p', each))])
+        made.append(node_class())
+        return made[-1]
+
+    yield make
+    for node in made:
+        node.shut_down()
+    rclpy.try_shutdown()

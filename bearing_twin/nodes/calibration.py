@@ -23,7 +23,7 @@ from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.qos import MEASUREMENT, OVERRIDES, own, RESULT, STREAM
 from bearing_twin.ros.subscribing import receiver_clock, subscribe
-from bearing_twin.streams.statefile import KeptState, StateFolder
+from bearing_twin.streams.statefile import StateFolder
 from bearing_twin.streams.vibration_input import Inputs, read_vibration, SourceLock
 from bearing_twin.thermal.gate import TemperatureStatus
 from bearing_twin_msgs.msg import Calibration, Diagnosis, Vibration
@@ -71,10 +71,7 @@ class CalibrationNode(ManagedNode):
         # Of the newest block, and of the newest fit.
         self._refused, self._problem, self._latest = '', '', None
         self._running: tuple[Task, Future[Fit]] | None = None
-        self._state = KeptState(
-            p['state_directory'], p['state_name'], self.get_fully_qualified_name(),
-            p['state_owner'], self.get_logger().error,
-        )  # fmt: skip
+        self._state = self.states.kept(p.values, self.get_fully_qualified_name())
         self._state.load(self._core.load, wait=True)
         self._worker = _worker()
         self._out = self.create_lifecycle_publisher(
@@ -103,9 +100,8 @@ class CalibrationNode(ManagedNode):
         self._keep_state()
 
     def teardown(self) -> None:
-        """End the worker; let another node keep the state."""
+        """End the worker."""
         _end(self._worker)
-        self._state.release()
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; what was learnt of another bearing is forgotten."""

@@ -48,10 +48,6 @@ class DiagnosisNode(ManagedNode):
         """Keep what was learnt."""
         self._topics.keep_state()
 
-    def teardown(self) -> None:
-        """Let another node keep the state."""
-        self._topics.release()
-
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; the window restarts where the bearing has changed."""
         self._topics.apply(values)

@@ -15,7 +15,6 @@ from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
 from bearing_twin.ros.subscribing import receiver_clock, subscribe, unheard
-from bearing_twin.streams.statefile import KeptState
 from bearing_twin.streams.vibration_input import Inputs, Intake, read_vibration
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
 from sensor_msgs.msg import JointState, Temperature
@@ -91,10 +90,7 @@ class DiagnosisTopics:
         self._checkpoint = node.create_lifecycle_publisher(
             Checkpoint, f'{prefix}diagnosis_checkpoint', CHECKPOINT
         )
-        self._state = KeptState(
-            p['state_directory'], p['state_name'], self._path, p['state_owner'],
-            node.get_logger().error,
-        )  # fmt: skip
+        self._state = node.states.kept(p.values, self._path)
         self._load_state(wait=True)
 
     @property
@@ -126,10 +122,6 @@ class DiagnosisTopics:
                 group=self._node.polled if polled else None,
             )
         )
-
-    def release(self) -> None:
-        """Let another node keep the state."""
-        self._state.release()
 
     def reset(self) -> str:
         """Start anew: window, baseline and trend; return what a service answers."""

@@ -89,9 +89,7 @@ class Member:
             raise BearingTwinError(msg) from None
 
     def release(self) -> None:
-        """Forget twin and diagnosis; let another node keep the state."""
-        if self.diagnosis is not None:
-            self.diagnosis.release()
+        """Forget twin and diagnosis."""
         self.channel = self.twin = self.diagnosis = None
 
 

@@ -23,6 +23,7 @@ from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.launching import COMPILING, ensure_log_folder, LOADING
 from bearing_twin.ros.parameters import ParameterSet, unknown_at_start
 from bearing_twin.ros.subscribing import validated
+from bearing_twin.streams.statefile import NodeStates
 from bearing_twin.view.rerun.ending import leave
 import rclpy
 from rclpy.exceptions import ParameterException
@@ -70,6 +71,8 @@ class ManagedNode(LifecycleNode):
         self.active = False
         self.polled = PolledGroup(POLL_PERIOD)
         """Group of the subscriptions that can wait for the next block."""
+        self.states = NodeStates(self.get_logger().error)
+        """What it keeps over restarts; let go of when it is torn down."""
         self._managed = False
         self.failed = False
         """Whether the work has ended in an error: the exit status of the process."""
@@ -184,8 +187,7 @@ class ManagedNode(LifecycleNode):
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Tear down; rclpy's callback."""
-        self.configured = False
-        result = self._undo(self.teardown, self._unconfigured)
+        result = self._tear_down()
         # What could not be finished stands in the log: nothing is left that could be activated.
         failure, success = TransitionCallbackReturn.FAILURE, TransitionCallbackReturn.SUCCESS
         return success if result == failure else result
@@ -202,8 +204,13 @@ class ManagedNode(LifecycleNode):
             self.active = False
             self._undo(self.stop, self._inactive)
         if self.configured:
-            self.configured = False
-            self._undo(self.teardown, self._unconfigured)
+            self._tear_down()
+
+    def _tear_down(self) -> TransitionCallbackReturn:
+        self.configured = False
+        result = self._undo(self.teardown, self._unconfigured)
+        self.states.release()
+        return result
 
     def _is_locked(self) -> bool:
         return self.configured

@@ -10,7 +10,7 @@ from functools import partial
 import os
 from pathlib import Path
 import stat
-from typing import BinaryIO, TYPE_CHECKING, TypeVar
+from typing import Any, BinaryIO, TYPE_CHECKING, TypeVar
 
 from bearing_twin.disksync import DiskSync, SILENT
 from bearing_twin.errors import BearingTwinError
@@ -19,7 +19,7 @@ from bearing_twin.wholefile import whole_file
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from bearing_twin.disksync import Job
 
@@ -120,6 +120,50 @@ class StateFolder:
             raise BearingTwinError(_refusal(path, 'read', error)) from None
 
 
+class NodeStates:
+    """
+    All states of one node: what waits for the disk is done by one thread, in turn.
+
+    Parameters
+    ----------
+    log
+        Told, once, why a state is not kept.
+
+    """
+
+    def __init__(self, log: Callable[[str], object]) -> None:
+        self._log = log
+        self._disk = DiskSync()
+        self._kept: list[KeptState] = []
+
+    def kept(self, values: Mapping[str, Any], node: str) -> KeptState:
+        """
+        Return the state that a node keeps over restarts.
+
+        Parameters
+        ----------
+        values
+            Parameters: ``state_directory``, ``state_name`` and ``state_owner``.
+        node
+            Full name of the node, or of its part, which has learnt it.
+
+        """
+        folder, owner = StateFolder(values['state_directory']), values['state_owner']
+        state = KeptState(folder, values['state_name'], (node, owner), self._disk, self._log)
+        if values['state_name']:
+            self._kept.append(state)
+        return state
+
+    def release(self) -> None:
+        """Let other nodes keep them, when the disk has taken the newest."""
+        for state in self._kept:
+            self._disk.do(state.let_go)
+        if self._kept and self._disk.settle():
+            held = ', '.join(str(state.path) for state in self._kept if state.claimed)
+            self._log(f'{SILENT}: not written, and claimed until it has: {held or "nothing"}')
+        self._kept = []
+
+
 class KeptState:
     """
     What one node has learnt, kept in a file over restarts.
@@ -138,22 +182,26 @@ class KeptState:
         Where it lies.
     name
         Name of the state; '' for none.
-    node
-        Full name of the node.
-    former
-        Full name under which it was learnt, where the node had another one; '' otherwise.
+    nodes
+        Full name of the node, and the one under which it was learnt where that was another one.
+    disk
+        Does what waits for the disk.
     log
         Told, once, why the state is not kept.
 
     """
 
     def __init__(
-        self, folder: str, name: str, node: str, former: str, log: Callable[[str], object]
+        self,
+        folder: StateFolder,
+        name: str,
+        nodes: tuple[str, str],
+        disk: DiskSync,
+        log: Callable[[str], object],
     ) -> None:
-        self._folder, self._name, self._log = StateFolder(folder), name, log
-        self._node, self._nodes = node, (node, former)
-        self._disk = DiskSync()
-        self._claimed: Job[bytes | None] | None = None
+        self._folder, self._name, self._nodes = folder, name, nodes
+        self._disk, self._log = disk, log
+        self._asked: Job[bytes | None] | None = None
         self._lock: BinaryIO | None = None
         # What the file held: until one is true, it is not written.
         self._taken_up = self._given_up = False
@@ -166,9 +214,14 @@ class KeptState:
         return self._folder.path(self._name)
 
     @property
+    def claimed(self) -> bool:
+        """Whether no other node can keep it."""
+        return self._lock is not None
+
+    @property
     def problem(self) -> str:
         """Why it is not kept; '' if it is."""
-        return self._problem or ('' if self._disk.patience else SILENT)
+        return self._problem or (SILENT if self._name and not self._disk.patience else '')
 
     def load(self, take: Callable[[bytes], None], *, wait: bool = False) -> bool:
         """
@@ -178,12 +231,12 @@ class KeptState:
         """
         if self._taken_up or not self._name:
             return False
-        self._claimed = self._claimed or self._do(self._claim)
+        self._asked = self._asked or self._do(self._claim)
         if wait and self._disk.settle():
             self._tell(f'{self.path} is not read yet: {SILENT}')
-        if not self._claimed.done():
+        if not self._asked.done():
             return False
-        found, self._claimed = self._claimed.result(), None
+        found, self._asked = self._asked.result(), None
         if found is None:
             return False
         self._taken_up = True
@@ -216,7 +269,7 @@ class KeptState:
             self._tell(f'{self.path} stays as it is: {other}')
             return
         held = {'state': np.frombuffer(state(), np.uint8)}
-        self._newest = pack(_VERSION, {'node': self._node}, held)
+        self._newest = pack(_VERSION, {'node': self._nodes[0]}, held)
         self._do(self._write)
         if wait:
             self._disk.settle()
@@ -229,12 +282,6 @@ class KeptState:
         """Let what the file holds stay under another name, where it is this node's."""
         if self._taken_up:
             self._do(partial(self._set_aside, why))
-
-    def release(self) -> None:
-        """Let another node keep it, when the disk has taken the newest."""
-        self._do(self._let_go)
-        if self._name and self._disk.settle():
-            self._tell(f'{self.path} is not written, and stays claimed: {SILENT}')
 
     def _do(self, work: Callable[[], T | None]) -> Job[T | None]:
         """Have the thread do something, and say what goes wrong."""
@@ -260,7 +307,7 @@ class KeptState:
                 found = self._learnt()
         except (BearingTwinError, OSError):
             # It may be that of a node which starts next.
-            self._let_go()
+            self.let_go()
             raise
         self._taken_up = found is None
         return found
@@ -288,8 +335,8 @@ class KeptState:
         if node in self._nodes:
             return state
         msg = (
-            f'{self.path} was learnt by {node}, this is {self._node}: choose another state_name, '
-            f'or set state_owner to {node} if that is its former name'
+            f'{self.path} was learnt by {node}, this is {self._nodes[0]}: choose another '
+            f'state_name, or set state_owner to {node} if that is its former name'
         )
         raise BearingTwinError(msg)
 
@@ -315,7 +362,8 @@ class KeptState:
             raise
         self._log(f'{why}; it is kept as {aside}; it is learnt anew')
 
-    def _let_go(self) -> None:
+    def let_go(self) -> None:
+        """Let another node keep it; the thread's to do, after the last write."""
         if self._lock is not None:
             self._lock.close()
             self._lock = None

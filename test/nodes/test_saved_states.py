@@ -15,9 +15,10 @@ from bearing_twin import disksync
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import unpack
 from bearing_twin.streams import statefile
-from bearing_twin.streams.statefile import KeptState, StateFolder
+from bearing_twin.streams.statefile import NodeStates, StateFolder
 from loopdisk import loop_disk
 import pytest
+import yaml
 
 
 class Node:
@@ -26,7 +27,9 @@ class Node:
     def __init__(self, folder, name='/pump_1/diagnosis', former=''):
         self.log = []
         self.learnt = None
-        self.state = KeptState(str(folder), 'pump', name, former, self.log.append)
+        self.states = NodeStates(self.log.append)
+        values = {'state_directory': str(folder), 'state_name': 'pump', 'state_owner': former}
+        self.state = self.states.kept(values, name)
         self.taken = self.load()
 
     def load(self):
@@ -72,9 +75,10 @@ def test_states_are_not_overwritten(tmp_path):
 
 KEEPER = """
 import sys, time
-from bearing_twin.streams.statefile import KeptState
-folder, number = sys.argv[1], sys.argv[2].encode()
-state = KeptState(folder, 'a', '/pump/diagnosis', '', lambda _: None)
+from bearing_twin.streams.statefile import NodeStates
+values = {'state_directory': sys.argv[1], 'state_name': 'a', 'state_owner': ''}
+state = NodeStates(str).kept(values, '/pump/diagnosis')
+number = sys.argv[2].encode()
 print('there', flush=True)
 while True:
     state.load(lambda _: None, wait=True)
@@ -128,7 +132,7 @@ def test_of_states_that_come_faster_than_the_disk_the_newest_is_kept(tmp_path):
     pump = Node(tmp_path)
     for number in range(300):
         pump.state.keep(lambda number=number: b'%d' % number)
-    pump.state.release()
+    pump.states.release()
     assert Node(tmp_path).learnt == b'299'
 
 
@@ -137,7 +141,7 @@ def test_no_state_is_read_or_written_through_a_link(tmp_path):
     outside.write_bytes(b'precious')
     states = tmp_path / 'states'
     pump = Node(states)
-    pump.state.release()
+    pump.states.release()
     (states / 'pump').symlink_to(outside)
     pump = Node(states)
     pump.keep(b'1')
@@ -173,7 +177,7 @@ def test_a_state_is_claimed_before_it_is_read(tmp_path):
     assert (tmp_path / 'pump').read_bytes() == before
     assert names(tmp_path) == ['.pump.lock', 'pump']
     first.keep(b'1')
-    first.state.release()
+    first.states.release()
     # It takes over once the first is gone.
     assert second.load()
     assert second.learnt == b'1'
@@ -184,7 +188,7 @@ def test_a_state_is_claimed_before_it_is_read(tmp_path):
 def test_a_state_of_another_machine_is_refused_by_name(tmp_path):
     pump = Node(tmp_path)
     pump.keep(b'pump 1')
-    pump.state.release()
+    pump.states.release()
     before = (tmp_path / 'pump').read_bytes()
     other = Node(tmp_path, '/pump_2/diagnosis')
     assert other.learnt is None
@@ -204,7 +208,7 @@ def test_a_state_of_another_machine_is_refused_by_name(tmp_path):
     renamed = Node(tmp_path, '/hall/pump_1/diagnosis', '/pump_1/diagnosis')
     assert renamed.learnt == b'pump 1'
     renamed.keep(b'still pump 1')
-    renamed.state.release()
+    renamed.states.release()
     assert Node(tmp_path, '/hall/pump_1/diagnosis').learnt == b'still pump 1'
     assert not Node(tmp_path).taken
 
@@ -214,7 +218,7 @@ def test_a_state_of_another_machine_is_refused_by_name(tmp_path):
 def test_a_disk_that_gives_no_answer_costs_no_state(tmp_path, room, reset):
     pump = Node(tmp_path)
     pump.keep(b'1')
-    pump.state.release()
+    pump.states.release()
     limits = resource.getrlimit(resource.RLIMIT_NOFILE)
     lowest = os.dup(0)
     os.close(lowest)
@@ -235,7 +239,7 @@ def test_a_disk_that_gives_no_answer_costs_no_state(tmp_path, room, reset):
     assert again.learnt == (None if reset else b'1')
     again.keep(b'2')
     assert again.state.problem == ''
-    again.state.release()
+    again.states.release()
     assert Node(tmp_path).learnt == b'2'
 
 
@@ -243,7 +247,7 @@ def test_a_disk_that_gives_no_answer_costs_no_state(tmp_path, room, reset):
 def test_content_that_cannot_be_used_is_set_aside_and_learnt_anew(tmp_path, damaged):
     pump = Node(tmp_path)
     pump.keep(b'of a series')
-    pump.state.release()
+    pump.states.release()
     if damaged:
         (tmp_path / 'pump').write_bytes((tmp_path / 'pump').read_bytes()[:-1])
     again = Node(tmp_path)
@@ -262,7 +266,7 @@ def test_a_state_that_is_set_aside_stays_under_a_name_of_its_own(tmp_path):
         pump.keep(b'other %d' % number)
         pump.state.set_aside('the bearing is now 6205')
     pump.state.set_aside('nothing is there any more')
-    pump.state.release()
+    pump.states.release()
     assert pump.log == [
         f'the bearing is now 6205; it is kept as {tmp_path}/pump.unreadable-{number}; '
         'it is learnt anew'
@@ -289,11 +293,11 @@ def test_what_a_hanging_disk_takes_late_is_not_written_over_the_next_nodes(tmp_p
         pump.keep(b'1')
         with disk.hanging():
             pump.state.keep(lambda: b'2')
-            pump.state.release()
+            pump.states.release()
             assert is_locked(states)
             assert pump.log == [
-                f'{states}/pump is not written, and stays claimed: the disk has not answered'
-                ' for 10 s'
+                'the disk has not answered for 10 s: not written, and claimed until it has: '
+                f'{states}/pump'
             ]
             # Nor does the next one wait for longer, at its start and later.
             began = time.monotonic()
@@ -306,6 +310,40 @@ def test_what_a_hanging_disk_takes_late_is_not_written_over_the_next_nodes(tmp_p
             assert time.monotonic() < end, following.state.problem
         assert following.learnt == b'2'
         following.keep(b'3')
-        following.state.release()
+        following.states.release()
         assert Node(states).learnt == b'3'
         assert not is_locked(states)
+
+
+@pytest.mark.ros
+def test_a_fleet_waits_once_for_a_disk_that_hangs(here, tmp_path, monkeypatch):
+    from bearing_twin.nodes.fleet import FleetNode
+
+    monkeypatch.setattr(disksync, 'LONGEST', 1.0)
+    with loop_disk(tmp_path) as disk:
+        states = disk.path / 'states'
+        learnt = {'bearing': '6307', 'state_directory': str(states)}
+        assets = {name: {'diagnosis': learnt | {'state_name': name}} for name in 'abcde'}
+        (tmp_path / 'assets.yaml').write_text(yaml.safe_dump({'assets': assets}))
+        fleet = here(FleetNode, assets_file=f'{tmp_path}/assets.yaml')
+        fleet.bring_up()
+        # A baseline of nothing is one, too.
+        assert fleet._reset_all() == '5 assets start anew'
+        before = names(states)
+        assert set('abcde') < set(before)
+        with disk.hanging():
+            fleet.trigger_deactivate()
+            for member in fleet._members:
+                member.diagnosis._keep()
+            began = time.monotonic()
+            fleet.trigger_cleanup()
+            fleet.trigger_configure()
+            assert time.monotonic() - began < 1.0 + 2.0
+        # What hung, and what was asked for since, is done in turn.
+        while fleet.states._disk.busy:
+            time.sleep(0.01)
+        assert names(states) == before
+        for member in fleet._members:
+            assert member.diagnosis._state.load(lambda _: None)
+            member.diagnosis._keep(wait=True)
+            assert member.diagnosis._state.problem == ''

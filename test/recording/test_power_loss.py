@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import recover
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
-from bearing_twin.streams.statefile import KeptState, StateFolder
+from bearing_twin.streams.statefile import NodeStates, StateFolder
 from loopdisk import loop_disk
 import pytest
 from recording_samples import START, VIBRATION, vibration_cdr
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from bearing_twin.streams.statefile import KeptState
     from loopdisk import Disk
 
 
@@ -31,24 +32,27 @@ def disk(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Disk]:
 
 
 def test_a_state_survives_a_power_cut(disk: Disk) -> None:
-    folder = str(disk.path / 'states')
-    kept = [KeptState(folder, name, '/pump', '', print) for name in ('kept', 'first')]
+    def states(folder: Path) -> tuple[NodeStates, list[KeptState]]:
+        node = NodeStates(print)
+        common = {'state_directory': str(folder), 'state_owner': ''}
+        return node, [node.kept(common | {'state_name': n}, '/pump') for n in ('kept', 'first')]
+
+    node, kept = states(disk.path / 'states')
     for state in kept:
         state.load(print, wait=True)
     kept[0].keep(lambda: b'A' * 20_000, wait=True)
     os.sync()
     kept[0].keep(lambda: b'B' * 20_000)
     kept[1].keep(lambda: b'F' * 20_000)
-    StateFolder(folder).save('saved', b'S' * 20_000)
-    for state in kept:
-        state.release()
-        assert not state.problem
+    StateFolder(str(disk.path / 'states')).save('saved', b'S' * 20_000)
+    node.release()
+    assert not any(state.problem for state in kept)
     time.sleep(2.5)
-    after = str(disk.cut() / 'states')
+    after = disk.cut() / 'states'
     learnt: list[bytes] = []
-    for name in ('kept', 'first'):
-        assert KeptState(after, name, '/pump', '', print).load(learnt.append, wait=True)
-    learnt.append(StateFolder(after).load('saved'))
+    for state in states(after)[1]:
+        assert state.load(learnt.append, wait=True)
+    learnt.append(StateFolder(str(after)).load('saved'))
     assert learnt == [letter * 20_000 for letter in (b'B', b'F', b'S')]
 
 
