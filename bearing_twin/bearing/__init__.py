@@ -25,10 +25,8 @@ from bearing_twin.bearing.hertz import (
     YOUNG_STEEL,
 )
 from bearing_twin.bearing.ratings import (
-    Balls,
     basic_dynamic_rating,
     basic_static_rating,
-    infer_balls,
     static_factor,
 )
 from bearing_twin.bearing.vocabulary import (
@@ -49,7 +47,6 @@ __all__ = [
     'RESULTS',
     'TITLES',
     'YOUNG_STEEL',
-    'Balls',
     'Bearing',
     'FaultFrequencies',
     'Place',
@@ -63,7 +60,6 @@ __all__ = [
     'fault_frequencies',
     'fault_orders',
     'find_bearing',
-    'infer_balls',
     'load_deflection_factor',
     'named_bearing',
     'next_step',
