@@ -20,8 +20,10 @@ SUSTAINED = 3
 """Windows in a row from which on a verdict is no passing one."""
 NO_LEVEL = 3
 """Constant ``LEVEL_NONE`` of a Diagnosis."""
-URGENCY = {NO_LEVEL: 0, 0: 1, 1: 2, 2: 3}
-"""Rank of the constants ``LEVEL_...`` of a Diagnosis: none, ok, suspect, fault."""
+OK, FAULT = 0, 2
+"""Constants ``LEVEL_OK`` and ``LEVEL_FAULT``."""
+RANKS: dict[float, int] = {NO_LEVEL: 0, OK: 1, 1: 2, FAULT: 3}
+"""Rank of the constants ``LEVEL_...``: none, ok, suspect, fault."""
 RIVAL = 0.7
 """Part of the significance of the family named from which another one is a rival."""
 CLOSE = 0.02
@@ -82,7 +84,7 @@ def judged_by_velocity(diagnosis: Any) -> bool:
 
 def next_step(diagnosis: Any) -> str:
     """Return what to do about a verdict."""
-    level = 'fault' if urgency(diagnosis) == max(URGENCY.values()) else ''
+    level = 'fault' if diagnosis.level == FAULT else ''
     step = next_step_of(
         str(diagnosis.result_name),
         _stage(diagnosis),
@@ -201,7 +203,7 @@ class Tally:
     longest: int
     """Most windows in a row."""
     best: Any
-    """Diagnosis message of the window in which it is clearest."""
+    """Diagnosis message of the window in which it is most urgent, of these the clearest."""
     at: float
     """When that was judged, s."""
     spectra: dict[str, Any] = field(default_factory=dict)
@@ -212,9 +214,13 @@ class Headline:
     """
     Find the worst sustained verdict of a recording.
 
-    A fault outranks suspect, suspect healthy, and healthy an insufficient window. A verdict counts
-    as sustained after three windows in a row; where none is, the most frequent one counts. Windows
-    that say nothing count only where no window says anything.
+    A fault outranks suspect, suspect healthy, and healthy an insufficient window; of two faults
+    the one of the later stage counts. A verdict counts as sustained after three windows in a row;
+    where none is, the most frequent one counts. Windows that say nothing count only where no
+    window says anything.
+
+    Before the first full window no level is held. What such windows say counts where it is
+    suspect or a fault and sustained, or where no window is full.
     """
 
     def __init__(self) -> None:
@@ -258,10 +264,11 @@ class Headline:
     @property
     def worst(self) -> Tally:
         """The worst sustained verdict; at least one has been taken."""
-        told = [t for t in self.tallies.values() if urgency(t.best)] or [*self.tallies.values()]
-        sustained = [t for t in told if t.longest >= SUSTAINED]
+        tallies = [*self.tallies.values()]
+        sustained = [t for t in tallies if t.longest >= SUSTAINED and urgency(t.best)[0]]
         if sustained:
             return max(sustained, key=lambda t: (urgency(t.best), t.windows))
+        told = [t for t in tallies if _held(t.best)] or tallies
         return max(told, key=lambda t: (t.windows, urgency(t.best)))
 
     @property
@@ -288,9 +295,23 @@ class Headline:
         return f'{text}; at the end: {end}' if end else f'{text}; so it stands at the end'
 
 
-def urgency(diagnosis: Any) -> int:
-    """Return how urgent a verdict is: 0 where it says nothing, 3 a fault."""
-    return URGENCY.get(int(diagnosis.level), 0)
+def urgency(diagnosis: Any) -> tuple[int, int]:
+    """
+    Return how urgent a verdict is: rank of its level, 0 where it says nothing, and its stage.
+
+    Before the first full window no level is held, and what the window alone finds counts.
+    """
+    rank = _held(diagnosis)
+    if not rank and recorded(diagnosis, 'window_result') == recorded(diagnosis, 'result'):
+        alone = RANKS.get(recorded(diagnosis, 'window_level'), 0)
+        # Part of a window finds a fault; that there is none takes a full one.
+        rank = alone if alone > RANKS[OK] else 0
+    return rank, _stage(diagnosis)
+
+
+def _held(diagnosis: Any) -> int:
+    """Return the rank of the level: 0 before the first full window, and where nothing is said."""
+    return RANKS.get(recorded(diagnosis, 'level'), 0)
 
 
 def same_window(one: Any, other: Any) -> bool:
@@ -304,6 +325,8 @@ def same_window(one: Any, other: Any) -> bool:
     return one.first_sample == other.first_sample and begins[0] == begins[1]
 
 
-def _clarity(diagnosis: Any) -> tuple[float, float]:
+def _clarity(diagnosis: Any) -> tuple[int, int, float, float]:
+    """Return what puts one window of an answer before another; full windows come first."""
     scores = [float(score) for score in diagnosis.score if math.isfinite(score)]
-    return float(diagnosis.confidence), max(scores, default=0.0)
+    confidence, score = float(diagnosis.confidence), max(scores, default=0.0)
+    return _held(diagnosis), _stage(diagnosis), confidence, score

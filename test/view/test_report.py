@@ -173,6 +173,30 @@ def test_each_namespace_is_a_machine_of_its_own(recording, tmp_path):
     assert text.index('<th>/line3/bearing_8</th>') < text.index('Machine /line3/bearing_7')
 
 
+def test_the_most_urgent_machine_comes_first(tmp_path):
+    from bearing_twin_msgs.msg import Diagnosis
+    from rclpy.serialization import serialize_message
+
+    healthy = Diagnosis(result_name='healthy', level=Diagnosis.LEVEL_OK, confidence=0.9)
+    early = Diagnosis(result_name='inner', result=1, level=Diagnosis.LEVEL_NONE, confidence=0.99)
+    early.window_result, early.window_level = early.result, Diagnosis.LEVEL_FAULT
+    begun, far = (
+        Diagnosis(result_name='inner', level=Diagnosis.LEVEL_FAULT, stage=stage)
+        for stage in (1, 3)
+    )
+    windows = {'a': [healthy], 'b': [early, begun], 'c': [early, far], 'd': [early]}
+    with RecordingWriter(tmp_path / 'fleet') as writer:
+        for time in range(1, 7):
+            for name, made in windows.items():
+                writer.write(
+                    f'/{name}/diagnosis', 'bearing_twin_msgs/msg/Diagnosis',
+                    serialize_message(made[min(time // 4, len(made) - 1)]),
+                    log_time=time, publish_time=time,
+                )  # fmt: skip
+    page = report_page(tmp_path / 'fleet')
+    assert re.findall(r'<tr><th>/(\w)</th>', page)[:4] == ['c', 'b', 'd', 'a']
+
+
 def test_a_twin_beside_the_sensor_is_not_what_the_page_is_about(recording, tmp_path):
     end = next(read_messages(recording)).log_time + 8_000_000_000
     topics = {'/vibration': ['/vibration_twin', '/vibration']}

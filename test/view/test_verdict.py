@@ -5,6 +5,7 @@
 import math
 from types import SimpleNamespace
 
+from bearing_twin.bearing.vocabulary import TITLES
 from bearing_twin.view.trends import OVER_LIMITS
 from bearing_twin.view.verdict import (
     facts,
@@ -14,6 +15,7 @@ from bearing_twin.view.verdict import (
     rival,
     shaft_speed,
     title_of,
+    urgency,
 )
 import pytest
 
@@ -21,9 +23,11 @@ LEVEL = {'healthy': 1, 'suspect': 2, 'insufficient': 0, 'ambiguous': 3}
 LEVEL_CONSTANT = {0: 3, 1: 0, 2: 1, 3: 2}
 
 
-def verdict(result, *, confidence=0.9, score=8.0, shaft=25.4):
+def verdict(result, *, confidence=0.9, score=8.0, shaft=25.4, stage=0):
     """Return a Diagnosis."""
     return SimpleNamespace(
+        result=list(TITLES).index(result),
+        stage=stage,
         result_name=result,
         level=LEVEL_CONSTANT[LEVEL.get(result, 3)],
         confidence=confidence,
@@ -36,6 +40,13 @@ def verdict(result, *, confidence=0.9, score=8.0, shaft=25.4):
         modulation_index=[0.1, 0.1, 0.1, 0.1],
         iso_zone='',
     )
+
+
+def before_full(result, **values):
+    """Return a Diagnosis of a window that is not full yet: no level is held."""
+    made = verdict(result, **values)
+    made.window_result, made.window_level, made.level = made.result, made.level, 3
+    return made
 
 
 def headline(*results):
@@ -135,6 +146,50 @@ def test_the_headline_is_of_the_clearest_window():
     weak, clear = verdict('inner', score=6.0), verdict('inner', score=12.0)
     assert headline(weak, clear, weak).worst.best is clear
     assert headline(weak, clear, weak).worst.at == 2.0
+
+
+def test_the_headline_is_of_a_full_window_with_its_stage():
+    early, full = before_full('outer', confidence=0.99), verdict('outer', confidence=0.98, stage=2)
+    found = headline(early, early, *[full] * 8)
+    assert found.worst.best is full
+    assert next_step(found.worst.best) == 'Order a bearing; measure daily.'
+    assert found.span.startswith('10 of 10 windows')
+    # A file shorter than a window has no others.
+    assert headline(*[early] * 3).worst.best is early
+
+
+def test_the_headline_is_of_the_latest_stage():
+    begun, severe = verdict('inner', stage=1, confidence=0.99), verdict('inner', stage=4)
+    assert headline(begun, begun, severe, begun).worst.best is severe
+    other = verdict('outer', stage=2, confidence=0.99)
+    assert headline(*[severe] * 3, *[other] * 9).worst.best is severe
+
+
+@pytest.mark.parametrize('result', ['suspect', 'outer', 'ambiguous'])
+def test_an_early_judgement_is_not_lost_behind_healthy_windows(result):
+    found = headline(*[before_full(result)] * 5, before_full('healthy'), *['healthy'] * 4)
+    assert found.worst.best.result_name == result
+    assert found.span == '5 of 10 windows, from 1 s to 5 s; at the end: healthy'
+    full = headline(*[before_full(result, confidence=0.99)] * 7, *[result] * 3, *['healthy'] * 3)
+    assert full.worst.best.result_name == result
+
+
+@pytest.mark.parametrize('early', [['healthy'] * 4, ['suspect', 'insufficient', 'suspect']])
+def test_what_part_of_a_window_says_is_no_headline_beside_full_ones(early):
+    early = [before_full(result) for result in early]
+    assert headline(*early, *['insufficient'] * 5).worst.best.result_name == 'insufficient'
+    assert headline(*early, 'ball', 'insufficient').worst.best.result_name == 'ball'
+    # Where no window is full, the most frequent answer counts.
+    assert headline(*early).worst.best is early[-1]
+
+
+def test_the_level_of_a_window_alone_counts_only_with_its_own_answer():
+    # Held: the answer is not that of the window.
+    healthy, lost = verdict('healthy'), verdict('insufficient')
+    healthy.window_result, healthy.window_level = 2, 2
+    lost.window_result, lost.window_level = 0, 0
+    assert urgency(healthy) == (1, 0)
+    assert urgency(lost) == (0, 0)
 
 
 def test_nothing_says_nan():

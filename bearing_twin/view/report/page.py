@@ -112,17 +112,16 @@ def _machine(machine: Machine, prefix: str) -> list[str]:
 
 def _overview(machines: Iterable[Machine]) -> str:
     """Return the verdicts of several machines, the most urgent first."""
-    rows = sorted(
-        (
-            -urgency(m.headline.worst.best),
-            m.name,
-            f'{title_of(m.headline.worst.best)}, {m.headline.span}',
-        )
-        if m.diagnoses
-        else (0, m.name, 'no diagnosis recorded')
-        for m in machines
-    )
-    return table((name, text) for _, name, text in rows)
+    rows = []
+    for m in sorted(machines, key=_urgency, reverse=True):
+        headline = m.headline
+        told = f'{title_of(headline.worst.best)}, {headline.span}' if m.diagnoses else ''
+        rows.append((m.name, told or 'no diagnosis recorded'))
+    return table(rows)
+
+
+def _urgency(machine: Machine) -> tuple[int, int]:
+    return urgency(machine.headline.worst.best) if machine.diagnoses else (0, 0)
 
 
 def _pictures(figures: Iterable[tuple[str, str]]) -> list[str]:
