@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.fitted import read_fitted
@@ -67,11 +68,13 @@ class TwinCalibration:
         """
         Whether the parameters name another calibration than before, by name or content; and it.
 
-        A file that has gone since it was read is no other one.
+        A file that has gone, or is out of reach, since it was read is no other one.
         """
         name = values['calibration']
         same = name == self._name
-        if same and name and not StateFolder(values['state_directory']).path(name).exists():
+        folder = StateFolder(values['state_directory'])
+        # Not Path.exists: it raises where a disk does not answer.
+        if same and name and not os.path.lexists(folder.path(name)):
             return False, None
         fitted = named(values)
         return not same or (fitted is not None and fitted.text != self._text), fitted

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+import errno
 import fcntl
 from functools import partial
 import os
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 _VERSION = 3001
 
 LARGEST = 64 * 1024 * 1024
+_LONGEST_NAME = 200
+"""Bytes: a file name has 255, and lock, part and unreadable file add to it."""
 
 T = TypeVar('T')
 
@@ -72,9 +75,13 @@ class StateFolder:
         Raises
         ------
         BearingTwinError
-            If ``name`` is not a plain file name: services must not reach outside the folder.
+            If ``name`` is not a plain file name: services must not reach outside the folder. If it
+            is longer than 200 bytes.
 
         """
+        if (length := len(os.fsencode(name))) > _LONGEST_NAME:
+            msg = f'a name of {length} bytes is too long: {_LONGEST_NAME} at most'
+            raise BearingTwinError(msg)
         if not name or name in ('.', '..') or Path(name).name != name or '\0' in name:
             msg = f'{name!r} is not a plain file name; states lie in {self.folder}'
             raise BearingTwinError(msg)
@@ -375,7 +382,7 @@ class KeptState:
 
 
 def _refusal(path: Path, what: str, error: OSError) -> str:
-    reason = 'it is a link' if path.is_symlink() else error.strerror
+    reason = 'it is a link' if error.errno == errno.ELOOP else error.strerror
     return f'{path} cannot be {what}: {reason}'
 
 

@@ -270,7 +270,8 @@ def test_a_recording_of_a_twin_that_took_one_is_verified(nodes, probe, calibrati
     probe.watch_diagnostics()
     nodes.start('recorder', {'output': str(tmp_path / 'bag')})
     given = {name: VALUES[name] for name in ('bearing', 'preset', 'shaft_hz', 'start_temperature')}
-    nodes.start('twin', given | {'state_directory': str(tmp_path)} | DEEP)
+    (tmp_path / 'states').symlink_to(tmp_path)
+    nodes.start('twin', given | {'state_directory': str(tmp_path / 'states')} | DEEP)
     probe.until(lambda: len(blocks) > 30, 'vibration')
     assert probe.set_parameters('twin', calibration='none.json')[0] is False
     assert probe.set_parameters('twin', calibration='pump.json') == (True, '')
@@ -292,6 +293,10 @@ def test_a_recording_of_a_twin_that_took_one_is_verified(nodes, probe, calibrati
     probe.until(lambda: blocks[-1].unit == 'g', 'the unit of the first fit')
     (tmp_path / 'pump.json').unlink()
     assert probe.set_parameters('twin', load=321.0) == (True, '')
+    # Nor does a folder that cannot be reached end the twin.
+    (tmp_path / 'states').unlink()
+    (tmp_path / 'states').symlink_to('a' * 256)
+    assert probe.set_parameters('twin', load=322.0) == (True, '')
     assert probe.set_parameters('twin', calibration='') == (True, '')
     probe.until(lambda: blocks[-1].unit == 'm/s^2', 'the own unit')
     nodes.end('twin')

@@ -50,6 +50,20 @@ def test_states_stay_in_their_folder(tmp_path, name):
         StateFolder(str(tmp_path)).save(name, b'x')
 
 
+@pytest.mark.parametrize('name', ['a' * 201, 'ä' * 101])
+def test_names_leave_room_for_those_of_lock_and_part(tmp_path, name):
+    folder = StateFolder(str(tmp_path))
+    with pytest.raises(BearingTwinError, match='bytes is too long: 200 at most'):
+        folder.load(name)
+    folder.save(name[1:], b'x')
+    assert folder.load(name[1:]) == b'x'
+
+
+def test_a_folder_that_no_path_reaches_is_an_error_in_words(tmp_path):
+    with pytest.raises(BearingTwinError, match='cannot be read: File name too long'):
+        StateFolder(str(tmp_path / ('a' * 256))).load('pump')
+
+
 def test_a_state_is_saved_once_where_there_are_no_hard_links(tmp_path, monkeypatch):
     def refuse(*_):
         raise PermissionError(errno.EPERM, 'Operation not permitted')

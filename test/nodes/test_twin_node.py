@@ -144,7 +144,9 @@ def test_changes_while_running_are_taken_as_a_whole_or_refused_with_a_reason(
     assert saved.success, saved.message
     assert not probe.call(SaveState, 'twin/save_state', path='a').success
     assert not probe.call(SaveState, 'twin/save_state', path='../a').success
-    assert not probe.call(LoadState, 'twin/load_state', path='b').success
+    for name in ('b', 'a' * 5000):
+        assert not probe.call(LoadState, 'twin/load_state', path=name).success
+    assert not probe.set_parameters('twin', calibration='a' * 256)[0]
     (tmp_path / 'states' / 'junk').write_bytes(b'no state')
     assert not probe.call(LoadState, 'twin/load_state', path='junk').success
     assert probe.call(LoadState, 'twin/load_state', path='a').success
