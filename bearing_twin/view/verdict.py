@@ -327,6 +327,9 @@ def same_window(one: Any, other: Any) -> bool:
 
 def _clarity(diagnosis: Any) -> tuple[int, int, float, float]:
     """Return what puts one window of an answer before another; full windows come first."""
-    scores = [float(score) for score in diagnosis.score if math.isfinite(score)]
-    confidence, score = float(diagnosis.confidence), max(scores, default=0.0)
-    return _held(diagnosis), _stage(diagnosis), confidence, score
+    evidence = [float(score) for score in diagnosis.score]
+    if not getattr(diagnosis, 'faults', ()):
+        # Where no place is named the highest score is chance, and the vibration speaks.
+        evidence = [recorded(diagnosis, 'velocity_rms')]
+    clearest = max((value for value in evidence if math.isfinite(value)), default=0.0)
+    return _held(diagnosis), _stage(diagnosis), float(diagnosis.confidence), clearest

@@ -5,7 +5,7 @@
 import math
 from types import SimpleNamespace
 
-from bearing_twin.bearing.vocabulary import TITLES
+from bearing_twin.bearing.vocabulary import PLACES, TITLES
 from bearing_twin.view.trends import OVER_LIMITS
 from bearing_twin.view.verdict import (
     facts,
@@ -28,6 +28,7 @@ def verdict(result, *, confidence=0.9, score=8.0, shaft=25.4, stage=0):
     return SimpleNamespace(
         result=list(TITLES).index(result),
         stage=stage,
+        faults=[result] if result in PLACES else [],
         result_name=result,
         level=LEVEL_CONSTANT[LEVEL.get(result, 3)],
         confidence=confidence,
@@ -172,6 +173,13 @@ def test_an_early_judgement_is_not_lost_behind_healthy_windows(result):
     assert found.span == '5 of 10 windows, from 1 s to 5 s; at the end: healthy'
     full = headline(*[before_full(result, confidence=0.99)] * 7, *[result] * 3, *['healthy'] * 3)
     assert full.worst.best.result_name == result
+
+
+def test_a_machine_that_wears_out_is_headed_by_its_loudest_part():
+    windows = [verdict('suspect', confidence=0.5, score=score) for score in (3.0, 7.0, 4.0, 5.0)]
+    for window, velocity in zip(windows, (19.0, 20.0, 157.0, 150.0), strict=True):
+        window.velocity_rms = velocity
+    assert headline(*windows).worst.best is windows[2]
 
 
 @pytest.mark.parametrize('early', [['healthy'] * 4, ['suspect', 'insufficient', 'suspect']])
