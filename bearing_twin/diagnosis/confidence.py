@@ -49,9 +49,13 @@ class Trust:
     """Shaft turns."""
     steady: bool = True
     """Whether the shaft speed is known well enough to compare slips."""
+    rule: str = ''
+    """Rule that answered: two rules of one answer are not right equally often."""
+    at_most: float = 1.0
+    """Confidence that its answers cannot pass."""
 
     def terms(self) -> dict[str, float]:
-        """Terms of the logistic model, by name."""
+        """Terms of the logistic model, by name; that of the rule has the name of the rule."""
         significance = math.log(max(self.z, 1.0))
         elsewhere = math.log(max(self.elsewhere_z, 1.0))
         return {
@@ -64,6 +68,7 @@ class Trust:
             'impacts': min(max(self.impacts, 0.0), 3.0),
             'turns': math.log(self.turns / HEALTHY_TURNS),
             'unsteady': 0.0 if self.steady else 1.0,
+            self.rule: 1.0,
         }
 
 
@@ -101,6 +106,10 @@ def confidence(kind: str, trust: Trust) -> float:
     True
 
     """
-    weights = _table()[kind]
-    total = sum(weights[name] * value for name, value in trust.terms().items())
-    return 1.0 / (1.0 + math.exp(-total))
+    return share_right(_table()[kind], trust)
+
+
+def share_right(weights: dict[str, float], trust: Trust) -> float:
+    """Return the logistic function of the weighted terms; a rule without a weight adds none."""
+    total = sum(weights.get(name, 0.0) * value for name, value in trust.terms().items())
+    return min(1.0 / (1.0 + math.exp(-total)), trust.at_most)

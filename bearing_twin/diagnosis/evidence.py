@@ -16,6 +16,7 @@ from bearing_twin.diagnosis.thresholds import (
     INDEX_FAULT,
     INDEX_NOISE,
     INDEX_NOISE_TURNS,
+    INDEX_SOUND,
     INDEX_SUSPECT,
     LOAD_ZONE,
     RIPPLE,
@@ -179,8 +180,16 @@ class Evidence:
 
     @cached_property
     def significant(self) -> tuple[Candidate, ...]:
-        """Combs that are neither chance nor too weak for a remark."""
-        return tuple(filter(_significant, self.candidates.values())) or self.on_second_look
+        """Combs that are neither chance nor too weak for a remark, nor of sound parts."""
+        found = filter(_significant, self.candidates.values())
+        return tuple(c for c in found if c.place not in self.sound) or self.on_second_look
+
+    @_measured(undisturbed=frozenset())
+    def sound(self) -> frozenset[str]:
+        """Places whose comb is a smooth modulation that sound parts and noise make together."""
+        most = math.hypot(INDEX_SOUND, INDEX_NOISE * math.sqrt(INDEX_NOISE_TURNS / self.turns))
+        shown = filter(_significant, self.candidates.values())
+        return frozenset(c.place for c in shown if self._combs.sound(c, most))
 
     @_measured(undisturbed=())
     def on_second_look(self) -> tuple[Candidate, ...]:

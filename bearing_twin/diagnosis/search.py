@@ -174,18 +174,23 @@ class CombSearch:
             significant: as far as three harmonics reach.
 
         """
-        found = self._off_shaft(self._scores.grid, self._scores.z)
+        found = self._off_shaft(self._scores.grid, self.spectra)
+        if hertz := self.mains_hz(found):
+            # What the mains make is no impact, and may hide one.
+            pulses = np.arange(1.0, self.top) * 2.0 * hertz / self.shaft_hz
+            rest = self.spectra.silenced(pulses, 1.25 * self.spectra.step)
+            found = self._off_shaft(self._scores.grid, rest)
         if beyond and found.z < Z_ELSEWHERE:
             step = self._scores.grid[1] - self._scores.grid[0]
             grid = np.arange(self._scores.grid[-1], self.top / 3.0, step)
-            farther = self._off_shaft(grid, self._scores.score(self.spectra, grid))
-            found = max(found, farther, key=lambda c: c.z)
+            found = max(found, self._off_shaft(grid, self.spectra), key=lambda c: c.z)
         # Of impacts beyond the orders looked at a fraction shows, without its first harmonics.
         multiple = missing_harmonics(self._all, found.order, self.columns, self._silent)
         return replace(found, order=multiple * found.order)
 
-    def _off_shaft(self, grid: NDArray[np.float64], z: NDArray[np.float64]) -> Candidate:
+    def _off_shaft(self, grid: NDArray[np.float64], spectra: OrderSpectra) -> Candidate:
         """Best comb of a grid off the multiples of the shaft and off the turns of the cage."""
+        z = self._scores.score(spectra, grid)
         away = np.abs(grid - np.maximum(np.rint(grid), 1.0))
         slack = self._uncertainty * grid + 1.25 * self.spectra.step
         # A ball in and out of the load has the lines of the cage, so that they are of the bearing.
@@ -193,8 +198,8 @@ class CombSearch:
         off = (away > slack) & ((grid < low - slack) | (grid > high + slack))
         at = int(np.argmax(np.where(off, z, -math.inf)))
         order = float(grid[at])
-        bands = self._scores.bands(self.spectra, order)
-        index, band = modulation_index(self.spectra, order, bands[0], 'inner')
+        bands = self._scores.bands(spectra, order)
+        index, band = modulation_index(spectra, order, bands[0], 'inner')
         return Candidate('elsewhere', order, 0.0, float(z[at]), index, band)
 
     def index_in_all_bands(self, candidate: Candidate) -> float:
@@ -257,6 +262,17 @@ class CombSearch:
         first, *others = line_heights(spectra, lines, self.columns(candidate.order))
         others = [height for height, known in zip(others, shown[1:], strict=True) if known]
         return bool(shown[0] and others) and float(np.mean(others)) < MISSING * float(first)
+
+    def sound(self, candidate: Candidate, most: float) -> bool:
+        """
+        Whether a comb is a smooth modulation as sound parts make it, of an index up to ``most``.
+
+        One that lacks harmonics is of a series at a multiple, which no part of the bearing makes.
+        """
+        order = candidate.order
+        multiple = missing_harmonics(self._all, order, self.columns, self._silent)
+        small = multiple > 1 or candidate.index <= most
+        return small and self.smooth(replace(candidate, order=multiple * order))
 
     def half_turn(self, candidate: Candidate) -> bool:
         """Whether a comb may lie on a multiple of half a turn of the shaft."""

@@ -32,6 +32,10 @@ INDEX_SUSPECT = 0.3
 INDEX_NOISE = 0.13
 """Modulation index that noise alone reaches in 4 s (95 %)."""
 
+INDEX_SOUND = 2.0 * 0.16 / (1.0 + 0.5 * 0.16**2)
+"""Modulation index of 1 + 0.16 cos, the most by which the passing balls and the waves of its
+surfaces modulate the noise of a sound bearing (studies.impact_machines)."""
+
 SLIP = (-0.015, 0.06)
 """Cage slip looked for. Below zero: a contact angle that the geometry does not know of."""
 

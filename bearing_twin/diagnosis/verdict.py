@@ -47,8 +47,6 @@ class Verdict:
     """Name of the rule that decided."""
     trust: Trust = field(default_factory=Trust)
     """What the confidence rests on."""
-    at_most: float = 1.0
-    """Confidence that it cannot pass: a half where something sound explains the lines as well."""
 
     @property
     def kind(self) -> str:
@@ -66,7 +64,7 @@ class Verdict:
     @property
     def confidence(self) -> float:
         """Share of right answers among simulated ones like this: see ``confidence``."""
-        return min(confidence(self.kind, self.trust), self.at_most) if self.kind else 0.0
+        return confidence(self.kind, self.trust) if self.kind else 0.0
 
     @property
     def weight(self) -> float:

@@ -27,13 +27,13 @@ from pathlib import Path
 import sys
 from typing import Any, NamedTuple, TYPE_CHECKING, TypeAlias
 
-from bearing_twin.diagnosis.confidence import KINDS, Trust
+from bearing_twin.diagnosis.confidence import KINDS, share_right, Trust
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies.generalisation import judge_case
 from bearing_twin.studies.output import arguments, print_table, read_lines, write_table
 import numpy as np
-from scipy import optimize, special
+from scipy import optimize
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -65,7 +65,7 @@ UNRATED = ('record_gate', 'two_faint_places')
 BINS = np.linspace(0.0, 1.0, 11)
 """Ranges of confidence in which answers are counted together."""
 
-TERMS = tuple(Trust().terms())
+TERMS = tuple(name for name in Trust().terms() if name)
 
 GROWS = {
     'significance': 1,
@@ -123,8 +123,9 @@ def tell(case: Machine, said: Diagnosis, *, misled: bool = False) -> Told | None
     return Told(kind, said.trust, right, weight)
 
 
-def _matrix(told: Sequence[Told]) -> NDArray[np.float64]:
-    return np.array([list(t.trust.terms().values()) for t in told]).reshape(-1, len(TERMS))
+def _matrix(told: Sequence[Told], names: Sequence[str]) -> NDArray[np.float64]:
+    rows = (t.trust.terms() for t in told)
+    return np.array([[row.get(name, 0.0) for name in names] for row in rows])
 
 
 def fit(told: Sequence[Told]) -> dict[str, dict[str, float]]:
@@ -143,7 +144,10 @@ def fit(told: Sequence[Told]) -> dict[str, dict[str, float]]:
         if len(rows) < FEWEST:
             msg = f'{len(rows)} answers {kind!r} are fewer than {FEWEST}; draw more machines'
             raise BearingTwinError(msg)
-        terms = _matrix(rows)
+        # What is not called healthy is not known by a rule yet when its confidence is asked.
+        rules = () if kind == 'healthy' else sorted({t.trust.rule for t in rows} - {''})
+        names = (*TERMS, *rules)
+        terms = _matrix(rows, names)
         right = np.array([t.right for t in rows])
         share = np.array([t.weight for t in rows])
         # One right and one wrong answer more, so that no kind is certain.
@@ -164,12 +168,12 @@ def fit(told: Sequence[Told]) -> dict[str, dict[str, float]]:
             unlikely = np.logaddexp(0.0, np.where(right, -total, total))
             return float((share * unlikely).sum() + shrink * (values[1:] ** 2).sum())
 
-        found = optimize.minimize(loss, np.zeros(len(TERMS)), bounds=_bounds(kind)).x
-        weights[kind] = {name: round(float(v), 4) for name, v in zip(TERMS, found, strict=True)}
+        found = optimize.minimize(loss, np.zeros(len(names)), bounds=_bounds(kind, names)).x
+        weights[kind] = {name: round(float(v), 4) for name, v in zip(names, found, strict=True)}
     return weights
 
 
-def _bounds(kind: str) -> list[tuple[float | None, float | None]]:
+def _bounds(kind: str, names: Sequence[str]) -> list[tuple[float | None, float | None]]:
     """Bounds of the weights of a kind of answer."""
     ends: dict[int, tuple[float | None, float | None]] = {
         -1: (None, 0.0),
@@ -178,7 +182,7 @@ def _bounds(kind: str) -> list[tuple[float | None, float | None]]:
     }
     # What a longer window does not show is less likely there.
     fall = {**dict.fromkeys(GROWS, -1), 'turns': 1} if kind == 'healthy' else GROWS
-    return [ends[fall.get(name, 0)] for name in TERMS]
+    return [ends[fall.get(name, 0)] for name in names]
 
 
 def _truth(told: Sequence[Told]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -188,8 +192,7 @@ def _truth(told: Sequence[Told]) -> tuple[NDArray[np.float64], NDArray[np.float6
 
 def _read(weights: dict[str, dict[str, float]], told: Sequence[Told]) -> NDArray[np.float64]:
     """Confidence of each answer."""
-    values = np.array([list(weights[t.kind].values()) for t in told])
-    return np.asarray(special.expit((_matrix(told) * values).sum(axis=1)))
+    return np.array([share_right(weights[t.kind], t.trust) for t in told])
 
 
 def _counts(

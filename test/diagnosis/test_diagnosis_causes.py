@@ -14,6 +14,7 @@ from bearing_twin.diagnosis.record import _smeared
 from bearing_twin.diagnosis.shaft import Turning
 import numpy as np
 import pytest
+from scipy import signal
 
 RATE = 25_600.0
 SHAFT_HZ = 25.4
@@ -390,3 +391,38 @@ def test_only_records_whose_lines_may_have_smeared_are_looked_at_in_parts():
 
     assert not any(asked('', 0.0, seed) for seed in range(4))
     assert all(asked(place, 0.05, seed) for place in ('inner', 'outer') for seed in range(2))
+
+
+def test_a_smooth_swell_of_sound_parts_in_a_short_window_is_no_remark():
+    """Passing balls modulate the noise of a sound bearing by up to 16 %; impacts are else."""
+    bearing, seconds = find_bearing('6205'), 60.0 / SHAFT_HZ
+    n = int(seconds * RATE)
+    said = {'swell': [], 'impacts': []}
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        hertz = fault_orders(bearing, 0.01 * rng.random()).bpfo * SHAFT_HZ
+        noise, phase = rng.standard_normal((2, n)), hertz * np.arange(n) / RATE
+        records = {
+            'swell': noise[0] * (1.0 + 0.14 * np.cos(2.0 * np.pi * phase)),
+            'impacts': noise[0] + noise[1] * (phase % 1.0 < 0.15),
+        }
+        for name, x in records.items():
+            found = diagnose_record(x, RATE, bearing, SHAFT_HZ, speed_tolerance=0.002)
+            said[name].append(found.result)
+    assert said['swell'].count('suspect') <= 1, said
+    assert said['impacts'] == 6 * ['suspect'], said
+
+
+def test_pulses_of_the_mains_are_no_impacts_of_another_machine():
+    """Rectifiers pulse at 100 Hz; other impacts are still heard among them."""
+    bearing = find_bearing('6307')
+    rng = np.random.default_rng(0)
+    noise = signal.lfilter([1.0], [1.0, -0.9], rng.standard_normal(N))
+    pulses = noise / noise.std() + _strikes(np.arange(0.0, SECONDS, 0.01), 4.0)
+    both = pulses + _strikes(np.arange(0.0, SECONDS, 1.0 / (3.4 * SHAFT_HZ)), 8.0)
+    found = [
+        diagnose_record(x, RATE, bearing, SHAFT_HZ, speed_tolerance=0.002) for x in (pulses, both)
+    ]
+    assert found[0].result == 'healthy', found[0].reasons
+    assert found[1].kind == 'elsewhere', found[1].reasons
+    assert 'at 3.40' in found[1].reasons[0]
