@@ -160,6 +160,8 @@ class ManagedNode(LifecycleNode):
             gc.unfreeze()
             gc.collect()
             gc.freeze()
+        else:
+            self.states.release()
         return result
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:

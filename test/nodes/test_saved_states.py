@@ -289,9 +289,9 @@ def test_a_state_that_is_set_aside_stays_under_a_name_of_its_own(tmp_path):
     assert names(tmp_path) == ['.pump.lock', 'pump.unreadable-1', 'pump.unreadable-2']
 
 
-def is_locked(folder):
+def is_locked(folder, name='pump'):
     """Whether a process keeps the state; a disk that hangs gives the lock to be looked at."""
-    with (folder / '.pump.lock').open() as file:
+    with (folder / f'.{name}.lock').open() as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -361,3 +361,19 @@ def test_a_fleet_waits_once_for_a_disk_that_hangs(here, tmp_path, monkeypatch):
             assert member.diagnosis._state.load(lambda _: None)
             member.diagnosis._keep(wait=True)
             assert member.diagnosis._state.problem == ''
+
+
+@pytest.mark.ros
+def test_a_configure_that_fails_leaves_no_state_claimed(here, tmp_path, capfd):
+    from bearing_twin.nodes.fleet import FleetNode
+
+    learnt = {'bearing': '6307', 'state_directory': str(tmp_path)}
+    assets = {name: {'diagnosis': learnt | {'state_name': name}} for name in 'ab'}
+    (tmp_path / 'assets.yaml').write_text(yaml.safe_dump({'assets': assets}))
+    # The second is refused when the first has its state.
+    refused = {'qos_overrides./b/diagnosis.publisher.reliability': 'sometimes'}
+    fleet = here(FleetNode, assets_file=f'{tmp_path}/assets.yaml', **refused)
+    for _ in range(2):
+        assert fleet.trigger_configure().name == 'FAILURE'
+        assert not is_locked(tmp_path, 'a')
+    assert 'kept by another node' not in capfd.readouterr().err
