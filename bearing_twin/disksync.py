@@ -70,13 +70,13 @@ class DiskSync:
                 threading.Thread(target=self._work, name='fsync', daemon=True).start()
         return job
 
-    def settle(self) -> str:
-        """Wait until all is done, as long as the disk answers; return why it is not, or ''."""
+    def settle(self) -> bool:
+        """Wait until all is done, as long as the disk answers; return whether it is."""
         try:
             self.do(int).wait()
-        except BearingTwinError as error:
-            return str(error)
-        return ''
+        except BearingTwinError:
+            return False
+        return True
 
     def _work(self) -> None:
         while True:
@@ -139,5 +139,6 @@ class Job(futures.Future[T]):
 
     def _outcome(self) -> T:
         if not self.done():
-            raise BearingTwinError(SILENT)
+            msg = f'{SILENT}; what was asked of it may still be done'
+            raise BearingTwinError(msg)
         return self.result()

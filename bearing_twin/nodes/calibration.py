@@ -31,7 +31,7 @@ from rclpy.clock import Clock, ClockType
 from sensor_msgs.msg import JointState, Temperature
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Awaitable, Mapping
     from concurrent.futures import Future
 
     from bearing_twin.assets.calibration_task import Fit, Task
@@ -112,14 +112,13 @@ class CalibrationNode(ManagedNode):
             self._state.set_aside(f'the bearing is now {core.bearing.name}')
         self._inputs.shaft.set_nominal(values['shaft_hz'] or math.nan)
 
-    def _forget(self) -> str:
+    def _forget(self) -> Awaitable[str]:
         # A fit that runs is compared with the healthy twin that is given up.
         self._running = None
         said = self._core.forget()
         self._state.give_up()
-        self._keep_state(wait=True)
-        unkept = self._state.problem
-        return f'{said}{unkept and f"; not kept: {unkept}"}'
+        self._keep_state()
+        return self._state.answer(said)
 
     def _on_diagnosis(self, message: Diagnosis, _: MessageInfo) -> None:
         self._core.verdict(message)
@@ -175,9 +174,9 @@ class CalibrationNode(ManagedNode):
         self._out.publish(self._latest)
         self._keep_state()
 
-    def _keep_state(self, *, wait: bool = False) -> None:
+    def _keep_state(self) -> None:
         self._state.load(self._core.load)
-        self._state.keep(self._core.save, wait=wait)
+        self._state.keep(self._core.save)
 
     def status(self) -> Status:
         """Status of the calibration for /diagnostics."""

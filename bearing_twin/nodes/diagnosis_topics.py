@@ -21,7 +21,7 @@ from sensor_msgs.msg import JointState, Temperature
 from std_msgs.msg import Float64MultiArray
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Awaitable, Mapping
 
     from bearing_twin.assets.diagnosis import Verdict
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
@@ -123,16 +123,15 @@ class DiagnosisTopics:
             )
         )
 
-    def reset(self) -> str:
-        """Start anew: window, baseline and trend; return what a service answers."""
+    def reset(self) -> Awaitable[str]:
+        """Start anew: window, baseline and trend; what a service answers is to be awaited."""
         self._core = DiagnosisCore(self.parameters.values)
         self._checkpoints.ask()
         self._latest = None
         self._state.give_up()
         self._load_state()
-        self._keep(wait=True)
-        unkept = self._state.problem
-        return f'window, baseline and trend start anew{unkept and f"; not kept: {unkept}"}'
+        self._keep()
+        return self._state.answer('window, baseline and trend start anew')
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; the window restarts where the bearing has changed."""
@@ -217,12 +216,11 @@ class DiagnosisTopics:
         if self._latest is not None:
             self._keep()
 
-    def _keep(self, *, wait: bool = False) -> None:
+    def _keep(self) -> None:
         other = self._core.diagnoser.other_source
         self._state.keep(
             self._core.diagnoser.save,
             other and f'{other}; choose another state_name, or call ~/reset to learn anew',
-            wait=wait,
         )
 
     def input_status(self) -> Status:

@@ -341,14 +341,13 @@ class FleetNode(ManagedNode):
         self._fleet.place(self._twins.index(member), simulator)
         self._checkpoints.ask()
 
-    def _reset_all(self) -> str:
+    async def _reset_all(self) -> str:
         # What waits has been counted as published.
         self._publish_share(1.0)
         self._fleet = self._build_fleet()
         self._checkpoints.ask()
-        for member in self._members:
-            if member.diagnosis is not None:
-                member.diagnosis.reset()
+        for answer in [m.diagnosis.reset() for m in self._members if m.diagnosis is not None]:
+            await answer
         return f'{len(self._members)} assets start anew'
 
 

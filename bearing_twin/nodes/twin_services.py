@@ -52,7 +52,7 @@ class TwinServices:
         self._parameters = parameters
         self._reset, self._save, self._load = reset, save, load
         self._prefix = prefix
-        self._states = StateFolder(parameters['state_directory'])
+        self._states, self._disk = StateFolder(parameters['state_directory']), node.states.disk
         node.offer(f'{path}/reset', self._restart)
         node.create_service(SaveState, f'{path}/save_state', self._on_save)
         node.create_service(LoadState, f'{path}/load_state', self._on_load)
@@ -62,19 +62,23 @@ class TwinServices:
         self._reset()
         return f'back at the start with seed {self._parameters["seed"]}'
 
-    def _on_save(
+    async def _on_save(
         self, request: SaveState.Request, response: SaveState.Response
     ) -> SaveState.Response:
-        return answered(response, lambda: str(self._states.save(request.path, self._save())))
+        async def save() -> str:
+            state = self._save()
+            return str(await self._disk.do(lambda: self._states.save(request.path, state)))
 
-    def _on_load(
+        return await answered(response, save)
+
+    async def _on_load(
         self, request: LoadState.Request, response: LoadState.Response
     ) -> LoadState.Response:
-        def load() -> str:
-            self._load(self._states.load(request.path))
+        async def load() -> str:
+            self._load(await self._disk.do(lambda: self._states.load(request.path)))
             return f'loaded {request.path}'
 
-        return answered(response, load)
+        return await answered(response, load)
 
     def _on_inject(
         self, request: InjectDefect.Request, response: InjectDefect.Response

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 import time
 from typing import Any, TYPE_CHECKING
 
@@ -123,7 +123,9 @@ class LeanExecutor(SingleThreadedExecutor):
             while True:
                 handler, _, _ = self.wait_for_ready_callbacks(timeout_sec=0.0)
                 handler()
-                handler.result()
+                # An answer that waited for the disk may find its service destroyed.
+                with suppress(InvalidHandle):
+                    handler.result()
                 worked = True
         except TimeoutException:
             self._gather()

@@ -34,7 +34,7 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
 
     from bearing_twin.assets.spec import Spec
     from rclpy.executors import Executor
@@ -88,7 +88,7 @@ class ManagedNode(LifecycleNode):
             callback, kwargs['raw'] = validated(self, Clock, topic, _without_info(callback)), True
         return super().create_subscription(msg_type, topic, callback, *args, **kwargs)
 
-    def offer(self, name: str, action: Callable[[], str]) -> Service[Any, Any]:
+    def offer(self, name: str, action: Callable[[], str | Awaitable[str]]) -> Service[Any, Any]:
         """
         Create a ``std_srvs/Trigger`` service.
 
@@ -97,10 +97,15 @@ class ManagedNode(LifecycleNode):
         name
             Its name.
         action
-            Returns the message of the answer; a BearingTwinError refuses the request.
+            Returns the message of the answer, or what gives it when awaited: the node works
+            meanwhile. A BearingTwinError refuses the request.
 
         """
-        return self.create_service(Trigger, name, lambda _, response: answered(response, action))
+
+        async def answer(_: Any, response: Any) -> Any:
+            return await answered(response, action)
+
+        return self.create_service(Trigger, name, answer)
 
     def prepare(self) -> None:
         """Compile what is compiled at the first start; in a thread, while services answer."""
@@ -250,14 +255,15 @@ class ManagedNode(LifecycleNode):
         return TransitionCallbackReturn.SUCCESS
 
 
-def answered(response: Any, action: Callable[[], str]) -> Any:
+async def answered(response: Any, action: Callable[[], str | Awaitable[str]]) -> Any:
     """
     Fill in the answer of a service that has ``success`` and ``message``.
 
-    ``action`` returns the message; a BearingTwinError refuses the request.
+    ``action`` is as in :meth:`ManagedNode.offer`.
     """
     try:
-        response.message = action()
+        said = action()
+        response.message = said if isinstance(said, str) else await said
         response.success = True
     except BearingTwinError as error:
         response.message = str(error)

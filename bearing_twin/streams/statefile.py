@@ -140,7 +140,8 @@ class NodeStates:
 
     def __init__(self, log: Callable[[str], object]) -> None:
         self._log = log
-        self._disk = DiskSync()
+        self.disk = DiskSync()
+        """Its thread."""
         self._kept: list[KeptState] = []
 
     def kept(self, values: Mapping[str, Any], node: str) -> KeptState:
@@ -156,7 +157,7 @@ class NodeStates:
 
         """
         folder, owner = StateFolder(values['state_directory']), values['state_owner']
-        state = KeptState(folder, values['state_name'], (node, owner), self._disk, self._log)
+        state = KeptState(folder, values['state_name'], (node, owner), self.disk, self._log)
         if values['state_name']:
             self._kept.append(state)
         return state
@@ -164,8 +165,8 @@ class NodeStates:
     def release(self) -> None:
         """Let other nodes keep them, when the disk has taken the newest."""
         for state in self._kept:
-            self._disk.do(state.let_go)
-        if self._kept and self._disk.settle():
+            self.disk.do(state.let_go)
+        if self.disk.busy and not self.disk.settle():
             held = ', '.join(str(state.path) for state in self._kept if state.claimed)
             self._log(f'{SILENT}: not written, and claimed until it has: {held or "nothing"}')
         self._kept = []
@@ -239,7 +240,7 @@ class KeptState:
         if self._taken_up or not self._name:
             return False
         self._asked = self._asked or self._do(self._claim)
-        if wait and self._disk.settle():
+        if wait and not self._disk.settle():
             self._tell(f'{self.path} is not read yet: {SILENT}')
         if not self._asked.done():
             return False
@@ -256,7 +257,7 @@ class KeptState:
             return False
         return True
 
-    def keep(self, state: Callable[[], bytes], other: str = '', *, wait: bool = False) -> None:
+    def keep(self, state: Callable[[], bytes], other: str = '') -> None:
         """
         Have what ``state`` returns written; where it comes faster than the disk, the newest is.
 
@@ -266,8 +267,6 @@ class KeptState:
             Returns it.
         other
             Why it is none to be kept; '' if it is one.
-        wait
-            Whether to wait for the disk, as a service does whose answer must be true.
 
         """
         if not self._name or not (self._taken_up or self._given_up):
@@ -278,8 +277,13 @@ class KeptState:
         held = {'state': np.frombuffer(state(), np.uint8)}
         self._newest = pack(_VERSION, {'node': self._nodes[0]}, held)
         self._do(self._write)
-        if wait:
-            self._disk.settle()
+
+    async def answer(self, said: str) -> str:
+        """Return ``said``, with why it is not kept, when the disk has what it was given."""
+        if self._name:
+            with suppress(BearingTwinError):
+                await self._disk.do(int)
+        return f'{said}; not kept: {self.problem}' if self.problem else said
 
     def give_up(self) -> None:
         """Take up no more what the file holds, where that was not possible yet."""

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A real accelerometer through the adapter, and many bearings in one process."""
 
+import asyncio
 from contextlib import contextmanager
 import itertools
 from itertools import pairwise
@@ -237,7 +238,7 @@ def test_a_hot_machine_of_a_fleet_has_been_hot_for_long(ros_domain, tmp_path):
         # Between conductances of 2 and 8 W/K: 74 degC and what friction adds.
         assert rings()[0] == pytest.approx(74.0, abs=3.0)
         assert rings()[1] < 25.0
-        node._reset_all()
+        asyncio.run(node._reset_all())
         assert rings()[0] == pytest.approx(74.0, abs=3.0)
         node._reset_twin(node._twins[0])
         assert rings()[0] == pytest.approx(74.0, abs=3.0)

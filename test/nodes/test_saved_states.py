@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Saved states: whole, of one node at a time, and never another's."""
 
+import asyncio
 import errno
 import fcntl
 import os
@@ -41,7 +42,8 @@ class Node:
         self.learnt = state
 
     def keep(self, state):
-        self.state.keep(lambda: state, wait=True)
+        self.state.keep(lambda: state)
+        self.states.disk.settle()
 
 
 @pytest.mark.parametrize('name', ['', '.', '..', '../x', '/etc/passwd', 'a/b', 'a\0b'])
@@ -91,12 +93,14 @@ KEEPER = """
 import sys, time
 from bearing_twin.streams.statefile import NodeStates
 values = {'state_directory': sys.argv[1], 'state_name': 'a', 'state_owner': ''}
-state = NodeStates(str).kept(values, '/pump/diagnosis')
+states = NodeStates(str)
+state = states.kept(values, '/pump/diagnosis')
 number = sys.argv[2].encode()
 print('there', flush=True)
 while True:
     state.load(lambda _: None, wait=True)
-    state.keep(lambda: number * 100_000, wait=True)
+    state.keep(lambda: number * 100_000)
+    states.disk.settle()
     if state.problem:
         assert 'kept by another node' in state.problem, state.problem
         time.sleep(0.001)
@@ -342,7 +346,7 @@ def test_a_fleet_waits_once_for_a_disk_that_hangs(here, tmp_path, monkeypatch):
         fleet = here(FleetNode, assets_file=f'{tmp_path}/assets.yaml')
         fleet.bring_up()
         # A baseline of nothing is one, too.
-        assert fleet._reset_all() == '5 assets start anew'
+        assert asyncio.run(fleet._reset_all()) == '5 assets start anew'
         before = names(states)
         assert set('abcde') < set(before)
         with disk.hanging():
@@ -354,12 +358,13 @@ def test_a_fleet_waits_once_for_a_disk_that_hangs(here, tmp_path, monkeypatch):
             fleet.trigger_configure()
             assert time.monotonic() - began < 1.0 + 2.0
         # What hung, and what was asked for since, is done in turn.
-        while fleet.states._disk.busy:
+        while fleet.states.disk.busy:
             time.sleep(0.01)
         assert names(states) == before
         for member in fleet._members:
             assert member.diagnosis._state.load(lambda _: None)
-            member.diagnosis._keep(wait=True)
+            member.diagnosis._keep()
+            fleet.states.disk.settle()
             assert member.diagnosis._state.problem == ''
 
 
@@ -377,3 +382,71 @@ def test_a_configure_that_fails_leaves_no_state_claimed(here, tmp_path, capfd):
         assert fleet.trigger_configure().name == 'FAILURE'
         assert not is_locked(tmp_path, 'a')
     assert 'kept by another node' not in capfd.readouterr().err
+
+
+@pytest.mark.ros
+def test_no_block_waits_for_a_disk_that_hangs_while_a_state_is_saved(nodes, probe, tmp_path):
+    from bearing_twin_msgs.msg import TwinState, Vibration
+    from bearing_twin_msgs.srv import LoadState, SaveState
+    from block_streams import check_complete, DEEP
+    from std_srvs.srv import Trigger
+
+    with loop_disk(tmp_path) as disk:
+        folder = {'state_directory': str(disk.path / 'states')}
+        learnt = folder | {'bearing': '6307', 'state_name': 'pump', 'state_owner': '/x'}
+        nodes.start('diagnosis', learnt)
+        nodes.start('twin', folder | DEEP)
+        blocks = probe.collect(Vibration, 'vibration')
+        states = probe.collect(TwinState, 'twin_state')
+        probe.until(lambda: blocks and states, 'blocks')
+        assert probe.call(SaveState, 'twin/save_state', path='before').success
+        calls = [
+            (SaveState, 'twin/save_state', {'path': 'meanwhile'}),
+            (LoadState, 'twin/load_state', {'path': 'meanwhile'}),
+            (Trigger, 'diagnosis/reset', {}),
+        ]
+        clients = [probe.node.create_client(kind, name) for kind, name, _ in calls]
+        for client in clients:
+            probe.until(client.service_is_ready, client.srv_name)
+        with disk.hanging():
+            asked = [
+                client.call_async(kind.Request(**fields))
+                for client, (kind, _, fields) in zip(clients, calls, strict=True)
+            ]
+            count = len(blocks)
+            probe.until(lambda: len(blocks) > count + 75, 'three seconds of blocks')
+            assert not any(answer.done() for answer in asked)
+        probe.until(lambda: all(answer.done() for answer in asked), 'the answers')
+        assert all(answer.result().success for answer in asked)
+        check_complete(states, blocks)
+        assert states[-1].blocks_dropped == 0
+        assert {'before', 'meanwhile', 'pump'} < set(names(disk.path / 'states'))
+        assert nodes.end('twin') == 0
+        assert nodes.end('diagnosis') == 0
+
+
+@pytest.mark.ros
+def test_an_answer_that_comes_after_its_service_ends_no_node(here, tmp_path, monkeypatch):
+    from bearing_twin.nodes.diagnosis import DiagnosisNode
+    from bearing_twin.ros.executor import LeanExecutor
+    import rclpy
+    from std_srvs.srv import Trigger
+
+    monkeypatch.setattr(disksync, 'LONGEST', 0.2)
+    with loop_disk(tmp_path) as disk:
+        node = here(DiagnosisNode, state_directory=str(disk.path), state_name='pump')
+        node.trigger_configure()
+        executor = LeanExecutor()
+        executor.add_node(node)
+        asker = rclpy.create_node('asker')
+        client = asker.create_client(Trigger, 'diagnosis/reset')
+        assert client.wait_for_service(60.0)
+        with disk.hanging():
+            client.call_async(Trigger.Request())
+            while not node.states.disk.busy:
+                executor.spin_once(timeout_sec=0.1)
+            node.trigger_cleanup()
+            for _ in range(10):
+                executor.spin_once(timeout_sec=0.1)
+        executor.shutdown()
+        asker.destroy_node()

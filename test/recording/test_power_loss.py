@@ -40,7 +40,8 @@ def test_a_state_survives_a_power_cut(disk: Disk) -> None:
     node, kept = states(disk.path / 'states')
     for state in kept:
         state.load(print, wait=True)
-    kept[0].keep(lambda: b'A' * 20_000, wait=True)
+    kept[0].keep(lambda: b'A' * 20_000)
+    node.disk.settle()
     os.sync()
     kept[0].keep(lambda: b'B' * 20_000)
     kept[1].keep(lambda: b'F' * 20_000)
