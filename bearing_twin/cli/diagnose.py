@@ -13,9 +13,10 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import Bearing, named_bearing, next_step
+from bearing_twin.assets.messages import diagnosis_message
+from bearing_twin.bearing import Bearing, named_bearing
 from bearing_twin.cli.diagnose_series import run_series
-from bearing_twin.cli.diagnose_text import line, page
+from bearing_twin.cli.diagnose_text import CARD, card, line, page
 from bearing_twin.cli.signal_arguments import add_signal_arguments, given_bearing, given_speed
 from bearing_twin.cli.terminal import (
     plain,
@@ -26,11 +27,11 @@ from bearing_twin.cli.terminal import (
     shown_inside,
 )
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
-from bearing_twin.diagnosis.level import is_urgent
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.dataset import dataset_signals, is_dataset
 from bearing_twin.recording.finding import SIGNAL_FILES
 from bearing_twin.recording.foreign import channels, read_signal
+from bearing_twin.view.verdict import next_step
 
 if TYPE_CHECKING:
     import argparse
@@ -132,6 +133,7 @@ def run(args: argparse.Namespace) -> int:
             unread += 1
             print(f'bearing-twin diagnose: {shown(answer["error"])}', file=sys.stderr, flush=True)
         if args.json:
+            answer.pop(CARD, None)
             print(json.dumps(answer), flush=True)
         elif 'error' not in answer:
             answer = shown_inside(answer)
@@ -280,6 +282,7 @@ def diagnose_file(task: Task) -> dict[str, Any]:
 
         draw(diagnosis, Path(task.plot), title=f'{Path(task.path).name}, {bearing.name}')
     length = len(signal.x) / signal.sample_rate
+    message = diagnosis_message(diagnosis, stamp=0, frame_id='', bearing=bearing.name)
     return {
         'file': task.path,
         'source': f'{signal.source}: {length:.4g} s at {signal.sample_rate:g} Hz',
@@ -293,14 +296,8 @@ def diagnose_file(task: Task) -> dict[str, Any]:
         'slip': plain(diagnosis.slip, DIGITS),
         'evidence': evidence(diagnosis),
         'reasons': list(diagnosis.reasons),
-        'next_step': next_step(
-            diagnosis.result,
-            diagnosis.severity.stage,
-            urgent=is_urgent(
-                diagnosis.level, diagnosis.severity.velocity_rms, diagnosis.severity.stage
-            ),
-            standing=diagnosis.shaft_hz_given == 0.0,
-        ),
+        'next_step': next_step(message),
+        CARD: card(message),
     }
 
 

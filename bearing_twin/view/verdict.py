@@ -12,6 +12,7 @@ from bearing_twin.bearing.geometry import FaultFrequencies
 from bearing_twin.bearing.vocabulary import next_step as next_step_of
 from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
 from bearing_twin.diagnosis.level import is_urgent
+from bearing_twin.diagnosis.severity import SLOW_HZ
 from bearing_twin.diagnosis.thresholds import INDEX_SUSPECT, Z_CAGE, Z_FAULT
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.view.trends import recorded
@@ -135,6 +136,23 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
         band = f'{diagnosis.band_low / 1e3:.1f} to {diagnosis.band_high / 1e3:.1f} kHz demodulated'
         rows.append(('Band', band))
     rows.append(('Next step', next_step(diagnosis)))
+    return rows
+
+
+def measured(diagnosis: Any) -> list[tuple[str, str]]:
+    """Return what was measured beside the card, and why there is no zone."""
+    if not math.isfinite(diagnosis.peak):
+        return [('Level', 'not measured')]
+    peak = number(diagnosis.peak, diagnosis.unit and pretty(diagnosis.unit))
+    crest, kurtosis = number(diagnosis.crest_factor), number(diagnosis.kurtosis)
+    rows = [('Peak', f'{peak}, crest factor {crest}, kurtosis {kurtosis}')]
+    if not diagnosis.iso_zone:
+        why = ': needs machine group, mounting and speed'
+        if not math.isfinite(diagnosis.velocity_rms):
+            why = ': needs the unit of an acceleration, and 1 s'
+        elif diagnosis.shaft_hz < SLOW_HZ:
+            why = ' below 600 1/min'
+        rows.append(('Zone', f'none of ISO 20816-3{why}'))
     return rows
 
 

@@ -126,11 +126,13 @@ def test_page_for_a_person(good, capsys, monkeypatch):
     assert main(['diagnose', str(good), '--bearing', '6307', '--unit', 'g', '--power-group', '2',
                  '--mounting', 'rigid']) == 0  # fmt: skip
     text = capsys.readouterr().out
-    rows = {line.split(maxsplit=1)[0]: line for line in text.splitlines()}
-    assert 'inner [fault]' in rows['verdict']
-    assert '6307: 8 balls of 14 mm on 57.5 mm' in rows['bearing']
-    assert f'{SHAFT_HZ:.4g} Hz' in rows['shaft']
-    assert 'm/s' in rows['velocity'] and 'ISO 20816-3: zone' in rows['velocity']
+    rows = {line.partition(' ')[0]: line for line in text.splitlines()}
+    assert 'inner [fault]' in rows['Verdict']
+    assert '6307: 8 balls of 14 mm on 57.5 mm' in rows['Bearing']
+    # As the report says it.
+    assert f'{SHAFT_HZ:.2f} Hz ({60.0 * SHAFT_HZ:.0f} rpm)' in rows['Shaft']
+    assert 'mm/s rms, ISO 20816-3 zone' in rows['Velocity']
+    assert '; confidence' in rows['Stage'] and f'{SHAFT_HZ:g} Hz' in rows['Speed']
     assert max(map(len, text.splitlines()[1:])) <= 80
     expected = fault_frequencies(find_bearing('6307'), SHAFT_HZ)
     for place, hertz in (('inner', expected.bpfi), ('outer', expected.bpfo),
@@ -138,8 +140,8 @@ def test_page_for_a_person(good, capsys, monkeypatch):
         (row,) = [line for line in text.splitlines() if line.strip().startswith(f'{place} ')]
         assert f'{hertz:.2f}' in row.split()
         assert row.rstrip().endswith('<-') == (place == 'inner')
-    assert f'{expected.bpfi:.0f}'[:2] in rows['lines']
-    assert 'replace the bearing' in rows['next']
+    assert f'line of the envelope at {expected.bpfi:.0f}'[:-1] in text
+    assert 'eplace the bearing' in rows['Next']
     assert '\x1b' not in text
 
 
@@ -402,9 +404,9 @@ def test_a_shaft_that_stands_is_not_unknown(good, tmp_path, capsys):
     np.savez(tmp_path / 'a.npz', x=np.load(good)['x'], fs=RATE, rpm=0.0)
     assert main(['diagnose', str(tmp_path / 'a.npz'), '--bearing', '6307']) == 0
     text = capsys.readouterr().out
-    assert 'shaft     standing' in text
+    assert 'Shaft      standing' in text
     assert 'the shaft stands still: measure while it turns' in text
-    assert 'next      measure while the shaft turns' in text
+    assert 'Next step  Measure while the shaft turns.' in text
 
 
 def test_a_benchmark_of_no_records_is_an_error(tmp_path, capsys):

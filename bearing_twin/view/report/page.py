@@ -11,7 +11,6 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin import __version__
 from bearing_twin.bearing.vocabulary import PLACES, TITLES
-from bearing_twin.diagnosis.severity import SLOW_HZ
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
 from bearing_twin.recording.health import recording_health
 from bearing_twin.recording.reader import recording_info
@@ -28,9 +27,9 @@ from bearing_twin.view.trends import recorded
 from bearing_twin.view.verdict import (
     facts,
     impacts,
+    measured,
     next_step,
     number,
-    pretty,
     reasons,
     title_of,
     urgency,
@@ -162,7 +161,6 @@ def _banner(machine: Machine, worst: Any) -> str:
 
 def _measurement(machine: Machine, worst: Any) -> list[tuple[str, str]]:
     """Return what was measured, on what, how."""
-    unit = pretty(worst.unit)
     rows = [
         ('Asset', machine.hardware or machine.namespace or 'not named'),
         ('Sensor', machine.source.frame or 'not named'),
@@ -177,13 +175,8 @@ def _measurement(machine: Machine, worst: Any) -> list[tuple[str, str]]:
             f'{worst.sample_count / (worst.sample_rate or math.nan):.1f} s '
             f'at {worst.sample_rate:g} Hz',
         ),
-        ('Peak', number(worst.peak, unit)),
-        ('Crest factor, kurtosis', f'{number(worst.crest_factor)}, {number(worst.kurtosis)}'),
+        *measured(worst),
     ]
-    if not worst.iso_zone:
-        slow = worst.shaft_hz < SLOW_HZ
-        why = 'none below 600 1/min' if slow else 'not given: needs machine group and mounting'
-        rows.append(('ISO 20816-3 zone', why))
     if not math.isfinite(worst.level_over_baseline):
         rows.append(
             ('Level over its own baseline', 'not known: no baseline yet, or one of another speed')
