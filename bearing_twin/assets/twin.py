@@ -73,6 +73,7 @@ class TwinChannel(Inputs):
         super().__init__(
             clock, start=values['start_temperature'], timeout=values['temperature_timeout'],
             nominal=values['shaft_hz'], joint=values['joint'], highest=FASTEST_LIVE_SHAFT,
+            hold=True,
         )  # fmt: skip
         self.values = dict(values)
         self._settle = settle
@@ -91,7 +92,7 @@ class TwinChannel(Inputs):
 
     def inputs(self) -> TwinInputs:
         """Return temperature and shaft speed for the block to be computed now."""
-        return TwinInputs(self.temperature, self.shaft.hz)
+        return TwinInputs(self.temperature, self.shaft_hz())
 
     @property
     def start_temperature(self) -> float:
@@ -104,7 +105,7 @@ class TwinChannel(Inputs):
         """Take changed parameters."""
         self.values = dict(values)
         self.set_timeout(values['temperature_timeout'])
-        self.shaft.set_nominal(values['shaft_hz'])
+        self.shaft.nominal = values['shaft_hz']
 
 
 class Twin(TwinChannel):

@@ -110,7 +110,7 @@ class CalibrationNode(ManagedNode):
             # A fit that runs is of the other bearing: nobody waits for it any more.
             self._core, self._running, self._latest = core, None, None
             self._state.set_aside(f'the bearing is now {core.bearing.name}')
-        self._inputs.shaft.set_nominal(values['shaft_hz'] or math.nan)
+        self._inputs.shaft.nominal = values['shaft_hz'] or math.nan
 
     def _forget(self) -> Awaitable[str]:
         # A fit that runs is compared with the healthy twin that is given up.
@@ -137,7 +137,7 @@ class CalibrationNode(ManagedNode):
         task = self._core.take(
             block,
             temperature=math.nan if heat.status is TemperatureStatus.STALE else heat.taken,
-            shaft_hz=self._inputs.shaft.hz,
+            shaft_hz=self._inputs.shaft_hz(block.length),
             now=now,
         )
         if task is not None and self._running is None:

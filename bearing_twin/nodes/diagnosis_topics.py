@@ -171,9 +171,8 @@ class DiagnosisTopics:
         if self._checkpoints.is_due(block.first_sample):
             self._load_state()
             self._publish_checkpoint(block)
-        for due in self._core.take(
-            block, temperature=temperature, joint_hz=self._measured.shaft.hz
-        ):
+        joint_hz = self._measured.shaft_hz(block.length)
+        for due in self._core.take(block, temperature=temperature, joint_hz=joint_hz):
             self._publish_verdict(due.judge(due.analyse()))
             if self.parameters['series_cycle']:
                 # The next block may come a cycle later.

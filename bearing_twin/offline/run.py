@@ -27,7 +27,6 @@ from bearing_twin.recording.writer import RecordingWriter, whole_recording, Writ
 from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.streams.ahead import ahead
 from bearing_twin.streams.pacer import Due
-from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.vibration_input import VibrationBlock
 import yaml
 
@@ -179,7 +178,6 @@ class _Block(NamedTuple):
     vibration: VibrationBlock
     outputs: list[Output]
     temperature: float
-    joint_hz: float
     warnings: list[str]
 
 
@@ -190,7 +188,6 @@ class _TwinSide:
         self._now = 0.0
         self._twin = Twin(twin, clock=lambda: self._now)
         self._text = yaml.safe_dump(configuration(twin_parameters.SPECS, twin))
-        self._speed = ShaftSpeed(nominal=math.nan, joint=diagnosis['joint'])
         self._axis = diagnosis['axis']
         self._temperature = math.nan
         self._start = self._latest = start
@@ -232,7 +229,6 @@ class _TwinSide:
             self._temperature = self._twin.inputs().temperature.taken
         else:
             self._twin.take_joints(decoded)
-            self._speed.offer(decoded.name, decoded.velocity, now=self._now)
 
     def _blocks_until(self, time: int) -> Iterator[_Block]:
         """Yield every block whose last sample has been taken before ``time`` (ns)."""
@@ -265,7 +261,7 @@ class _TwinSide:
         if checkpoint is not None:
             outputs.insert(0, output('/twin_checkpoint', checkpoint))
         return _Block(
-            now, vibration, outputs, self._temperature, self._speed.hz,
+            now, vibration, outputs, self._temperature,
             self._new_warnings(made.block.condition, due),
         )  # fmt: skip
 
@@ -346,9 +342,7 @@ class _DiagnosisSide:
             # The state before this block is that after all verdicts before it.
             self._settle(0)
             self._write(self._run.checkpoint(block.vibration), block.now)
-        for due in self._run.take(
-            block.vibration, temperature=block.temperature, joint_hz=block.joint_hz
-        ):
+        for due in self._run.take(block.vibration, temperature=block.temperature):
             self._analyses += 1
             analysis = self._pool.submit(due.analyse)
             self._waiting.append((_Analysed(due, analysis), block.now))

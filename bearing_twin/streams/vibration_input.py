@@ -49,6 +49,11 @@ class VibrationBlock:
     frame_id: str = ''
     """Of the sensor."""
 
+    @property
+    def length(self) -> float:
+        """Time that its samples take, s."""
+        return self.samples.size / self.sample_rate
+
 
 def read_vibration(message: Any, axis: str) -> VibrationBlock:
     """
@@ -174,7 +179,7 @@ class Inputs:
         The receiver's clock, s; simulated time may go back.
     start, timeout
         As for :class:`~bearing_twin.thermal.gate.TemperatureGate`.
-    nominal, joint, highest
+    nominal, joint, highest, hold
         As for :class:`~bearing_twin.streams.shaft.ShaftSpeed`.
 
     """
@@ -188,12 +193,13 @@ class Inputs:
         nominal: float = math.nan,
         joint: str = '',
         highest: float = FASTEST_SHAFT,
+        hold: bool = False,
     ) -> None:
         self._clock = clock
         self._gate = TemperatureGate(start=start, timeout=timeout)
         # Another source is heard when the last temperature of the first is stale.
         self._sources = SourceLock(timeout, timeout)
-        self.shaft = ShaftSpeed(nominal=nominal, joint=joint, highest=highest)
+        self.shaft = ShaftSpeed(nominal=nominal, joint=joint, highest=highest, hold=hold)
 
     def take_temperature(self, message: Any, info: Mapping[str, Any] | None = None) -> None:
         """Take a ``sensor_msgs/Temperature``; of several publishers the first one's only."""
@@ -209,6 +215,10 @@ class Inputs:
     def temperature(self) -> GatedTemperature:
         """The temperature to use now."""
         return self._gate.at(self._clock())
+
+    def shaft_hz(self, length: float = 0.0) -> float:
+        """Return the shaft speed to use for a block of ``length`` (s) that ends now, Hz."""
+        return self.shaft.at(self._clock(), length)
 
     def problems(self) -> tuple[str, str]:
         """Return what is wrong with the shaft speed and with the sources; '' if nothing."""

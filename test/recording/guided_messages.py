@@ -70,7 +70,7 @@ class _Node:
     def __init__(self) -> None:
         self.diagnoser = _diagnoser()
         self.gate = TemperatureGate(start=20.0, timeout=5.0)
-        self.shaft = ShaftSpeed(nominal=2.0, joint='shaft')
+        self.shaft = ShaftSpeed(nominal=2.0, joint='shaft', hold=True)
         self.gaps = GapCounter()
         self.now = 0.0
 
@@ -86,7 +86,7 @@ class _Node:
             self._diagnose(message)
         # Whatever has come, the equations of motion see numbers that they can be given.
         assert TABLE_LOW <= self.gate.at(self.now).used <= TABLE_HIGH
-        assert 0.0 <= self.shaft.hz <= self.shaft.highest
+        assert 0.0 <= self.shaft.at(self.now) <= self.shaft.highest
         assert self.gaps.lost >= 0
 
     def _diagnose(self, message: Vibration) -> None:
@@ -96,7 +96,7 @@ class _Node:
             block.first_sample,
             block.samples,
             block.sample_rate,
-            self.shaft.hz if math.isnan(block.shaft_hz) else block.shaft_hz,
+            self.shaft.at(self.now) if math.isnan(block.shaft_hz) else block.shaft_hz,
             speed_measured=True,
             temperature=self.gate.at(self.now).used,
             unit=block.unit,
