@@ -31,6 +31,8 @@ STRIP_SECONDS = 0.12
 """Length of a strip of the waveform: three turns at 25 Hz, s."""
 REFERENCE = 20.0
 """Temperature that values are compared with, degC."""
+NO_SECOND = (0.0, 0.0, 0.0)
+"""Length in s, its product with the temperature and largest magnitude, before any block."""
 
 
 class Curve(NamedTuple):
@@ -106,14 +108,17 @@ class OverTemperature:
         self._defect: str | None = None
         self._unit = ''
         self._found = ''
+        self._second = NO_SECOND
 
     def vibration(
-        self, samples: NDArray[np.floating], unit: str, temperature: float
+        self, samples: NDArray[np.floating], unit: str, rate: float, temperature: float
     ) -> tuple[float, float]:
         """
         Take samples at a temperature in degC; return their rms and largest magnitude.
 
-        Both are about the mean, as the diagnosis leaves a sensor's offset out too.
+        Both are about the mean, as the diagnosis leaves a sensor's offset out too. The amplitude
+        over temperature is the largest magnitude of a second: a block may have no impact, and the
+        load on the balls beats over many of them.
         """
         finite = samples[np.isfinite(samples)].astype(np.float64)
         if not finite.size:
@@ -121,13 +126,15 @@ class OverTemperature:
         self._unit = unit
         finite -= finite.mean()
         power, peak = float(np.dot(finite, finite)) / finite.size, float(np.abs(finite).max())
-        self._add('amplitude', temperature, peak)
         self._add('level', temperature, power)
+        if math.isfinite(temperature):
+            self._take_second(samples.size / rate, temperature, peak)
         return math.sqrt(power), peak
 
     def forget_vibration(self) -> None:
         """Begin anew with the vibration."""
         self.strips.clear()
+        self._second = NO_SECOND
         for key in ('amplitude', 'level'):
             self._sums.pop(key, None)
 
@@ -140,6 +147,7 @@ class OverTemperature:
         if defect != self._defect and self._defect is not None:
             # What changes with the defect is not what temperature does.
             self._sums.clear()
+            self._second = NO_SECOND
             self.strips.clear()
         self._defect = defect
         if place in PLACES:
@@ -171,6 +179,15 @@ class OverTemperature:
             title = f'{name} [{units.get(key, "Hz")}]'
             curves.append(Curve(key, title, temperatures, values))
         return curves
+
+    def _take_second(self, length: float, temperature: float, peak: float) -> None:
+        """Take the largest magnitude of ``length`` s; that of a whole second into its class."""
+        before, heat, largest = self._second
+        length, heat = before + length, heat + length * temperature
+        self._second = length, heat, max(largest, peak)
+        if length > 1.0 - 1e-9:
+            self._add('amplitude', heat / length, self._second[2])
+            self._second = NO_SECOND
 
     def _add(self, key: str, temperature: float, value: float) -> None:
         if math.isfinite(temperature) and math.isfinite(value):

@@ -16,8 +16,8 @@ import yaml
 def test_means_are_of_their_class_and_ratios_refer_to_20_degrees():
     over = OverTemperature()
     for temperature, scale in ((19.0, 1.0), (21.0, 3.0), (64.0, 4.0), (108.0, 1.0)):
-        over.vibration(scale * np.array([1.0, -2.0, 0.0, 1.0]), 'm/s^2', temperature)
-    over.vibration(np.ones(4), 'm/s^2', math.nan)
+        over.vibration(scale * np.array([1.0, -2.0, 0.0, 1.0]), 'm/s^2', 4.0, temperature)
+    over.vibration(np.ones(4), 'm/s^2', 4.0, math.nan)
     amplitude, level = over.curves
     assert list(amplitude.temperatures) == [20.0, 65.0, 110.0]
     assert list(amplitude.values) == [4.0, 8.0, 2.0]
@@ -25,6 +25,20 @@ def test_means_are_of_their_class_and_ratios_refer_to_20_degrees():
     # Mean squares are averaged, not roots: 1.5 (1 + 9) / 2 in the first class.
     assert level.values == pytest.approx(np.sqrt([7.5, 24.0, 1.5]))
     assert level.title == 'Level, rms [m/s²]'
+
+
+def test_the_amplitude_is_that_of_a_second_however_short_the_blocks():
+    # Impacts at 5 Hz, and every second of a beat the weaker ones: most blocks have none.
+    rate, blocks = 1000.0, 25
+    whole = np.random.default_rng(1).normal(0.0, 0.1, 8 * round(rate))
+    whole[100::200] += 10.0 + 4.0 * np.cos(0.5 * np.pi * np.arange(100, whole.size, 200) / rate)
+    over = OverTemperature()
+    for k, block in enumerate(np.split(whole, 8 * blocks)):
+        over.vibration(block, 'g', rate, 20.0 if k < 4 * blocks else 100.0)
+    amplitude = over.curves[0]
+    seconds = whole.reshape(8, -1).max(axis=1)
+    assert amplitude.values == pytest.approx([seconds[:4].mean(), seconds[4:].mean()], rel=0.03)
+    assert amplitude.values[1] / amplitude.base == pytest.approx(1.0, abs=0.03)
 
 
 def test_the_frequency_found_is_of_one_place():
@@ -40,7 +54,7 @@ def test_another_defect_of_the_twin_is_no_effect_of_temperature():
 
     def hear(defect, temperature, scale):
         over.state(SimpleNamespace(temperature_used=temperature, defect=defect, slip=0.01))
-        over.vibration(scale * np.array([1.0, -1.0]), 'm/s^2', temperature)
+        over.vibration(scale * np.array([1.0, -1.0]), 'm/s^2', 2.0, temperature)
         over.strips.take(np.ones(2000), 0, 12000.0, temperature)
 
     hear('inner:width=0.002', 20.0, 4.0)

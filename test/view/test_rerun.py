@@ -241,7 +241,7 @@ def test_every_sensor_follows_the_temperature(tmp_path, sensors):
     for name in sensors:
         drawn = {}
         for part in ('abscissa', 'values'):
-            _, rows = columns(rrd, f'/{name}/over_temperature/amplitude', part)
+            _, rows = columns(rrd, f'/{name}/over_temperature/level', part)
             drawn[part] = rows[-1][0]['buffer']
         assert drawn['abscissa'] == [20.0, 30.0, 40.0, 50.0, 60.0, 70.0]
         assert drawn['values'] == pytest.approx([100.0 * growth[name] * k for k in range(6)])

@@ -230,9 +230,8 @@ class _Collector:
             return
         machine.unit = str(message.unit)
         machine.source.vibration(message)
-        rms, peak = machine.over_temperature.vibration(samples, machine.unit, self._temperature)
+        over, rate = machine.over_temperature, float(message.sample_rate)
+        rms, peak = over.vibration(samples, machine.unit, rate, self._temperature)
         if math.isfinite(rms):
             machine.vibration.append((time, rms, peak))
-        machine.over_temperature.strips.take(
-            samples, int(message.first_sample), float(message.sample_rate), self._temperature
-        )
+        over.strips.take(samples, int(message.first_sample), rate, self._temperature)

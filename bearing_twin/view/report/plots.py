@@ -273,7 +273,7 @@ def _over_temperature(machine: Machine) -> tuple[str, Figure] | None:
         title = wrap(curve.title, 75 // len(curves))
         if np.isfinite(curve.base):
             ratio = curve.values[-1] / curve.base
-            title.append(f'x {ratio:.3f} at {curve.temperatures[-1]:.0f} °C')
+            title.append(f'x {ratio:.2f} at {curve.temperatures[-1]:.0f} °C')
             axes.axhline(curve.base, color='#9e9e9e', linewidth=0.7, dashes=(4, 2))
         axes.set_title('\n'.join(title))
     references = {curve.reference for curve in curves}
@@ -281,7 +281,7 @@ def _over_temperature(machine: Machine) -> tuple[str, Figure] | None:
     if len(references) == 1:
         where = f'{references.pop():.0f} °C'
     caption = (
-        'Over temperature, means of 5 K: largest magnitude of a block, level, fault frequency '
+        'Over temperature, means of 5 K: largest magnitude of a second, level, fault frequency '
         'found by the diagnosis and expected by the twin, its cage slip. Dashed: the value at '
         f'{where}, to which the ratios refer'
     )
