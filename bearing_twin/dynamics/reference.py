@@ -59,7 +59,7 @@ class Reference(NamedTuple):
 
 
 class _Constants(NamedTuple):
-    """Constants of the equations, in the order in which `_contact` and `_rates` take them."""
+    """Constants of the equations."""
 
     k_b: float
     contact_damping: float
@@ -90,6 +90,10 @@ class _Constants(NamedTuple):
     unbalance: float
     resonance: float
     resonance_damping: float
+
+
+_RECORD = np.dtype([(name, np.float64) for name in _Constants._fields])
+"""The constants as `_contact` and `_rates` take them: an array of one record."""
 
 
 def solve(
@@ -133,7 +137,7 @@ def solve(
     """
     p = parameters
     constants = _constants(p, temperature, shaft_hz)
-    values, surfaces = np.array(constants), _surfaces(p, seed)
+    values, surfaces = np.array([constants], _RECORD), _surfaces(p, seed)
     defects = np.array(
         [
             (PLACES.index(d.place), CODES[d.profile], d.width, d.depth, d.angle, d.ball)
@@ -322,7 +326,7 @@ def _at_rest(
     constants: _Constants, defects: FloatArray, surfaces: FloatArray, time: float
 ) -> FloatArray:
     """Positions x_i, y_i, x_o, y_o of static equilibrium at an instant, m."""
-    values = np.array(constants)
+    values = np.array([constants], _RECORD)
     foot = np.array([constants.foot_x, constants.foot_y])
     inner = constants.inner_stiffness
     outer = np.array([constants.outer_stiffness_x, constants.outer_stiffness_y])
@@ -362,35 +366,36 @@ def _contact(
     surfaces: FloatArray,
 ) -> tuple[float, float]:
     """Force of the balls on the outer ring, N."""
-    kb, cb, factor, clearance, cage, spin, omega, begin, d, pitch, cosine, n_balls = constants[:12]
-    inner, outer = 0.5 * (pitch - d * cosine), 0.5 * (pitch + d * cosine)
-    path_inner, path_outer = 1.0 / d + 0.5 * cosine / inner, 1.0 / d - 0.5 * cosine / outer
+    m = constants[0]
+    d, across, spun = m.d_ball, m.d_ball * m.cosine, m.spin * t
+    inner, outer = 0.5 * (m.d_pitch - across), 0.5 * (m.d_pitch + across)
+    path_inner, path_outer = 1.0 / d + 0.5 * m.cosine / inner, 1.0 / d - 0.5 * m.cosine / outer
     fx = fy = 0.0
-    for j in range(int(n_balls)):
-        angle = begin + cage * t + 2.0 * math.pi * j / n_balls
-        gap = clearance
+    for j in range(int(m.n_balls)):
+        angle = m.start + m.cage * t + 2.0 * math.pi * j / m.n_balls
+        gap = m.clearance
         if surfaces.shape[0]:
             gap += _profile(surfaces[0], angle)
-            gap += _profile(surfaces[1], angle - begin - omega * t)
-            gap += _profile(surfaces[2 + j], spin * t / SPIN_TURNS)
+            gap += _profile(surfaces[1], angle - m.start - m.omega * t)
+            gap += _profile(surfaces[2 + j], spun / SPIN_TURNS)
         for i in range(defects.shape[0]):
             place, profile, width, depth, where = defects[i, :5]
             half = 0.5 * width
             if place == 0.0:
-                along = _wrap(angle - begin - omega * t - where) * inner
-                gap += factor * defect_path(profile, half, depth, path_inner, along)[0]
+                along = _wrap(angle - m.start - m.omega * t - where) * inner
+                gap += m.depth * defect_path(profile, half, depth, path_inner, along)[0]
             elif place == 1.0 or (place == 3.0 and defects[i, 5] == j):
                 along = _wrap(angle - where) * outer
-                gap += factor * defect_path(profile, half, depth, path_outer, along)[0]
+                gap += m.depth * defect_path(profile, half, depth, path_outer, along)[0]
             elif place == 2.0 and defects[i, 5] == j:
-                along = _wrap(spin * t - where) * 0.5 * d
-                gap += factor * defect_path(profile, half, depth, path_inner, along)[0]
-                along = _wrap(spin * t - where - math.pi) * 0.5 * d
-                gap += factor * defect_path(profile, half, depth, path_outer, along)[0]
+                along = _wrap(spun - where) * 0.5 * d
+                gap += m.depth * defect_path(profile, half, depth, path_inner, along)[0]
+                along = _wrap(spun - where - math.pi) * 0.5 * d
+                gap += m.depth * defect_path(profile, half, depth, path_outer, along)[0]
         c, s = math.cos(angle), math.sin(angle)
         delta = x * c + y * s - gap
         if delta > 0.0:
-            force, _ = contact_force(delta, 0.0, vx * c + vy * s, 0.0, kb, cb)
+            force, _ = contact_force(delta, 0.0, vx * c + vy * s, 0.0, m.k_b, m.contact_damping)
             fx += max(force, 0.0) * c
             fy += max(force, 0.0) * s
     return fx, fy
@@ -401,24 +406,23 @@ def _rates(
     t: float, state: FloatArray, constants: FloatArray, defects: FloatArray, surfaces: FloatArray
 ) -> FloatArray:
     """Time derivative of the 12 states: positions, velocities, sensor along x and y."""
-    omega, begin = constants[6], constants[7]
-    mi, ki, ci, mo, k1, k2, c1, c2, foot_x, foot_y = constants[12:22]
-    unbalance, resonance, damping = constants[22:]
+    m = constants[0]
+    ki, ci = m.inner_stiffness, m.inner_damping
     x, y = state[0] - state[2], state[1] - state[3]
     vx, vy = state[4] - state[6], state[5] - state[7]
     fx, fy = _contact(t, x, y, vx, vy, constants, defects, surfaces)
-    pull = unbalance * omega * omega
-    turned = begin + omega * t
+    pull, turned = m.unbalance * m.omega * m.omega, m.start + m.omega * t
+    pulled = pull * math.cos(turned), pull * math.sin(turned)
     rates = np.empty(12)
     rates[:4] = state[4:8]
-    rates[4] = (pull * math.cos(turned) - fx - ki * (state[0] - foot_x) - ci * state[4]) / mi
-    rates[5] = (pull * math.sin(turned) - fy - ki * (state[1] - foot_y) - ci * state[5]) / mi
-    rates[6] = (fx - k1 * state[2] - c1 * state[6]) / mo
-    rates[7] = (fy - k2 * state[3] - c2 * state[7]) / mo
+    rates[4] = (pulled[0] - fx - ki * (state[0] - m.foot_x) - ci * state[4]) / m.inner_mass
+    rates[5] = (pulled[1] - fy - ki * (state[1] - m.foot_y) - ci * state[5]) / m.inner_mass
+    rates[6] = (fx - m.outer_stiffness_x * state[2] - m.outer_damping_x * state[6]) / m.outer_mass
+    rates[7] = (fy - m.outer_stiffness_y * state[3] - m.outer_damping_y * state[7]) / m.outer_mass
     for axis in range(2):
         z, w = state[8 + 2 * axis], state[9 + 2 * axis]
-        rates[8 + 2 * axis] = resonance * w
-        rates[9 + 2 * axis] = -resonance * (z + 2.0 * damping * w + rates[6 + axis])
+        rates[8 + 2 * axis] = m.resonance * w
+        rates[9 + 2 * axis] = -m.resonance * (z + 2.0 * m.resonance_damping * w + rates[6 + axis])
     return rates
 
 
