@@ -27,7 +27,7 @@ FIGURES = {
     'ratio_to_lsoda': Figure('', 'time of LSODA at rtol 1e-6 over that of the kernel', '> 1'),
     'ratio_to_bdf': Figure('', 'time of BDF at rtol 1e-6 over that of the kernel', '> 1'),
     'ratio_to_plain': Figure(
-        '', 'the same of a plain RK4 whose error is that of the kernel, without noise', '> 1'
+        '', 'the same of equal steps of RK4 at the error of the kernel, without waviness', '> 1'
     ),
     'fleet_bearings_per_core': Figure('bearings', 'simulated in real time, all of them unlike'),
     'alike_bearings_per_core': Figure('bearings', 'the same with one defect and one speed'),

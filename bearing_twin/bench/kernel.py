@@ -15,10 +15,9 @@ from functools import partial
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.bench.plain import error_after_start, relative_error, time_at
 from bearing_twin.dynamics.fleet import Fleet
 from bearing_twin.dynamics.presets import preset
-from bearing_twin.dynamics.reference import solve
+from bearing_twin.dynamics.reference import Reference, solve
 from bearing_twin.dynamics.simulator import Simulator
 from bearing_twin.dynamics.warming import warm_up
 import numpy as np
@@ -43,6 +42,8 @@ _JUDGED = (
     ('paper', 'inner'),
 )
 """Presets and defects, all at 25.4 Hz and 20 degC; the worst error counts."""
+_STEPS = (1, 2, 3, 4, 6)
+"""Equal steps tried for an internal sample."""
 _HARDER = (('inner', 50.0, 500.0), ('outer', 100.0, 500.0), ('inner', 25.4, 5000.0))
 """Defects, shaft speeds in Hz and loads in N at which the error is taken as well."""
 
@@ -90,8 +91,7 @@ def measure() -> dict[str, float]:
     )
     clean, samples = quiet[0], int(_SHORT * _RATE)
     adaptive = {
-        method: _best(partial(solve, clean, samples, method=method, rtol=1e-6), 1) / _SHORT
-        for method in ('LSODA', 'BDF')
+        method: solve(clean, samples, method=method, rtol=1e-6).cost for method in ('LSODA', 'BDF')
     }
     return {
         'kernel_rtf': 1.0 / per_second,
@@ -135,22 +135,30 @@ def _best(
 
 
 def _ratio_to_plain(parameters: TwinParameters) -> float:
-    """Processor time of a plain scheme over the kernel's, at the error of the kernel."""
+    """Processor time of equal steps of Runge-Kutta over the kernel's, at the kernel's error."""
     samples, hz = int(_SHORT * _RATE), 25.4
     reference, simulator = solve(parameters, samples, shaft_hz=hz), Simulator(parameters)
     block = simulator.advance(samples, 20.0, hz)
-    error = error_after_start(np.array([block.x, block.y]), reference)
-    ours = _best(partial(simulator.advance, samples, 20.0, hz), 10)
-    return time_at(parameters, reference, error, shaft_hz=hz) / ours
+    error = _error(block.x, block.y, reference)
+    ours = _best(partial(simulator.advance, samples, 20.0, hz), 10) / _SHORT
+    errors, costs = [], []
+    for steps in _STEPS:
+        runs = [solve(parameters, samples, shaft_hz=hz, steps=steps) for _ in range(3)]
+        errors.append(_error(runs[0].x, runs[0].y, reference))
+        costs.append(min(run.cost for run in runs))
+    logs = np.log(errors[::-1]), np.log(costs[::-1])
+    return float(np.exp(np.interp(np.log(error), *logs))) / ours
 
 
 def _errors(parameters: TwinParameters, samples: int, hz: float) -> tuple[float, float]:
     """Errors of kernel and fleet against an adaptive solver."""
     reference = solve(parameters, samples, shaft_hz=hz)
-    expected = np.array([reference.x, reference.y])
     single = Simulator(parameters, shaft_hz=hz).advance(samples, 20.0, hz)
     group = Fleet([parameters], shaft_hz=hz).advance(samples, 20.0, hz)
-    return (
-        relative_error(np.array([single.x, single.y]), expected),
-        relative_error(np.array([group.x[0], group.y[0]]), expected),
-    )
+    return _error(single.x, single.y, reference), _error(group.x[0], group.y[0], reference)
+
+
+def _error(x: np.ndarray, y: np.ndarray, reference: Reference) -> float:
+    """Relative L2."""
+    expected = np.array([reference.x, reference.y])
+    return float(np.linalg.norm([x, y] - expected) / np.linalg.norm(expected))

@@ -134,3 +134,13 @@ def test_same_bits_however_a_run_over_the_switch_is_cut(mode):
     assert whole[1] == cut[1]
     steps = set(np.round(np.array(whole[2]) * RATE * 3.0))
     assert steps == {1.0, 3.0}  # both were in use
+
+
+def test_equal_steps_converge_to_the_adaptive_solver():
+    exact = np.array(solve(quiet(), 2560)[:2])
+    runs = [solve(quiet(), 2560, steps=steps) for steps in (1, 2, 4)]
+    errors = [np.linalg.norm(run[:2] - exact) / np.linalg.norm(exact) for run in runs]
+    assert errors[0] < 1e-2
+    assert errors[2] < 0.25 * errors[0]
+    assert errors[2] < 5e-4
+    assert all(run.cost > 0.0 for run in runs)
