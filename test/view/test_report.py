@@ -169,6 +169,10 @@ def test_each_namespace_is_a_machine_of_its_own(recording, tmp_path):
     assert len(elements.ids) == len(set(elements.ids))
     assert 'Machine /line3/bearing_7' in text
     assert 'Machine /line3/bearing_8' in text
+    # Pictures of the appendix are of the machine above them.
+    appendix = text[text.index('<h1>Appendix</h1>') :]
+    heads = [appendix.index(f'<h2>Machine {name}</h2>') for name in machines]
+    assert heads[0] < appendix.index('<figure>') < heads[1] < appendix.rindex('<figure>')
     # All verdicts before the first machine.
     assert text.index('<th>/line3/bearing_8</th>') < text.index('Machine /line3/bearing_7')
 

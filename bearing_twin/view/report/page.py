@@ -75,11 +75,13 @@ def report_page(path: Path, source: Path | None = None) -> str:
     if len(machines) > 1:
         body.append(_overview(machines.values()))
     for count, machine in enumerate(machines.values()):
-        body += [f'<h2>Machine {escape(machine.name)}</h2>'] if named else []
+        body += _heading(machine) if named else []
         body += _machine(machine, f'm{count}-')
     body.append('<section class="appendix"><h1>Appendix</h1>')
     for count, machine in enumerate(machines.values()):
-        body += _pictures(appended_figures(machine, f'a{count}-'))
+        pictures = _pictures(appended_figures(machine, f'a{count}-'))
+        body += _heading(machine) if named and pictures else []
+        body += pictures
     body += appendix(info, health, machines.values())
     body.append('</section>')
     return (
@@ -89,6 +91,10 @@ def report_page(path: Path, source: Path | None = None) -> str:
         + '\n'.join(body)
         + '\n</body></html>\n'
     )
+
+
+def _heading(machine: Machine) -> list[str]:
+    return [f'<h2>Machine {escape(machine.name)}</h2>']
 
 
 def _machine(machine: Machine, prefix: str) -> list[str]:
