@@ -171,10 +171,10 @@ def test_each_namespace_is_a_machine_of_its_own(recording, tmp_path):
     assert 'Machine /line3/bearing_8' in text
     # Pictures of the appendix are of the machine above them.
     appendix = text[text.index('<h1>Appendix</h1>') :]
-    heads = [appendix.index(f'<h2>Machine {name}</h2>') for name in machines]
+    heads = [appendix.index(f'>Machine {name}</h2>') for name in machines]
     assert heads[0] < appendix.index('<figure>') < heads[1] < appendix.rindex('<figure>')
     # All verdicts before the first machine.
-    assert text.index('<th>/line3/bearing_8</th>') < text.index('Machine /line3/bearing_7')
+    assert text.index('>/line3/bearing_8</a>') < text.index('Machine /line3/bearing_7')
 
 
 def test_the_most_urgent_machine_comes_first(tmp_path):
@@ -198,7 +198,10 @@ def test_the_most_urgent_machine_comes_first(tmp_path):
                     log_time=time, publish_time=time,
                 )  # fmt: skip
     page = report_page(tmp_path / 'fleet')
-    assert re.findall(r'<tr><th>/(\w)</th>', page)[:4] == ['c', 'b', 'd', 'a']
+    links = re.findall(r'<tr><th><a href="#(\w+)">/(\w)</a></th>', page)
+    assert [name for _, name in links] == ['c', 'b', 'd', 'a']
+    # The parts of the page follow in this order, where the links lead.
+    assert re.findall(r'<h2 id="(m\d)">Machine /(\w)</h2>', page) == links
 
 
 def test_a_twin_beside_the_sensor_is_not_what_the_page_is_about(recording, tmp_path):

@@ -60,7 +60,7 @@ def report_page(path: Path, source: Path | None = None) -> str:
 
     """
     info = recording_info(path)
-    machines = collect(path)
+    machines = sorted(collect(path).values(), key=_urgency, reverse=True)
     health = recording_health(path)
     begin = datetime.fromtimestamp(info.start / NANO, tz=timezone.utc)
     # A bag folder is often just called 'bag': its parent says which.
@@ -71,18 +71,18 @@ def report_page(path: Path, source: Path | None = None) -> str:
         f'<p class="sub">{when}{info.duration:.1f} s. '
         f'Made by bearing_twin {escape(__version__)}.</p>',
     ]
-    named = len(machines) > 1 or any(machines)
+    named = any(machine.namespace for machine in machines)
     if len(machines) > 1:
-        body.append(_overview(machines.values()))
-    for count, machine in enumerate(machines.values()):
-        body += _heading(machine) if named else []
+        body.append(_overview(machines))
+    for count, machine in enumerate(machines):
+        body += _heading(machine, f'm{count}') if named else []
         body += _machine(machine, f'm{count}-')
     body.append('<section class="appendix"><h1>Appendix</h1>')
-    for count, machine in enumerate(machines.values()):
+    for count, machine in enumerate(machines):
         pictures = _pictures(appended_figures(machine, f'a{count}-'))
-        body += _heading(machine) if named and pictures else []
+        body += _heading(machine, f'a{count}') if named and pictures else []
         body += pictures
-    body += appendix(info, health, machines.values())
+    body += appendix(info, health, machines)
     body.append('</section>')
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
@@ -93,8 +93,8 @@ def report_page(path: Path, source: Path | None = None) -> str:
     )
 
 
-def _heading(machine: Machine) -> list[str]:
-    return [f'<h2>Machine {escape(machine.name)}</h2>']
+def _heading(machine: Machine, name: str) -> list[str]:
+    return [f'<h2 id="{name}">Machine {escape(machine.name)}</h2>']
 
 
 def _machine(machine: Machine, prefix: str) -> list[str]:
@@ -116,13 +116,15 @@ def _machine(machine: Machine, prefix: str) -> list[str]:
 
 
 def _overview(machines: Iterable[Machine]) -> str:
-    """Return the verdicts of several machines, the most urgent first."""
+    """Return the verdicts of several machines, each with a link to its part of the page."""
     rows = []
-    for m in sorted(machines, key=_urgency, reverse=True):
-        headline = m.headline
-        told = f'{title_of(headline.worst.best)}, {headline.span}' if m.diagnoses else ''
-        rows.append((m.name, told or 'no diagnosis recorded'))
-    return table(rows)
+    for count, machine in enumerate(machines):
+        text = 'no diagnosis recorded'
+        if machine.diagnoses:
+            text = f'{title_of(machine.headline.worst.best)}, {machine.headline.span}'
+        link = f'<a href="#m{count}">{escape(machine.name)}</a>'
+        rows.append(f'<tr><th>{link}</th><td>{escape(text)}</td></tr>')
+    return f'<table>{"".join(rows)}</table>'
 
 
 def _urgency(machine: Machine) -> tuple[int, int]:
