@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 
 import bearing_twin.diagnosis
-from bearing_twin.diagnosis.confidence import KINDS, Trust
+from bearing_twin.diagnosis.confidence import KINDS, share_right, Trust
 from bearing_twin.diagnosis.rules import RULES
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies import calibration, detection_power, generalisation, reliability
@@ -61,6 +61,27 @@ def test_weights_of_the_confidence_are_those_of_the_answers():
         assert sign * weights[kind]['significance'] == pytest.approx(2.0, abs=0.7), kind
     with pytest.raises(BearingTwinError, match='draw more machines'):
         reliability.fit(told[:10])
+
+
+def test_two_rules_of_one_answer_are_not_right_equally_often():
+    """A rule that is right in 3 of 10 answers beside one that is in 9 of 10, at the same combs."""
+    told = [
+        reliability.Told(kind, Trust(z=8.0, rule=rule), number % 10 < right, weight=1.0)
+        for kind in KINDS
+        for rule, right in (('sure', 9), ('unsure', 3))
+        for number in range(400)
+    ]
+    weights = reliability.fit(told)
+    for kind in set(KINDS) - {'healthy'}:
+        shares = [
+            share_right(weights[kind], Trust(z=8.0, rule=rule)) for rule in ('sure', 'unsure')
+        ]
+        assert shares == pytest.approx([0.9, 0.3], abs=0.02), kind
+    # What a rule may claim at most holds whatever the answers say.
+    capped = Trust(z=8.0, rule='sure', at_most=0.5)
+    assert share_right(weights['fault'], capped) == 0.5
+    # No rule has answered where it is asked whether a bearing may be called healthy.
+    assert 'sure' not in weights['healthy']
 
 
 def test_generalisation_prints_tables(capsys):
