@@ -22,7 +22,7 @@ from bearing_twin.dynamics.simulator import Simulator
 from bearing_twin.quantity import quantities
 from bearing_twin.thermal.gcr15 import Beta0, TABLE_HIGH, TABLE_LOW
 from bearing_twin.thermal.lubricant import Lubricant
-from bearing_twin.thermal.rings import ThermalNetwork
+from bearing_twin.thermal.network import ThermalNetwork
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

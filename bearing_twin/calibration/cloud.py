@@ -14,7 +14,7 @@ from bearing_twin.calibration.passage import contact_speed, load_range, widest
 from bearing_twin.calibration.summaries import summarise, Summary
 from bearing_twin.dynamics import Defect, Fleet, TwinParameters
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
-from bearing_twin.thermal.rings import clearance_limits
+from bearing_twin.thermal.network import clearance_limits
 import numpy as np
 import numpy.typing as npt
 

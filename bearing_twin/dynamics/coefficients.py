@@ -27,7 +27,7 @@ from bearing_twin.dynamics.statics import (
     supports,
     upwards,
 )
-from bearing_twin.thermal import friction, gcr15, life, lubricant, rings, slip
+from bearing_twin.thermal import friction, gcr15, life, lubricant, network, slip
 import numpy as np
 import numpy.typing as npt
 
@@ -67,10 +67,10 @@ _sliding_friction = compiled()(friction.sliding_friction)
 _metallic_share = compiled()(friction.metallic_share)
 _friction_moment = compiled()(friction.friction_moment)
 _power_loss = compiled()(friction.power_loss)
-_clearance_change = compiled()(rings.clearance_change)
-_relative_modulus = compiled()(rings.relative_modulus)
-_inner_ring_target = compiled()(rings.inner_ring_target)
-_inner_ring_step = compiled()(rings.inner_ring_step)
+_clearance_change = compiled()(network.clearance_change)
+_relative_modulus = compiled()(network.relative_modulus)
+_inner_ring_target = compiled()(network.inner_ring_target)
+_inner_ring_step = compiled()(network.inner_ring_step)
 _beta0 = compiled()(gcr15.beta0)
 _equivalent_load = compiled()(life.equivalent_load)
 _life_factor = compiled()(life.life_factor)
@@ -105,7 +105,7 @@ def law_table(p: TwinParameters) -> FloatArray:
     row[D_BALL], row[GAMMA] = p.bearing.d_ball, p.bearing.gamma
     row[ALPHA_UNIT], row[T0] = p.beta0.alpha_unit, p.beta0.reference_temperature
     row[[EXPANDS, DELTA_H, DELTA_MU, H0, MU0]] = p.beta0.weights
-    oil, network = p.lubricant, p.thermal_network
+    oil, thermal = p.lubricant, p.thermal_network
     row[[ASTM_A, ASTM_B]] = oil.astm_constants
     row[REPLENISHMENT], row[CONTAMINATION] = oil.replenishment, oil.contamination
     row[BOUNDARY], row[FILM] = oil.boundary_friction, oil.film_friction
@@ -115,10 +115,10 @@ def law_table(p: TwinParameters) -> FloatArray:
     row[RATING] = p.dynamic_rating or life.dynamic_rating(p.bearing)
     row[STATIC] = life.static_rating(p.bearing)
     row[LIMIT] = p.fatigue_limit or life.fatigue_limit(p.bearing)
-    row[CAPACITY] = network.inner_capacity
-    row[RING_TO_RING], row[RING_TO_SHAFT] = network.ring_to_ring, network.ring_to_shaft
-    row[AMBIENT], row[SHAFT_RATIO] = network.ambient, network.shaft_ratio
-    row[LEAST_GAP], row[MOST_GAP] = rings.clearance_limits(p.bearing.d_pitch)
+    row[CAPACITY] = thermal.inner_capacity
+    row[RING_TO_RING], row[RING_TO_SHAFT] = thermal.ring_to_ring, thermal.ring_to_shaft
+    row[AMBIENT], row[SHAFT_RATIO] = thermal.ambient, thermal.shaft_ratio
+    row[LEAST_GAP], row[MOST_GAP] = network.clearance_limits(p.bearing.d_pitch)
     return row
 
 
@@ -129,7 +129,7 @@ def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatA
 
     In the paper's mode ``inner`` is not used, the ring temperatures are NaN, and the lubricant has
     the one temperature measured. In the physical mode the clearance that the equations use is
-    held inside the limits of `thermal.rings`; what the temperatures leave stands beside it.
+    held inside the limits of `thermal.network`; what the temperatures leave stands beside it.
 
     Examples
     --------
@@ -294,7 +294,7 @@ def inner_temperature(
     """
     Inner ring temperature after ``duration`` s, degC; the steady state if it is infinite.
 
-    It is held inside the limits of `thermal.rings`.
+    It is held inside the limits of `thermal.network`.
 
     Examples
     --------
@@ -323,5 +323,5 @@ def inner_temperature(
             if duration < math.inf
             else target
         )
-        start = min(max(start, rings.RING_LOW), rings.RING_HIGH)
+        start = min(max(start, network.RING_LOW), network.RING_HIGH)
     return start

@@ -60,8 +60,8 @@ def compiled(
 
     Examples
     --------
-    >>> from bearing_twin.thermal import rings
-    >>> change = compiled()(rings.clearance_change)
+    >>> from bearing_twin.thermal import network
+    >>> change = compiled()(network.clearance_change)
     >>> round(1e6 * change(60.0, 40.0, 0.05735), 2)
     -6.88
 

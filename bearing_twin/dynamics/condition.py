@@ -52,7 +52,7 @@ class Condition:
     radial_clearance: float
     """Half the radial internal clearance that the equations use, m."""
     thermal_clearance: float
-    """What the ring temperatures leave of it, m. Outside `rings.clearance_limits`, where the
+    """What the ring temperatures leave of it, m. Outside `network.clearance_limits`, where the
     model does not hold, the equations go on with the nearest limit. They follow a quick change of
     temperature within 0.2 s."""
     slip: float

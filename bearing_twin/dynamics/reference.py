@@ -24,7 +24,7 @@ from bearing_twin.dynamics.layout import CHUNK, SPIN_TURNS
 from bearing_twin.dynamics.model import CODES, contact_force, contact_law, defect_path
 from bearing_twin.dynamics.simulator import RUN_IN
 from bearing_twin.dynamics.waviness import profiles
-from bearing_twin.thermal import friction, gcr15, life, rings, slip
+from bearing_twin.thermal import friction, gcr15, life, network, slip
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import solve_ivp
@@ -191,8 +191,8 @@ def _constants(p: TwinParameters, temperature: float, shaft_hz: float) -> _Const
         k_b, depth = factor * p.k_b0, factor
     else:
         inner = _inner_ring(p, temperature, shaft_hz)
-        k_b, depth = p.k_b0 * rings.relative_modulus(0.5 * (inner + temperature)), 1.0
-        clearance += rings.clearance_change(inner, temperature, bearing.d_pitch)
+        k_b, depth = p.k_b0 * network.relative_modulus(0.5 * (inner + temperature)), 1.0
+        clearance += network.clearance_change(inner, temperature, bearing.d_pitch)
     prescribed = {'none': 0.0, 'constant': p.slip, 'traction': 0.0}.get(
         p.slip_law, p.slip * gcr15.friction(temperature) / p.beta0.reference_friction
     )
@@ -290,14 +290,14 @@ def _held_slip(p: TwinParameters, constants: _Constants, nu: float) -> float:
 
 def _inner_ring(p: TwinParameters, outer: float, shaft_hz: float) -> float:
     """Steady temperature of the inner ring, degC, with the heat of the friction in balance."""
-    rpm, oil, network, bearing = 60.0 * shaft_hz, p.lubricant, p.thermal_network, p.bearing
-    least, most = rings.clearance_limits(bearing.d_pitch)
+    rpm, oil, thermal, bearing = 60.0 * shaft_hz, p.lubricant, p.thermal_network, p.bearing
+    least, most = network.clearance_limits(bearing.d_pitch)
     series = p.friction_series or bearing.series or friction.UNKNOWN_SERIES
 
     def excess(inner: float) -> float:
         nu = oil.viscosity(0.5 * (inner + outer))
-        k_b = p.k_b0 * rings.relative_modulus(0.5 * (inner + outer))
-        left = p.clearance + rings.clearance_change(inner, outer, bearing.d_pitch)
+        k_b = p.k_b0 * network.relative_modulus(0.5 * (inner + outer))
+        left = p.clearance + network.clearance_change(inner, outer, bearing.d_pitch)
         gap = min(max(left, least), most)
         load = p.load
         if gap < 0.0:
@@ -312,12 +312,12 @@ def _inner_ring(p: TwinParameters, outer: float, shaft_hz: float) -> float:
             *friction.SERIES[series], oil.replenishment, sliding,
         )  # fmt: skip
         power = friction.power_loss(moment, rpm)
-        shaft = network.shaft(outer)
-        return inner - rings.inner_ring_target(
-            outer, shaft, power, network.ring_to_ring, network.ring_to_shaft
+        shaft = thermal.shaft(outer)
+        return inner - network.inner_ring_target(
+            outer, shaft, power, thermal.ring_to_ring, thermal.ring_to_shaft
         )
 
-    return float(brentq(excess, rings.RING_LOW, rings.RING_HIGH, xtol=1e-12))
+    return float(brentq(excess, network.RING_LOW, network.RING_HIGH, xtol=1e-12))
 
 
 def _surfaces(p: TwinParameters, seed: int) -> FloatArray:

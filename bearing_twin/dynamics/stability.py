@@ -20,7 +20,7 @@ from bearing_twin.dynamics.statics import (
 )
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import TEMPERATURES
-from bearing_twin.thermal.rings import clearance_limits
+from bearing_twin.thermal.network import clearance_limits
 import numpy as np
 import numpy.typing as npt
 

@@ -19,7 +19,7 @@ from bearing_twin.thermal.friction import (
     sliding_friction,
 )
 from bearing_twin.thermal.lubricant import Lubricant
-from bearing_twin.thermal.rings import EXPANSION_STEEL, relative_modulus
+from bearing_twin.thermal.network import EXPANSION_STEEL, relative_modulus
 import numpy as np
 from scipy.stats import kendalltau
 

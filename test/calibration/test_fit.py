@@ -37,7 +37,7 @@ from bearing_twin.dynamics.coefficients import (
 )
 from bearing_twin.dynamics.sensor_path import band_levels, distance, SensorPath
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.thermal.rings import ThermalNetwork
+from bearing_twin.thermal.network import ThermalNetwork
 import numpy as np
 import pytest
 from scipy import signal

@@ -91,7 +91,7 @@ def test_code_for_another_processor_is_named_and_not_used(tmp_path):
     environment = os.environ | {'NUMBA_CACHE_DIR': str(cache)}
     script = (
         'from bearing_twin.dynamics import compiled\n'
-        'from bearing_twin.thermal.rings import clearance_change\n'
+        'from bearing_twin.thermal.network import clearance_change\n'
         'from bearing_twin.dynamics.compiled import other_processors, processor\n'
         'others = other_processors()\n'
         'change = round(1e6 * compiled.compiled()(clearance_change)(60.0, 40.0, 0.05735), 2)\n'

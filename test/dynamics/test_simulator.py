@@ -11,7 +11,7 @@ from bearing_twin.dynamics.reference import solve
 from bearing_twin.dynamics.statics import contact, healthy_balls
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import Beta0
-from bearing_twin.thermal.rings import ThermalNetwork
+from bearing_twin.thermal.network import ThermalNetwork
 import numpy as np
 import pytest
 from scipy.signal import hilbert

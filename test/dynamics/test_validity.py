@@ -13,7 +13,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import Beta0
 from bearing_twin.thermal.life import static_rating
 from bearing_twin.thermal.lubricant import Lubricant
-from bearing_twin.thermal.rings import clearance_limits, ThermalNetwork
+from bearing_twin.thermal.network import clearance_limits, ThermalNetwork
 import numpy as np
 import pytest
 from scipy.optimize import brentq

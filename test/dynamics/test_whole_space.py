@@ -12,7 +12,7 @@ from bearing_twin.quantity import quantities
 from bearing_twin.thermal.friction import SERIES
 from bearing_twin.thermal.gcr15 import Beta0
 from bearing_twin.thermal.lubricant import Lubricant
-from bearing_twin.thermal.rings import ThermalNetwork
+from bearing_twin.thermal.network import ThermalNetwork
 from hypothesis import given, HealthCheck, reject, settings
 from hypothesis import strategies as st
 import numpy as np

@@ -24,7 +24,7 @@ from bearing_twin.recording.schedule import paper_schedule, write_temperature_re
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.thermal.gcr15 import Beta0
 from bearing_twin.thermal.lubricant import Lubricant
-from bearing_twin.thermal.rings import ThermalNetwork
+from bearing_twin.thermal.network import ThermalNetwork
 import numpy as np
 import yaml
 

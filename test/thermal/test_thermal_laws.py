@@ -5,7 +5,7 @@ import math
 
 from bearing_twin.bearing import Bearing, find_bearing
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.thermal import friction, gcr15, life, lubricant, rings
+from bearing_twin.thermal import friction, gcr15, life, lubricant, network
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
@@ -98,9 +98,9 @@ def test_friction_moment_of_the_6307():
 
 
 def test_clearance_closes_by_7_um_for_10_kelvin():
-    change = rings.clearance_change(30.0, 20.0, 0.0575)
+    change = network.clearance_change(30.0, 20.0, 0.0575)
     assert 2.0 * change == pytest.approx(-6.9e-6, abs=1e-7)
-    assert rings.clearance_change(80.0, 80.0, 0.0575) == 0.0
+    assert network.clearance_change(80.0, 80.0, 0.0575) == 0.0
 
 
 @pytest.mark.parametrize(('inner', 'outer'), [(95.0, 80.0), (25.0, 60.0)])
@@ -116,21 +116,21 @@ def test_clearance_is_what_the_expanded_parts_leave(inner, outer):
         )
 
     expected = 0.5 * (gap(inner, outer) - gap(20.0, 20.0))
-    assert rings.clearance_change(inner, outer, 0.0575) == pytest.approx(expected, rel=1e-6)
+    assert network.clearance_change(inner, outer, 0.0575) == pytest.approx(expected, rel=1e-6)
 
 
 def test_inner_ring_step_is_the_exact_solution():
-    network, outer, power = rings.ThermalNetwork().scaled(57.5e-3), 60.0, 5.0
-    target = rings.inner_ring_target(
-        outer, network.shaft(outer), power, network.ring_to_ring, network.ring_to_shaft
+    paths, outer, power = network.ThermalNetwork().scaled(57.5e-3), 60.0, 5.0
+    target = network.inner_ring_target(
+        outer, paths.shaft(outer), power, paths.ring_to_ring, paths.ring_to_shaft
     )
-    got = rings.inner_ring_step(
-        20.0, target, 7.0, network.inner_capacity, network.ring_to_ring, network.ring_to_shaft
+    got = network.inner_ring_step(
+        20.0, target, 7.0, paths.inner_capacity, paths.ring_to_ring, paths.ring_to_shaft
     )
 
     def rate(_, t):
-        flow = 0.5 * power - network.ring_to_ring * (t - outer)
-        return (flow - network.ring_to_shaft * (t - network.shaft(outer))) / network.inner_capacity
+        flow = 0.5 * power - paths.ring_to_ring * (t - outer)
+        return (flow - paths.ring_to_shaft * (t - paths.shaft(outer))) / paths.inner_capacity
 
     expected = solve_ivp(rate, (0.0, 7.0), [20.0], rtol=1e-10, atol=1e-10).y[0, -1]
     assert got == pytest.approx(expected, rel=1e-7)

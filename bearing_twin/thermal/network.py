@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Temperatures of the two rings, and the clearance that they leave.
+Thermal network of both rings: their temperatures, and the clearance that they leave.
 
 Plain functions of floats, so that the simulator can compile them.
 """
