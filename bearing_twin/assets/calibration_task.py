@@ -98,18 +98,25 @@ def work(task: Task) -> Fit:
     )
     own = dict(zip(names, levels, strict=True))
     twin = np.array([own.get(band, math.nan) for band in bands])
-    rate = found.situation.sample_rate
-    shown = fitted_vibration(found, max(SHOWN_S, 2.0 / task.shaft_hz))
-    slow = decimated(task.samples - task.samples.mean(), task.sample_rate)[0]
-    length = int(rate / task.shaft_hz)
+    spectrum, turns = beside(found, task.samples, task.sample_rate)
+    return Fit(
+        found=found.to_dict(), bands=bands, measured=measured, twin=twin, spectrum=spectrum,
+        turns=turns,
+    )  # fmt: skip
+
+
+def beside(
+    found: Calibration, samples: NDArray[np.float64], sample_rate: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the twin's `band_levels`, dB, and a revolution of machine and twin, shape (2, m)."""
+    rate, shaft_hz = found.situation.sample_rate, found.situation.shaft_hz
+    shown = fitted_vibration(found, max(SHOWN_S, 2.0 / shaft_hz))
+    slow = decimated(samples - samples.mean(), sample_rate)[0]
+    length = int(rate / shaft_hz)
     # The second one: the filter has settled.
     turn = slow[length : 2 * length]
     turn = turn - turn.mean()
     # The twin turns at an angle of its own: shown where it is most like the machine.
     alike = signal.correlate(np.abs(shown), np.abs(turn), 'valid')
     first = int(np.argmax(alike))
-    return Fit(
-        found=found.to_dict(), bands=bands, measured=measured, twin=twin,
-        spectrum=band_levels(shown, rate),
-        turns=np.array([turn, shown[first : first + len(turn)]]),
-    )  # fmt: skip
+    return band_levels(shown, rate), np.array([turn, shown[first : first + len(turn)]])

@@ -278,9 +278,9 @@ def diagnose_file(task: Task) -> dict[str, Any]:
     except (BearingTwinError, MemoryError) as error:
         return unread(task.path, str(error) or f'{task.path}: not enough memory')
     if task.plot and diagnosis.spectrum.values.size:
-        from bearing_twin.cli.diagnose_plot import draw
+        from bearing_twin.cli.plots import draw_diagnosis
 
-        draw(diagnosis, Path(task.plot), title=f'{Path(task.path).name}, {bearing.name}')
+        draw_diagnosis(diagnosis, Path(task.plot), title=f'{Path(task.path).name}, {bearing.name}')
     length = len(signal.x) / signal.sample_rate
     message = diagnosis_message(diagnosis, stamp=0, frame_id='', bearing=bearing.name)
     return {

@@ -83,9 +83,10 @@ def run(args: argparse.Namespace) -> int:
                 print(json.dumps(answer), flush=True)
             continue
         if args.plot:
-            from bearing_twin.cli.fit_plot import draw
+            from bearing_twin.cli.plots import draw_calibration
 
-            draw(found, record.x, record.sample_rate, picture(Path(args.plot), name, channel))
+            path = picture(Path(args.plot), name, channel)
+            draw_calibration(found, record.x, record.sample_rate, path)
         if args.one_machine:
             fitted.append((name, found))
         else:

@@ -14,7 +14,10 @@ from matplotlib.ticker import NullFormatter
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from bearing_twin.view.report.data import Machine
+    from matplotlib.axes import Axes
 
 
 MACHINE: dict[str, Any] = {'color': '#424242', 'label': 'machine', 'linewidth': 0.8}
@@ -28,23 +31,29 @@ def over_each_other(machine: Machine) -> tuple[str, Figure] | None:
         return None
     message = found[-1]
     figure = Figure(figsize=(WIDTH, 2.2), layout='constrained')
-    left, right = figure.subplots(1, 2)
-    unit = pretty(message.unit)
-    for levels, turn, look in (
-        (message.measured_spectrum, message.measured_turn, MACHINE),
-        (message.twin_spectrum, message.twin_turn, TWIN),
-    ):
-        left.plot(1e-3 * message.spectrum_step * np.arange(1, len(levels)), levels[1:], **look)
-        right.plot(1e3 / message.turn_rate * np.arange(len(turn)), turn, **look)
-    left.set(title=f'power density [dB re 1 ({unit})²/Hz]', xlabel='frequency [kHz]')
-    right.set(title=f'one revolution [{unit}]', xlabel='time [ms]')
-    left.legend(loc='upper right', ncols=2)
+    spectra = message.measured_spectrum, message.twin_spectrum
+    turns = message.measured_turn, message.twin_turn
+    steps = message.spectrum_step, 1.0 / message.turn_rate
+    draw_over_each_other(figure.subplots(1, 2), spectra, turns, steps, message.unit)
     return (
         f'Machine and fitted twin: {message.distance:.1f} dB apart in the spectrum (not fitted '
         f'{message.distance_before:.1f} dB). The twin is shown at the angle where it is most '
         'like the machine; single impacts differ, since slip is chance',
         figure,
     )
+
+
+def draw_over_each_other(
+    axes: Iterable[Axes], spectra: Any, turns: Any, steps: tuple[float, float], unit: str
+) -> None:
+    """Draw spectra in dB and a revolution of machine and twin; ``steps``: of these, Hz and s."""
+    (left, right), unit = axes, pretty(unit)
+    for levels, turn, look in zip(spectra, turns, (MACHINE, TWIN), strict=True):
+        left.plot(1e-3 * steps[0] * np.arange(1, len(levels)), levels[1:], **look)
+        right.plot(1e3 * steps[1] * np.arange(len(turn)), turn, **look)
+    left.set(title=f'power density [dB re 1 ({unit})²/Hz]', xlabel='frequency [kHz]')
+    right.set(title=f'one revolution [{unit}]', xlabel='time [ms]')
+    left.legend(loc='upper right', ncols=2)
 
 
 def explained(machine: Machine) -> tuple[str, Figure] | None:

@@ -1,13 +1,16 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Picture of a diagnosis: its spectra as the report draws them."""
+"""Pictures of ``--plot``: a diagnosis and a calibration as the report draws them."""
 
 from __future__ import annotations
 
 from textwrap import fill
 from typing import TYPE_CHECKING
 
+from bearing_twin.assets.calibration_task import beside
 from bearing_twin.assets.messages import diagnosis_message, spectrum_message
+from bearing_twin.dynamics.sensor_path import BAND_HZ
+from bearing_twin.view.report.fitted import draw_over_each_other
 from bearing_twin.view.report.spectra import CAPTION, draw_envelope_spectrum, draw_spectrum
 from bearing_twin.view.report.svg import STYLE
 from bearing_twin.view.spectrum import SpectrumPicture
@@ -19,11 +22,14 @@ from matplotlib.figure import Figure
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from bearing_twin.calibration import Calibration
     from bearing_twin.diagnosis import Diagnosis
+    import numpy as np
+    from numpy.typing import NDArray
 
 
-def draw(diagnosis: Diagnosis, path: Path, *, title: str) -> None:
-    """Write the picture of a diagnosis to ``path`` (PNG)."""
+def draw_diagnosis(diagnosis: Diagnosis, path: Path, *, title: str) -> None:
+    """Write the spectra of a diagnosis to ``path`` (PNG)."""
     verdict = diagnosis_message(diagnosis, stamp=0, frame_id='', bearing='')
     envelope, spectrum = (
         SpectrumPicture.of(spectrum_message(values, diagnosis, stamp=0, frame_id=''), verdict)
@@ -39,5 +45,25 @@ def draw(diagnosis: Diagnosis, path: Path, *, title: str) -> None:
         if spectrum is not None:
             band = envelope.band if envelope is not None else (0.0, 0.0)
             draw_spectrum(lower.subplots(), spectrum, band)
-        with whole_file(path) as file:
-            figure.savefig(file, format='png', dpi=110)
+        _save(figure, path)
+
+
+def draw_calibration(
+    found: Calibration, x: NDArray[np.float64], sample_rate: float, path: Path
+) -> None:
+    """Write machine and twin, and what widths are left possible, to ``path`` (PNG)."""
+    spectrum, turns = beside(found, x, sample_rate)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(11, 8), layout='constrained')
+        *pair, lower = figure.subplots(3, 1)
+        figure.suptitle(found.statement)
+        steps = BAND_HZ, 1.0 / found.situation.sample_rate
+        draw_over_each_other(pair, (found.spectrum, spectrum), turns, steps, found.sensor_unit)
+        lower.hist(found.candidates['defect_width_mm'], bins=40, weights=found.weights)
+        lower.set(xlabel='width of the defect [mm]', ylabel='share of the candidates')
+        _save(figure, path)
+
+
+def _save(figure: Figure, path: Path) -> None:
+    with whole_file(path) as file:
+        figure.savefig(file, format='png', dpi=110)
