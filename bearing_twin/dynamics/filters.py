@@ -38,13 +38,13 @@ def check_rate(sample_rate: float) -> float:
     return float(sample_rate)
 
 
-def steps(sample_rate: float) -> int:
+def least_steps(sample_rate: float) -> int:
     """
     Return the least steps of the integrator per output sample: at least `STEP_RATE`.
 
     Examples
     --------
-    >>> steps(25600.0), steps(2000.0)
+    >>> least_steps(25600.0), least_steps(2000.0)
     (1, 13)
 
     """
@@ -64,7 +64,7 @@ def oversampling(sample_rate: float) -> int:
     (3, 39)
 
     """
-    return 3 * steps(sample_rate)
+    return 3 * least_steps(sample_rate)
 
 
 def decimator(factor: int) -> FloatArray:

@@ -44,7 +44,7 @@ FAST_HZ = 27.0
 _MOST_KINKS = 32
 """Most kinks of all defects within one step."""
 _LONG, _SHORT = 0, 1
-"""Steps of the integrator: `filters.steps` per output sample, or three times as many."""
+"""Steps of the integrator: `filters.least_steps` per output sample, or three times as many."""
 
 
 @compiled(fast=FAST)

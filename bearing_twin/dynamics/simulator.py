@@ -396,7 +396,7 @@ class Simulator:
     def _configure(self, parameters: TwinParameters) -> None:
         p = parameters
         # Long and short steps: one, or one for each sample that is taken of the sensor.
-        long = filters.steps(self.sample_rate)
+        long = filters.least_steps(self.sample_rate)
         stiff = steps(p, self.sample_rate) > long
         kinds = long, self._oversample
         self._machines = np.concatenate(

@@ -102,7 +102,7 @@ def steps(p: TwinParameters, sample_rate: float) -> int:
     """
     Return the steps per output sample that resolve the fastest motion.
 
-    `filters.steps`, or three times as many for stiff or light rings.
+    `filters.least_steps`, or three times as many for stiff or light rings.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def steps(p: TwinParameters, sample_rate: float) -> int:
     (1, 3)
 
     """
-    least = filters.steps(sample_rate)
+    least = filters.least_steps(sample_rate)
     fastest = max(mode for mode, _, _ in _motions(p, preloaded=False)[:2])
     if fastest / (sample_rate * least) <= _GOOD_STEP:
         with contextlib.suppress(BearingTwinError):
