@@ -18,9 +18,9 @@ from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.integrator import FAR, integrate, predict, ring_rates, Scratch
 from bearing_twin.dynamics.kinematics import (
     advance_steps,
-    Bearing,
     drive,
     Inputs,
+    KernelBearing,
     open_gaps,
     place_balls,
     wrap_phases,
@@ -117,7 +117,7 @@ def advance(
         if state.next_step != machine.step:
             predict(state, machine.step)
         inputs, growth = _inputs(ramp, drift, n, machine.steps, at, since_tick)
-        bearing = Bearing(machine, defects, balls, surfaces, inputs, growth)
+        bearing = KernelBearing(machine, defects, balls, surfaces, inputs, growth)
         rows, begin = count * machine.steps, float(within * machine.steps)
         new = count * oversample
         advance_steps(state, bearing, walk, begin, steps[:rows], gaps[:rows])
@@ -224,7 +224,7 @@ def _held(machine, defects, balls, surfaces, values):
     """Put together a bearing whose inputs do not change."""
     none = Inputs(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     inputs = Inputs(values[0], values[1], values[2], values[3], values[4], values[5], values[6])
-    return Bearing(machine, defects, balls, surfaces, inputs, none)
+    return KernelBearing(machine, defects, balls, surfaces, inputs, none)
 
 
 @compiled(fast=FAST)

@@ -38,7 +38,7 @@ class Inputs(NamedTuple):
     foot_y: float
 
 
-class Bearing(NamedTuple):
+class KernelBearing(NamedTuple):
     """What the integrator knows of one bearing; the inputs begin at the last grid point."""
 
     machine: Any
