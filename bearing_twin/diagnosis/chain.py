@@ -301,36 +301,29 @@ class Analysis:
         return self._conclude(earlier) if earlier else self.alone
 
     def _conclude(self, earlier: Sequence[OrderSpectra]) -> Diagnosis:
-        excerpt = self.excerpt
-        if self.window is None:
-            return insufficient(
-                [*excerpt.notes, *self.refused],
-                excerpt.bearing,
-                first_sample=excerpt.first_sample,
-                sample_count=excerpt.sample_count,
-                sample_rate=excerpt.sample_rate,
-                shaft_hz=self.shaft_hz,
-                temperature=excerpt.temperature,
-                unit=excerpt.unit,
-                severity=excerpt.severity(self.shaft_hz),
-            )
-        windows = [*earlier, *self.before, self.window.orders]
-        verdict, speed = self._verdict(windows, self.window)
-        settings = excerpt.settings
-        asked = settings.power_group and settings.mounting and not self.window.severity.iso_zone
-        slow = asked and self.shaft_hz < SLOW_HZ
-        return report(
-            replace(
-                verdict,
-                reasons=(*excerpt.notes, *verdict.reasons, *((_NO_ZONE,) if slow else ())),
-            ),
-            replace(self.window, speed=speed),
+        excerpt, window = self.excerpt, self.window
+        taken = insufficient(
+            [*excerpt.notes, *self.refused],
             excerpt.bearing,
             first_sample=excerpt.first_sample,
             sample_count=excerpt.sample_count,
             sample_rate=excerpt.sample_rate,
-            shaft_hz_given=self.shaft_hz,
+            shaft_hz=self.shaft_hz,
             temperature=excerpt.temperature,
+            unit=excerpt.unit,
+            severity=excerpt.severity(self.shaft_hz) if window is None else None,
+        )
+        if window is None:
+            return taken
+        verdict, speed = self._verdict([*earlier, *self.before, window.orders], window)
+        settings = excerpt.settings
+        asked = settings.power_group and settings.mounting and not window.severity.iso_zone
+        slow = (_NO_ZONE,) if asked and self.shaft_hz < SLOW_HZ else ()
+        return report(
+            replace(verdict, reasons=(*taken.reasons, *verdict.reasons, *slow)),
+            replace(window, speed=speed),
+            taken,
+            excerpt.bearing,
             simulated=excerpt.simulated,
         )
 

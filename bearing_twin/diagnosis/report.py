@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import math
 from typing import TYPE_CHECKING
 
@@ -26,17 +27,13 @@ if TYPE_CHECKING:
 def report(
     verdict: Verdict,
     window: Window,
+    taken: Diagnosis,
     bearing: Bearing,
     *,
-    first_sample: int,
-    sample_count: int,
-    sample_rate: float,
-    shaft_hz_given: float,
-    temperature: float,
     simulated: bool = False,
 ) -> Diagnosis:
     """
-    Diagnosis of a window from the verdict on it.
+    Diagnosis of a window from the verdict on it and from what was ``taken``, see `insufficient`.
 
     The smallest fault that would have shown is named where the samples are ``simulated``.
 
@@ -51,16 +48,9 @@ def report(
     >>> layout = choose_layout(25600.0, 51200, 1, bearing, 25.0)
     >>> turning = Turning(np.array([25.0]), np.array([51200]))
     >>> segments = [demodulate(noise, layout)]
-    >>> verdict = report(
-    ...     decide(Evidence.of()),
-    ...     analyse_window(segments, layout, bearing, turning, DiagnosisSettings()),
-    ...     bearing,
-    ...     first_sample=0,
-    ...     sample_count=51200,
-    ...     sample_rate=25600.0,
-    ...     shaft_hz_given=25.0,
-    ...     temperature=40.0,
-    ... )
+    >>> window = analyse_window(segments, layout, bearing, turning, DiagnosisSettings())
+    >>> taken = insufficient([], bearing, sample_rate=25600.0, shaft_hz=25.0)
+    >>> verdict = report(decide(Evidence.of()), window, taken, bearing)
     >>> verdict.result, verdict.fault_code
     ('healthy', 'BEARING_OK')
 
@@ -83,14 +73,15 @@ def report(
         line_hz = harmonics_hz.astype(np.float32)
         line_level = values[rows] / floor[rows]
     unit = window.severity.unit
-    could = (shaft_hz, temperature, window.severity.rms, unit, bearing.d_ball)
+    could = (shaft_hz, taken.temperature, window.severity.rms, unit, bearing.d_ball)
     smallest = smallest_detectable(window.seconds, *could) if simulated else math.nan
     reasons = verdict.reasons
     if simulated and verdict.result == 'insufficient':
         shown = shown_by(window.seconds, *could)
         reasons = (*reasons, f'smallest race fault that would have shown: {shown}')
     amplitude, first_hz, group_hz = coarse_spectrum(window.amplitude, window.bin_hz)
-    return Diagnosis(
+    return replace(
+        taken,
         result=verdict.result,
         rule=verdict.rule,
         level=verdict.level,
@@ -98,10 +89,6 @@ def report(
         fault_code=FAULT_CODES[verdict.result],
         confidence=verdict.confidence,
         reasons=reasons,
-        first_sample=first_sample,
-        sample_count=sample_count,
-        sample_rate=sample_rate,
-        shaft_hz_given=shaft_hz_given,
         shaft_hz=shaft_hz,
         slip=strongest.slip if strongest else math.nan,
         expected=expected,
@@ -113,14 +100,13 @@ def report(
         line_hz=line_hz,
         line_level=line_level,
         severity=window.severity,
-        temperature=temperature,
         smallest_detectable=smallest,
         spectrum=Spectrum(
             kind='spectrum',
             unit=unit,
             start_hz=first_hz,
             bin_hz=group_hz,
-            band=(0.0, 0.5 * sample_rate),
+            band=(0.0, 0.5 * taken.sample_rate),
             values=amplitude,
         ),
         envelope_spectrum=Spectrum(
