@@ -110,6 +110,15 @@ def confidence(kind: str, trust: Trust) -> float:
 
 
 def share_right(weights: dict[str, float], trust: Trust) -> float:
-    """Return the logistic function of the weighted terms; a rule without a weight adds none."""
+    """
+    Return the logistic function of the weighted terms; a rule without a weight adds none.
+
+    >>> trust = Trust(z=10.0, rule='mains_pulses', at_most=0.9)
+    >>> round(share_right({'constant': 1.0, 'mains_pulses': -1.0}, trust), 2)
+    0.5
+    >>> share_right({'constant': 9.0}, trust)
+    0.9
+
+    """
     total = sum(weights.get(name, 0.0) * value for name, value in trust.terms().items())
     return min(1.0 / (1.0 + math.exp(-total)), trust.at_most)
