@@ -3,14 +3,17 @@
 """diagnose, benchmark and bench on files of every kind, good and bad, alone and on a cluster."""
 
 import argparse
+import base64
 from dataclasses import fields
 import functools
+import io
 import json
 import os
 import signal
 import subprocess
 import sys
 import time
+import zlib
 
 from bearing_twin.bearing import fault_frequencies, fault_orders, find_bearing, own_bearing
 from bearing_twin.bench.diagnosis import fault_signal, measure, RATE, SHAFT_HZ
@@ -259,6 +262,20 @@ def test_parquet_form_is_what_the_package_itself_reads(parquet_set):
     for name in ('r0/DE', 'r1/DE'):
         ours = read_signal(parquet_set, channel=name)
         np.testing.assert_array_equal(ours.x, theirs.signal(name).astype(np.float64))
+
+
+def test_parquet_of_newer_writers_is_read():
+    """Arrow from 19.0.1 on leaves out the counts of levels that plain columns do not have."""
+    from pyarrow import parquet
+
+    # A column 'signal_id' with one value 'a', by Arrow 26.
+    written = (
+        'eNpNTzsKwkAUnF3ComKhgReysEUalxRJMIJWNvYW4gVk0aABP3Hj50oe0xcri2lmhvlsVtuSAhrQYE2SEAICgCNQ'
+        'SGHG1IgUKbNAKlws3HjMquwghAQFOpsjVu3+VF0cMTGcyLjf1serO+/qwwRrw95IaqONhaGhnkON9J+FWI185G1h'
+        'e/8tOuNV6CLBEySWHKK0/XWzX9pe5JEmjfP3Z/XI902TO+9v7+RV+ba+XZPZopgWpTbdgA9jw0e/sXIlhQ=='
+    )
+    table = parquet.read_table(io.BytesIO(zlib.decompress(base64.b64decode(written))))
+    assert table.to_pydict() == {'signal_id': ['a']}
 
 
 def test_many_files_on_all_cores_in_order(good, capsys):
