@@ -23,6 +23,8 @@ FloatArray = npt.NDArray[np.float64]
 MEMORY_S = 1.2e-3
 """Reach of the linear prediction: the ringing of a path of 2 kHz with a damping of 4 % has fallen
 to half in it, and a comb of impacts some mm apart has too few lines for it."""
+TAPERED = 0.1
+"""Share of a record over which its ends are faded for the spectrum that is predicted from."""
 LOW_SHARE, HIGH_SHARE = 0.04, 0.86
 """Band of the envelope over half the sample rate: without the shaft's and the gears' lines below,
 and the flank of the anti-aliasing filter above."""
@@ -155,11 +157,14 @@ def squared_envelope(x: FloatArray, sample_rate: float) -> tuple[FloatArray, flo
     True
 
     """
-    n = fft.prev_fast_len(len(x), real=True)
-    spectrum = fft.rfft(x[:n] - x[:n].mean())
+    x = x - x.mean()
+    tapered = signal.windows.tukey(len(x), TAPERED) * x
+    power = np.abs(fft.rfft(tapered, fft.next_fast_len(len(x), real=True))) ** 2
     order = max(8, round(MEMORY_S * sample_rate))
-    whitening = levinson(np.abs(spectrum) ** 2, order)[0]
-    spectrum *= fft.rfft(whitening, n)
+    # Not circular: the jump from the end of a record to its start would be the greatest impact.
+    whitened = signal.oaconvolve(x, levinson(power, order)[0], 'valid')
+    n = fft.prev_fast_len(len(whitened), real=True)
+    spectrum = fft.rfft(whitened[:n])
     half = 0.5 * sample_rate
     low, high = (int(share * half * n / sample_rate) for share in (LOW_SHARE, HIGH_SHARE))
     # A one-sided band gives the analytic signal; room for twice the band holds its square.
