@@ -19,7 +19,7 @@ from bearing_twin.dynamics.fleet_kernel import advance_all
 from bearing_twin.dynamics.fleet_lanes import Lanes
 from bearing_twin.dynamics.parameters import check_speed
 from bearing_twin.dynamics.saved import Envelope, identity
-from bearing_twin.dynamics.simulator import Block, same_springs, Simulator
+from bearing_twin.dynamics.simulator import Block, Simulator
 from bearing_twin.dynamics.tables import ball_table, defect_table, machine
 from bearing_twin.dynamics.vector import L
 from bearing_twin.dynamics.waviness import surfaces
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 Array = npt.NDArray[Any]
 
-_SAVED = Envelope(b'BFleet\x00\x06', struct.Struct('<dQIII'), 'a fleet')
+_SAVED = Envelope(b'BFleet\x00\x07', struct.Struct('<dQIII'), 'a fleet')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,7 +169,7 @@ class Fleet:
         lanes = self._lanes
         begin, end = lanes.values, lanes.values.copy()
         _evaluate_changed(lanes.law, was_outer, was_speed, outer, speed, end)
-        start = begin[:, : coefficients.INPUTS] + lanes.behind
+        start = begin[:, : coefficients.INPUTS]
         growth = end[:, : coefficients.INPUTS] - start
         outs = [np.empty((2, (end - first) * L, n), np.float32) for first, end in self._shares]
         first, done = self.next_sample, 0
@@ -190,7 +190,6 @@ class Fleet:
                     was_speed + (speed - was_speed) * share,
                 )
         self._temperatures, self._shaft_hz, lanes.values = outer, speed, end
-        lanes.behind[:] = 0.0
         size, out = len(self), np.concatenate(outs, axis=1) if len(outs) > 1 else outs[0]
         return FleetBlock(first_sample=first, x=out[0, :size], y=out[1, :size])
 
@@ -202,9 +201,9 @@ class Fleet:
             part, lane = slice(*share), slice(share[0] * L, share[1] * L)
             advance_all(
                 lanes.groups[part], lanes.balls[part], lanes.surfaces[lane], lanes.history[part],
-                np.ascontiguousarray(ramp[:, lane]), lanes.drift[lane], lanes.taps,
-                self.next_sample, self.next_sample % self._tick, lanes.oversample, lanes.step,
-                room, out, begin, count,
+                np.ascontiguousarray(ramp[:, lane]), lanes.drift[lane], lanes.fade[lane],
+                lanes.faded[lane], lanes.taps, self.next_sample, self.next_sample % self._tick,
+                lanes.oversample, lanes.step, room, out, begin, count,
             )  # fmt: skip
 
         spread = map if self._pool is None else self._pool.map
@@ -232,19 +231,20 @@ class Fleet:
             *self._tables[index], lanes.surfaces_of(index),
         )  # fmt: skip
 
-    def _inputs(self, index: int) -> FloatArray:
-        """Return the inputs of the equations of one bearing at the next sample."""
+    def _inputs(self, index: int | slice) -> FloatArray:
+        """Return the inputs of the equations of some bearings at the next sample."""
         lanes = self._lanes
+        left = np.minimum(self.next_sample - lanes.faded[index], 0)
+        behind = lanes.fade[index] * left[..., None]
         return inner_ring.inputs(
-            lanes.values[index], lanes.behind[index], lanes.drift[index],
-            self.next_sample % self._tick,
-        )  # fmt: skip
+            lanes.values[index], behind, lanes.drift[index], self.next_sample % self._tick
+        )
 
     def reconfigure(self, index: int, parameters: TwinParameters) -> None:
         """
         Change the parameters of one bearing while running; its state is carried on.
 
-        What is there at once and what over the next block, see `Simulator.reconfigure`. The inner
+        What is there at once and what within 0.16 s, see `Simulator.reconfigure`. The inner
         ring's temperature is carried on as well if the mode stays physical. Parameters that are
         refused change nothing.
         """
@@ -255,7 +255,7 @@ class Fleet:
                 f'{self._lanes.most_balls} of this fleet; start a new fleet with it'
             )
             raise BearingTwinError(msg)
-        simulator = self._simulator(index, parameters)
+        simulator = self._simulator(index, parameters, self._inputs(index))
         self._parameters[index] = parameters
         self._tables[index] = self._tables_of(parameters)
         self._lanes.place(index, simulator)
@@ -275,7 +275,7 @@ class Fleet:
         The filters' memory, some ms, is not carried over.
         """
         self._check_index(index)
-        return self._simulator(index, self._parameters[index])
+        return self._simulator(index, self._parameters[index], self._inputs(index))
 
     def place(self, index: int, simulator: Simulator) -> None:
         """
@@ -302,15 +302,15 @@ class Fleet:
         self._lanes.place(index, moved)
         self._lanes.fill_filters(index, snapshot)
 
-    def _simulator(self, index: int, parameters: TwinParameters) -> Simulator:
+    def _simulator(self, index: int, parameters: TwinParameters, inputs: FloatArray) -> Simulator:
         """Return one bearing with these parameters; the rings' temperatures go with the mode."""
         lanes = self._lanes
         carried = parameters.thermal_mode == 'physical' and not math.isnan(lanes.rings[index, 0])
         simulator = self._fresh(index, parameters, lanes.seed(index))
-        slowly = same_springs(self._parameters[index], parameters)
         simulator.adopt(
             lanes.motion(index, self.next_sample), self.next_sample,
-            lanes.rings[index] if carried else None, self._inputs(index) if slowly else None,
+            lanes.rings[index] if carried else None,
+            inputs if simulator.marks[1] == lanes.marks[index, 1] else None,
         )  # fmt: skip
         return simulator
 
@@ -366,12 +366,13 @@ class Fleet:
         for temperature, speed in zip(temperatures, speeds, strict=True):
             check_temperature(float(temperature))
             check_speed(float(speed))
-        motion = np.concatenate([part.ravel() for part in loaded[:4]])
+        motion = np.concatenate([part.ravel() for part in (*loaded[:5], loaded[6])])
         beyond = any((part > 1e20).any() for part in numbers)
         if next_sample >= 2**62 or beyond or not np.isfinite(motion).all():
             msg = 'saved state holds values that no simulation reaches; start without it'
             raise BearingTwinError(msg)
-        *lanes, self._temperatures, self._shaft_hz, keys = loaded
+        inputs, *lanes, self._temperatures, self._shaft_hz, keys = loaded
+        ours = self._lanes.marks.copy()
         self._lanes.set_state(lanes)
         self._lanes.groups['seed'] = keys
         for index in range(self._lanes.size):
@@ -383,6 +384,9 @@ class Fleet:
                 self._lanes.law[index], self._temperatures[index], self._temperatures[index],
                 self._shaft_hz[index], self._lanes.values[index],
             )  # fmt: skip
+        for index in np.flatnonzero((self._lanes.marks != ours).any(axis=1)).tolist():
+            p = self._parameters[min(index, len(self) - 1)]
+            self._lanes.place(index, self._simulator(index, p, inputs[index]))
 
     def _tables_of(self, p: TwinParameters) -> tuple[Array, Array, FloatArray]:
         """Return the records of one bearing that its condition needs."""
@@ -391,7 +395,8 @@ class Fleet:
     def _state(self) -> list[Array]:
         """Arrays that a saved state consists of."""
         lanes = self._lanes
-        return [*lanes.state(), self._temperatures, self._shaft_hz, lanes.groups['seed']]
+        carried = [*lanes.state(), self._temperatures, self._shaft_hz, lanes.groups['seed']]
+        return [self._inputs(slice(None)), *carried]
 
     def _tick_all(self, outer: FloatArray, hz: FloatArray) -> None:
         """Advance the inner rings by a thermal tick."""

@@ -44,11 +44,11 @@ def room_size(oversample: int, memory: int) -> int:
 
 
 @compiled()
-def _inputs(ramp, drift, lane, n, at, since_tick, oversample):
+def _inputs(ramp, drift, fade, faded, lane, n, at, first, since_tick, oversample):
     """
     Return the inputs of a group at a grid point, ``at`` samples into the block; growth per step.
 
-    ``lane`` is its first bearing.
+    ``lane`` is its first bearing, ``first`` the index of the block's first sample.
     """
     inputs, growth = np.empty((INPUTS, L)), np.empty((INPUTS, L))
     for q in range(INPUTS):
@@ -57,6 +57,10 @@ def _inputs(ramp, drift, lane, n, at, since_tick, oversample):
             slope = (ramp[1, lane + i, q] - begin) / n
             inputs[q, i] = begin + slope * at
             inputs[q, i] += drift[lane + i, 0, q] + change * (since_tick + at)
+            left = first + at - faded[lane + i]
+            if left < 0:
+                inputs[q, i] += fade[lane + i, q] * left
+                change += fade[lane + i, q]
             growth[q, i] = (slope + change) / oversample
     return inputs, growth
 
@@ -69,6 +73,8 @@ def advance_all(
     history: Array,
     ramp: Array,
     drift: Array,
+    fade: Array,
+    faded: Array,
     taps: Array,
     first: int,
     since_tick: int,
@@ -92,8 +98,9 @@ def advance_all(
         float32[bearings, numbers]: see `waviness.Surfaces`.
     history
         float32[groups, oversample, (t - 1) * 2 * L]: memory of the decimator.
-    ramp, drift
-        float64[2, bearings, 7], float64[bearings, 2, 7]: inputs, as for a single bearing.
+    ramp, drift, fade, faded
+        float64[2, bearings, 7], float64[bearings, 2, 7], float64[bearings, 7], int64[bearings]:
+        inputs, as for a single bearing.
     taps
         float32[oversample * t]: the decimator by the place of an internal sample within an output
         sample; t is a multiple of `fleet_signal.TAPS`.
@@ -126,7 +133,9 @@ def advance_all(
         while done < n:
             within = (first + done) % CHUNK
             count = min(CHUNK - within, n - done)
-            inputs, growth = _inputs(ramp, drift, lane, n, done - within, since_tick, oversample)
+            inputs, growth = _inputs(
+                ramp, drift, fade, faded, lane, n, done - within, first, since_tick, oversample
+            )
             grid_point(group, inputs, growth, (first + done) // CHUNK, within, steps, h)
             if group.wavy:
                 place_waves(group, surfaces.shape[1], h, under, starts)

@@ -71,7 +71,9 @@ class Lanes:
         self.values = np.zeros((self.size, coefficients.CONDITION_SIZE))
         self.drift = np.zeros((self.size, 2, coefficients.INPUTS))
         self.rings = np.full((self.size, 2), math.nan)
-        self.behind = np.zeros((self.size, coefficients.INPUTS))
+        self.fade = np.zeros((self.size, coefficients.INPUTS))
+        self.faded = np.zeros(self.size, np.int64)
+        self.marks = np.zeros((self.size, 2), np.int64)
         # The decimator by the place of an internal sample within an output sample.
         taps = filters.decimator(self.oversample)
         padded = np.concatenate([np.zeros(self.oversample - 1), taps])
@@ -138,7 +140,7 @@ class Lanes:
         put(group, per_ball=1.0 / n, seed=snapshot.seed, to_z=to_z, to_w=to_w, read=read)
         self.balls[number, :, :, lane] = _slots(n, self.balls.shape[1])
         since = simulator.next_sample % layout.CHUNK / simulator.sample_rate
-        hz, slip = simulator.shaft_hz, snapshot.values[coefficients.SLIP]
+        hz, slip = simulator.shaft_hz, simulator.inputs()[coefficients.SLIP]
         carried = hz * (1.0 - slip)
         speeds = m['ftf_order'] * carried, hz, m['spin_order'] * carried
         for (name, whole), speed in zip(_PHASES.items(), speeds, strict=True):
@@ -153,7 +155,8 @@ class Lanes:
         self.roll_on(index, snapshot.surfaces)
         self.law[index], self.values[index] = snapshot.law, snapshot.values
         self.drift[index], self.rings[index] = snapshot.drift, snapshot.rings
-        self.behind[index] = snapshot.behind
+        self.fade[index], self.faded[index] = snapshot.fade, snapshot.faded
+        self.marks[index] = snapshot.marks
 
     def roll_on(self, index: int, surfaces: Surfaces) -> None:
         """Take over the surfaces of one bearing."""
@@ -173,12 +176,13 @@ class Lanes:
         return self._rolled[index]._replace(table=self.surfaces[index])
 
     def state(self) -> list[Array]:
-        """Motion, phases, decimators, inner rings and what is still ramped, as views."""
+        """Motion, phases, decimators, inner rings, what still fades and whose it is, as views."""
         singles, doubles = (
             self.groups.view(kind).reshape(len(self.groups), -1)[:, part]
             for kind, part in zip((np.float32, np.float64), fl.CARRIED, strict=True)
         )
-        return [singles, doubles, self.history, self.drift, self.rings, self.behind]
+        carried = [singles, doubles, self.history, self.drift, self.rings]
+        return [*carried, self.fade, self.faded, self.marks]
 
     def set_state(self, parts: Sequence[Array]) -> None:
         """Take over what :meth:`state` returned."""

@@ -58,10 +58,10 @@ def inputs(
     values: FloatArray, behind: FloatArray, drift: FloatArray, since_tick: int
 ) -> FloatArray:
     """
-    Sum up the inputs of the equations, float64[INPUTS], ``since_tick`` samples after a tick.
+    Sum up the inputs of the equations, float64[..., INPUTS], ``since_tick`` samples after a tick.
 
     In the order of the kernels. ``values`` are those of `coefficients.evaluate`; ``behind`` is how
-    far the inputs are from them where a ramp begins.
+    far the inputs are still from them after a change.
 
     Examples
     --------
@@ -73,8 +73,8 @@ def inputs(
     4.64
 
     """
-    total: FloatArray = values[: coefficients.INPUTS] + behind
-    total += drift[0] + drift[1] * since_tick
+    total: FloatArray = values[..., : coefficients.INPUTS] + behind
+    total += drift[..., 0, :] + drift[..., 1, :] * since_tick
     return total
 
 

@@ -59,6 +59,8 @@ def advance(
     surfaces: Surfaces,
     ramp: FloatArray,
     drift: FloatArray,
+    fade: FloatArray,
+    faded: int,
     seed: int,
     first: int,
     since_tick: int,
@@ -84,6 +86,9 @@ def advance(
         Inputs at the start and at the end of the block.
     drift : float64[2, INPUTS]
         Addition to the inputs at the last thermal tick, and its growth per output sample.
+    fade, faded : float64[INPUTS]
+        Growth per output sample of what a change still adds to the inputs, which is zero from
+        output sample ``faded`` on, a point of the grid.
     seed, first, since_tick
         Seed of the random numbers; index of the first output sample; output samples since the last
         thermal tick.
@@ -111,12 +116,13 @@ def advance(
             wrap_phases(state)
         walk = machines[_LONG].jitter * normal_pair((first + done) // CHUNK, WALK, seed)[0]
         at = done - within
-        hz = _input(ramp, drift, n, SHAFT_HZ, at, since_tick)
+        left = min(float(first + at - faded), 0.0)
+        hz = _input(ramp, drift, fade, n, SHAFT_HZ, at, since_tick, left)
         kind = _SHORT if machines[_LONG].stiff != 0 or hz > FAST_HZ else _LONG
         machine = machines[kind]
         if state.next_step != machine.step:
             predict(state, machine.step)
-        inputs, growth = _inputs(ramp, drift, n, machine.steps, at, since_tick)
+        inputs, growth = _inputs(ramp, drift, fade, n, machine.steps, at, since_tick, left)
         bearing = KernelBearing(machine, defects, balls, surfaces, inputs, growth)
         rows, begin = count * machine.steps, float(within * machine.steps)
         new = count * oversample
@@ -135,38 +141,46 @@ def advance(
 
 
 @compiled(inline=True, fast=FAST)
-def _inputs(ramp, drift, n, steps, at, since_tick):
+def _inputs(ramp, drift, fade, n, steps, at, since_tick, left):
     """
     Return the inputs at a grid point, ``at`` samples into the block, and their growth a step.
 
-    Relative to the grid, so that held inputs give the same bits in every block.
+    Relative to the grid, so that held inputs give the same bits in every block. A fade ends after
+    minus ``left`` samples.
     """
     return (
         Inputs(
-            _input(ramp, drift, n, 0, at, since_tick),
-            _input(ramp, drift, n, 1, at, since_tick),
-            _input(ramp, drift, n, 2, at, since_tick),
-            _input(ramp, drift, n, 3, at, since_tick),
-            _input(ramp, drift, n, 4, at, since_tick),
-            _input(ramp, drift, n, 5, at, since_tick),
-            _input(ramp, drift, n, 6, at, since_tick),
+            _input(ramp, drift, fade, n, 0, at, since_tick, left),
+            _input(ramp, drift, fade, n, 1, at, since_tick, left),
+            _input(ramp, drift, fade, n, 2, at, since_tick, left),
+            _input(ramp, drift, fade, n, 3, at, since_tick, left),
+            _input(ramp, drift, fade, n, 4, at, since_tick, left),
+            _input(ramp, drift, fade, n, 5, at, since_tick, left),
+            _input(ramp, drift, fade, n, 6, at, since_tick, left),
         ),
         Inputs(
-            ((ramp[1, 0] - ramp[0, 0]) / n + drift[1, 0]) / steps,
-            ((ramp[1, 1] - ramp[0, 1]) / n + drift[1, 1]) / steps,
-            ((ramp[1, 2] - ramp[0, 2]) / n + drift[1, 2]) / steps,
-            ((ramp[1, 3] - ramp[0, 3]) / n + drift[1, 3]) / steps,
-            ((ramp[1, 4] - ramp[0, 4]) / n + drift[1, 4]) / steps,
-            ((ramp[1, 5] - ramp[0, 5]) / n + drift[1, 5]) / steps,
-            ((ramp[1, 6] - ramp[0, 6]) / n + drift[1, 6]) / steps,
+            _growth(ramp, drift, fade, n, 0, left) / steps,
+            _growth(ramp, drift, fade, n, 1, left) / steps,
+            _growth(ramp, drift, fade, n, 2, left) / steps,
+            _growth(ramp, drift, fade, n, 3, left) / steps,
+            _growth(ramp, drift, fade, n, 4, left) / steps,
+            _growth(ramp, drift, fade, n, 5, left) / steps,
+            _growth(ramp, drift, fade, n, 6, left) / steps,
         ),
     )
 
 
 @compiled(inline=True, fast=FAST)
-def _input(ramp, drift, n, i, at, since_tick):
+def _input(ramp, drift, fade, n, i, at, since_tick, left):
     slope = (ramp[1, i] - ramp[0, i]) / n
-    return ramp[0, i] + slope * at + (drift[0, i] + drift[1, i] * (since_tick + at))
+    added = drift[0, i] + drift[1, i] * (since_tick + at)
+    return ramp[0, i] + slope * at + (added + fade[i] * left)
+
+
+@compiled(inline=True, fast=FAST)
+def _growth(ramp, drift, fade, n, i, left):
+    grown = (ramp[1, i] - ramp[0, i]) / n + drift[1, i]
+    return grown + fade[i] if left < 0.0 else grown
 
 
 @compiled(fast=FAST)

@@ -9,6 +9,7 @@ import functools
 import math
 import struct
 from typing import Any, TYPE_CHECKING
+import zlib
 
 from bearing_twin.dynamics import coefficients, filters, inner_ring, kernel
 from bearing_twin.dynamics.condition import Condition, condition
@@ -35,13 +36,16 @@ Records = npt.NDArray[Any]
 
 RUN_IN = 0.04
 """How long a bearing has turned before sample 0, s: what a start at rest excites has died away."""
+_FADE = 0.16
+"""Time within which load, direction and clearance go from one value to another, s, whatever the
+blocks: many periods of the slowest mode of the rings, so that the change itself is no impact."""
 _MAX_BLOCK = 1 << 24
 _MOST_TURNS = 1e3
 """Phases are wrapped on the kernel's grid only; between two points of it they run on, and with
 jitter, of an almost standing shaft, back."""
 _LARGEST = 2.0**53
 """Above everything in a state: the greatest is the integer whose bits are the loaded balls."""
-_SAVED = Envelope(b'BTwin\x00\x05\x00', struct.Struct('<dIQddI'), 'one bearing')
+_SAVED = Envelope(b'BTwin\x00\x06\x00', struct.Struct('<dIQddIQII'), 'one bearing')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +91,9 @@ class Snapshot:
     values: FloatArray
     drift: FloatArray
     rings: FloatArray
-    behind: FloatArray
+    fade: FloatArray
+    faded: int
+    marks: tuple[int, int]
     seed: int
 
 
@@ -104,7 +110,8 @@ class Simulator:
 
     Inputs are ramped linearly over the block in which they are commanded, so that stiffness and
     defect depth follow the temperature without a step. With held inputs, splitting a block or
-    saving and loading in between changes no bit.
+    saving and loading in between changes no bit. A state that is loaded under other parameters
+    goes over to them as after `reconfigure`.
 
     Parameters
     ----------
@@ -147,7 +154,7 @@ class Simulator:
         """Temperature and speed to which :meth:`reset` goes back, degC and Hz."""
         self.tick = inner_ring.tick_length(sample_rate)
         self._drift = np.zeros((2, coefficients.INPUTS))
-        self._behind = np.zeros(coefficients.INPUTS)
+        self._fade, self._faded = np.zeros(coefficients.INPUTS), 0
         self._rings = np.full(2, math.nan)
         self._values = np.zeros(coefficients.CONDITION_SIZE)
         self._seed = _checked(seed)
@@ -187,7 +194,7 @@ class Simulator:
         self._temperature, self._shaft_hz = self.start
         self._history = np.zeros((2, len(self._taps) - self._oversample))
         self._state = np.zeros(1, STATE)
-        self._behind[:] = 0.0
+        self._come_from(None)
         self._settle_ring()
         self._run_in()
 
@@ -196,17 +203,17 @@ class Simulator:
         Change defects, preset or thermal mode while running; the state is carried on.
 
         A fault that is injected is there from the next sample on. Load and its direction,
-        clearance, contact stiffness and slip go to their new values over the next block, as
-        temperature and speed do. With another stiffness of shaft or housing the spring's foot has
-        to be elsewhere at once, and so all are there at once.
+        clearance, contact stiffness and slip go to their new values within 0.16 s, whatever the
+        blocks. With another stiffness of shaft or housing the spring's foot has to be elsewhere at
+        once, and so all are there at once.
         """
-        was, inputs = self._parameters, self.inputs()
+        was, marks, inputs = self._parameters, self.marks, self.inputs()
         self._configure(parameters)
         if was.thermal_mode == parameters.thermal_mode == 'physical':
             self._carry_rings()
         else:
             self._settle_ring()
-        self._come_from(inputs if same_springs(was, parameters) else None)
+        self._come_from(inputs if marks[1] == self.marks[1] else None)
         self._start_motion()
 
     def settle(self, temperature: float) -> None:
@@ -214,7 +221,7 @@ class Simulator:
         Take ``temperature``, degC, as one that the outer ring has had for long.
 
         In the physical mode the inner ring is put into its steady state; clearance, stiffness and
-        slip go there over the next block. The mode paper has no such memory, and nothing changes.
+        slip go there within 0.16 s. The mode paper has no such memory, and nothing changes.
         """
         if self._parameters.thermal_mode == 'physical':
             inputs = self.inputs()
@@ -250,7 +257,7 @@ class Simulator:
         begin, end = self._values, self._values
         if (temperature, shaft_hz) != was:
             end = self._evaluate(temperature, temperature, shaft_hz)
-        start = begin[: coefficients.INPUTS] + self._behind
+        start = begin[: coefficients.INPUTS]
         growth = end[: coefficients.INPUTS] - start
         out = np.empty((2, n), dtype=np.float32)
         first, done = self.next_sample, 0
@@ -261,8 +268,8 @@ class Simulator:
             ramp = start + growth * (np.array([[done], [done + count]]) / n)
             kernel.advance(
                 self._state, self._history, self._machines, self._resonators, self._taps,
-                *self._tables(), ramp, self._drift, self._seed, self.next_sample,
-                self.next_sample % self.tick, out[:, done : done + count],
+                *self._tables(), ramp, self._drift, self._fade, self._faded, self._seed,
+                self.next_sample, self.next_sample % self.tick, out[:, done : done + count],
             )  # fmt: skip
             done += count
             self.next_sample += count
@@ -274,7 +281,6 @@ class Simulator:
                     self.tick / self.sample_rate,
                 )  # fmt: skip
         self._temperature, self._shaft_hz, self._values = temperature, shaft_hz, end
-        self._behind[:] = 0.0
         return Block(first_sample=first, x=out[0], y=out[1], describe=self._describe())
 
     def condition(self) -> Condition:
@@ -293,17 +299,17 @@ class Simulator:
         """
         Return the complete state: motion, phases, filters, sample index, seed and inputs.
 
-        It belongs to the parameters and the sample rate in force, which it does not hold.
+        It belongs to the bearing and the sample rate in force, which it does not hold.
         """
         body = np.concatenate(
             [
                 self._state.view(float), self._history.ravel(), self._drift.ravel(),
-                self._behind, np.nan_to_num(self._rings),
+                self._fade, self.inputs(), np.nan_to_num(self._rings),
             ]
         )  # fmt: skip
         fields = (
             self.sample_rate, self._seed, self.next_sample, self._temperature, self._shaft_hz,
-            identity([self._parameters]),
+            identity([self._parameters]), self._faded, *self.marks,
         )  # fmt: skip
         return _SAVED.seal(fields, body.astype('<f8').tobytes())
 
@@ -319,9 +325,10 @@ class Simulator:
 
         """
         fields, body = _SAVED.open(data)
-        rate, seed, next_sample, temperature, shaft_hz, whose = fields
+        rate, seed, next_sample, temperature, shaft_hz, whose, faded, *of = fields
         own = (self.sample_rate, identity([self._parameters]))
-        sizes = [STATE.itemsize // 8, self._history.size, self._drift.size, self._behind.size, 2]
+        sizes = [STATE.itemsize // 8, self._history.size, self._drift.size]
+        sizes += [coefficients.INPUTS, coefficients.INPUTS, 2]
         if (rate, whose) != own or len(body) != 8 * sum(sizes):
             msg = (
                 f'saved state at {rate:g} Hz belongs to another sample rate, bearing geometry or '
@@ -330,7 +337,7 @@ class Simulator:
             )
             raise BearingTwinError(msg)
         values = np.frombuffer(body, dtype='<f8').astype(float)
-        state, history, drift, behind, rings = np.split(values, np.cumsum(sizes)[:-1])
+        state, history, drift, fade, inputs, rings = np.split(values, np.cumsum(sizes)[:-1])
         state = state.view(STATE)
         bounded = np.isfinite(values).all() and np.abs(values).max() < _LARGEST
         bounded = bounded and np.abs(state['q']).max() < 1.0 and np.abs(rings).max() < 300.0
@@ -339,8 +346,8 @@ class Simulator:
         ):
             msg = 'saved state holds values that no simulation reaches; start without it'
             raise BearingTwinError(msg)
-        if not 0 <= next_sample < 2**62:
-            msg = f'saved state holds sample index {next_sample}, outside 0..2^62'
+        if not 0 <= max(next_sample, faded) < 2**62:
+            msg = f'saved state holds sample index {max(next_sample, faded)}, outside 0..2^62'
             raise BearingTwinError(msg)
         values_at = self._evaluate(
             check_temperature(temperature), temperature, check_speed(shaft_hz)
@@ -351,9 +358,12 @@ class Simulator:
         self._state = state.copy()
         self._history = history.reshape(self._history.shape).copy()
         self._drift = drift.reshape(self._drift.shape).copy()
-        self._behind[:] = behind
+        self._fade[:], self._faded = fade, faded
         physical = self._parameters.thermal_mode == 'physical'
         self._rings[:] = rings if physical else math.nan
+        if tuple(of) != self.marks:
+            self._come_from(inputs if of[1] == self.marks[1] else None)
+            self._start_motion()
 
     def adopt(
         self,
@@ -389,7 +399,9 @@ class Simulator:
             values=self._values,
             drift=self._drift.copy(),
             rings=self._rings.copy(),
-            behind=self._behind.copy(),
+            fade=self._fade.copy(),
+            faded=self._faded,
+            marks=self.marks,
             seed=self._seed,
         )
 
@@ -415,6 +427,11 @@ class Simulator:
         self._defects = defect_table(p)
         self._balls = ball_table(p)
         self._surfaces = surfaces(p, self._seed)
+        springs = np.array([p.inner_stiffness, *p.housing_stiffness])
+        tables = self._machines, self._law, self._defects, np.array([p.waviness])
+        whole = zlib.crc32(b''.join(table.tobytes() for table in tables))
+        self.marks = whole, zlib.crc32(springs.tobytes())
+        """Checksums of what the equations take, and of the springs, whose foot jumps with them."""
 
     def _reseed(self, seed: int) -> None:
         """Take another seed: the random numbers change, and with them the surfaces."""
@@ -447,23 +464,25 @@ class Simulator:
         kernel.start(state, machines, *tables, values)
         kernel.advance(
             state, self._history, machines, self._resonators, self._taps, *tables,
-            np.array([values, values]), np.zeros((2, coefficients.INPUTS)), 0, -n, 0,
-            np.empty((2, n), np.float32),
+            np.array([values, values]), np.zeros((2, coefficients.INPUTS)), self._fade, 0, 0, -n,
+            0, np.empty((2, n), np.float32),
         )  # fmt: skip
         state['cage'], state['shaft'], state['spin'] = turns, turns, 0.0
         self._start_motion()
 
     def inputs(self) -> FloatArray:
         """Return the inputs of the equations at the next sample, as `coefficients` has them."""
-        return inner_ring.inputs(
-            self._values, self._behind, self._drift, self.next_sample % self.tick
-        )
+        behind = self._fade * min(self.next_sample - self._faded, 0)
+        return inner_ring.inputs(self._values, behind, self._drift, self.next_sample % self.tick)
 
     def _come_from(self, inputs: FloatArray | None) -> None:
-        """Let the next block start at ``inputs`` of the equations; None: where it would."""
-        self._behind[:] = 0.0
+        """Let ``inputs`` of the equations fade into those that are due; None: at once."""
+        self._fade[:], self._faded = 0.0, 0
         if inputs is not None:
-            self._behind[:] = inputs - self.inputs()
+            behind = inputs - self.inputs()
+            end = self.next_sample + _FADE * self.sample_rate
+            self._faded = CHUNK * math.ceil(end / CHUNK)
+            self._fade[:] = behind / (self.next_sample - self._faded)
 
     def _start_motion(self) -> None:
         """Make acceleration and jerk follow from positions, velocities and parameters."""
@@ -480,23 +499,6 @@ class Simulator:
         outer, hz = self._temperature, self._shaft_hz
         self._values = self._evaluate(outer, outer, hz)
         inner_ring.carry(self._law, outer, hz, self._rings, self._drift, self.tick)
-
-
-def same_springs(one: TwinParameters, other: TwinParameters) -> bool:
-    """
-    Whether the foot of the shaft's spring may be moved slowly from one place to the other.
-
-    Examples
-    --------
-    >>> from bearing_twin.dynamics import preset
-    >>> same_springs(preset('paper'), preset('paper', load=1000.0))
-    True
-    >>> same_springs(preset('paper'), preset('paper', inner_stiffness=1e6))
-    False
-
-    """
-    springs = [(p.inner_stiffness, *p.housing_stiffness) for p in (one, other)]
-    return springs[0] == springs[1]
 
 
 def _condition(
