@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.cli.terminal import shown
-from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.stamps import NANO
 
@@ -33,8 +33,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print; status 0 if the recording is sound, as far as it was looked at."""
-    info = recording_info(args.recording)
-    health = None if args.no_health else recording_health(args.recording)
+    if args.no_health:
+        info, health = recording_info(args.recording), None
+    else:
+        info, health = examine(args.recording)
     problems = list(dict.fromkeys([*info.problems, *(health.problems if health else ())]))
     if args.json:
         answer = {

@@ -6,13 +6,19 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, BinaryIO, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.chunks import Chunks, NEW_DESCRIPTION, SpentRecording
 from bearing_twin.recording.mcapfile import BrokenRecording, content, parse
 from bearing_twin.recording.salvage import sound_records
-from bearing_twin.recording.schema import canonical_cdr, store_from_text, type_conflict
+from bearing_twin.recording.schema import (
+    canonical_cdr,
+    MessageSchema,
+    store_from_text,
+    type_conflict,
+)
 from bearing_twin.recording.summary import summary_records
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
@@ -44,6 +50,11 @@ class RecordedChannel:
     """Offered QoS profiles as rosbag2 writes them, YAML; '' where the file has none."""
     type_hash: str
     """``RIHS01_...``; '' where the file has none."""
+
+    @cached_property
+    def message_schema(self) -> MessageSchema:
+        """What is to be written with its messages: one object, however many they are."""
+        return MessageSchema(self.type_name, self.schema, self.type_hash, self.schema_encoding)
 
 
 class RecordedMessage(NamedTuple):

@@ -9,16 +9,14 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.catalogue import known_fields
-from bearing_twin.recording.mcapfile import BrokenRecording
-from bearing_twin.recording.messages import in_file_order, Selection
-from bearing_twin.recording.reader import recording_files
-from bearing_twin.recording.salvage import open_mcap
+from bearing_twin.recording.reader import recording_info, Witness
 from bearing_twin.stamps import NANO, stamp_ns
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.reader import RecordingInfo
 
 
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'
@@ -81,40 +79,29 @@ class RecordingHealth:
         return found
 
 
-def recording_health(path: Path) -> RecordingHealth:
+def examine(path: Path) -> tuple[RecordingInfo, RecordingHealth]:
     """
-    Read a recording from front to back and check it.
+    Read a recording from front to back, once: what is inside, and how sound it is.
 
     Raises
     ------
     BearingTwinError
-        If there is no recording, or a file is no MCAP file.
+        If there is no recording, or no file is an MCAP file.
 
     """
     health = RecordingHealth()
     checks: dict[str, _TopicCheck] = {}
-    files = recording_files(path)
-    for file_path in files:
 
-        def damaged(error: BrokenRecording, name: str = file_path.name) -> None:
-            health.damage.append(f'{name}: {error}')
+    def look(message: RecordedMessage) -> None:
+        topic = message.channel.topic
+        check = checks.get(topic)
+        if check is None:
+            check = checks[topic] = _TopicCheck()
+            health.topics[topic] = check.health
+        check.look(message)
 
-        try:
-            file = open_mcap(file_path)
-        except BrokenRecording as error:
-            if len(files) == 1:
-                raise
-            health.damage.append(str(error))
-            continue
-        with file:
-            size = file_path.stat().st_size
-            for message in in_file_order(file, size, Selection(), damaged):
-                check = checks.get(message.topic)
-                if check is None:
-                    check = checks[message.topic] = _TopicCheck()
-                    health.topics[message.topic] = check.health
-                check.look(message)
-    return health
+    info = recording_info(path, Witness(look, health.damage.append))
+    return info, health
 
 
 def sent_before(diagnostics: Any) -> dict[str, int]:
@@ -135,6 +122,7 @@ class _TopicCheck:
     def __init__(self) -> None:
         self.health = TopicHealth()
         self._last_time: int | None = None
+        self._longest = 0
         self._next_sample: int | None = None
         self._left: int | None = None
         self._returns = 0
@@ -146,12 +134,16 @@ class _TopicCheck:
 
     def look(self, message: RecordedMessage) -> None:
         self.health.count += 1
+        log_time = message.log_time
         if self._last_time is not None:
-            step = (message.log_time - self._last_time) / NANO
-            self.health.backwards += step < 0
-            self.health.longest_gap = max(self.health.longest_gap, step)
-        self._last_time = message.log_time
-        if message.type_name == VIBRATION:
+            step = log_time - self._last_time
+            if step < 0:
+                self.health.backwards += 1
+            elif step > self._longest:
+                self._longest = step
+                self.health.longest_gap = step / NANO
+        self._last_time = log_time
+        if message.channel.type_name == VIBRATION:
             self._look_at_block(message)
 
     def _look_at_block(self, message: RecordedMessage) -> None:

@@ -187,42 +187,37 @@ def in_file_order(
     catalogue = Catalogue(chunks, elsewhere, candidates)
     lost: dict[int, tuple[int, int]] = {}
 
-    def of(opcode: int, data: bytes, at: int, length: int, offset: int) -> RecordedMessage | None:
-        if opcode in DEFINITIONS:
-            catalogue.learn(opcode, data[at : at + length], offset)
-            return None
-        if opcode != Opcode.MESSAGE:
-            return None
-        identity, log_time, publish_time = message_head(data, at, length, offset)
-        cdr = data[at + MESSAGE_HEAD.size : at + length]
-        channel = catalogue.channels.get(identity)
-        if channel is None:
-            channel = catalogue.channel(identity, cdr)
+    def described(identity: int, cdr: bytes, offset: int) -> RecordedChannel | None:
+        """Return the channel of a message, wherever it is described; count what has none."""
+        channel = catalogue.channel(identity, cdr)
         if channel is None:
             if damaged is None:
                 _known(catalogue, identity, offset)
             messages, octets = lost.get(identity, (0, 0))
-            lost[identity] = (messages + 1, octets + length)
-            return None
-        if not keep.wants(channel, log_time):
-            return None
-        return RecordedMessage(channel, log_time, publish_time, cdr)
+            lost[identity] = (messages + 1, octets + MESSAGE_HEAD.size + len(cdr))
+        return channel
 
+    everything = keep == Selection()
     wanted = (*DEFINITIONS, Opcode.MESSAGE, Opcode.CHUNK, *(EXTRAS if extra else ()))
     for raw, data in sound_records(chunks, wanted, damaged):
         try:
             if extra and raw.opcode in EXTRAS:
                 extra(raw, data)
                 continue
-            if raw.opcode != Opcode.CHUNK:
-                message = of(raw.opcode, data, 0, len(data), raw.offset)
-                if message is not None:
-                    yield message
+            if raw.opcode in DEFINITIONS:
+                catalogue.learn(raw.opcode, data, raw.offset)
                 continue
             for opcode, at, length in chunks.records(data, raw.offset):
-                message = of(opcode, data, at, length, raw.offset)
-                if message is not None:
-                    yield message
+                if opcode == Opcode.MESSAGE:
+                    identity, log_time, publish_time = message_head(data, at, length, raw.offset)
+                    cdr = data[at + MESSAGE_HEAD.size : at + length]
+                    channel = catalogue.channels.get(identity)
+                    if channel is None:
+                        channel = described(identity, cdr, raw.offset)
+                    if channel is not None and (everything or keep.wants(channel, log_time)):
+                        yield RecordedMessage(channel, log_time, publish_time, cdr)
+                elif opcode in DEFINITIONS:
+                    catalogue.learn(opcode, data[at : at + length], raw.offset)
         except BrokenRecording as error:
             if damaged is None:
                 raise

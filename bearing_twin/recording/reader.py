@@ -37,7 +37,7 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, AttachmentIndex, Header, Metadata, MetadataIndex, Statistics
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
+    from collections.abc import Callable, Collection, Iterator
     from pathlib import Path
 
 
@@ -189,12 +189,22 @@ def _advised(path: Path, error: BrokenRecording) -> BrokenRecording:
     return type(error)(f'{path}: {error}; {advice}', error.offset, error.length)
 
 
-def recording_info(path: Path) -> RecordingInfo:
+@dataclass(frozen=True)
+class Witness:
+    """Who wants to see every message of a recording while it is looked into."""
+
+    see: Callable[[RecordedMessage], object]
+    hear: Callable[[str], object]
+    """Told of each damage, with the name of its file."""
+
+
+def recording_info(path: Path, witness: Witness | None = None) -> RecordingInfo:
     """
     Say what is inside a recording, from its summary where it has one.
 
     A file without end is read from front to back, as far as it goes. A file of a bag folder that
-    is no recording is named among the problems.
+    is no recording is named among the problems. A ``witness`` is shown every message of every
+    file: it costs the files that are read anyway nothing but that.
 
     Raises
     ------
@@ -213,26 +223,47 @@ def recording_info(path: Path) -> RecordingInfo:
             info.files.remove(file_path)
             info.finished = False
             info.problems.append(str(error))
+            if witness is not None:
+                witness.hear(str(error))
             continue
         with file:
             info.metadata_size = 0
-            _look_into(file, file_path, info)
+            _look_into(file, file_path, info, witness)
     return info
 
 
-def _look_into(file: BinaryIO, path: Path, info: RecordingInfo) -> None:
+def _look_into(file: BinaryIO, path: Path, info: RecordingInfo, witness: Witness | None) -> None:
     size = path.stat().st_size
     info.size += size
     try:
         check_magic(file)
-        _from_summary(file, size, info)
+        told = _from_summary(file, size, info)
     except BrokenRecording as error:
         info.finished &= not isinstance(error, UnfinishedRecording)
         info.problems.append(f'{path.name}: {error}')
-        _from_messages(file, size, info)
+        told = False
+    if told and witness is None:
+        return
+
+    def damaged(error: BrokenRecording) -> None:
+        if witness is not None:
+            witness.hear(f'{path.name}: {error}')
+
+    messages = in_file_order(
+        file, size, Selection(), damaged, extra=None if told else _extras(file, info)
+    )
+    if not told:
+        with contextlib.suppress(BrokenRecording):
+            # Already in the list of problems.
+            _read_header(file, size, info)
+        messages = _counted(messages, info)
+    for message in messages:
+        if witness is not None:
+            witness.see(message)
 
 
-def _from_summary(file: BinaryIO, size: int, info: RecordingInfo) -> None:
+def _from_summary(file: BinaryIO, size: int, info: RecordingInfo) -> bool:
+    """Take what the summary says; return whether it says what is in the file."""
     catalogue = Catalogue(Chunks(file, size))
     statistics: Statistics | None = None
     attachments: dict[str, int] = {}
@@ -249,8 +280,7 @@ def _from_summary(file: BinaryIO, size: int, info: RecordingInfo) -> None:
             elif isinstance(record, MetadataIndex):
                 metadata[record.offset] = record
     if statistics is None:
-        _from_messages(file, size, info)
-        return
+        return False
     _read_header(file, size, info)
     info.attachments |= attachments
     for index in metadata.values():
@@ -259,6 +289,7 @@ def _from_summary(file: BinaryIO, size: int, info: RecordingInfo) -> None:
         _count(info, channel, statistics.channel_message_counts.get(identity, 0))
     if statistics.message_count:
         _span(info, statistics.message_start_time, statistics.message_end_time)
+    return True
 
 
 def _add_metadata(file: BinaryIO, raw: RawRecord, info: RecordingInfo) -> None:
@@ -274,10 +305,8 @@ def _add_metadata(file: BinaryIO, raw: RawRecord, info: RecordingInfo) -> None:
         info.metadata[found.name] = found.metadata
 
 
-def _from_messages(file: BinaryIO, size: int, info: RecordingInfo) -> None:
-    with contextlib.suppress(BrokenRecording):
-        # Already in the list of problems.
-        _read_header(file, size, info)
+def _extras(file: BinaryIO, info: RecordingInfo) -> Callable[[RawRecord, bytes], None]:
+    """Return what takes note of the metadata and attachments of a file."""
 
     def extra(raw: RawRecord, data: bytes) -> None:
         if raw.opcode == Opcode.METADATA:
@@ -287,9 +316,32 @@ def _from_messages(file: BinaryIO, size: int, info: RecordingInfo) -> None:
             if isinstance(record, Attachment):
                 info.attachments[record.name] = len(record.data)
 
-    for message in in_file_order(file, size, Selection(), lambda _: None, extra=extra):
-        _count(info, message.channel, 1)
-        _span(info, message.log_time, message.log_time)
+    return extra
+
+
+def _counted(
+    messages: Iterator[RecordedMessage], info: RecordingInfo
+) -> Iterator[RecordedMessage]:
+    """Pass messages on; take note of topics and times, once for those in a row on a channel."""
+    channel: RecordedChannel | None = None
+    count = first = last = 0
+    for message in messages:
+        log_time = message.log_time
+        if message.channel is not channel:
+            if channel is None:
+                first = last = log_time
+            else:
+                _count(info, channel, count)
+            channel, count = message.channel, 0
+        count += 1
+        if log_time < first:
+            first = log_time
+        if log_time > last:
+            last = log_time
+        yield message
+    if channel is not None:
+        _count(info, channel, count)
+        _span(info, first, last)
 
 
 def _read_header(file: BinaryIO, size: int, info: RecordingInfo) -> None:

@@ -106,7 +106,10 @@ def sound_records(
     damaged: Callable[[BrokenRecording], None] | None,
 ) -> Iterator[tuple[RawRecord, bytes]]:
     """
-    Yield the records of the wanted kinds with their content; that of a chunk is unpacked.
+    Yield the records of the wanted kinds with their content.
+
+    That of a chunk is unpacked. Of a message it is the record itself and, of short ones, those of
+    the messages that follow it: records to step through, as those of a chunk.
 
     Parameters
     ----------
@@ -155,9 +158,9 @@ def sound_records(
         if data is not None:
             yield raw, data
             if raw.opcode == Opcode.MESSAGE and raw.length <= SHORT:
-                for message, body in search.messages_behind(raw):
-                    yield message, body
-                    end = message.end
+                for run, records in search.messages_behind(raw):
+                    yield run, records
+                    end = run.end
         offset = end
 
 
@@ -185,8 +188,10 @@ def _record(
         search.chunked |= raw.opcode == Opcode.CHUNK
         if raw.opcode not in wanted:
             return raw, None
-        bulk = raw.opcode == Opcode.CHUNK
-        return raw, search.chunks.unpack(raw) if bulk else content(file, raw)
+        if raw.opcode == Opcode.CHUNK:
+            return raw, search.chunks.unpack(raw)
+        head = RECORD_HEAD.pack(raw.opcode, raw.length) if raw.opcode == Opcode.MESSAGE else b''
+        return raw, head + content(file, raw)
     except BrokenRecording as error:
         return error
 
@@ -285,12 +290,13 @@ class _Search:
 
     def messages_behind(self, raw: RawRecord) -> Iterator[tuple[RawRecord, bytes]]:
         """
-        Yield the short messages that follow one, with their content.
+        Yield the records of the short messages that follow one, many at a time.
 
         Read one by one, millions of messages without chunks take twice as long.
         """
         # Most files have chunks: look ahead only as far as it pays.
         end, room = raw.end, 4 * (raw.end - raw.offset)
+        unpack, other = RECORD_HEAD.unpack_from, False
         while True:
             try:
                 block = read_at(self.file, end, min(room, self.size - end))
@@ -299,15 +305,14 @@ class _Search:
                 return
             at, last = 0, len(block) - RECORD_HEAD.size
             while at <= last:
-                opcode, length = RECORD_HEAD.unpack_from(block, at)
-                begin = at + RECORD_HEAD.size
-                if opcode != Opcode.MESSAGE or not MESSAGE_HEAD.size <= length <= SHORT:
-                    return
-                if begin + length > len(block):
+                opcode, length = unpack(block, at)
+                other = opcode != Opcode.MESSAGE or not MESSAGE_HEAD.size <= length <= SHORT
+                if other or at + RECORD_HEAD.size + length > len(block):
                     break
-                yield RawRecord(end + at, opcode, length), block[begin : begin + length]
-                at = begin + length
-            if not at:
+                at += RECORD_HEAD.size + length
+            if at:
+                yield RawRecord(end, Opcode.MESSAGE, at - RECORD_HEAD.size), block[:at]
+            if other or not at:
                 return
             end += at
             room = min(8 * room, BLOCK)

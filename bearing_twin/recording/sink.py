@@ -98,9 +98,7 @@ class MessageSink(ABC):
             log_time=message.log_time,
             publish_time=message.publish_time,
             qos=channel.qos,
-            schema=MessageSchema(
-                channel.type_name, channel.schema, channel.type_hash, channel.schema_encoding
-            ),
+            schema=channel.message_schema,
         )
 
     @abstractmethod

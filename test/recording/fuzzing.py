@@ -19,7 +19,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.foreign import read_signal
-from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import recover
 from bearing_twin.recording.schema import message_schema
@@ -133,7 +133,7 @@ def exercise(path: Path, folder: Path) -> None:
         attempts = [
             lambda: read_signal(path),
             lambda: recording_info(path),
-            lambda: recording_health(path),
+            lambda: examine(path)[1],
             lambda: [message.decode() for message in read_messages(path)],
             lambda: recover(path, folder / 'out' / 'saved'),
         ]

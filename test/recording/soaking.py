@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin import cli
 from bearing_twin.assets.messages import time_message
-from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.domain import own_domain
 from bearing_twin.ros.launching import local_environment, NodeProcesses
@@ -298,7 +298,7 @@ def soak(
     parts = [clock.lags[k * tenth : (k + 1) * tenth] for k in range(10)]
     report.lag = [min(part) for part in parts if part]
     report.drift, report.verdicts = clock.drift, clock.verdicts
-    report.problems = recording_health(bag).problems
+    report.problems = examine(bag)[1].problems
     return report
 
 

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 import zipfile
 import zlib
 
+from bearing_twin.cli import main
 from bearing_twin.recording import chunks
-from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import read_messages
 from mcap.opcode import Opcode
 from mcap.writer import CompressionType, IndexType, Writer
@@ -34,7 +35,7 @@ import resource, sys
 from pathlib import Path
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.foreign import read_signal
-from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import read_messages
 import scipy.io.wavfile
 used = int(Path('/proc/self/statm').read_text().split()[0]) * resource.getpagesize()
@@ -45,7 +46,7 @@ def messages():
         message.decode()
 attempts = [lambda: read_signal(path, sample_rate=1000.0)]
 if path.suffix == '.mcap':
-    attempts += [lambda: recording_health(path), messages]
+    attempts += [lambda: examine(path)[1], messages]
 for attempt in attempts:
     try:
         attempt()
@@ -126,6 +127,29 @@ def test_a_chunk_is_named_once(tmp_path: Path) -> None:
     assert 'does not fit between the others' in read(tmp_path / 'index.mcap')
 
 
+def test_a_file_without_end_is_read_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / 'torn.mcap'
+    with path.open('wb') as file:
+        writer = Writer(file, use_chunking=False)
+        writer.start(profile='ros2')
+        schema = writer.register_schema('std_msgs/msg/Empty', 'ros2msg', b'')
+        channels = [writer.register_channel(name, 'cdr', schema) for name in ('/x', '/y')]
+        for index in range(60_000):
+            writer.add_message(channels[index % 3 == 0], 1000 + index, bytes(4), 0)
+
+    def read_so_far() -> int:
+        return int(Path('/proc/self/io').read_text().split()[1])
+
+    before = read_so_far()
+    assert main(['info', str(path)]) == 1
+    assert read_so_far() - before < 1.3 * path.stat().st_size
+    said = capsys.readouterr().out
+    for text in ('messages    60000', '40000  /x', '20000  /y'):
+        assert text in said
+
+
 @pytest.mark.parametrize(
     ('name', 'make', 'text'),
     [
@@ -195,7 +219,7 @@ def test_chunks_of_a_small_file_cost_what_its_size_allows(
         monkeypatch.setattr(chunks, name, value // (100 if name == 'MOST_UNPACKED' else 10))
     found = list(read_messages(path, topics=['/vibration'], recover=True))
     assert [message.cdr for message in found][: len(written)] == written
-    health = recording_health(path)
+    health = examine(path)[1]
     assert len(health.damage) < 4
     assert any('nothing is read from' in text and reason in text for text in health.damage)
 

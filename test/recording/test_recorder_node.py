@@ -16,7 +16,7 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.recording.health import recording_health, sent_before
+from bearing_twin.recording.health import examine, sent_before
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover
 from bearing_twin.ros.launching import NodeProcesses
@@ -65,7 +65,7 @@ def test_what_arrives_is_what_is_written(ros_domain: int, tmp_path: Path) -> Non
         assert nodes.end('recorder', by=signal.SIGTERM) == 0
     # Subscribed before the first block came: not one is missing.
     assert numbers(bag) == list(range(len(source.sent)))
-    assert recording_health(bag).problems == []
+    assert examine(bag)[1].problems == []
     assert len(list(bag.glob('*.mcap'))) >= 4
     with Reader(bag) as reader:
         topics = {c.topic: c for c in reader.connections}
@@ -141,7 +141,7 @@ def test_simulated_time_is_the_time_of_the_recording(ros_domain: int, tmp_path: 
     assert len(set(times[:early])) == 1
     steps = [time // 10**9 for time, after in pairwise(times) if time != after]
     assert steps == [1000, 1001, 1002, 500]
-    assert any('time runs backwards 1 times' in p for p in recording_health(bag).problems)
+    assert any('time runs backwards 1 times' in p for p in examine(bag)[1].problems)
 
 
 def test_topics_regex_and_exclude(ros_domain: int, tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording import outfile
 from bearing_twin.recording.foreign import read_signal
-from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.health import examine
 from bearing_twin.recording.mcapfile import BrokenRecording, UnfinishedRecording
 from bearing_twin.recording.messages import in_file_order, Selection
 from bearing_twin.recording.player import Player
@@ -158,7 +158,7 @@ def test_a_damaged_head_costs_what_it_holds(
     assert report.lost_bytes <= max(8, min(b for b, _, _ in found if b >= length))
     path.write_bytes(content)
     assert recording_info(path).count == kept
-    assert sum(topic.count for topic in recording_health(path).topics.values()) == kept
+    assert sum(topic.count for topic in examine(path)[1].topics.values()) == kept
     assert main(['info', str(path)]) == 1
     with pytest.raises(BearingTwinError, match='recover'):
         list(read_messages(path))
@@ -202,7 +202,7 @@ def test_entries_of_a_bag_that_are_no_files_cost_nothing(
     assert (report.kept, len(report.losses), report.lost_bytes) == (40, 4, 0)
     info = recording_info(bag)
     assert (info.count, len(info.problems)) == (40, 4)
-    assert len(recording_health(bag).problems) == 4
+    assert len(examine(bag)[1].problems) == 4
     problems: list[str] = []
     assert len(list(read_messages(bag, problems=problems))) == 40
     assert len(problems) == 4
@@ -286,7 +286,7 @@ def test_an_empty_or_zeroed_file_blocks_no_bag(
     info = recording_info(bag)
     assert info.count == 120 - held
     assert any(files[place].name in problem for problem in info.problems)
-    assert any(files[place].name in problem for problem in recording_health(bag).problems)
+    assert any(files[place].name in problem for problem in examine(bag)[1].problems)
     problems: list[str] = []
     assert len(list(read_messages(bag, problems=problems))) == 120 - held
     assert len(problems) == 1

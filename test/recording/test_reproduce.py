@@ -26,7 +26,7 @@ from bearing_twin.offline.diagnosis_run import DiagnosisRun
 from bearing_twin.offline.output import output
 from bearing_twin.offline.run import run_offline
 from bearing_twin.offline.verify import reproduce
-from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.recording.schema import canonical_cdr, MessageSchema
@@ -93,7 +93,7 @@ def test_offline_writes_what_rclpy_would(run: Path) -> None:
 
 
 def test_offline_follows_the_schedule(run: Path) -> None:
-    assert recording_health(run).problems == []
+    assert examine(run)[1].problems == []
     states = [m.decode() for m in read_messages(run, topics=['/twin_state'])]
     used = np.array([s.temperature_used for s in states])
     ends = np.array([s.first_sample + s.sample_count for s in states]) / 25600.0
@@ -400,7 +400,7 @@ def test_an_interrupted_run_is_a_sound_recording(
     said = capsys.readouterr()
     assert 'of 3600.0 s, where it was stopped' in said.out
     assert 'stopping' in said.err
-    assert recording_health(target).problems == []
+    assert examine(target)[1].problems == []
     assert reproduce(target).identical
 
 

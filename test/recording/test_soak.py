@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 
 from bearing_twin.offline.run import run_offline
-from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.health import examine
 from bearing_twin.recording.schedule import write_temperature_recording
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def test_two_minutes_offline(tmp_path: Path) -> None:
         source, target, twin={'defect': 'outer'}, progress=lambda _: memory.append(resident())
     )
     assert report.blocks == int(seconds * RATE) // 1024
-    health = recording_health(target)
+    health = examine(target)[1]
     assert health.problems == []
     assert health.topics['/vibration'].blocks == report.blocks
     # Stamps are rounded to 1 ns each.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording import reader
-from bearing_twin.recording.health import recording_health
+from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.writer import RecordingWriter, whole_recording, WriterOptions
 from mcap.reader import make_reader
@@ -286,7 +286,7 @@ def test_two_sources_on_one_topic_are_said_to_be_two(tmp_path: Path) -> None:
                 writer.write(
                     '/vibration', VIBRATION, cdr, log_time=time, publish_time=time, qos=QOS
                 )
-    health = recording_health(tmp_path / 'run.mcap')
+    health = examine(tmp_path / 'run.mcap')[1]
     topic = health.topics['/vibration']
     assert topic.alternations >= 30
     # Not the 879 million between their indices.
@@ -300,7 +300,7 @@ def test_health_finds_what_is_missing(tmp_path: Path) -> None:
             time = START + index * PERIOD
             cdr = vibration_cdr(index)
             writer.write('/vibration', VIBRATION, cdr, log_time=time, publish_time=time, qos=QOS)
-    health = recording_health(tmp_path / 'run.mcap')
+    health = examine(tmp_path / 'run.mcap')[1]
     topic = health.topics['/vibration']
     # 2 -> 5 leaves out two blocks, 6 -> 4 goes back, 4 -> 7 leaves out two again.
     assert (topic.gaps, topic.samples_missing, topic.restarts) == (2, 4 * 1024, 1)
@@ -308,7 +308,7 @@ def test_health_finds_what_is_missing(tmp_path: Path) -> None:
     assert topic.longest_gap == pytest.approx(3 * PERIOD / NANO)
     assert len(health.problems) == 3
     write_blocks(tmp_path / 'sound', 20)
-    sound = recording_health(tmp_path / 'sound')
+    sound = examine(tmp_path / 'sound')[1]
     assert sound.problems == []
     assert sound.topics['/vibration'].worst_stamp_error < 1e-9
 

@@ -11,7 +11,7 @@ import re
 
 from bearing_twin import cli
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.reader import read_messages
+from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.view.over_temperature import STRIP_SECONDS
 from bearing_twin.view.report.appendix import off_default
@@ -23,6 +23,10 @@ import pytest
 import yaml
 
 SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
+
+
+def machines_of(path):
+    return collect(path, recording_info(path).start)
 
 
 @pytest.fixture(scope='module')
@@ -104,7 +108,7 @@ def test_the_page_refers_to_nothing_outside_itself(page):
 
 
 def test_the_page_names_the_verdict_and_shows_every_picture(recording, page):
-    (machine,) = collect(recording).values()
+    (machine,) = machines_of(recording).values()
     worst = machine.headline.worst.best
     assert worst.result_name == 'inner'
     banner = re.search(r'<div class="verdict".*?</div>', page, re.DOTALL).group()
@@ -127,7 +131,7 @@ def test_every_picture_draws_something(page):
 
 
 def test_strips_are_pieces_of_the_recorded_waveform_over_the_whole_range(recording):
-    (machine,) = collect(recording).values()
+    (machine,) = machines_of(recording).values()
     whole = np.concatenate([m.decode().y for m in read_messages(recording, topics=['/vibration'])])
     assert [5.0 * step for step in sorted(machine.over_temperature.strips)] == [
         *np.arange(20.0, 111.0, 5.0)
@@ -142,7 +146,7 @@ def test_strips_are_pieces_of_the_recorded_waveform_over_the_whole_range(recordi
 
 
 def test_the_level_of_the_blocks_is_that_of_their_samples_about_their_mean(recording):
-    (machine,) = collect(recording).values()
+    (machine,) = machines_of(recording).values()
     whole = np.concatenate(
         [m.decode().y for m in read_messages(recording, topics=['/vibration'])]
     ).astype(np.float64)
@@ -160,7 +164,7 @@ def test_each_namespace_is_a_machine_of_its_own(recording, tmp_path):
         rename=lambda topic: [f'/line3/bearing_{k}{topic}' for k in (7, 8)],
         until=end,
     )
-    machines = collect(both)
+    machines = machines_of(both)
     assert list(machines) == ['/line3/bearing_7', '/line3/bearing_8']
     first, second = machines.values()
     assert first.vibration == second.vibration
@@ -209,14 +213,14 @@ def test_a_twin_beside_the_sensor_is_not_what_the_page_is_about(recording, tmp_p
     topics = {'/vibration': ['/vibration_twin', '/vibration']}
     both = rewritten(recording, tmp_path / 'both', rename=lambda t: topics.get(t, [t]), until=end)
     alone = rewritten(recording, tmp_path / 'alone', until=end)
-    (machine,), (single,) = collect(both).values(), collect(alone).values()
+    (machine,), (single,) = machines_of(both).values(), machines_of(alone).values()
     assert machine.vibration == single.vibration
     assert machine.sensors == {'/vibration', '/vibration_twin'}
     assert '/vibration, /vibration_twin' in report_page(both)
     topics = {'/vibration': ['/vibration', '/twin/vibration']}
     made = tmp_path / 'below'
     below = rewritten(recording, made, rename=lambda t: topics.get(t, [t]), until=end)
-    (machine,) = collect(below).values()
+    (machine,) = machines_of(below).values()
     assert machine.sensors == {'/vibration', '/twin/vibration'}
 
 
@@ -224,7 +228,7 @@ def test_a_twin_beside_the_sensor_is_not_what_the_page_is_about(recording, tmp_p
     ('zone', 'velocity', 'decides'), [('D', 8.0, True), ('', 12.0, True), ('', 8.0, False)]
 )
 def test_a_velocity_that_decides_is_drawn_beside_what_decides(recording, zone, velocity, decides):
-    (machine,) = collect(recording).values()
+    (machine,) = machines_of(recording).values()
     for k, (time, message) in enumerate(machine.diagnoses):
         message = replace(message, iso_zone=zone, velocity_rms=velocity)
         machine.diagnoses[k] = time, message
@@ -242,7 +246,7 @@ def test_a_velocity_that_decides_is_drawn_beside_what_decides(recording, zone, v
 
 
 def test_a_level_over_baseline_has_its_limits_and_takes_no_third_sheet(recording):
-    (machine,) = collect(recording).values()
+    (machine,) = machines_of(recording).values()
     heights = []
     for level in (math.nan, 7.0):
         machine.diagnoses = [
@@ -290,7 +294,7 @@ def test_a_page_says_what_a_fleet_simulated(recording, tmp_path, base):
                     topic, message.type_name, cdr,
                     log_time=message.log_time, publish_time=message.publish_time,
                 )  # fmt: skip
-    machines = collect(tmp_path / 'fleet')
+    machines = machines_of(tmp_path / 'fleet')
     text = f'simulated by {base}/fleet, preset incipient, '
     assert machines[f'{base}/p1'].source.text.startswith(f'{text}inner race')
     assert machines[f'{base}/fleet'].source.text == f'{text}no defect'
@@ -333,8 +337,8 @@ def test_a_torn_recording_is_shown_up_to_where_it_breaks_off(recording, tmp_path
     content = source.read_bytes()
     torn = tmp_path / 'torn.mcap'
     torn.write_bytes(content[: len(content) // 2])
-    (whole,) = collect(recording).values()
-    (half,) = collect(torn).values()
+    (whole,) = machines_of(recording).values()
+    (half,) = machines_of(torn).values()
     assert 0.3 < len(half.vibration) / len(whole.vibration) < 0.7
     assert whole.vibration[: len(half.vibration)] == half.vibration
     text = report_page(torn)
@@ -351,7 +355,7 @@ def test_verdicts_that_cannot_be_read_are_not_passed_over(recording, tmp_path):
                 message.topic, message.type_name, cdr,
                 log_time=message.log_time, publish_time=message.publish_time,
             )  # fmt: skip
-    (machine,) = collect(target).values()
+    (machine,) = machines_of(target).values()
     assert machine.unread['/diagnosis'][0] == 40
     text = report_page(target)
     assert '/diagnosis: 40 messages cannot be read' in text

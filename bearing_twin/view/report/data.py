@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.catalogue import known_fields
 from bearing_twin.recording.plainyaml import load_plain
-from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.reader import read_messages
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.vibration_input import HIGHEST_RATE
 from bearing_twin.view.over_temperature import OverTemperature
@@ -86,9 +86,11 @@ class Machine:
         return self.only_vibration and not self.vibration
 
 
-def collect(path: Path) -> dict[str, Machine]:
+def collect(path: Path, start: int) -> dict[str, Machine]:
     """
     Return every machine of a recording by namespace; unfinished files up to their end.
+
+    Times are those after ``start``, ns.
 
     Raises
     ------
@@ -96,7 +98,6 @@ def collect(path: Path) -> dict[str, Machine]:
         If there is no recording, or nothing in it that a report can show.
 
     """
-    start = recording_info(path).start
     machines: dict[str, _Collector] = {}
     for message in read_messages(path, recover=True, problems=[]):
         namespace, _, _ = message.topic.rpartition('/')
