@@ -10,7 +10,7 @@ import itertools
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import FAULT_CODES, PLACES
+from bearing_twin.bearing import FAULT_CODES, LEVELS, PLACES
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.gate import SHAFT_TURNS
 from bearing_twin.diagnosis.level import raised, staged, UNKNOWN
@@ -197,12 +197,13 @@ def _moving(
     whole: Diagnosis, turns: float, parts: Callable[[int], Sequence[Excerpt]]
 ) -> Diagnosis | None:
     """
-    Fault that two neighbouring parts of a record name at two frequencies; None without one.
+    Answer of the parts of a record whose lines smear over the whole; None where they have none.
 
-    The frequencies are more than a line apart, so that the lines of the whole smear. That two
-    parts agree keeps false names as rare as those of one. Of an order that lies as near to a
-    whole one as the speed has moved, no part can tell which of the two it is.
+    It is the fault that two neighbouring parts name at two frequencies, more than a line apart.
+    That two parts agree keeps false names as rare as those of one. Else a record that would be
+    *ok* or not known is suspect where two such parts suspect one place, or one part has an alarm.
     """
+    weaker = None
     for count in (2, 4):
         if turns < count * _PART_TURNS:
             break
@@ -210,27 +211,52 @@ def _moving(
         for one, other in itertools.pairwise(said):
             line_hz = one.sample_rate / min(one.sample_count, other.sample_count)
             moved = abs(other.fault_hz - one.fault_hz)
-            named = one.level == other.level == 'fault' and one.result in PLACES
-            if not (named and one.faults == other.faults and moved > line_hz):
+            if one.faults != other.faults or not moved > line_hz:
                 continue
             text = (
                 f'in two neighbouring parts of {turns / count:.0f} turns it is at '
                 f'{one.fault_hz:.1f} and {other.fault_hz:.1f} Hz: the speed moves within the '
                 'record, so the whole does not show it; give the speed of each sample'
             )
-            found, order = other, other.fault_hz / other.shaft_hz
-            if abs(order - round(order)) <= order * moved / other.fault_hz:
-                text += f'; impacts {round(order)} times a turn would look the same'
-                found = replace(
-                    other, result='ambiguous', level='suspect', confidence=UNKNOWN,
-                    fault_code=FAULT_CODES['ambiguous'],
-                )  # fmt: skip
-            return replace(
-                found,
-                reasons=(*other.reasons, text),
-                first_sample=whole.first_sample,
-                sample_count=whole.sample_count,
-                severity=whole.severity,
-                spectrum=whole.spectrum,
+            if one.level == other.level == 'fault' and one.result in PLACES:
+                return _of_part(whole, _whole_turns(other, moved), text)
+            less = min(one, other, key=lambda said: LEVELS.index(said.level))
+            if less.level == 'suspect':
+                weaker = weaker or _of_part(whole, less, text)
+        alarm = next((part for part in said if part.level == 'fault'), None)
+        if alarm and not weaker:
+            text = (
+                f'only one part of {turns / count:.0f} turns is an alarm, and the speed seems to '
+                'move within the record: repeat it, and give the speed of each sample'
             )
-    return None
+            alarm = replace(alarm, level='suspect', confidence=UNKNOWN)
+            weaker = _of_part(whole, alarm, text)
+    return weaker if whole.level in ('none', 'ok') else None
+
+
+def _whole_turns(part: Diagnosis, moved_hz: float) -> Diagnosis:
+    """
+    Take back the name of an order that lies as near to a whole one as the speed has moved.
+
+    Impacts so many times a turn would look the same in each part.
+    """
+    order = part.fault_hz / part.shaft_hz
+    if abs(order - round(order)) > order * moved_hz / part.fault_hz:
+        return part
+    text = f'impacts {round(order)} times a turn would look the same'
+    return replace(
+        part, result='ambiguous', level='suspect', confidence=UNKNOWN,
+        fault_code=FAULT_CODES['ambiguous'], reasons=(*part.reasons, text),
+    )  # fmt: skip
+
+
+def _of_part(whole: Diagnosis, part: Diagnosis, text: str) -> Diagnosis:
+    """Answer of a part as that of the whole record."""
+    return replace(
+        part,
+        reasons=(*part.reasons, text),
+        first_sample=whole.first_sample,
+        sample_count=whole.sample_count,
+        severity=whole.severity,
+        spectrum=whole.spectrum,
+    )

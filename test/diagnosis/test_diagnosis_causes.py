@@ -297,7 +297,7 @@ def test_pulsation_of_blades_is_no_alarm(rng):
     assert any('blades' in reason for reason in said.reasons)
 
 
-def _drifting(place, drift, seed, order=None, shaft=0.3):
+def _drifting(place, drift, seed, order=None, shaft=0.3, strength=0.8):
     """8 s of impacts of a 6206, or of none, at 24.6 Hz that drift by a share of it."""
     rng = np.random.default_rng(seed)
     rate, count = 20480.0, 8 * 20480
@@ -323,7 +323,7 @@ def _drifting(place, drift, seed, order=None, shaft=0.3):
         np.add.at(impacts, index[index < count], heights[index < count])
         angle = 2.0 * np.pi * 3500.0 * np.arange(300) / rate
         ringing = np.convolve(impacts, np.exp(-0.04 * angle) * np.sin(angle))[:count]
-        x += 0.8 * ringing / ringing.std()
+        x += strength * ringing / ringing.std()
     return x, rate
 
 
@@ -336,6 +336,19 @@ def test_a_fault_whose_speed_drifts_within_the_record_is_named(place, drift):
         said = diagnose_record(x, rate, find_bearing('6206'), 24.6)
         assert (said.result, said.level) == (place, 'fault'), said.reasons
         assert said.sample_count == len(x)
+
+
+def test_a_weak_fault_whose_speed_drifts_is_no_health():
+    """Too weak for an alarm of two parts that agree; and one that begins within the record."""
+    for seed in range(3):
+        x, rate = _drifting('inner', 0.1, seed, strength=0.3)
+        said = diagnose_record(x, rate, find_bearing('6206'), 24.6)
+        assert (said.level, said.faults) == ('suspect', ('inner',)), said.reasons
+        x, rate = _drifting('outer', 0.1, seed, strength=1.2)
+        sound, _ = _drifting('', 0.1, seed)
+        x[: int(6.0 * rate)] = sound[: int(6.0 * rate)]
+        said = diagnose_record(x, rate, find_bearing('6206'), 24.6)
+        assert (said.level, said.faults) == ('suspect', ('outer',)), said.reasons
 
 
 def test_a_sound_machine_whose_speed_drifts_has_no_alarm():
