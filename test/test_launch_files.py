@@ -93,7 +93,7 @@ def test_arguments_that_cannot_be_used_are_refused(name, arguments, said):
         start.visit(context)
 
 
-def test_an_argument_that_is_misspelt_is_told(capsys):
+def test_an_argument_that_is_misspelt_is_told(capfd):
     description = described(FOLDER / 'twin.launch.py')
     typed = ['defct:=inner', 'params:=x.yaml', 'map_of_the_hall:=x.yaml']
     context = launch.LaunchService(argv=typed).context
@@ -103,7 +103,7 @@ def test_an_argument_that_is_misspelt_is_told(capsys):
         declared.visit(context)
     [start] = [a for a in description.entities if isinstance(a, launch.actions.OpaqueFunction)]
     start.visit(context)
-    assert capsys.readouterr().out.splitlines() == [
+    assert capfd.readouterr().out.splitlines() == [
         "[WARNING] [bearing_twin]: there is no argument 'defct'; is 'defect' meant?"
     ]
 
@@ -116,20 +116,48 @@ def test_launch_file_starts_its_nodes(name, ros_domain, tmp_path):
     (tmp_path / 'own.yaml').write_text(OWN)
     given = [f'{key}:={value}' for key, value in arguments.items()]
     command = ['ros2', 'launch', str(FOLDER / f'{name}.launch.py'), 'namespace:=line1', *given]
-    log = tmp_path / 'log'
+    log = launched(command, tmp_path, lambda text: said in text)
+    # Where the interpreter itself is still starting it ends by the signal (-2).
+    assert not re.search(r'process has died.*exit code (?!-2)', log)
+
+
+@pytest.mark.ros
+@pytest.mark.skipif(not INSTALLED, reason='ros2 does not find this package')
+def test_what_dies_is_started_again_and_what_refuses_its_parameters_is_not(ros_domain, tmp_path):
+    (tmp_path / 'own.yaml').write_text(
+        '/**/adapter:\n  ros__parameters: {sample_rate: 25600.0}\n'
+        '/**/diagnosis:\n  ros__parameters: {window: 0.01}\n'
+    )
+    command = ['ros2', 'launch', str(FOLDER / 'machine.launch.py'), 'params_file:=own.yaml']
+
+    killed = []
+
+    def kill_adapter(text):
+        if not killed and 'listening to' in text and 'it is not started again' in text:
+            killed.append(int(re.search(r'\[adapter-\d+\]: .* with pid \[(\d+)\]', text)[1]))
+            os.kill(killed[0], signal.SIGKILL)
+        return text.count('listening to') == 2
+
+    log = launched([*command, 'twin:=false', 'record:=false'], tmp_path, kill_adapter)
+    assert 'diagnosis: window=0.01 is outside 1..60 s' in log
+    assert len(re.findall(r'\[diagnosis-\d+\]: process started', log)) == 1
+
+
+def launched(command, folder, wait):
+    """Launch until ``wait`` holds for what is printed, end it by Ctrl-C; return what it is."""
+    log = folder / 'log'
     with log.open('wb') as out:
-        launched = subprocess.Popen(
-            command, stdout=out, stderr=subprocess.STDOUT, cwd=tmp_path, start_new_session=True
+        process = subprocess.Popen(
+            command, stdout=out, stderr=subprocess.STDOUT, cwd=folder, start_new_session=True
         )
         try:
             deadline = time.monotonic() + 120.0
-            while said not in log.read_text():
-                assert launched.poll() is None and time.monotonic() < deadline, log.read_text()
+            while not wait(log.read_text()):
+                assert process.poll() is None and time.monotonic() < deadline, log.read_text()
                 time.sleep(0.2)
         finally:
             # Ctrl-C reaches the whole group.
-            os.killpg(launched.pid, signal.SIGINT)
-            launched.wait(120.0)
-    assert launched.returncode == 0
-    # Where the interpreter itself is still starting it ends by the signal (-2).
-    assert not re.search(r'process has died.*exit code (?!-2)', log.read_text())
+            os.killpg(process.pid, signal.SIGINT)
+            process.wait(120.0)
+    assert process.returncode == 0
+    return log.read_text()

@@ -93,7 +93,9 @@ class FleetNode(ManagedNode):
 
     def bring_up(self) -> None:
         """Declare the parameters of the assets; configure and activate as any node."""
+        self.refused = True
         self._declare()
+        self.refused = False
         super().bring_up()
 
     def _declare(self) -> None:

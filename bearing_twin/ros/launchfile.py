@@ -10,9 +10,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.ros.launching import REFUSED
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.actions import (
+    DeclareLaunchArgument,
+    EmitEvent,
+    OpaqueFunction,
+    RegisterEventHandler,
+)
 from launch.conditions import IfCondition
+from launch.event_handlers import OnProcessExit
+from launch.events import matches_action
+from launch.events.process import ShutdownProcess
 from launch.logging import get_logger
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
@@ -23,6 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
     from launch import LaunchContext, Substitution
+    from launch.events.process import ProcessExited
 
 
 PACKAGE = 'bearing_twin'
@@ -67,7 +77,7 @@ def launch_description(
     remappings
         Other names for topics of an executable.
     respawned
-        Executables that are started again where they die.
+        Executables that are started again where they die, unless they refuse their parameters.
 
     Raises
     ------
@@ -78,7 +88,7 @@ def launch_description(
     """
     conditions, remappings = conditions or {}, remappings or {}
 
-    def start(context: LaunchContext) -> list[Node]:
+    def start(context: LaunchContext) -> list[Node | RegisterEventHandler]:
         declared = [each.name for each in arguments]
         # Only what was typed: a launch file that includes this one has names of its own.
         typed = {argument.partition(':=')[0] for argument in context.argv}
@@ -110,13 +120,24 @@ def launch_description(
                     output='screen',
                 )
             )
-        return started
+        ends = [OnProcessExit(target_action=node, on_exit=_leave_refused) for node in started]
+        return [*map(RegisterEventHandler, ends if respawned else ()), *started]
 
     declared = [
         DeclareLaunchArgument(each.name, default_value=each.default, description=each.text)
         for each in arguments
     ]
     return LaunchDescription([*declared, OpaqueFunction(function=start)])
+
+
+def _leave_refused(event: ProcessExited, _: LaunchContext) -> list[EmitEvent]:
+    """Let launch not start a node again that would refuse its parameters again."""
+    if event.returncode != REFUSED:
+        return []
+    get_logger(PACKAGE).error(
+        f'{event.process_name} refuses its parameters, see above: it is not started again'
+    )
+    return [EmitEvent(event=ShutdownProcess(process_matcher=matches_action(event.action)))]
 
 
 def _value(argument: Argument, context: LaunchContext) -> ParameterValue:

@@ -22,6 +22,8 @@ COMPILING = 'compiling the kernel (first start only)'
 """What a twin logs when its start takes long for that reason."""
 LOADING = 'loading the kernel'
 """The same where the kernel has been compiled before."""
+REFUSED = 2
+"""Exit status of a node that refuses its parameters or arguments, as it would the next time."""
 RUN_NODE = (
     'import sys; sys.path[:] = filter(None, sys.path); '
     'from bearing_twin.start import command; sys.exit(command())'

@@ -20,7 +20,7 @@ from bearing_twin.ros.entities import destroy_new, entities
 from bearing_twin.ros.executor import LeanExecutor, PolledGroup
 from bearing_twin.ros.fastdds import set_up_fast_dds
 from bearing_twin.ros.health import Health, Level, Status
-from bearing_twin.ros.launching import COMPILING, ensure_log_folder, LOADING
+from bearing_twin.ros.launching import COMPILING, ensure_log_folder, LOADING, REFUSED
 from bearing_twin.ros.parameters import ParameterSet, unknown_at_start
 from bearing_twin.ros.subscribing import validated
 from bearing_twin.streams.statefile import NodeStates
@@ -76,6 +76,8 @@ class ManagedNode(LifecycleNode):
         self._managed = False
         self.failed = False
         """Whether the work has ended in an error: the exit status of the process."""
+        self.refused = False
+        """Whether that was a parameter which is looked at only when it is used."""
         self.parameters = ParameterSet(
             self, (*specs, AUTOSTART), check=self.check, apply=self._apply, locked=self._is_locked
         )
@@ -244,6 +246,7 @@ class ManagedNode(LifecycleNode):
             step()
         except Exception as error:
             if _refuses(error):
+                self.refused = not isinstance(error, BearingTwinError)
                 self.get_logger().error(str(error))
                 return TransitionCallbackReturn.FAILURE
             if not self.context.ok():
@@ -336,7 +339,8 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
     """
     Run a node until it is told to end; return the exit status.
 
-    INT and TERM end it cleanly: files are finished, the status is 0.
+    INT and TERM end it cleanly: files are finished, the status is 0. Where parameters or arguments
+    are refused it is that of :data:`REFUSED`, so that nobody starts the node again in vain.
     """
     stray = _stray(sys.argv[1:] if args is None else args)
     if stray:
@@ -345,7 +349,7 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
             "behind --ros-args, e.g. '--ros-args -p NAME:=VALUE'",
             file=sys.stderr,
         )
-        return 2
+        return REFUSED
     set_up_fast_dds()
     ensure_log_folder()
     keep_freed_memory()
@@ -378,7 +382,7 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
         return 1 if node is not None and node.failed else 0
     except BearingTwinError as error:
         print(f'{_program(node_class)}: {error}', file=sys.stderr)
-        return 1
+        return REFUSED if node is None or node.refused else 1
     finally:
         # Nothing is left to be interrupted but the way out.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
