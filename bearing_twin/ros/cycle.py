@@ -26,7 +26,12 @@ if TYPE_CHECKING:
 
 STILL_AFTER = 1.0
 JUMP = 10.0
-"""Advance of /clock between two of its readings above which it has jumped, s."""
+"""
+Advance of /clock between two of its readings above which it has jumped, and most that a node may
+lag behind it, s: a simulation does not wait, and a busy moment of ours is no gap in it.
+"""
+REST_PERIOD = 0.05
+"""Time after which more of what is due behind /clock is published, s: readers queue 50 blocks."""
 
 
 class BlockCycle:
@@ -69,10 +74,12 @@ class BlockCycle:
         self._publish = publish
         self._slots = slots
         self._between = between
-        self._pacer = realtime.build_pacer(parameters.values)
+        self._simulated = node.get_parameter('use_sim_time').value
+        self._pacer = realtime.build_pacer(parameters.values, JUMP if self._simulated else 0.0)
         self._statistics = CycleStatistics()
         self._began = 0.0
         self._busy = 0.0
+        self._more = False
         self._cycle_began: int | None = None
         self._woken = time.monotonic()
         if parameters['lock_memory']:
@@ -88,7 +95,7 @@ class BlockCycle:
         """Let the first block begin with the first wake-up, or reading of /clock, that follows."""
         self._ticks = Clock(clock_type=ClockType.STEADY_TIME)
         self._jumps: JumpHandle | None = None
-        if self._node.get_parameter('use_sim_time').value:
+        if self._simulated:
             self._ticks = self._node.get_clock()
             self._jumps = self._ticks.create_jump_callback(
                 JumpThreshold(
@@ -98,6 +105,9 @@ class BlockCycle:
                 ),
                 post_callback=self._on_jump,
             )
+            # Also where /clock has ended.
+            steady = Clock(clock_type=ClockType.STEADY_TIME)
+            self._node.create_timer(REST_PERIOD, self._publish_rest, clock=steady)
         # Not now: /clock is read by the executor alone, and may have gone on for seconds.
         self._pacer.release()
         self._pause()
@@ -121,7 +131,6 @@ class BlockCycle:
     def status(self) -> Status:
         """Status of the deadlines for /diagnostics."""
         asleep = time.monotonic() - self._woken
-        simulated = self._node.get_parameter('use_sim_time').value
         return realtime.status(
             self._pacer.report(),
             self._statistics,
@@ -129,7 +138,8 @@ class BlockCycle:
             period=self.period,
             scheduling=self._scheduling,
             active=self._node.active,
-            still=simulated and asleep > STILL_AFTER + self.period,
+            simulated=self._simulated,
+            still=self._simulated and asleep > STILL_AFTER + self.period,
         )
 
     def _now(self) -> int:
@@ -145,17 +155,27 @@ class BlockCycle:
         ticks = self._ticks.now().nanoseconds
         # The next wake-up is set already; what is set here is the time from it to the one after.
         following = ticks + (self._timer.time_until_next_call() or 0)
-        for due in self._pacer.due(ticks=ticks, time=self._now()):
-            self._finish_cycle(ticks)
-            self._began = time.perf_counter()
-            self._publish(due)
-            self._busy += time.perf_counter() - self._began
+        self._publish_due()
         if self._between is not None:
             began = time.perf_counter()
             self._between(self._pacer.phase(self._ticks.now().nanoseconds))
             self._busy += time.perf_counter() - began
         # Behind the blocks: the first call lets them begin.
         self._timer.timer_period_ns = self._pacer.wake_up(following, self._slots) - following
+
+    def _publish_due(self) -> None:
+        ticks = self._ticks.now().nanoseconds
+        blocks = self._pacer.due(ticks=ticks, time=self._now())
+        for due in blocks:
+            self._finish_cycle(ticks)
+            self._began = time.perf_counter()
+            self._publish(due)
+            self._busy += time.perf_counter() - self._began
+        self._more = len(blocks) == self._pacer.catch_up
+
+    def _publish_rest(self) -> None:
+        if self._more:
+            self._publish_due()
 
     def _pause(self) -> None:
         """Let no cycle reach over the time up to now."""

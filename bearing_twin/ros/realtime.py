@@ -40,13 +40,15 @@ def check_thresholds(values: Mapping[str, Any]) -> None:
             raise BearingTwinError(msg)
 
 
-def build_pacer(values: Mapping[str, Any]) -> Pacer:
-    """Return the deadlines that the parameters describe."""
+def build_pacer(values: Mapping[str, Any], behind: float = 0.0) -> Pacer:
+    """Return the deadlines that the parameters describe, for a node that may lag ``behind``, s."""
+    block, rate = values['block_size'], values['sample_rate']
     return Pacer(
-        block=values['block_size'],
-        rate=values['sample_rate'],
+        block=block,
+        rate=rate,
         catch_up=values['catch_up_blocks'],
         late_after=values['late_after'],
+        behind=int(behind * rate / block),
     )
 
 
@@ -106,6 +108,7 @@ def status(
     period: float,
     scheduling: str,
     active: bool,
+    simulated: bool,
     still: bool,
 ) -> Status:
     """
@@ -123,8 +126,9 @@ def status(
         Time between deadlines, s.
     scheduling
         Scheduling in force.
-    active, still
-        Whether the node publishes, and whether its clock (/clock) stands still.
+    active, simulated, still
+        Whether the node publishes, whether /clock paces it, and whether that stands still. Blocks
+        come in the steps of /clock, at its pace: no threshold of real time speaks of them.
 
     """
     periodicity, execution = cycles.periodicity, cycles.execution_time
@@ -136,7 +140,8 @@ def status(
         execution.std / period,
     )
     level, texts = Level.OK, []
-    for (name, *_, text), value in zip(THRESHOLDS, measures, strict=True):
+    limits = () if simulated else zip(THRESHOLDS, measures, strict=True)
+    for (name, *_, text), value in limits:
         for threshold, what in ((f'{name}.error', Level.ERROR), (f'{name}.warn', Level.WARN)):
             if value > values[threshold]:
                 level = max(level, what, key=lambda x: x.value)
@@ -151,7 +156,7 @@ def status(
         level, texts = Level.OK, ['/clock stands still, and so do the blocks']
     return Status(
         level,
-        '; '.join(texts) or 'in time',
+        '; '.join(texts) or ('in step with /clock' if simulated else 'in time'),
         {
             **periodicity.named('periodicity', 'hz'),
             'desired_periodicity_hz': 1.0 / period,

@@ -56,8 +56,8 @@ class Pacer:
 
     Block k covers samples ``k n .. (k+1) n - 1`` and is due when its last sample has been taken:
     ``start + (k + 1) n / rate``. Deadlines are absolute, so nothing accumulates. A caller that
-    is late gets up to ``catch_up`` blocks in one call; older ones are skipped and counted, and the
-    sample index runs on over them so that every reader sees the gap.
+    is late gets up to ``catch_up`` blocks in one call, and up to ``behind`` in all; older ones are
+    skipped and counted, and the sample index runs on over them so that every reader sees the gap.
 
     Pacing follows ``ticks`` (a steady clock, or /clock); stamps follow the node's clock. The two
     are compared at each call: where the node's clock has been stepped, or has drifted by more
@@ -73,10 +73,15 @@ class Pacer:
         Most blocks given out by one call, at least 1.
     late_after
         Lateness above which a block counts as late, s.
+    behind
+        Most blocks that may wait for the next calls, those of this one included; ``catch_up`` if
+        that is more.
 
     """
 
-    def __init__(self, *, block: int, rate: float, catch_up: int, late_after: float) -> None:
+    def __init__(
+        self, *, block: int, rate: float, catch_up: int, late_after: float, behind: int = 0
+    ) -> None:
         if block < 1 or rate <= 0.0 or catch_up < 1:
             msg = f'{block=}, {rate=}, {catch_up=}: all three must be positive'
             raise BearingTwinError(msg)
@@ -84,6 +89,7 @@ class Pacer:
         self.rate = rate
         self.catch_up = catch_up
         self.late_after = late_after
+        self.behind = max(behind, catch_up)
         self.next_sample = 0
         self.published = 0
         self.late = 0
@@ -144,14 +150,13 @@ class Pacer:
         # Floor with integers: the last sample of a due block has been taken.
         taken = self._anchor_sample + int(elapsed * self.rate // NANO)
         count = max(0, (taken - self.next_sample) // self.block)
-        if count > self.catch_up:
-            skipped = count - self.catch_up
+        if count > self.behind:
+            skipped = count - self.behind
             self.dropped += skipped
             self._drops.append((self.published, skipped))
             self.next_sample += skipped * self.block
-            count = self.catch_up
         blocks = []
-        for _ in range(count):
+        for _ in range(min(count, self.catch_up)):
             deadline = self._tick_anchor + self._offset(self.next_sample + self.block)
             lateness = (ticks - deadline) / NANO
             stamp = self._time_anchor + self._offset(self.next_sample)

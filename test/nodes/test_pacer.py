@@ -48,6 +48,14 @@ def test_catches_up_then_skips_and_counts():
     assert p.report().published == 9
 
 
+def test_what_may_wait_is_given_out_by_the_next_calls():
+    p = pacer(behind=12)
+    times = [24 * PERIOD, 24 * PERIOD, 25 * PERIOD, 25 * PERIOD]
+    given_out = [[b.first_sample // 1024 for b in run(p, ticks)] for ticks in times]
+    assert given_out == [[12, 13, 14, 15, 16], [17, 18, 19, 20, 21], [22, 23, 24], []]
+    assert p.report().dropped == 12
+
+
 def test_clock_set_back_goes_on_without_a_gap_in_the_index():
     p = pacer()
     run(p, 3 * PERIOD)

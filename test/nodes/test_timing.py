@@ -20,7 +20,7 @@ VALUES = {spec.name: spec.default for spec in realtime_parameters.SPECS} | {
 }
 
 
-def status_of(began, durations):
+def status_of(began, durations, *, simulated=False):
     """Return the status after cycles that began at these times and took so long, s."""
     cycles = CycleStatistics()
     for at, duration in zip(began, durations, strict=True):
@@ -33,6 +33,7 @@ def status_of(began, durations):
         period=PERIOD,
         scheduling='normal',
         active=True,
+        simulated=simulated,
         still=False,
     )
 
@@ -96,3 +97,13 @@ def test_an_execution_time_that_varies_is_reported(longest, level):
 def test_a_warning_above_the_error_is_refused(name):
     with pytest.raises(BearingTwinError, match=f'{name}.warn=9 must not be above'):
         realtime.check_thresholds(VALUES | {f'{name}.warn': 9.0, f'{name}.error': 8.0})
+
+
+def test_the_steps_of_a_fast_clock_are_no_lateness():
+    """At ten times the pace a /clock of 100 readings a second goes on by 2.5 blocks each time."""
+    blocks = np.arange(1, 501) * PERIOD
+    began = np.ceil(blocks / 0.1) * 0.1
+    level, text, values, _ = status_of(began, np.full(500, 0.001), simulated=True)
+    assert (level, text) == (Level.OK, 'in step with /clock')
+    assert values['periodicity_hz'] != pytest.approx(25.0, abs=10.0)
+    assert status_of(began, np.full(500, 0.001)).level is Level.ERROR

@@ -16,6 +16,7 @@ from bearing_twin_msgs.msg import TwinState, Vibration
 from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
 from block_streams import block_end, check_complete, DEEP
 from builtin_interfaces.msg import Time
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Temperature
 from std_srvs.srv import Trigger
 
@@ -245,4 +246,24 @@ def test_simulated_time_stands_still_runs_faster_and_jumps_back(nodes, probe):
         'the start of /clock and its jump counted',
     )
     assert probe.statuses[name][2]['blocks_dropped'] == '0'
+    assert nodes.end('twin') == 0
+
+
+def test_a_clock_that_goes_on_by_seconds_at_once_costs_no_block(nodes, probe):
+    """As /clock does in the eyes of a node that was held up while it ran at ten times the pace."""
+    nodes.start('twin', {'use_sim_time': True})
+    blocks = probe.collect(Vibration, 'vibration')
+    probe.watch_diagnostics()
+    probe.until_active('twin')
+    probe.run_clock(100.0, 100.5, {'twin': blocks})
+    for seconds in (104, 109):
+        told = Clock(clock=Time(sec=seconds))
+        probe.until(
+            lambda now=seconds: block_end(blocks[-1]) > now - 0.04,
+            f'the blocks until {seconds} s',
+            every=lambda told=told: probe.publish('/clock', told),
+        )
+    probe.until_still('twin')
+    assert all(a.first_sample + 1024 == b.first_sample for a, b in pairwise(blocks))
+    assert probe.statuses['twin: real time'][2]['blocks_dropped'] == '0'
     assert nodes.end('twin') == 0
