@@ -43,6 +43,32 @@ def test_the_twin_moves_as_the_audit_does(shaft_hz):
         assert np.linalg.norm(shifted - hot[settled]) > 2.0 * error * np.linalg.norm(hot[settled])
 
 
+def test_every_place_at_once_under_a_turned_load_through_standstill():
+    """Spalls of inner race, outer race and ball 0; the shaft stops and starts again."""
+    braked, angle, rate = 0.12, -0.3, RATE
+    defects = f'inner+outer:angle={audit.DOWN}+ball'
+    parameters = ideal(load_angle=angle, defect=defects)
+    n, found = round(braked * rate), []
+    simulator = Simulator(parameters, shaft_hz=25.4)
+    for fleet in (simulator, Fleet([parameters], seeds=[0], shaft_hz=25.4)):
+        delay = round(simulator.delay * rate)
+        blocks = [fleet.advance(n, 20.0, hz) for hz in (25.4, 0.0, 25.4)]
+        blocks.append(fleet.advance(delay, 20.0, 25.4))
+        for axis in 'xy':
+            parts = [np.ravel(getattr(block, axis)) for block in blocks]
+            found.append(np.concatenate(parts)[delay : 3 * n + delay - 1].astype(float))
+    expected = [
+        audit.housing(1.0, 25.4, 3.0 * braked, places=('inner', 'outer', 'ball'), braked=braked,
+                      load_angle=angle, axis=axis) for axis in (0, 1)
+    ]  # fmt: skip
+    settled, still = slice(2560, len(found[0]) - 64), slice(2 * n - 40, 2 * n + 40)
+    for i, ours in enumerate(found):
+        theirs = expected[i % 2]
+        error = np.linalg.norm(ours[settled] - theirs[: len(ours)][settled])
+        assert error < 0.03 * np.linalg.norm(theirs[settled])
+        assert np.abs(ours[still]).max() < 0.02 * np.abs(theirs).max()
+
+
 @pytest.mark.parametrize('shaft_hz', SPEEDS)
 @pytest.mark.parametrize(('factors', 'name'), [('e', 'expansion'), ('f', 'friction')])
 def test_the_trends_are_those_of_the_audit(shaft_hz, factors, name):

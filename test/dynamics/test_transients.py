@@ -67,7 +67,7 @@ def test_a_machine_that_is_hot_when_it_is_first_measured_has_been_so_for_long():
     inner = made.block.condition.inner_ring_temperature
     assert 0.0 < inner - settled_ring(70.0) < 0.5
     later = [twin.advance().block for _ in range(20)]
-    # The clearance gets there in 0.16 s, which are four blocks and what is left of one of the grid.
+    # The clearance gets there within 0.16 s: four blocks and a part of the fifth.
     check_settled(later[4].condition, 70.0)
     assert later[-1].condition.thermal_clearance == pytest.approx(
         later[4].condition.thermal_clearance, abs=2e-8
