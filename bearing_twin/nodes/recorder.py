@@ -24,7 +24,7 @@ from bearing_twin.ros.qos import CHECKPOINT, RESULT, STREAM
 from bearing_twin.ros.rawsubscriptions import RawSubscriptions, TopicChoice
 from bearing_twin.ros.rawtopics import offered_qos_yaml, SUBSCRIPTION_DEPTH
 from bearing_twin.stamps import NANO
-from bearing_twin.streams.arrival import ArrivalTimes, MessageNumbers
+from bearing_twin.streams.arrival import ArrivalTimes, MessageNumbers, MOST_HEARD
 from bearing_twin.wholefile import free_path
 from rclpy.clock import Clock, ClockType
 from rclpy.logging import get_logger
@@ -183,6 +183,9 @@ class RecorderNode(ManagedNode):
     ) -> None:
         qos = self._qos.get(topic)
         if qos is None:
+            if len(self._qos) >= MOST_HEARD:
+                # They are asked for again.
+                self._qos.clear()
             qos = self._qos[topic] = self._offered(topic)
         self._writer.write(
             topic,

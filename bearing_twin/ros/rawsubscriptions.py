@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     OnMessage = Callable[[str, str, bytes, MessageInfo], None]
 
 
+MOST_SILENT = 500
+"""Most topics that stay subscribed to, or told as left out, while nobody publishes them."""
 POLL_PERIOD = 0.02
 """Longest that a message waits, s: 25 000 messages a second of one topic are taken in time."""
 
@@ -104,6 +106,9 @@ class RawSubscriptions:
         self._on_message = on_message
         self._types: dict[str, str] = {}
         self._subscriptions: dict[str, Subscription[Any]] = {}
+        self._expected: set[str] = set()
+        # Known topics that nobody publishes; the one that fell silent first is the first.
+        self._silent: dict[str, None] = {}
         # Simulated time goes on between two polls, and is all that dates a message.
         simulated = node.get_parameter('use_sim_time').value
         self._group = None if simulated else PolledGroup(POLL_PERIOD)
@@ -120,18 +125,24 @@ class RawSubscriptions:
                 deep = own(qos)
                 deep.depth = SUBSCRIPTION_DEPTH
                 self._subscribe(topic, type_name, deep)
+                self._expected.add(topic)
 
     def discover(self) -> None:
         """
         Subscribe to new topics; anew where type or QoS of a topic has changed.
 
-        A topic goes on in the type that it has, whatever else is published on it for a while.
+        A topic goes on in the type that it has, whatever else is published on it for a while. It
+        stays subscribed to when its publishers are gone, so that nothing is missed when one comes
+        back, until ``MOST_SILENT`` others have fallen silent after it.
         """
+        published = set()
         for topic, _ in self._node.get_topic_names_and_types():
             if topic not in self._choice:
                 continue
             publishers = self._node.get_publishers_info_by_topic(topic)
             kinds = {(info.topic_type, str(info.topic_type_hash)) for info in publishers}
+            if publishers:
+                published.add(topic)
             if not publishers or kinds == self._refused.get(topic):
                 continue
             if (renamed := self._node.resolve_topic_name(topic)) != topic:
@@ -154,6 +165,19 @@ class RawSubscriptions:
                 self._refused.pop(topic, None)
                 others = ' and '.join(sorted({kind for kind, _ in kinds} - {type_name}))
                 self._leave_out(topic, others and f'{others} beside {type_name}')
+        self._forget_silent(published)
+
+    def _forget_silent(self, published: set[str]) -> None:
+        for topic in published & self._silent.keys():
+            del self._silent[topic]
+        known = self._subscriptions.keys() | self.left_out.keys()
+        self._silent |= dict.fromkeys(known - published - self._expected - self._silent.keys())
+        while len(self._silent) > MOST_SILENT:
+            topic = next(iter(self._silent))
+            del self._silent[topic]
+            self._unsubscribe(topic)
+            for about in (self._types, self._refused, self.left_out):
+                about.pop(topic, None)
 
     def _leave_out(self, topic: str, why: str) -> None:
         """Note and log why a topic, or a type of it, is not recorded; '' if all of it is."""

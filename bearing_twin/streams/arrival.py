@@ -8,7 +8,7 @@ from collections import Counter
 from typing import Any
 
 MOST_HEARD = 10_000
-"""Publishers whose last number is known: beyond, the one that is silent longest is forgotten."""
+"""Topics and publishers that are known: beyond, the one that is silent longest is forgotten."""
 
 
 class ArrivalTimes:
@@ -30,6 +30,7 @@ class ArrivalTimes:
     """
 
     def __init__(self) -> None:
+        # The topic that is silent longest is the first.
         self._latest: dict[str, int] = {}
 
     def of(self, topic: str, received: int, *, now: int) -> int:
@@ -46,8 +47,10 @@ class ArrivalTimes:
             The same clock now, ns: nothing was received later.
 
         """
-        latest = min(max(received, self._latest.get(topic, 0)), now)
+        latest = min(max(received, self._latest.pop(topic, 0)), now)
         self._latest[topic] = latest
+        if len(self._latest) > MOST_HEARD:
+            del self._latest[next(iter(self._latest))]
         return latest
 
 
@@ -93,8 +96,8 @@ class MessageNumbers:
         self._heard[key] = max(number, last or 0)
         if len(self._heard) > MOST_HEARD:
             del self._heard[next(iter(self._heard))]
-        if last is None:
-            self.sent_before[topic] += max(0, number - 1)
+        if last is None and number > 1:
+            self.sent_before[topic] += number - 1
         elif last:
             self.skipped += max(0, number - last - 1)
 

@@ -218,7 +218,7 @@ def test_publishers_that_come_and_go_take_bounded_memory():
     taken, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert taken < 5e6
-    assert numbers.sent_before == {'/alarm': 100_000, '/vibration': 0}
+    assert numbers.sent_before == {'/alarm': 100_000}
     assert numbers.skipped == 99_999
 
 

@@ -14,6 +14,7 @@ pytest.importorskip('rclpy')
 
 
 from bearing_twin.nodes.recorder import RecorderNode
+from bearing_twin.ros import rawsubscriptions
 from bearing_twin.ros.rawsubscriptions import TopicChoice
 import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -125,6 +126,52 @@ def test_a_second_type_for_a_moment_ends_no_recording(
     assert '/text is not recorded: ' in said
     assert f'/level is recorded in one type only: {beside}' in said
     assert all(f'{topic} is recorded, all of it' in said for topic in ('/level', '/text'))
+
+
+def test_topics_that_nobody_publishes_any_more_are_let_go(
+    ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rawsubscriptions, 'MOST_SILENT', 3)
+    bag = tmp_path / 'bag'
+    rclpy.init(args=['--ros-args', '-p', f'output:={bag}', '-p', 'regex:=/(passing|odd).*'])
+    try:
+        recorder = RecorderNode()
+        recorder.trigger_configure()
+        recorder.trigger_activate()
+        source = node_of_its_own('source')
+        other = node_of_its_own('other')
+        topics = recorder._topics
+
+        def pass_by(names: list[str]) -> None:
+            """Publish on topics, and leave."""
+            passing = [source.create_publisher(Float64, name, 10) for name in names]
+            # A topic of two types is left out, and told.
+            passing += [node.create_publisher(kind, 'odd_' + names[0], 10)
+                        for node, kind in ((source, Float64), (other, String))]  # fmt: skip
+            until(lambda: recorder.count_publishers('/odd_' + names[0]) == 2)
+            until(lambda: all(recorder.count_publishers('/' + name) for name in names))
+            topics.discover()
+            for publisher in passing[: len(names)]:
+                until(lambda publisher=publisher: publisher.get_subscription_count() == 1)
+                publisher.publish(Float64(data=1.0))
+                assert publisher.wait_for_all_acked(rclpy.duration.Duration(seconds=60))
+            for publisher in passing:
+                (other if publisher is passing[-1] else source).destroy_publisher(publisher)
+            until(lambda: not any(recorder.count_publishers('/' + name) for name in names))
+            until(lambda: not recorder.count_publishers('/odd_' + names[0]))
+            topics.discover()
+
+        for turn in range(3):
+            pass_by([f'passing_{turn}_{k}' for k in range(4)])
+            assert len(topics) + len(topics.left_out) == 3
+        pass_by(['passing_0_0'])
+        recorder.shut_down()
+    finally:
+        rclpy.shutdown()
+        for node in (source, other):
+            node.context.shutdown()
+    found = [m.topic for m in read_messages(bag, topics=['/passing_0_0', '/passing_2_3'])]
+    assert found == ['/passing_0_0', '/passing_2_3', '/passing_0_0']
 
 
 def test_a_topic_that_is_remapped_away_is_left_out_and_told(
