@@ -11,9 +11,11 @@ would bias what is left. The average of N floors scatters by 1/sqrt(N).
 from __future__ import annotations
 
 from dataclasses import dataclass
+import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
+from bearing_twin.errors import BearingTwinError
 import numpy as np
 from scipy import fft
 from scipy.ndimage import median_filter
@@ -81,6 +83,23 @@ class AveragedEnvelope:
         self.turns = 0.0
         self.count = 0
 
+    def load(self, count: int, turns: float, power: NDArray[np.float64]) -> None:
+        """
+        Take up an average that has been saved.
+
+        Raises
+        ------
+        BearingTwinError
+            If it is none of ``count`` snapshots.
+
+        """
+        fits = power.shape == self.power.shape and power.dtype == self.power.dtype
+        known = count >= 0 and 0.0 <= turns < math.inf and (turns > 0.0 or count == 0)
+        if not (fits and known and np.isfinite(power).all() and (power >= 0.0).all()):
+            msg = f'saved average of {count} snapshots is none; use what save() returned'
+            raise BearingTwinError(msg)
+        self.count, self.turns, self.power = count, turns, power
+
     def add(self, x: NDArray[np.float64], sample_rate: float, shaft_hz: float) -> None:
         """Add a snapshot: samples without their mean, shape (n,), their rate and speed in Hz."""
         spectrum = fft.rfft(x)
@@ -125,6 +144,8 @@ class AveragedEnvelope:
             # What the machine always did, its shaft and its neighbours, says nothing of damage.
             excess = excess - np.maximum(before.excess(), 0.0)
         resolution = self.count / self.turns
+        if 1.5 * resolution >= HIGHEST / HARMONICS:
+            return None
         grid = np.arange(1.5 * resolution, HIGHEST / HARMONICS, STEP)
         scores = np.zeros((len(BANDS), len(grid)))
         for harmonic in range(1, HARMONICS + 1):

@@ -433,7 +433,7 @@ class SeriesMonitor:
 
         Raises
         ------
-        KeyError, TypeError, ValueError, IndexError, BearingTwinError
+        KeyError, TypeError, ValueError, IndexError, OverflowError, BearingTwinError
             If it is not that; the monitor is then not to be used.
 
         """
@@ -442,11 +442,9 @@ class SeriesMonitor:
         if arrays['levels'].shape != (len(self._kept.points), len(MEASURES)):
             msg = f'saved levels have shape {arrays["levels"].shape}; use what save() returned'
             raise BearingTwinError(msg)
-        for average, (count, turns) in zip(
-            (self._quiet, self._loud), values['averaged'], strict=True
-        ):
-            average.count, average.turns = int(count), float(turns)
-        self._quiet.power, self._loud.power = arrays['quiet'], arrays['loud']
+        saved = zip(values['averaged'], (arrays['quiet'], arrays['loud']), strict=True)
+        for average, ((count, turns), power) in zip((self._quiet, self._loud), saved, strict=True):
+            average.load(int(count), float(turns), power)
 
     def _change(self, alarm: float) -> float:
         """Time at which the rise to an alarm began: the last zero of Page's CUSUM."""

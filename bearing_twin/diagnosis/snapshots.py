@@ -252,10 +252,12 @@ class SeriesDiagnoser:
         monitor = SeriesMonitor(self._bearing, self._settings)
         try:
             monitor.load(values['series'], arrays)
+            # What does not fit together shows here, and not in the next snapshot.
+            monitor.report()
             source = restored(Source, values['source'])
             ended, last, following = (values[name] for name in ('ended', 'last', 'next'))
             ended, last, following = float(ended), float(last), int(following)
-        except (KeyError, TypeError, ValueError, IndexError) as error:
+        except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
             msg = f'saved series lacks {error}; use what save() returned'
             raise BearingTwinError(msg) from error
         self._monitor, self._source = monitor, source

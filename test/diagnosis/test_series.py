@@ -5,6 +5,7 @@
 from dataclasses import replace
 import itertools
 import json
+import math
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.cli import main
@@ -449,6 +450,30 @@ def test_series_is_saved_and_resumed_to_the_bit():
         forged = {**values, 'series': {**values['series'], 'kept': {**kept, **changed}}}
         with pytest.raises(BearingTwinError, match='use what save'):
             straight.load(pack(_VERSION, forged, {**arrays, 'levels': levels}))
+    # What does not fit together was met in the next snapshot only, and ended the node.
+    averaged = values['series']['averaged']
+    forgeries = [
+        ({}, {'averaged': [averaged[0], average]}, {})
+        for average in ([-1, 1.0], [2, -1.0], [3, 0.0], [math.inf, 1.0], [3, math.nan])
+    ]
+    forgeries += [
+        ({}, {}, {'loud': loud})
+        for loud in (
+            arrays['loud'][:, :1],
+            arrays['loud'].astype(np.int64),
+            np.full_like(arrays['loud'], np.inf),
+        )
+    ]
+    forgeries += [({'next': math.inf}, {}, {})]
+    forgeries += [({}, {'kept': {**kept, 'risen': 1e300, 'began': 0.0}}, {})]
+    for own, of_series, other_arrays in forgeries:
+        forged = {**values, **own, 'series': {**values['series'], **of_series}}
+        with pytest.raises(BearingTwinError, match='use what save'):
+            straight.load(pack(_VERSION, forged, {**arrays, **other_arrays}))
+    # Snapshots of next to no turn resolve nothing, and say so.
+    forged = {**values, 'series': {**values['series'], 'averaged': [averaged[0], [99, 1e-300]]}}
+    resumed.load(pack(_VERSION, forged, arrays))
+    assert played(resumed, range(60, 62), worn=0)[-1].level == 'fault'
     assert straight.save() == before
 
 
