@@ -116,10 +116,12 @@ def missing_harmonics(
     1
 
     """
+    lines = order * np.arange(1, HARMONICS + 1)
+    alive = ~hidden[spectra.rows(lines)]
+    heights = line_heights(spectra, lines, bands(order))
     for multiple in range(HARMONICS, 1, -1):
-        own = unshared_height(spectra, order, multiple, bands(order), hidden)
         if (
-            own < _SHARE
+            _unshared(heights, alive, multiple) < _SHARE
             and unshared_height(spectra, order, multiple, bands(multiple * order), hidden)
             < MISSING
         ):
@@ -160,14 +162,21 @@ def unshared_height(
     0.1
 
     """
-    harmonics = np.arange(1, HARMONICS + 1)
-    heights = line_heights(spectra, harmonics * order, columns)
-    alive = ~hidden[spectra.rows(harmonics * order)]
-    shared = harmonics % multiple == 0
-    on, off = heights[shared & alive], heights[~shared & alive]
-    if not len(on) or not len(off) or on.mean() <= 0.0:
+    lines = order * np.arange(1, HARMONICS + 1)
+    alive = ~hidden[spectra.rows(lines)]
+    return _unshared(line_heights(spectra, lines, columns), alive, multiple)
+
+
+def _unshared(heights: NDArray[np.float64], alive: NDArray[np.bool_], multiple: int) -> float:
+    """Height of the harmonics that a series of a multiple lacks, over that of the others."""
+    on: list[float] = []
+    off: list[float] = []
+    for harmonic, (height, shows) in enumerate(zip(heights, alive, strict=True), start=1):
+        if shows:
+            (off if harmonic % multiple else on).append(float(height))
+    if not on or not off or math.fsum(on) <= 0.0:
         return math.inf
-    return float(off.mean() / on.mean())
+    return math.fsum(off) / len(off) / (math.fsum(on) / len(on))
 
 
 def denser_series(

@@ -131,6 +131,8 @@ class CombSearch:
         self._silent = spectra.near(shaft, 1.25 * spectra.step)
         self.spectra = spectra.silenced(shaft, 1.25 * spectra.step)
         self._all = spectra
+        self._columns: dict[float, NDArray[np.intp]] = {}
+        self._multiples: dict[float, int] = {}
         self._highest = 1.08 * max(self.orders.impacts(name) for name in PLACES)
         self._scores = comb_scores(self.spectra, self._highest, len(WHITENINGS))
 
@@ -174,23 +176,25 @@ class CombSearch:
             significant: as far as three harmonics reach.
 
         """
-        found = self._off_shaft(self._scores.grid, self.spectra)
+        scores = self._scores
+        found = self._off_shaft(scores.grid, scores.z, self.spectra)
         if hertz := self.mains_hz(found):
             # What the mains make is no impact, and may hide one.
             pulses = np.arange(1.0, self.top) * 2.0 * hertz / self.shaft_hz
             rest = self.spectra.silenced(pulses, 1.25 * self.spectra.step)
-            found = self._off_shaft(self._scores.grid, rest)
+            found = self._off_shaft(scores.grid, scores.score(rest, scores.grid), rest)
         if beyond and found.z < Z_ELSEWHERE:
-            step = self._scores.grid[1] - self._scores.grid[0]
-            grid = np.arange(self._scores.grid[-1], self.top / 3.0, step)
-            found = max(found, self._off_shaft(grid, self.spectra), key=lambda c: c.z)
+            step = scores.grid[1] - scores.grid[0]
+            grid = np.arange(scores.grid[-1], self.top / 3.0, step)
+            further = self._off_shaft(grid, scores.score(self.spectra, grid), self.spectra)
+            found = max(found, further, key=lambda c: c.z)
         # Of impacts beyond the orders looked at a fraction shows, without its first harmonics.
-        multiple = missing_harmonics(self._all, found.order, self.columns, self._silent)
-        return replace(found, order=multiple * found.order)
+        return replace(found, order=self._multiple(found.order) * found.order)
 
-    def _off_shaft(self, grid: NDArray[np.float64], spectra: OrderSpectra) -> Candidate:
+    def _off_shaft(
+        self, grid: NDArray[np.float64], z: NDArray[np.float64], spectra: OrderSpectra
+    ) -> Candidate:
         """Best comb of a grid off the multiples of the shaft and off the turns of the cage."""
-        z = self._scores.score(spectra, grid)
         away = np.abs(grid - np.maximum(np.rint(grid), 1.0))
         slack = self._uncertainty * grid + 1.25 * self.spectra.step
         # A ball in and out of the load has the lines of the cage, so that they are of the bearing.
@@ -270,7 +274,7 @@ class CombSearch:
         One that lacks harmonics is of a series at a multiple, which no part of the bearing makes.
         """
         order = candidate.order
-        multiple = missing_harmonics(self._all, order, self.columns, self._silent)
+        multiple = self._multiple(order)
         small = multiple > 1 or candidate.index <= most
         return small and self.smooth(replace(candidate, order=multiple * order))
 
@@ -451,7 +455,7 @@ class CombSearch:
         Harmonics of the comb are missing, or lines that it does not explain lie between them.
         """
         order = candidate.order
-        multiple = missing_harmonics(self._all, order, self.columns, self._silent)
+        multiple = self._multiple(order)
         if multiple > 1:
             return multiple * order
         # A ball that strikes one race only has lines at its spin, as high as its harmonics.
@@ -486,8 +490,18 @@ class CombSearch:
 
     def columns(self, order: float) -> NDArray[np.intp]:
         """Bands in which the comb at an order is highest, one of each whitening."""
-        bands = self._scores.bands(self._all, order)
-        return np.asarray(bands.argmax(axis=1) + bands.shape[1] * np.arange(len(bands)))
+        if order not in self._columns:
+            bands = self._scores.bands(self._all, order)
+            highest = bands.argmax(axis=1) + bands.shape[1] * np.arange(len(bands))
+            self._columns[order] = np.asarray(highest)
+        return self._columns[order]
+
+    def _multiple(self, order: float) -> int:
+        """Multiple of an order at which the true fundamental of its comb lies."""
+        if order not in self._multiples:
+            found = missing_harmonics(self._all, order, self.columns, self._silent)
+            self._multiples[order] = found
+        return self._multiples[order]
 
     def mains_hz(self, candidate: Candidate) -> float:
         """
