@@ -131,18 +131,25 @@ class TwinBytes:
         self._vibration: MessageTemplate | None = None
         self._state: MessageTemplate | None = None
 
-    def vibration(self, made: TwinBlock, due: Due, values: Mapping[str, Any]) -> bytes:
+    def vibration(
+        self,
+        block: Block,
+        due: Due,
+        values: Mapping[str, Any],
+        shaft_hz: float,
+        unit: str = ACCELERATION,
+    ) -> bytes:
         """Return a `Vibration`; ``values`` is another object where parameters have changed."""
         self._renew(values)
         if self._vibration is None:
             self._vibration = MessageTemplate(
-                vibration_message(made.block, due, values, made.shaft_hz, made.unit),
+                vibration_message(block, due, values, shaft_hz, unit),
                 (*STAMP, 'first_sample', 'shaft_hz'),
                 ('x', 'y'),
                 self._serialize,
             )
-        numbers = *split_ns(due.stamp), due.first_sample, made.shaft_hz
-        return self._vibration.fill(numbers, made.block.x, made.block.y)
+        numbers = *split_ns(due.stamp), due.first_sample, shaft_hz
+        return self._vibration.fill(numbers, block.x, block.y)
 
     def state(
         self, made: TwinBlock, due: Due, values: Mapping[str, Any], realtime: Mapping[str, float]

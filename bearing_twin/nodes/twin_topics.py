@@ -108,7 +108,7 @@ class TwinTopics:
 
     def warm(self, made: TwinBlock, due: Due, fields: Mapping[str, float]) -> None:
         """Make the messages of a block that is not published: the first one has a deadline."""
-        self._bytes.vibration(made, due, self._twin.values)
+        self._bytes.vibration(made.block, due, self._twin.values, made.shaft_hz, made.unit)
         self._bytes.state(made, due, self._twin.values, fields)
 
     def publish(
@@ -116,7 +116,9 @@ class TwinTopics:
     ) -> None:
         """Publish a block; ``realtime`` returns the fields of the state on real time."""
         values = self._twin.values
-        self._vibration.publish(self._bytes.vibration(made, due, values))
+        self._vibration.publish(
+            self._bytes.vibration(made.block, due, values, made.shaft_hz, made.unit)
+        )
         fields = realtime(due)
         inputs = made.temperature.used, made.temperature.status, made.shaft_hz
         counters = fields['blocks_late'], fields['blocks_dropped']

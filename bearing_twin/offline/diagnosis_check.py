@@ -43,6 +43,8 @@ class DiagnosisCheck:
     def __init__(self, namespace: str, result: Reproduction) -> None:
         self._topic = f'{namespace}/diagnosis'
         self._result = result
+        self.notes: list[str] = []
+        """What happened in the run besides; notes on twins come from another thread."""
         self._run: DiagnosisRun | None = None
         self._blocks: deque[RecordedMessage] = deque()
         self._checkpoints: deque[Any] = deque()
@@ -148,8 +150,8 @@ class DiagnosisCheck:
 
     def _note(self, text: str) -> None:
         note = f'{self._topic}: {text}'
-        if note not in self._result.notes:
-            self._result.notes.append(note)
+        if note not in self.notes:
+            self.notes.append(note)
 
     def _resume(self, checkpoint: Any) -> None:
         values = configuration_values(checkpoint)

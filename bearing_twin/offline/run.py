@@ -255,7 +255,11 @@ class _TwinSide:
         realtime = dict.fromkeys(REALTIME, 0)
         realtime['blocks_published'] = due.first_sample // made.block.y.size + 1
         outputs = [
-            Output('/vibration', VIBRATION, self._bytes.vibration(made, due, values)),
+            Output(
+                '/vibration',
+                VIBRATION,
+                self._bytes.vibration(made.block, due, values, made.shaft_hz, made.unit),
+            ),
             Output('/twin_state', STATE, self._bytes.state(made, due, values, realtime)),
         ]
         if checkpoint is not None:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from bearing_twin.assets.checkpoints import configuration_values
 from bearing_twin.assets.fleet import build_fleet
 from bearing_twin.assets.twin import Twin
-from bearing_twin.assets.twin_messages import ACCELERATION, vibration_message
+from bearing_twin.assets.twin_messages import ACCELERATION, TwinBytes
 from bearing_twin.offline.agreement import Agreement
 from bearing_twin.offline.output import output
 from bearing_twin.stamps import stamp_ns
@@ -49,6 +49,8 @@ class TwinCheck:
         self._of_twin = False
         self._sparse = False
         self._last: Recorded | None = None
+        # Of blocks of one length: another length needs another one.
+        self._bytes: dict[int, TwinBytes] = {}
 
     @property
     def _agreement(self) -> Agreement:
@@ -156,10 +158,11 @@ class TwinCheck:
         self, block: Recorded, made: Block, values: Mapping[str, Any], unit: str = ACCELERATION
     ) -> None:
         """Compare a recorded block with the one that was made again."""
-        message = vibration_message(made, block.due, values, block.shaft_hz, unit)
-        again = output('/vibration', message)
+        if block.length not in self._bytes:
+            self._bytes = {block.length: TwinBytes(lambda message: output('', message).cdr)}
+        again = self._bytes[block.length].vibration(made, block.due, values, block.shaft_hz, unit)
         what = f'{self.topic} at sample {block.due.first_sample}'
-        self._agreement.compare(block.message, again.cdr, what)
+        self._agreement.compare(block.message, again, what)
 
     def skip(self) -> None:
         """Count a block that cannot be re-run."""
