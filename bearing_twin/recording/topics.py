@@ -9,9 +9,12 @@ FEATURES = (
     'strongest_modulation_index',
     'fault_hz',
     'rms',
-    'level_over_baseline',
 )
-"""Fields of a Diagnosis that a diagnosis node also publishes each on a topic of its own."""
+"""
+Fields of a Diagnosis that a diagnosis node also publishes each on a topic of its own.
+
+Rerun alone opens seven views of lines: these and the temperature.
+"""
 
 OWN_TOPICS = {
     'temperature': 'sensor_msgs/msg/Temperature',

@@ -18,6 +18,7 @@ import time
 from bearing_twin import cli
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
+from bearing_twin.recording.topics import FEATURES
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.stamps import split_ns
 from bearing_twin.view.rerun.logger import RerunLogger
@@ -241,6 +242,13 @@ def test_the_picture_of_the_docs_is_what_is_drawn_today(tmp_path):
                 now = np.asarray(picture.convert('RGB').crop(box), float)
             other = (np.abs(now - kept).max(axis=2) > 16.0).mean()
     assert other <= MOST_OTHER, 'take them again: make screenshots'
+
+
+def test_rerun_alone_shows_each_figure_of_a_verdict(recordings):
+    with HeadlessViewer([str(next(recordings[1].glob('*.mcap')))], size=LAPTOP) as viewer:
+        viewer.wait()
+        paths = {str(view.origin).strip('/') for view in viewer.client.get_state().views}
+    assert {'temperature', *(f'features/{name}' for name in FEATURES)} <= paths
 
 
 def test_two_recordings_fill_every_view(recordings, tmp_path):
