@@ -31,6 +31,8 @@ STRIP_SECONDS = 0.12
 """Length of a strip of the waveform: three turns at 25 Hz, s."""
 REFERENCE = 20.0
 """Temperature that values are compared with, degC."""
+SAME_SPEED = 0.02
+"""Part by which a shaft speed may move and still be one: that by which slip moves a frequency."""
 NO_SECOND = (0.0, 0.0, 0.0)
 """Length in s, its product with the temperature and largest magnitude, before any block."""
 
@@ -99,16 +101,67 @@ class Strips(dict[int, Strip]):
         return True
 
 
+class _AtSpeed:
+    """What was collected while the shaft turned at one speed."""
+
+    def __init__(self, hertz: float) -> None:
+        self.hertz = hertz
+        """NaN: not known."""
+        self.count = 0
+        self.strips = Strips()
+        self.sums: dict[str, dict[int, list[float]]] = {}
+        self._second = NO_SECOND
+
+    def add(self, key: str, temperature: float, value: float) -> None:
+        """Take a value into its class."""
+        if math.isfinite(temperature) and math.isfinite(value):
+            step = round(temperature / STEP)
+            total = self.sums.setdefault(key, {}).setdefault(step, [0.0, 0.0])
+            total[0] += value
+            total[1] += 1.0
+            self.count += 1
+
+    def peak(self, length: float, temperature: float, peak: float) -> None:
+        """Take the largest magnitude of ``length`` s; that of a whole second into its class."""
+        before, heat, largest = self._second
+        length, heat = before + length, heat + length * temperature
+        self._second = length, heat, max(largest, peak)
+        if length > 1.0 - 1e-9:
+            self.add('amplitude', heat / length, self._second[2])
+            self._second = NO_SECOND
+
+
 class OverTemperature:
-    """Collect means in classes of 5 K, and strips, as long as the twin has one defect."""
+    """
+    Collect means in classes of 5 K, and strips, as long as the twin has one defect.
+
+    They are those of the speed that was held longest: another speed, or a shaft that stands,
+    changes more than temperature does.
+    """
 
     def __init__(self) -> None:
-        self.strips = Strips()
-        self._sums: dict[str, dict[int, list[float]]] = {}
         self._defect: str | None = None
         self._unit = ''
-        self._found = ''
-        self._second = NO_SECOND
+        self._found = self._first = ''
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin anew."""
+        self._now: _AtSpeed | None = _AtSpeed(math.nan)
+        self._speeds = [self._now]
+
+    @property
+    def strips(self) -> Strips:
+        """Of the speed that was held longest."""
+        return self._longest.strips
+
+    def take_strip(
+        self, samples: NDArray[np.floating], first: int, rate: float, temperature: float
+    ) -> bool:
+        """Take a block as `Strips.take`; return whether it changes what is shown."""
+        if self._now is None:
+            return False
+        return self._now.strips.take(samples, first, rate, temperature)
 
     def vibration(
         self, samples: NDArray[np.floating], unit: str, rate: float, temperature: float
@@ -126,50 +179,50 @@ class OverTemperature:
         self._unit = unit
         finite -= finite.mean()
         power, peak = float(np.dot(finite, finite)) / finite.size, float(np.abs(finite).max())
-        self._add('level', temperature, power)
-        if math.isfinite(temperature):
-            self._take_second(samples.size / rate, temperature, peak)
+        if self._now is not None and math.isfinite(temperature):
+            self._now.add('level', temperature, power)
+            self._now.peak(samples.size / rate, temperature, peak)
         return math.sqrt(power), peak
 
-    def forget_vibration(self) -> None:
-        """Begin anew with the vibration."""
-        self.strips.clear()
-        self._second = NO_SECOND
-        for key in ('amplitude', 'level'):
-            self._sums.pop(key, None)
-
     def state(self, message: Any) -> None:
-        """Take a TwinState: the slip and the frequency at which its first defect strikes."""
+        """Take a TwinState: the slip and the frequencies at which its defects strike."""
         temperature = recorded(message, 'temperature_used')
         said = str(getattr(message, 'defect', ''))
-        place = said.partition('+')[0].partition(':')[0].strip()
-        defect = '+'.join(part.partition(':')[0].strip() for part in said.split('+'))
+        places = [part.partition(':')[0].strip() for part in said.split('+')]
+        defect = '+'.join(places)
         if defect != self._defect and self._defect is not None:
             # What changes with the defect is not what temperature does.
-            self._sums.clear()
-            self._second = NO_SECOND
-            self.strips.clear()
-        self._defect = defect
-        if place in PLACES:
-            self._add('frequency', temperature, impacts(message, place))
-        self._add('slip', temperature, 100.0 * recorded(message, 'slip'))
+            self.forget()
+        self._defect, self._first = defect, places[0]
+        self._turn(recorded(message, 'shaft_hz'))
+        if self._now is None:
+            return
+        for place in sorted(set(places) & set(PLACES)):
+            self._now.add(f'frequency {place}', temperature, impacts(message, place))
+        self._now.add('slip', temperature, 100.0 * recorded(message, 'slip'))
 
     def diagnosis(self, message: Any) -> None:
         """Take a Diagnosis: the fault frequency found, of the place that was named first."""
         place = str(message.result_name)
         if place in PLACES:
             self._found = self._found or place
-        if place == self._found:
-            self._add('found', float(message.temperature), float(message.fault_hz))
+        if self._defect is None:
+            self._turn(recorded(message, 'shaft_hz'))
+        if place == self._found and self._now is not None:
+            self._now.add('found', float(message.temperature), float(message.fault_hz))
 
     @property
     def curves(self) -> list[Curve]:
         """What has been collected, without classes and quantities that are empty."""
         unit = pretty(self._unit)
         units = {'amplitude': unit, 'level': unit, 'slip': '%'}
+        sums = self._longest.sums
+        # The twin's defect that the diagnosis found, where it has several.
+        struck = (f'frequency {place}' for place in (self._found, self._first))
+        sums = sums | {'frequency': next((sums[key] for key in struck if key in sums), {})}
         curves = []
         for key, name in QUANTITIES.items():
-            classes = sorted(self._sums.get(key, {}).items())
+            classes = sorted(sums.get(key, {}).items())
             if not classes:
                 continue
             temperatures = STEP * np.array([step for step, _ in classes], dtype=np.float64)
@@ -180,18 +233,16 @@ class OverTemperature:
             curves.append(Curve(key, title, temperatures, values))
         return curves
 
-    def _take_second(self, length: float, temperature: float, peak: float) -> None:
-        """Take the largest magnitude of ``length`` s; that of a whole second into its class."""
-        before, heat, largest = self._second
-        length, heat = before + length, heat + length * temperature
-        self._second = length, heat, max(largest, peak)
-        if length > 1.0 - 1e-9:
-            self._add('amplitude', heat / length, self._second[2])
-            self._second = NO_SECOND
+    @property
+    def _longest(self) -> _AtSpeed:
+        return max(self._speeds, key=lambda at: (at.count, len(at.strips)))
 
-    def _add(self, key: str, temperature: float, value: float) -> None:
-        if math.isfinite(temperature) and math.isfinite(value):
-            step = round(temperature / STEP)
-            total = self._sums.setdefault(key, {}).setdefault(step, [0.0, 0.0])
-            total[0] += value
-            total[1] += 1.0
+    def _turn(self, hertz: float) -> None:
+        """Go on with what was collected at a speed in Hz; one that is not known is the last."""
+        if not math.isfinite(hertz):
+            return
+        near = [at for at in self._speeds if abs(at.hertz - hertz) <= SAME_SPEED * abs(hertz)]
+        if hertz and not near:
+            near = [_AtSpeed(hertz)]
+            self._speeds += near
+        self._now = near[0] if hertz else None

@@ -55,7 +55,7 @@ def test_another_defect_of_the_twin_is_no_effect_of_temperature():
     def hear(defect, temperature, scale):
         over.state(SimpleNamespace(temperature_used=temperature, defect=defect, slip=0.01))
         over.vibration(scale * np.array([1.0, -1.0]), 'm/s^2', 2.0, temperature)
-        over.strips.take(np.ones(2000), 0, 12000.0, temperature)
+        over.take_strip(np.ones(2000), 0, 12000.0, temperature)
 
     hear('inner:width=0.002', 20.0, 4.0)
     hear('inner:width=0.003', 80.0, 3.0)
@@ -63,6 +63,29 @@ def test_another_defect_of_the_twin_is_no_effect_of_temperature():
     for defect in ('ball', 'ball+inner'):
         hear(defect, 80.0, 1.0)
         assert list(over.curves[0].values) == [1.0] and len(over.strips) == 1
+
+
+@pytest.mark.parametrize('other', [0.0, 30.0])
+def test_another_speed_is_no_effect_of_temperature(other):
+    over = OverTemperature()
+    for temperature, speed, scale in ((20, 25, 4), (50, 25.1, 3), (80, other, 1), (110, 25, 2)):
+        state = {'temperature_used': temperature, 'shaft_hz': speed, 'bpfi': 5.0 * speed}
+        over.state(SimpleNamespace(defect='inner', slip=0.01, **state))
+        over.vibration(scale * np.array([1.0, -1.0]), 'm/s^2', 2.0, temperature)
+        over.take_strip(np.ones(2000), 0, 12000.0, temperature)
+    curves = {curve.key: curve for curve in over.curves}
+    assert list(curves['amplitude'].values) == [4.0, 3.0, 2.0]
+    assert list(curves['frequency'].values) == [125.0, 125.5, 125.0]
+    assert all(list(c.temperatures) == [20.0, 50.0, 110.0] for c in curves.values())
+    assert sorted(over.strips) == [4, 10, 22]
+
+
+def test_the_frequency_of_the_twin_is_that_of_the_defect_found():
+    over = OverTemperature()
+    over.state(SimpleNamespace(temperature_used=20.0, defect='inner+outer', bpfi=124.0, bpfo=76.0))
+    assert [list(c.values) for c in over.curves] == [[124.0]]
+    over.diagnosis(SimpleNamespace(result_name='outer', temperature=20.0, fault_hz=75.0))
+    assert [list(c.values) for c in over.curves] == [[75.0], [76.0]]
 
 
 def block(**source):

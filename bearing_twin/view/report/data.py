@@ -180,7 +180,7 @@ class _Collector:
     def _forget_vibration(self) -> None:
         machine = self.machine
         machine.vibration.clear()
-        machine.over_temperature.forget_vibration()
+        machine.over_temperature.forget()
         machine.source.forget_vibration()
 
     def _diagnosis(self, time: float, message: Any) -> None:
@@ -235,4 +235,4 @@ class _Collector:
         rms, peak = over.vibration(samples, machine.unit, rate, self._temperature)
         if math.isfinite(rms):
             machine.vibration.append((time, rms, peak))
-        over.strips.take(samples, int(message.first_sample), rate, self._temperature)
+        over.take_strip(samples, int(message.first_sample), rate, self._temperature)

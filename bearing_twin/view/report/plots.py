@@ -273,7 +273,9 @@ def _over_temperature(machine: Machine) -> tuple[str, Figure] | None:
         title = wrap(curve.title, 75 // len(curves))
         if np.isfinite(curve.base):
             ratio = curve.values[-1] / curve.base
-            title.append(f'x {ratio:.2f} at {curve.temperatures[-1]:.0f} °C')
+            # Slip moves a frequency by less than a hundredth.
+            digits = 2 if curve.key in ('amplitude', 'level') else 4
+            title.append(f'x {ratio:.{digits}f} at {curve.temperatures[-1]:.0f} °C')
             axes.axhline(curve.base, color='#9e9e9e', linewidth=0.7, dashes=(4, 2))
         axes.set_title('\n'.join(title))
     references = {curve.reference for curve in curves}
@@ -281,9 +283,9 @@ def _over_temperature(machine: Machine) -> tuple[str, Figure] | None:
     if len(references) == 1:
         where = f'{references.pop():.0f} °C'
     caption = (
-        'Over temperature, means of 5 K: largest magnitude of a second, level, fault frequency '
-        'found by the diagnosis and expected by the twin, its cage slip. Dashed: the value at '
-        f'{where}, to which the ratios refer'
+        'Over temperature at the speed held longest, means of 5 K: largest magnitude of a '
+        'second, level, fault frequency found by the diagnosis and expected by the twin, its cage '
+        f'slip. Dashed: the value at {where}, to which the ratios refer'
     )
     return caption, figure
 

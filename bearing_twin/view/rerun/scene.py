@@ -108,7 +108,7 @@ class Scene:
         elif name == 'vibration':
             self._sensor.stand_apart()
             self.asset.source.forget_vibration()
-            self.asset.over_temperature.forget_vibration()
+            self.asset.over_temperature.forget()
             self._sensor = sensor
         else:
             sensor.stand_apart()

@@ -104,7 +104,7 @@ class Waveform(Picture):
         self._over.vibration(samples, unit, rate, temperature)
         if np.isfinite(temperature):
             first = int(getattr(message, 'first_sample', 0))
-            self._new_strip |= self._over.strips.take(samples, first, rate, temperature)
+            self._new_strip |= self._over.take_strip(samples, first, rate, temperature)
         return True
 
     def flush(self, *, slow: bool) -> None:
