@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
-import math
 import struct
 import time
 from typing import Any, NamedTuple, TYPE_CHECKING
@@ -73,26 +72,19 @@ class TwinChannel(Inputs):
         super().__init__(
             clock, start=values['start_temperature'], timeout=values['temperature_timeout'],
             nominal=values['shaft_hz'], joint=values['joint'], highest=FASTEST_LIVE_SHAFT,
-            hold=True,
+            hold=True, first=self._settle_first,
         )  # fmt: skip
         self.values = dict(values)
         self._settle = settle
-        self.settled = False
-        """Whether the rings have a history: of a first reading, or of a state that was loaded."""
 
-    def take_temperature(self, message: Any, info: Mapping[str, Any] | None = None) -> None:
-        """Take a ``sensor_msgs/Temperature``; of several publishers the first one's only."""
-        super().take_temperature(message, info)
-        reading = self.temperature
-        if self.settled or math.isnan(reading.taken):
-            return
-        self.settled = True
+    def _settle_first(self, temperature: float) -> None:
         if self.values['thermal_mode'] == 'physical':
-            self._settle(reading.used)
+            self._settle(temperature)
 
     def inputs(self) -> TwinInputs:
         """Return temperature and shaft speed for the block to be computed now."""
-        return TwinInputs(self.temperature, self.shaft_hz())
+        now = self._clock()
+        return TwinInputs(self._gate.at(now), self.shaft.at(now))
 
     @property
     def start_temperature(self) -> float:
@@ -278,22 +270,28 @@ class Twin(TwinChannel):
 
     def block(self, n: int, temperature: float, shaft_hz: float) -> Block:
         """Compute the next ``n`` samples as the sensor gives them."""
-        if not self._changing:
-            return self._heard(self.simulator.advance(n, temperature, shaft_hz))
+        if self._changing:
+            return self._fade(n, temperature, shaft_hz)
+        block = self.simulator.advance(n, temperature, shaft_hz)
+        return block if self.sensor is None else self.sensor.take(block)
+
+    def _fade(self, n: int, temperature: float, shaft_hz: float) -> Block:
+        """Compute a block that goes over from one calibration to the next."""
         following, before = successor(self.simulator, self._parameters(self._next))
-        old = self._heard(self.simulator.advance(n, temperature, shaft_hz))
-        self.simulator = following
-        self.sensor = Sensor(self._next) if self._next is not None else None
+        old = self.simulator.advance(n, temperature, shaft_hz)
+        new = following.advance(n, temperature, shaft_hz)
+        if self.sensor is not None:
+            old = self.sensor.take(old)
+        self.simulator, self.sensor = following, None
+        if self._next is not None:
+            self.sensor = Sensor(self._next)
+            self.sensor.take(before)
+            new = self.sensor.take(new)
         self._changing, self._next = False, None
         # Messages are made anew where they are not of the same values.
         self.values = dict(self.values)
-        self._heard(before)
-        new = self._heard(self.simulator.advance(n, temperature, shaft_hz))
         share = (0.5 - 0.5 * np.cos(np.pi * (np.arange(n) + 0.5) / n)).astype(np.float32)
         return replace(new, x=old.x + share * (new.x - old.x), y=old.y + share * (new.y - old.y))
-
-    def _heard(self, block: Block) -> Block:
-        return block if self.sensor is None else self.sensor.take(block)
 
     def _parameters(self, fitted: Fitted | None) -> TwinParameters:
         own = build_parameters(self.values)

@@ -57,14 +57,7 @@ class VibrationBlock:
 
 def read_vibration(message: Any, axis: str) -> VibrationBlock:
     """
-    Check a ``bearing_twin_msgs/Vibration`` and take one axis out of it.
-
-    Parameters
-    ----------
-    message
-        Any object with the fields of the message.
-    axis
-        ``'x'`` or ``'y'``; the other one is taken where it is empty.
+    Check a ``bearing_twin_msgs/Vibration``; take axis 'x' or 'y', or the other where it is empty.
 
     Raises
     ------
@@ -181,6 +174,8 @@ class Inputs:
         As for :class:`~bearing_twin.thermal.gate.TemperatureGate`.
     nominal, joint, highest, hold
         As for :class:`~bearing_twin.streams.shaft.ShaftSpeed`.
+    first
+        Called once with the first valid temperature, degC, as the model takes it.
 
     """
 
@@ -194,8 +189,12 @@ class Inputs:
         joint: str = '',
         highest: float = FASTEST_SHAFT,
         hold: bool = False,
+        first: Callable[[float], None] = lambda _: None,
     ) -> None:
         self._clock = clock
+        self._first = first
+        self.settled = False
+        """Whether there is a history: of a first reading, or of a state that was loaded."""
         self._gate = TemperatureGate(start=start, timeout=timeout)
         # Another source is heard when the last temperature of the first is stale.
         self._sources = SourceLock(timeout, timeout)
@@ -206,6 +205,10 @@ class Inputs:
         now = self._clock()
         if self._sources.accept((info or {}).get('publisher_gid'), now):
             self._gate.offer(message.temperature, stamp=stamp_ns(message.header.stamp), now=now)
+            reading = self._gate.at(now)
+            if not (self.settled or math.isnan(reading.taken)):
+                self.settled = True
+                self._first(reading.used)
 
     def take_joints(self, message: Any, _: object = None) -> None:
         """Take a ``sensor_msgs/JointState``."""
