@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections import Counter
 import contextlib
-from dataclasses import dataclass, field
 import fcntl
 import os
 import struct
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.disksync import DiskSync
-    from bearing_twin.recording.schema import MessageSchema
+    from bearing_twin.recording.sink import Attached, Written
     from mcap.data_stream import RecordBuilder
 
 
@@ -34,16 +33,6 @@ MOST_REPEATED = 2000
 """Most descriptions that are repeated in one chunk: more would fill it."""
 REPEATED_EACH = 10
 """Chunks after which schemas and channels are described again: 5 s of the default flush period."""
-
-
-@dataclass(frozen=True)
-class Attached:
-    """An attachment (``data``) or a metadata record (``values``)."""
-
-    name: str
-    media_type: str = ''
-    data: bytes = b''
-    values: dict[str, str] = field(default_factory=dict)
 
 
 class _Spool:
@@ -139,16 +128,6 @@ class OutputFile:
 
     While it is open it is locked (flock), by which a recording in progress is told from one that
     a crash has left.
-
-    Parameters
-    ----------
-    path
-        File to make, at the first :meth:`drain`.
-    compression
-        ``zstd``, ``lz4`` or ``none``.
-    chunk_size
-        Size at which a chunk is closed, bytes.
-
     """
 
     def __init__(self, path: Path, *, compression: str, chunk_size: int) -> None:
@@ -178,27 +157,21 @@ class OutputFile:
         """Bytes written, those that wait for the disk included."""
         return self._spool.tell()
 
-    def write(
-        self,
-        topic: str,
-        type_name: str,
-        cdr: bytes,
-        log_time: int,
-        publish_time: int,
-        qos: str,
-        schema: MessageSchema,
-    ) -> None:
+    def write(self, message: Written) -> None:
         """Add a message; see RecordingWriter.write."""
         self._writer.repeat()
+        topic, log_time = message.topic, message.log_time
         about = self._topics.get(topic)
-        if about is None or about.type_name != type_name:
-            about = self._describe(topic, type_name, qos, schema)
+        if about is None or about.type_name != message.type_name:
+            about = self._describe(message)
         if not self.count or log_time < self.start:
             self.start = log_time
         if log_time > self._end:
             self._end = log_time
         channel = self._channels[topic]
-        self._writer.add(_Message(channel, log_time, cdr, publish_time, about.count))
+        self._writer.add(
+            _Message(channel, log_time, message.cdr, message.publish_time, about.count)
+        )
         self._counts[channel] += 1
         self.count += 1
         about.count += 1
@@ -269,28 +242,19 @@ class OutputFile:
             topics=list(self._topics.values()),
         )
 
-    def _describe(self, topic: str, type_name: str, qos: str, schema: MessageSchema) -> BagTopic:
-        writer = self._writer
-        if type_name not in self._schemas:
+    def _describe(self, message: Written) -> BagTopic:
+        writer, schema = self._writer, message.schema
+        topic, name = message.topic, message.type_name
+        if name not in self._schemas:
             text = schema.text.encode()
-            identity = writer.register_schema(type_name, schema.encoding, text)
-            writer.describe(
-                Schema(id=identity, name=type_name, encoding=schema.encoding, data=text)
-            )
-            self._schemas[type_name] = identity
-        about = {'offered_qos_profiles': qos, 'topic_type_hash': schema.type_hash}
-        identity = writer.register_channel(topic, 'cdr', self._schemas[type_name], about)
-        writer.describe(
-            Channel(
-                id=identity,
-                topic=topic,
-                message_encoding='cdr',
-                schema_id=self._schemas[type_name],
-                metadata=about,
-            )
-        )
+            identity = writer.register_schema(name, schema.encoding, text)
+            writer.describe(Schema(identity, text, schema.encoding, name))
+            self._schemas[name] = identity
+        about = {'offered_qos_profiles': message.qos, 'topic_type_hash': schema.type_hash}
+        identity = writer.register_channel(topic, 'cdr', self._schemas[name], about)
+        writer.describe(Channel(identity, topic, 'cdr', about, self._schemas[name]))
         self._channels[topic] = identity
-        self._topics[topic] = BagTopic(topic, type_name, qos, schema.type_hash)
+        self._topics[topic] = BagTopic(topic, name, message.qos, schema.type_hash)
         return self._topics[topic]
 
     def _push(self) -> str:

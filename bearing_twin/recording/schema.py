@@ -17,8 +17,6 @@ from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from rosbags.typesys.store import Typestore
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from rosbags.interfaces.typing import Typesdict
 
 
@@ -64,7 +62,7 @@ def message_schema(type_name: str) -> MessageSchema:
     _collect(type_name, texts, store)
     own = texts.pop(type_name)
     parts = [own, *(f'MSG: {_short(name)}\n{text}' for name, text in texts.items())]
-    text = ''.join(part if part.endswith('\n') else f'{part}\n' for part in _joined(parts))
+    text = SEPARATOR.join(part if part.endswith('\n') else f'{part}\n' for part in parts)
     return MessageSchema(type_name, text, store.hash_rihs01(type_name))
 
 
@@ -166,13 +164,6 @@ def canonical_cdr(type_name: str, text: str, cdr: bytes) -> bytes:
         # rosbags raises many kinds on damaged bytes.
         msg = f'a {type_name} is damaged ({type(error).__name__}: {error})'
         raise BearingTwinError(msg) from None
-
-
-def _joined(parts: list[str]) -> Iterator[str]:
-    for index, part in enumerate(parts):
-        if index:
-            yield SEPARATOR
-        yield part
 
 
 def _short(type_name: str) -> str:

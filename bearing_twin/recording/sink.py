@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -35,6 +36,16 @@ class Written(NamedTuple):
     def memory(self) -> int:
         """Bytes that it takes while it waits."""
         return OVERHEAD + len(self.cdr)
+
+
+@dataclass(frozen=True)
+class Attached:
+    """An attachment (``data``) or a metadata record (``values``)."""
+
+    name: str
+    media_type: str = ''
+    data: bytes = b''
+    values: dict[str, str] = field(default_factory=dict)
 
 
 class MessageSink(ABC):
@@ -105,13 +116,17 @@ class MessageSink(ABC):
     def take(self, message: Written) -> None:
         """Take one message that has been checked."""
 
-    @abstractmethod
     def attach(self, name: str, data: bytes, media_type: str) -> None:
         """Attach a small file; it is repeated in every file of a recording."""
+        self.add(Attached(name, media_type=media_type, data=data))
 
-    @abstractmethod
     def metadata(self, name: str, values: dict[str, str]) -> None:
         """Add named texts; they are repeated in every file of a recording."""
+        self.add(Attached(name, values=values))
+
+    @abstractmethod
+    def add(self, attached: Attached) -> None:
+        """Take an attachment or a metadata record."""
 
     @abstractmethod
     def flush(self) -> None:

@@ -8,8 +8,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.outfile import Attached
-from bearing_twin.recording.sink import MessageSink, Written
+from bearing_twin.recording.sink import Attached, MessageSink, Written
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.stamps import NANO
 
@@ -121,7 +120,7 @@ class SnapshotWriter(MessageSink):
         if self._writer is None:
             self._writer = RecordingWriter(self.path, self._options)
             for attached in self._attached:
-                self._pass_on(self._writer, attached)
+                self._writer.add(attached)
         elif log_time > self._until:
             self._writer.split()
         self.snapshots += 1
@@ -131,13 +130,11 @@ class SnapshotWriter(MessageSink):
         self._kept_bytes = 0
         self._writer.flush()
 
-    def attach(self, name: str, data: bytes, media_type: str) -> None:
-        """Attach a small file to every file."""
-        self._add(Attached(name, media_type=media_type, data=data))
-
-    def metadata(self, name: str, values: dict[str, str]) -> None:
-        """Add named texts to every file."""
-        self._add(Attached(name, values=values))
+    def add(self, attached: Attached) -> None:
+        """Add it to every file."""
+        self._attached.append(attached)
+        if self._writer is not None:
+            self._writer.add(attached)
 
     def flush(self) -> None:
         """Hand everything that is to be written to the operating system."""
@@ -148,15 +145,3 @@ class SnapshotWriter(MessageSink):
         """Finish the recording, if there is one; what is kept is given up."""
         if self._writer is not None:
             self._writer.close()
-
-    def _add(self, attached: Attached) -> None:
-        self._attached.append(attached)
-        if self._writer is not None:
-            self._pass_on(self._writer, attached)
-
-    @staticmethod
-    def _pass_on(writer: RecordingWriter, attached: Attached) -> None:
-        if attached.values:
-            writer.metadata(attached.name, attached.values)
-        else:
-            writer.attach(attached.name, attached.data, attached.media_type)

@@ -14,8 +14,8 @@ from bearing_twin.disksync import DiskSync
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import check_fields, quantity
 from bearing_twin.recording.bagmetadata import BagFile, metadata_record, write_metadata_file
-from bearing_twin.recording.outfile import Attached, OutputFile
-from bearing_twin.recording.sink import MessageSink, Written
+from bearing_twin.recording.outfile import OutputFile
+from bearing_twin.recording.sink import Attached, MessageSink, Written
 from bearing_twin.stamps import NANO
 
 if TYPE_CHECKING:
@@ -79,13 +79,6 @@ class RecordingWriter(MessageSink):
     A disk that is full, gone or not writable does not stop the caller: messages wait in memory up
     to ``cache_size``, then the newest are dropped and counted, :attr:`problem` says what is wrong,
     and writing goes on in the same file as soon as the disk takes it.
-
-    Parameters
-    ----------
-    path
-        File or folder to make; it must not exist.
-    options
-        See :class:`WriterOptions`.
 
     Raises
     ------
@@ -171,13 +164,10 @@ class RecordingWriter(MessageSink):
         if time.monotonic() - self._flushed >= self.options.flush_period:
             self.flush()
 
-    def attach(self, name: str, data: bytes, media_type: str) -> None:
-        """Attach a small file; it is repeated in every file of a split recording."""
-        self._attach(Attached(name, media_type=media_type, data=data))
-
-    def metadata(self, name: str, values: dict[str, str]) -> None:
-        """Add named texts; they are repeated in every file of a split recording."""
-        self._attach(Attached(name, values=values))
+    def add(self, attached: Attached) -> None:
+        """Add it to every file of a split recording."""
+        self._attached.append(attached)
+        self._file.attach(attached)
 
     def flush(self) -> None:
         """Close the chunk and hand everything to the operating system; see :attr:`problem`."""
@@ -304,14 +294,10 @@ class RecordingWriter(MessageSink):
         self.removed += count
         self.written -= count
 
-    def _attach(self, attached: Attached) -> None:
-        self._attached.append(attached)
-        self._file.attach(attached)
-
     def _put(self, message: Written) -> None:
         if self._is_full(message.log_time):
             self.split()
-        self._file.write(*message)
+        self._file.write(message)
         self.written += 1
 
     def _is_full(self, log_time: int) -> bool:
