@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.assets.messages import floats, message_header
 from bearing_twin.assets.template import MessageTemplate
+from bearing_twin.dynamics.condition import Condition
 from bearing_twin.dynamics.defect_text import placed_defects
 from bearing_twin.stamps import split_ns
 from bearing_twin_msgs.msg import TwinState, Vibration
@@ -21,35 +22,12 @@ if TYPE_CHECKING:
     from bearing_twin.thermal.gate import GatedTemperature
 
 
-OF_CONDITION = (
-    'alpha',
-    'hardness',
-    'friction',
-    'beta0',
-    'k_b',
-    'c_d',
-    'radial_clearance',
-    'slip',
-    'inner_ring_temperature',
-    'outer_ring_temperature',
-    'viscosity',
-    'kappa',
-    'friction_moment',
-    'life_hours',
-    'contact_pressure',
-    'limits_passed',
-    'shaft_hz',
-    'bpfo',
-    'bpfi',
-    'bsf',
-    'ftf',
-    'shaft_angle',
-    'cage_angle',
-    'ball_angle',
-    'inner_x',
-    'inner_y',
+OF_CONDITION = tuple(
+    name
+    for name, kind in TwinState.get_fields_and_field_types().items()
+    if name in Condition.__dataclass_fields__ and not kind.startswith('sequence')
 )
-"""Fields of `TwinState` that a `Condition` has under the same names, in their order."""
+"""Numbers of a `TwinState` that a `Condition` has under the same names."""
 STAMP = ('header.stamp.sec', 'header.stamp.nanosec')
 TEMPERATURE = ('status', 'measured', 'used', 'age')
 REALTIME = (
@@ -115,15 +93,7 @@ def state_message(made: TwinBlock, due: Due, values: Mapping[str, Any]) -> TwinS
 
 
 class TwinBytes:
-    """
-    Serialized messages of one twin, of blocks of one length.
-
-    Parameters
-    ----------
-    serialize
-        Returns the bytes of a message.
-
-    """
+    """Serialized messages of one twin, of blocks of one length."""
 
     def __init__(self, serialize: Callable[[Any], bytes]) -> None:
         self._serialize = serialize
