@@ -48,13 +48,10 @@ class DueVerdict:
     """A verdict that is due. Verdicts are judged in the order in which they fell due."""
 
     excerpt: Excerpt
+    """To be analysed, in any thread."""
     block: VibrationBlock
     """The last one of the window."""
     diagnoser: StreamingDiagnoser | SeriesDiagnoser
-
-    def analyse(self) -> Analysis:
-        """Analyse the window; in any thread."""
-        return self.excerpt.analyse()
 
     def judge(self, analysis: Analysis) -> Verdict:
         """Judge the window by its analysis."""
@@ -77,11 +74,6 @@ class DueVerdict:
 class DiagnosisCore:
     """
     The diagnosis that a set of parameters describes.
-
-    Parameters
-    ----------
-    values
-        Parameters of the diagnosis node.
 
     Raises
     ------

@@ -46,16 +46,6 @@ class DiagnosisTopics:
     Feed a diagnosis from its topics and publish its verdicts.
 
     Verdicts are triggered by the samples, not by a clock: the same blocks give the same verdicts.
-
-    Parameters
-    ----------
-    node
-        The node that hosts it.
-    parameters : ParameterSet
-        Its parameters.
-    prefix
-        Put before its topics: '' or ``NAMESPACE/``.
-
     """
 
     def __init__(self, node: ManagedNode, parameters: ParameterSet, *, prefix: str = '') -> None:
@@ -144,17 +134,7 @@ class DiagnosisTopics:
             self.take(message, self._measured.temperature.taken)
 
     def take(self, message: Vibration, temperature: float) -> None:
-        """
-        Diagnose one block and publish the verdict, if one is due.
-
-        Parameters
-        ----------
-        message
-            The block.
-        temperature
-            Temperature of the bearing, degC; NaN where it is not known.
-
-        """
+        """Diagnose one block at a temperature (degC; NaN: unknown); publish the verdict if due."""
         intake = self._intake
         intake.arrived = time.monotonic()
         try:
@@ -173,7 +153,7 @@ class DiagnosisTopics:
             self._publish_checkpoint(block)
         joint_hz = self._measured.shaft_hz(block.length)
         for due in self._core.take(block, temperature=temperature, joint_hz=joint_hz):
-            self._publish_verdict(due.judge(due.analyse()))
+            self._publish_verdict(due.judge(due.excerpt.analyse()))
             if self.parameters['series_cycle']:
                 # The next block may come a cycle later.
                 self._checkpoints.ask()

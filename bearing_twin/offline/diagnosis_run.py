@@ -30,13 +30,6 @@ class DiagnosisRun:
     """
     The diagnosis node's work on one vibration message after the other.
 
-    Parameters
-    ----------
-    values
-        Parameters of the diagnosis node.
-    state
-        State to go on from, as in a checkpoint; None: the start.
-
     Raises
     ------
     BearingTwinError
@@ -97,7 +90,7 @@ class DiagnosisRun:
     def push(self, message: Any, **known: Any) -> Iterator[Output]:
         """Yield what the node publishes of one vibration message; ``known`` as in :meth:`take`."""
         for due in self.take(read_vibration(message, self.values['axis']), **known):
-            yield from self.outputs(due.judge(due.analyse()))
+            yield from self.outputs(due.judge(due.excerpt.analyse()))
 
     def take(
         self,

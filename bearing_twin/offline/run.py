@@ -348,7 +348,7 @@ class _DiagnosisSide:
             self._write(self._run.checkpoint(block.vibration), block.now)
         for due in self._run.take(block.vibration, temperature=block.temperature):
             self._analyses += 1
-            analysis = self._pool.submit(due.analyse)
+            analysis = self._pool.submit(due.excerpt.analyse)
             self._waiting.append((_Analysed(due, analysis), block.now))
         self._report.blocks += 1
         self._report.warnings += block.warnings
