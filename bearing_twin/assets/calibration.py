@@ -127,11 +127,6 @@ class CalibrationCore:
     """
     The calibration that a set of parameters describes: no clocks, no threads, no topics.
 
-    Parameters
-    ----------
-    values
-        Parameters of the calibration node.
-
     Raises
     ------
     BearingTwinError

@@ -60,15 +60,6 @@ def find_hidden(logs: Path, environment: Mapping[str, str], say: Callable[[str],
     """
     Run a hidden machine, its diagnosis and calibration, and a twin that follows it.
 
-    Parameters
-    ----------
-    logs
-        Folder for what the nodes print.
-    environment
-        Of the nodes.
-    say
-        Called with what begins.
-
     Raises
     ------
     BearingTwinError

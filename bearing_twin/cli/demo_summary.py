@@ -115,13 +115,6 @@ def summarise(folder: Path, defect: str, preset: str) -> Summary:
     """
     Read the run back.
 
-    Parameters
-    ----------
-    folder
-        Folder of the run, with the recording in ``bag``.
-    defect, preset
-        What the twin was given.
-
     Raises
     ------
     BearingTwinError

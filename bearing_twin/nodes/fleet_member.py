@@ -28,15 +28,6 @@ class Member:
     """
     Parameters of one asset, and its twin and diagnosis while the node is configured.
 
-    Parameters
-    ----------
-    node
-        The fleet.
-    asset
-        What the file or the list of names says.
-    apply_twin, apply_diagnosis
-        Called with the member and all values after a change has been accepted.
-
     Raises
     ------
     BearingTwinError

@@ -19,23 +19,7 @@ if TYPE_CHECKING:
 
 
 class TwinServices:
-    """
-    Answer ``reset``, ``save_state``, ``load_state`` and ``inject_defect``.
-
-    Parameters
-    ----------
-    node
-        The node that hosts the twin.
-    parameters : ParameterSet
-        The twin's parameters.
-    reset, save, load
-        Act on the simulator; ``load`` raises BearingTwinError for an invalid state.
-    path
-        Name under which the services lie: ``~`` or ``ASSET/twin``.
-    prefix
-        Put before the names of the parameters: '' or ``ASSET.twin.``.
-
-    """
+    """Answer ``reset``, ``save_state``, ``load_state`` and ``inject_defect``."""
 
     def __init__(
         self,

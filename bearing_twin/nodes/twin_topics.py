@@ -44,23 +44,7 @@ TEXTS = {
 
 
 class TwinTopics:
-    """
-    Feed a twin from its topics and publish its messages.
-
-    Parameters
-    ----------
-    node
-        The node that hosts it.
-    twin
-        Takes the inputs.
-    prefix
-        Put before the topics: '' or ``NAMESPACE/``.
-    turns
-        Choose the blocks whose state is published.
-    checkpoints
-        Whether there is a topic for checkpoints.
-
-    """
+    """Feed a twin from its topics and publish its messages."""
 
     def __init__(
         self,

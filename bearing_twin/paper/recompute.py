@@ -24,19 +24,7 @@ if TYPE_CHECKING:
 
 
 def recompute(folder: Path, *, processes: int = 2, quiet: bool = False) -> list[Claim]:
-    """
-    Recompute the paper into ``folder`` and return the claims.
-
-    Parameters
-    ----------
-    folder
-        New, empty, or written by an earlier call.
-    processes
-        Processes for the simulations, 1 or more.
-    quiet
-        No progress bars.
-
-    """
+    """Recompute the paper into ``folder`` and return the claims."""
     prepare_folder(folder)
     study = run_study(processes=processes, quiet=quiet)
     try:

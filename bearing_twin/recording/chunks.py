@@ -44,12 +44,6 @@ class Chunks:
 
     A chunk of some kB unpacks to millions of records. Bounds of one chunk alone would let a small
     file of many chunks keep its reader busy for hours.
-
-    Parameters
-    ----------
-    file, size
-        The file and its size, bytes.
-
     """
 
     def __init__(self, file: BinaryIO, size: int) -> None:

@@ -23,13 +23,6 @@ def load_plain(text: str, what: str) -> Any:
     """
     Return what a YAML text from outside says.
 
-    Parameters
-    ----------
-    text
-        The text.
-    what
-        What it is, for the error.
-
     Raises
     ------
     BearingTwinError

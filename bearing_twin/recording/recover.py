@@ -93,13 +93,6 @@ def recover(source: Path, target: Path) -> RecoveryReport:
     chunks, or it is that channel of the other files of the bag (without any, of our own topics) as
     which alone its messages can be read.
 
-    Parameters
-    ----------
-    source
-        File or bag folder. It is not changed.
-    target
-        File (``.mcap``) or bag folder to make.
-
     Raises
     ------
     BearingTwinError

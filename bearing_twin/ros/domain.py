@@ -35,17 +35,7 @@ CLAIM = 5
 
 
 def inhabitants(domain: int, listen: float = LISTEN) -> list[str]:
-    """
-    Return the nodes of a domain, heard from this machine.
-
-    Parameters
-    ----------
-    domain
-        The domain.
-    listen
-        Longest time to listen, s; the first participant found ends it.
-
-    """
+    """Return the nodes of a domain that are heard within ``listen`` seconds."""
     ensure_log_folder()
     context = rclpy.Context()
     context.init(domain_id=domain)

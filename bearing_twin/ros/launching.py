@@ -65,17 +65,7 @@ def ensure_log_folder() -> None:
 
 
 class NodeProcesses:
-    """
-    Nodes of this package as processes; leaving the context ends those it started.
-
-    Parameters
-    ----------
-    logs
-        Folder for what they print, one file a node.
-    environment
-        Their environment.
-
-    """
+    """Nodes of this package as processes; leaving the context ends those it started."""
 
     def __init__(self, logs: Path, environment: Mapping[str, str]) -> None:
         self._logs = logs

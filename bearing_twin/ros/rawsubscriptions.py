@@ -81,19 +81,7 @@ class TopicChoice:
 
 
 class RawSubscriptions:
-    """
-    Subscribe to chosen topics in the type and QoS in which they are published.
-
-    Parameters
-    ----------
-    node
-        The node.
-    choice
-        Topics to subscribe to.
-    on_message
-        Called with topic, type, bytes and what is known of the way of each message.
-
-    """
+    """Subscribe to chosen topics in the type and QoS in which they are published."""
 
     def __init__(self, node: Node, choice: TopicChoice, on_message: OnMessage) -> None:
         self.lost = 0

@@ -45,13 +45,6 @@ def check_remapping(names: Mapping[str, str], types: Mapping[str, str]) -> None:
     """
     Refuse rules that do not fit the recording.
 
-    Parameters
-    ----------
-    names
-        New name by recorded name, resolved.
-    types
-        Type of every topic that is replayed.
-
     Raises
     ------
     BearingTwinError

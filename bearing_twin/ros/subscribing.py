@@ -82,23 +82,7 @@ def subscribe(
     """
     Subscribe to a topic; its QoS can be overridden by parameters.
 
-    Parameters
-    ----------
-    node
-        The node.
-    kind
-        Class of the messages.
-    topic
-        Name, relative to the node's namespace.
-    callback
-        Called with each message and what is known of its way.
-    qos
-        Profile, where no parameter says otherwise.
-    group
-        Callback group; None: that of the node.
-    refused
-        Called with the reason where a message is refused; None: the log says so.
-
+    A message that is refused is told to ``refused``, or to the log.
     """
     return node.create_subscription(
         kind,

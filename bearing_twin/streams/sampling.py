@@ -206,12 +206,6 @@ class BlockBuilder:
 
     Before a gap the samples collected so far are given out as a shorter block, so that a block
     never holds a gap.
-
-    Parameters
-    ----------
-    size
-        Samples a block.
-
     """
 
     def __init__(self, size: int) -> None:

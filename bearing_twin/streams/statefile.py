@@ -128,15 +128,7 @@ class StateFolder:
 
 
 class NodeStates:
-    """
-    All states of one node: what waits for the disk is done by one thread, in turn.
-
-    Parameters
-    ----------
-    log
-        Told, once, why a state is not kept.
-
-    """
+    """All states of one node: what waits for the disk is done by one thread, in turn."""
 
     def __init__(self, log: Callable[[str], object]) -> None:
         self._log = log

@@ -76,11 +76,6 @@ def fleet_tables(node: str, kind: str, values: Any) -> dict[str, Any]:
 
     The assets lie beside the node, not below it as the topic of its checkpoint does.
 
-    Parameters
-    ----------
-    node, kind, values
-        Of a Checkpoint: fully qualified name, kind and configuration of the node.
-
     Examples
     --------
     >>> fleet_tables('/plant/fleet', 'fleet', {'line3/pump': {'defect': 'inner'}})

@@ -126,17 +126,7 @@ class SpectrumPicture:
 
     @classmethod
     def of(cls, spectrum: Any, diagnosis: Any = None) -> SpectrumPicture | None:
-        """
-        Prepare a Spectrum message; None where it holds nothing.
-
-        Parameters
-        ----------
-        spectrum
-            Spectrum message, or anything with its fields.
-        diagnosis
-            Diagnosis message; ignored if it is of another window.
-
-        """
+        """Prepare a Spectrum message, with the diagnosis of its window; None if it is empty."""
         values = np.nan_to_num(np.asarray(spectrum.values, dtype=np.float64))
         spacing = float(spectrum.bin_hz)
         if values.size == 0 or not spacing > 0.0:

@@ -41,17 +41,7 @@ DECIDING = ('significance', 'modulation', 'baseline')
 
 
 def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
-    """
-    Return caption and SVG of the pictures that the machine has data for.
-
-    Parameters
-    ----------
-    machine
-        What was collected.
-    prefix
-        Put before every id in the SVG, so that pictures on one page do not share them.
-
-    """
+    """Return caption and SVG of what a machine has data for; ids begin with ``prefix``."""
     plots = (
         _envelope_spectrum, _history, _over_temperature, _evidence, _waterfall, _fitted,
     )  # fmt: skip

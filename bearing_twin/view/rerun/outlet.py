@@ -32,15 +32,6 @@ class Outlet:
     """
     One sink of Rerun.
 
-    Parameters
-    ----------
-    recording_id
-        Name of the recording; outlets of the same one belong together.
-    sink
-        File or server of Rerun.
-    place
-        The sink by name, for errors.
-
     Raises
     ------
     BearingTwinError

@@ -69,17 +69,7 @@ class Asset:
 
 
 class Picture:
-    """
-    One topic as it is drawn.
-
-    Parameters
-    ----------
-    canvas
-        Where it draws: below the topic's name.
-    asset
-        Shared by the pictures of one bearing.
-
-    """
+    """One topic as it is drawn."""
 
     kind = ''
     """What the layout takes it for; '' for something that has no view."""

@@ -57,21 +57,7 @@ def namespace_of(topic: str) -> tuple[str, str]:
 
 
 class Scene:
-    """
-    Draw the topics of one namespace.
-
-    Parameters
-    ----------
-    emit
-        Where what is drawn goes.
-    root
-        Entity path below which it lies.
-    timebase
-        Timeline.
-    asset
-        What the pictures share.
-
-    """
+    """Draw the topics of one namespace."""
 
     def __init__(self, emit: Emit, root: str, timebase: Timebase, asset: Asset) -> None:
         self.root = root

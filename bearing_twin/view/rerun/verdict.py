@@ -107,15 +107,6 @@ def _card(number: int, text: str, below: str = '') -> bytes:
     """
     Return a verdict as a coloured PNG with letters as large as fit: read from across a room.
 
-    Parameters
-    ----------
-    number
-        Of the constants of Diagnosis; it decides the colour.
-    text
-        The verdict.
-    below
-        A line below it in smaller letters.
-
     Notes
     -----
     The headings of a viewer's text are of one size, a few millimetres on a screen.

@@ -74,15 +74,6 @@ def show_in_browser(
     """
     Serve files, or one server, to browsers until interrupted.
 
-    Parameters
-    ----------
-    sources
-        Files, or the URL of one server.
-    address, web_port
-        Where the page is served; port 0: any.
-    announce
-        Called with the address of the page.
-
     Raises
     ------
     BearingTwinError
@@ -117,13 +108,6 @@ def show_in_browser(
 class HeadlessViewer:
     """
     A viewer without a display, driven from here.
-
-    Parameters
-    ----------
-    sources
-        Files and servers to open.
-    size
-        Width and height of the window, pixels.
 
     Raises
     ------
