@@ -31,13 +31,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the node until it is told to end."""
-    from bearing_twin.ros import lifecycle
+    from bearing_twin.ros import running
 
     node = importlib.import_module(f'bearing_twin.nodes.{args.node}')
     if {'-h', '--help'} & set(args.arguments):
         print(_help(args.node, node))
         return 0
-    return lifecycle.run(node.NODE, args.arguments)
+    return running.run(node.NODE, args.arguments)
 
 
 def _help(name: str, module: Any) -> str:

@@ -1,31 +1,20 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Base of our nodes: a lifecycle node that brings itself up, and the ``main`` they share."""
+"""Base of our nodes: a lifecycle node with a parameter table, which brings itself up."""
 
 from __future__ import annotations
 
 import gc
-import os
-import signal
-import sys
-import threading
-import time
 import traceback
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.shared_specs import AUTOSTART
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.memory import keep_freed_memory
 from bearing_twin.ros.entities import destroy_new, entities
-from bearing_twin.ros.executor import LeanExecutor, PolledGroup
-from bearing_twin.ros.fastdds import set_up_fast_dds
-from bearing_twin.ros.health import Health, Level, Status
-from bearing_twin.ros.launching import COMPILING, ensure_log_folder, LOADING, REFUSED
+from bearing_twin.ros.executor import PolledGroup
 from bearing_twin.ros.parameters import ParameterSet, unknown_at_start
 from bearing_twin.ros.subscribing import validated
 from bearing_twin.streams.statefile import NodeStates
-from bearing_twin.view.rerun.ending import leave
-import rclpy
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
@@ -34,24 +23,16 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
+    from collections.abc import Awaitable, Callable, Iterable, Mapping
 
     from bearing_twin.assets.spec import Spec
-    from rclpy.executors import Executor
     from rclpy.lifecycle import LifecycleState
     from rclpy.service import Service
     from rclpy.subscription import MessageInfo, Subscription
 
 
-SLOW = 2.0
-"""Time after which a node says why its preparation takes long, s."""
-
 POLL_PERIOD = 0.1
 """Longest that an input waits which is used with the next block, s."""
-
-THREAD = 'compiler'
-PART = 'real time'
-"""Part of the node that a status speaks of; every node that compiles has it later on, too."""
 
 
 class ManagedNode(LifecycleNode):
@@ -245,7 +226,7 @@ class ManagedNode(LifecycleNode):
         try:
             step()
         except Exception as error:
-            if _refuses(error):
+            if refuses(error):
                 self.refused = not isinstance(error, BearingTwinError)
                 self.get_logger().error(str(error))
                 return TransitionCallbackReturn.FAILURE
@@ -277,176 +258,8 @@ def _without_info(callback: Callable[[Any], None]) -> Callable[[Any, MessageInfo
     return lambda message, _: callback(message)
 
 
-def _prepare(node: ManagedNode, executor: Executor) -> None:
-    """
-    Let a node prepare itself in a thread, and answer services until it is done.
-
-    If that takes long the log and /diagnostics say why.
-    """
-    started = time.monotonic()
-    thread = threading.Thread(target=node.prepare, name=THREAD, daemon=True)
-    thread.start()
-    health: Health | None = None
-    said = ''
-    while thread.is_alive() and node.context.ok():
-        executor.spin_once(timeout_sec=0.1)
-        if time.monotonic() - started < SLOW:
-            continue
-        if (why := _what_takes_long()) != said:
-            node.get_logger().info(said := why)
-        if health is None:
-            health = Health(node, node.get_namespace())
-            health.add(
-                PART,
-                lambda: Status(
-                    Level.WARN, _what_takes_long(), {'time_s': time.monotonic() - started}
-                ),
-            )
-    if health is not None:
-        health.destroy()
-
-
-def _what_takes_long() -> str:
-    # Numba takes a second to load, which nodes without a kernel do without.
-    from bearing_twin.dynamics.compiled import has_compiled, other_processors, processor
-
-    others = ', '.join(other_processors())
-    if has_compiled() and others:
-        return f'{COMPILING}: the code at hand is for {others}, this is a {processor()}'
-    return COMPILING if has_compiled() else LOADING
-
-
-def _is_compiling() -> bool:
-    """Whether a preparation is under way: the compiler cannot be told to stop."""
-    return any(thread.name == THREAD for thread in threading.enumerate())
-
-
-def _work(node: ManagedNode) -> None:
-    executor = LeanExecutor()
-    executor.add_node(node)
-    try:
-        _prepare(node, executor)
-        node.bring_up()
-        executor.spin()
-    except Exception:
-        if node.context.ok():
-            raise
-        # INT and TERM end the context at once, under the hands of a callback that publishes.
-        raise ExternalShutdownException from None
-
-
-def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int:
-    """
-    Run a node until it is told to end; return the exit status.
-
-    INT and TERM end it cleanly: files are finished, the status is 0. Where parameters or arguments
-    are refused it is that of :data:`REFUSED`, so that nobody starts the node again in vain.
-    """
-    stray = _stray(sys.argv[1:] if args is None else args)
-    if stray:
-        print(
-            f"{_program(node_class)}: unknown argument '{stray}'; parameters and remappings go "
-            "behind --ros-args, e.g. '--ros-args -p NAME:=VALUE'",
-            file=sys.stderr,
-        )
-        return REFUSED
-    set_up_fast_dds()
-    ensure_log_folder()
-    keep_freed_memory()
-    status = _run(node_class, args)
-    if _is_compiling():
-        # It cannot be told to stop, and has nothing to lose.
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(status)
-    leave(status)
-    return status
-
-
-def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
-    node: ManagedNode | None = None
-    interrupts = _note_interrupts()
-    try:
-        _init(args)
-        try:
-            if interrupts:
-                # Before rclpy listened.
-                raise ExternalShutdownException
-            node = _build(node_class)
-            _work(node)
-        finally:
-            if node is not None:
-                node.shut_down()
-            rclpy.try_shutdown()
-    except ExternalShutdownException:
-        return 1 if node is not None and node.failed else 0
-    except BearingTwinError as error:
-        print(f'{_program(node_class)}: {error}', file=sys.stderr)
-        return REFUSED if node is None or node.refused else 1
-    finally:
-        # Nothing is left to be interrupted but the way out.
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-    return 1 if node.failed else 0
-
-
-def _init(args: Sequence[str] | None) -> None:
-    """Initialise rclpy; a parameter file or a domain that cannot be read is no defect of ours."""
-    try:
-        # Not as a context manager, which it is since Kilted only.
-        rclpy.init(args=list(args) if args is not None else None)
-    except (RuntimeError, UnicodeError) as error:
-        # RCLError is a RuntimeError.
-        raise BearingTwinError(str(error)) from None
-
-
-def _note_interrupts() -> list[int]:
-    """
-    Let INT do what TERM does: rclpy ends the context, and everything looks at that.
-
-    Python would also raise KeyboardInterrupt between any two steps of any callback: in the middle
-    of a record that is being written, or of the work of ending that an earlier interrupt began.
-
-    Returns
-    -------
-    list
-        Filled with the signals that come.
-
-    """
-    came: list[int] = []
-    signal.signal(signal.SIGINT, lambda number, _: came.append(number))
-    return came
-
-
-def _build(node_class: type[ManagedNode]) -> ManagedNode:
-    try:
-        return node_class()  # type: ignore[call-arg]
-    except Exception as error:
-        if _refuses(error):
-            raise BearingTwinError(str(error)) from None
-        if rclpy.ok():
-            raise
-        raise ExternalShutdownException from None
-
-
-def _refuses(error: Exception) -> bool:
+def refuses(error: Exception) -> bool:
     """Whether an error says that what a user gave is refused, by us or by rclpy."""
     # A reliability that there is not is a plain RuntimeError.
     refusals = BearingTwinError, ParameterException, InvalidQosOverridesError
     return isinstance(error, refusals) or str(error).startswith('Unexpected QoS override')
-
-
-def _program(node_class: type[ManagedNode]) -> str:
-    return node_class.__name__.removesuffix('Node').lower()
-
-
-def _stray(words: Sequence[str]) -> str:
-    """Return the first word that is not between ``--ros-args`` and ``--``; '' if there is none."""
-    inside = False
-    for word in words:
-        if word == '--ros-args':
-            inside = True
-        elif inside:
-            inside = word != '--'
-        else:
-            return word
-    return ''

@@ -288,7 +288,7 @@ def slow(descriptor, data):
     return write(descriptor, data)
 os.write = slow
 from bearing_twin.nodes.recorder import NODE
-from bearing_twin.ros.lifecycle import run
+from bearing_twin.ros.running import run
 sys.exit(run(NODE, sys.argv[2:]))
 """
 
