@@ -4,15 +4,17 @@
 
 from __future__ import annotations
 
-from concurrent.futures import as_completed, ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor
 import dataclasses
 from dataclasses import dataclass
+import functools
 import math
 import multiprocessing
 import signal
 from typing import TYPE_CHECKING, TypeVar
 
 from bearing_twin.dynamics import preset, Simulator, warm_up
+from bearing_twin.dynamics.trend import impact_amplitude
 from bearing_twin.paper import settings
 import numpy as np
 import numpy.typing as npt
@@ -35,57 +37,32 @@ _SETTLING_IMPACTS = 50
 
 @dataclass(frozen=True, kw_only=True)
 class RunSpec:
-    """
-    One simulation, free of jitter, noise and waviness.
-
-    Parameters
-    ----------
-    preset
-        Name of the preset.
-    factor
-        Terms of beta0 that are present; None: none, the model without temperature.
-    temperature
-        degC.
-    defect
-        Place of the defect.
-    profile
-        Path of a ball over it: ``'ball'``, or ``'rect'``, equation 8 with b = 0 or 1.
-    slip_model
-        ``'none'`` as in the paper, or ``'mu_proportional'``.
-    thermal_mode
-        ``'paper'``, or the twin's ``'physical'``.
-    shaft_hz
-        Shaft speed, Hz.
-    was
-        Temperature before t = 0, degC; None: `temperature`.
-    ramp
-        Whether the temperature goes from `was` in proportion to time over the record; else at
-        once, and the motion settles a second time before t = 0.
-    seconds
-        Length of the record.
-    rate
-        Sample rate, Hz.
-    delta_mu
-        Weight of friction in beta0.
-    load, width, depth, clearance
-        Instead of the preset's, N and m.
-
-    """
+    """One simulation, free of jitter, noise and waviness."""
 
     preset: str
     factor: settings.Factor | None
+    """Terms of beta0 that are present; None: none, the model without temperature."""
     temperature: float
+    """degC."""
     defect: str = 'inner'
     profile: Profile = 'ball'
+    """Path of a ball over the defect: ``'ball'``, or ``'rect'``, equation 8 with b = 0 or 1."""
     slip_model: str = 'none'
+    """``'none'`` as in the paper, or ``'mu_proportional'``."""
     thermal_mode: ThermalMode = 'paper'
     shaft_hz: float = settings.SHAFT_HZ
     was: float | None = None
+    """Temperature before t = 0, degC; None: `temperature`."""
     ramp: bool = False
+    """Whether the temperature goes from `was` in proportion to time over the record; else at
+    once, and the motion settles a second time before t = 0."""
     seconds: float = settings.DURATION
     rate: float = 51200.0
+    """Samples a second."""
     delta_mu: float = settings.DELTA_MU
+    """Weight of friction in beta0."""
     load: float | None = None
+    """Instead of the preset's, N; the next three likewise, m."""
     width: float | None = None
     depth: float | None = None
     clearance: float | None = None
@@ -130,6 +107,11 @@ class Record:
     clearance: float
     """Radial clearance, m."""
 
+    @property
+    def amplitude(self) -> float:
+        """Impact amplitude, m/s^2."""
+        return impact_amplitude(self.acceleration, self.rate, self.bpfi)
+
 
 def simulate(spec: RunSpec) -> Record:
     """
@@ -171,36 +153,27 @@ def simulate(spec: RunSpec) -> Record:
     )
 
 
-def in_parallel(
-    work: Callable[[S], R], items: Sequence[S], *, processes: int, text: str, quiet: bool = False
-) -> list[R]:
+def in_parallel(work: Callable[[S], R], items: Sequence[S], *, processes: int) -> list[R]:
     """
     Return ``work(item)`` of all items, in order, from several processes, with a progress bar.
 
     ``processes`` = 1 stays in this process. The others are started afresh, not forked, because
     this one may have threads (a progress bar, a ROS context).
     """
-    bar = tqdm(total=len(items), desc=text, disable=quiet, unit='', mininterval=0.5, ncols=80)
-    with bar:
-        if processes == 1:
-            done = []
-            for item in items:
-                done.append(work(item))
-                bar.update()
-            return done
-        # Compiled once here; the workers find it in numba's cache.
-        warm_up()
-        context = multiprocessing.get_context('spawn')
-        pool = ProcessPoolExecutor(
-            processes, mp_context=context, initializer=signal.signal,
-            initargs=(signal.SIGINT, signal.SIG_IGN),
-        )  # fmt: skip
-        try:
-            futures = [pool.submit(work, item) for item in items]
-            for future in as_completed(futures):
-                future.result()
-                bar.update()
-            return [future.result() for future in futures]
-        finally:
-            # After an interrupt or a failed run, the rest is not worked off first.
-            pool.shutdown(cancel_futures=True)
+    bar = functools.partial(
+        tqdm, total=len(items), desc='simulations', unit='', mininterval=0.5, ncols=80
+    )
+    if processes == 1:
+        return list(bar(map(work, items)))
+    # Compiled once here; the workers find it in numba's cache.
+    warm_up()
+    context = multiprocessing.get_context('spawn')
+    pool = ProcessPoolExecutor(
+        processes, mp_context=context, initializer=signal.signal,
+        initargs=(signal.SIGINT, signal.SIG_IGN),
+    )  # fmt: skip
+    try:
+        return list(bar(pool.map(work, items)))
+    finally:
+        # After an interrupt or a failed run, the rest is not worked off first.
+        pool.shutdown(cancel_futures=True)

@@ -147,8 +147,8 @@ class Study:
         return float(points[-1].peak_heights.mean() / points[0].peak_heights.mean() - 1.0)
 
 
-def run_study(*, processes: int = 2, quiet: bool = False) -> Study:
-    """Run every simulation, with a progress bar unless ``quiet``."""
+def run_study(*, processes: int) -> Study:
+    """Run every simulation, with a progress bar."""
     nodes = settings.TEMPERATURE_NODES
     names, factors = settings.PRESET_NAMES, settings.FACTORS
     cold, hot = nodes[0], nodes[-1]
@@ -206,7 +206,7 @@ def run_study(*, processes: int = 2, quiet: bool = False) -> Study:
         'space': (only_amplitude, dict(enumerate(SPACE.specs()))),
     }  # fmt: skip
     jobs = [(work, spec) for work, specs in plan.values() for spec in specs.values()]
-    done = iter(in_parallel(_do, jobs, processes=processes, text='simulations', quiet=quiet))
+    done = iter(in_parallel(_do, jobs, processes=processes))
     found = {name: {key: next(done) for key in specs} for name, (_, specs) in plan.items()}
 
     def change(name: str, *key: Any) -> float:
@@ -306,15 +306,13 @@ def fault_point(spec: RunSpec) -> dict[str, float]:
 
 def only_amplitude(spec: RunSpec) -> float:
     """Simulate and return the impact amplitude, m/s^2."""
-    record = simulate(spec)
-    return impact_amplitude(record.acceleration, record.rate, record.bpfi)
+    return simulate(spec).amplitude
 
 
 def warm_point(spec: RunSpec) -> WarmPoint:
     """Simulate one temperature of the physical mode."""
     record = simulate(spec)
-    amplitude = impact_amplitude(record.acceleration, record.rate, record.bpfi)
-    return WarmPoint(amplitude, record.clearance)
+    return WarmPoint(record.amplitude, record.clearance)
 
 
 def ramp_point(spec: RunSpec) -> FloatArray:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 @pytest.fixture(scope='session')
 def study() -> Study:
     """Return every simulation of the paper."""
-    return run_study(processes=2, quiet=True)
+    return run_study(processes=2)
 
 
 @pytest.fixture(scope='session')
@@ -27,7 +27,7 @@ def folder(study, tmp_path_factory) -> Path:
     """Return the folder that the command writes."""
     path = tmp_path_factory.mktemp('paper') / 'out'
     prepare_folder(path)
-    write_results(path, study, quiet=True)
+    write_results(path, study)
     return path
 
 
