@@ -36,7 +36,8 @@ def path_of_lanes(profile, along, sunk, slope):
 
 
 def test_examples_hold():
-    assert doctest.testmod(model) == (0, 3)
+    failed, tried = doctest.testmod(model)
+    assert tried and not failed
 
 
 def test_every_profile_has_a_code_of_its_own_and_no_other_code_is_one():
