@@ -5,11 +5,12 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 import json
 import math
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.assets.calibration_record import Record
 from bearing_twin.assets.calibration_task import Task
 from bearing_twin.assets.calibration_verdict import Heard, Verdicts
 from bearing_twin.assets.diagnosis_parameters import build_bearing
@@ -24,7 +25,7 @@ from bearing_twin.dynamics.parameters import check_bearing
 from bearing_twin.dynamics.sensor_path import BAND_HZ, band_levels, distance
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, unpack
-from bearing_twin.stamps import NANO, samples_ns
+from bearing_twin.stamps import samples_ns
 from bearing_twin.streams.samplerate import off_rate, REFUSED
 from bearing_twin_msgs.msg import Calibration
 import numpy as np
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.impacts import Impacts
     from bearing_twin.streams.vibration_input import VibrationBlock
     from bearing_twin_msgs.msg import Diagnosis
-    from numpy.typing import NDArray
 
 
 _VERSION = 2004
@@ -55,72 +55,6 @@ REPAIRED = (
     'a defect was named and is gone since the healthy twin was fitted: if the bearing was '
     'repaired, call ~/reset to learn it anew'
 )
-
-
-@dataclass
-class _Record:
-    """The newest blocks of one sensor, without a gap."""
-
-    blocks: deque[VibrationBlock] = field(default_factory=deque)
-    """The shaft speed of each is the one to use, NaN where none is known."""
-    held: int = 0
-    """Samples."""
-
-    @property
-    def newest(self) -> VibrationBlock:
-        return self.blocks[-1]
-
-    @property
-    def sample_rate(self) -> float:
-        """Of the oldest block, Hz: those of the others may differ by what clocks drift."""
-        return self.blocks[0].sample_rate
-
-    @property
-    def end(self) -> int:
-        """Index of the sample that is still to come."""
-        return self.newest.first_sample + len(self.newest.samples)
-
-    def add(self, block: VibrationBlock, most: int) -> None:
-        """Append a block, and drop the oldest as long as ``most`` samples are left."""
-        if not (self.blocks and self._goes_on(block)):
-            self.blocks.clear()
-            self.held = 0
-        self.blocks.append(block)
-        self.held += len(block.samples)
-        while self.held - len(self.blocks[0].samples) >= most:
-            self.held -= len(self.blocks.popleft().samples)
-
-    def _goes_on(self, block: VibrationBlock) -> bool:
-        was = (self.end, self.newest.unit, self.newest.frame_id)
-        alike = (block.first_sample, block.unit, block.frame_id) == was
-        return alike and same_rate(self.sample_rate, block.sample_rate)
-
-    def stamped_rate(self) -> float:
-        """Return the sample rate that the stamps tell, Hz; NaN where they stand still."""
-        elapsed = self.newest.stamp - self.blocks[0].stamp
-        before = self.held - len(self.newest.samples)
-        return before * NANO / elapsed if elapsed > 0 else math.nan
-
-    def samples(self, wanted: int) -> NDArray[np.float64]:
-        """Return the newest samples."""
-        parts = [block.samples for block in self.blocks]
-        return np.concatenate(parts)[-wanted:].astype(np.float64)
-
-    def shaft_hz(self) -> tuple[float, str]:
-        """Return the mean speed, Hz, and why there is none to fit at; '' if there is."""
-        speeds = np.array([block.shaft_hz for block in self.blocks])
-        if not np.isfinite(speeds).all():
-            return math.nan, 'no shaft speed: set shaft_hz, or joint where joint_states has it'
-        slowest, fastest = float(speeds.min()), float(speeds.max())
-        mean = float(np.average(speeds, weights=[len(block.samples) for block in self.blocks]))
-        if fastest <= 0.0:
-            return math.nan, 'the shaft stands still: start the machine'
-        if fastest - slowest > MOVED * mean:
-            return math.nan, (
-                f'the speed moved from {slowest:.3g} to {fastest:.3g} Hz within the window, more '
-                f'than {100.0 * MOVED:g} %: keep it steady, or choose a shorter window'
-            )
-        return mean, ''
 
 
 class CalibrationCore:
@@ -144,7 +78,7 @@ class CalibrationCore:
         self._load = (low, high) if high else None
         check_bearing(self.bearing)
         load_range(self.bearing, self._load)
-        self._record = _Record()
+        self._record = Record()
         self._verdicts = Verdicts(self.bearing)
         self._next = self._rested = self._decided = self._compared = -math.inf
         self._residuals = Residuals()
