@@ -63,7 +63,7 @@ def measure() -> dict[str, float]:
             simulator.advance(_BLOCK, 20.0, 25.4)
 
     one_second()
-    per_second = _best(one_second, 10) / (25 * _BLOCK / _RATE)
+    per_second = _best(one_second) / (25 * _BLOCK / _RATE)
 
     mixed = [preset('incipient', defect=('inner', 'outer', 'ball')[i % 3]) for i in range(_FLEET)]
     for i, each in enumerate(mixed):
@@ -74,7 +74,7 @@ def measure() -> dict[str, float]:
 
     alike = (Fleet([preset('incipient')] * _FLEET, threads=threads) for threads in (1, 2))
     one, two = (
-        _best(partial(fleet.advance, _BLOCK, 20.0, 25.4), 10, time.perf_counter) for fleet in alike
+        _best(partial(fleet.advance, _BLOCK, 20.0, 25.4), time.perf_counter) for fleet in alike
     )
 
     quiet = [preset(name, defect=place, jitter=0.0, noise=0.0) for name, place in _JUDGED]
@@ -119,19 +119,18 @@ def _fleet_time(parameters: list[TwinParameters], shaft_hz: np.ndarray) -> float
         temperatures = 20.0 + (temperatures - 20.0 + 0.01) % 90.0
         fleet.advance(_BLOCK, temperatures, shaft_hz)
 
-    return _best(one_block, 10)
+    return _best(one_block)
 
 
-def _best(
-    run: Callable[[], object], times: int, clock: Callable[[], float] = time.process_time
-) -> float:
-    """Least time of several runs by a clock, s: processor time, unless said."""
-    best = float('inf')
-    for _ in range(times):
+def _best(run: Callable[[], object], clock: Callable[[], float] = time.process_time) -> float:
+    """Least time of ten runs by a clock, s: processor time, unless said."""
+
+    def once() -> float:
         begin = clock()
         run()
-        best = min(best, clock() - begin)
-    return best
+        return clock() - begin
+
+    return min(once() for _ in range(10))
 
 
 def _ratio_to_plain(parameters: TwinParameters) -> float:
@@ -140,7 +139,7 @@ def _ratio_to_plain(parameters: TwinParameters) -> float:
     reference, simulator = solve(parameters, samples, shaft_hz=hz), Simulator(parameters)
     block = simulator.advance(samples, 20.0, hz)
     error = _error(block.x, block.y, reference)
-    ours = _best(partial(simulator.advance, samples, 20.0, hz), 10) / _SHORT
+    ours = _best(partial(simulator.advance, samples, 20.0, hz)) / _SHORT
     errors, costs = [], []
     for steps in _STEPS:
         runs = [solve(parameters, samples, shaft_hz=hz, steps=steps) for _ in range(3)]

@@ -11,7 +11,7 @@ from numbers import Integral, Real
 import os
 from pathlib import Path
 import sys
-from typing import Any, TextIO, TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 
@@ -91,15 +91,14 @@ def processes(asked: int | None, tasks: int) -> int:
     return max(1, min(asked or len(os.sched_getaffinity(0)), tasks))
 
 
-def coloured(stream: TextIO) -> bool:
-    """Whether a stream takes colours: a terminal, unless NO_COLOR is set (no-color.org)."""
-    return stream.isatty() and not os.environ.get('NO_COLOR') and os.environ.get('TERM') != 'dumb'
+def by_level(text: str, level: str) -> str:
+    """
+    Return a text in the colour of a level, or in 'bold', where standard output is a terminal.
 
-
-def by_level(text: str, level: str, stream: TextIO | None = None) -> str:
-    """Return a text in the colour of a level, or in 'bold', where ``stream`` takes colours."""
-    code = _COLOURS.get(level)
-    if code is None or not coloured(sys.stdout if stream is None else stream):
+    Without colours where NO_COLOR is set (no-color.org).
+    """
+    code, refused = _COLOURS.get(level), os.environ.get('NO_COLOR')
+    if code is None or refused or os.environ.get('TERM') == 'dumb' or not sys.stdout.isatty():
         return text
     return f'\x1b[{code}m{text}\x1b[0m'
 

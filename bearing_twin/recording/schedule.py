@@ -124,7 +124,6 @@ def write_temperature_recording(
     *,
     source: str,
     topic: str = '/temperature',
-    frame_id: str = 'bearing_housing',
 ) -> None:
     """
     Write readings as a recording of ``sensor_msgs/Temperature``.
@@ -137,8 +136,8 @@ def write_temperature_recording(
         Shape ``(n,)``, s from the start and degC.
     source
         Where they come from; kept in the recording.
-    topic, frame_id
-        Topic, and frame of the headers.
+    topic
+        Topic.
 
     Raises
     ------
@@ -158,7 +157,7 @@ def write_temperature_recording(
             ns = START + round(float(second) * NANO)
             sec, nanosec = split_ns(ns)
             message = temperature(
-                header=header(stamp=time(sec=sec, nanosec=nanosec), frame_id=frame_id),
+                header=header(stamp=time(sec=sec, nanosec=nanosec), frame_id='bearing_housing'),
                 temperature=float(value),
                 variance=0.0,
             )
