@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 import math
 
-from bearing_twin.calibration.summaries import HIGH_SHARE, levinson
+from bearing_twin.calibration.summaries import HIGH_SHARE, levinson, TAPERED
 from bearing_twin.dynamics.sensor_path import SensorPath
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -62,9 +62,10 @@ class Resonance:
 
 
 def _power(x: FloatArray) -> FloatArray:
-    """Power spectrum of a signal, zero padded to twice its length, over its number of samples."""
+    """Power spectrum of a signal that is faded at its ends, zero padded to twice its length."""
+    window = signal.windows.tukey(len(x), TAPERED)
     size = fft.next_fast_len(2 * len(x), real=True)
-    return np.asarray(np.abs(fft.rfft(x - x.mean(), size)) ** 2 / len(x))
+    return np.asarray(np.abs(fft.rfft(window * (x - x.mean()), size)) ** 2 / (window @ window))
 
 
 def identify(

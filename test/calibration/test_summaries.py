@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is compared of a record: wherever it ends."""
 
+from bearing_twin.calibration.path import identify
 from bearing_twin.calibration.summaries import summarise
+from bearing_twin.dynamics.sensor_path import band_levels, distance
 import numpy as np
 import pytest
 from scipy import signal
@@ -29,3 +31,17 @@ def test_no_place_at_which_a_record_ends_makes_an_impact_of_its_own():
         values = np.array([getattr(each, name) for each in found])
         assert np.ptp(values) < 0.02 * values.mean(), name
     assert found[0].spacing == pytest.approx(2e-3, rel=0.01)
+
+
+def test_no_place_at_which_a_twin_ends_spoils_its_spectrum():
+    """A twin of slow swings and a floor 54 dB below: its jump would pass for that floor."""
+    rate = 25600.0
+    slow_band = signal.butter(4, 300.0, fs=rate, output='sos')
+    for seed in range(4):
+        machine, slow, floor = np.random.default_rng(seed).standard_normal((3, 51200))
+        machine = signal.lfilter([1.0], [1.0, -0.9], machine)
+        slow = signal.sosfilt(slow_band, slow)
+        twin = slow / slow.std() + 2e-3 * floor
+        path = identify(machine, rate, twin, 1e-4)
+        found = path.filter().apply(twin)[len(path.denominator) :]
+        assert distance(band_levels(machine, rate), band_levels(found, rate)) < 1.0
