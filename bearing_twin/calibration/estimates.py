@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.calibration.cloud import unknowns
-from bearing_twin.calibration.healthy import LOSS_DB, smallest_shown, UNKNOWN_DB
+from bearing_twin.calibration.healthy import (
+    LOSS_DB,
+    SLIPPED,
+    smallest_shown,
+    SPEED_ERROR,
+    UNKNOWN_DB,
+)
 from bearing_twin.calibration.passage import (
     contact_speed,
     interference,
@@ -168,6 +174,28 @@ def of_defect(
             identifiable=name == 'defect_width_mm' and refusal is None, why=why,
         )  # fmt: skip
     return quantities
+
+
+def of_slip(situation: Situation, *, heard: bool) -> Estimate:
+    """
+    Return the slip of the cage; ``heard`` if the diagnosis has found it.
+
+    Examples
+    --------
+    >>> from bearing_twin.calibration.cloud import example
+    >>> of_slip(example(), heard=False).q95
+    0.03
+
+    """
+    low, high = 0.0, SLIPPED
+    why = 'no line of a part was looked for, so that the twin has the slip 0'
+    if heard:
+        low, high = situation.slip - SPEED_ERROR, situation.slip + SPEED_ERROR
+        why = (
+            'from the line of the part, which an error of the shaft speed moves too: '
+            f'{100.0 * SPEED_ERROR:g} % of it are supposed'
+        )
+    return Estimate(q05=low, median=situation.slip, q95=high, unit='', identifiable=False, why=why)
 
 
 def taken_off(situation: Situation, share: float) -> float:

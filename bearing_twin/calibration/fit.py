@@ -21,6 +21,7 @@ from bearing_twin.calibration.cloud import (
 from bearing_twin.calibration.estimates import (
     of_defect,
     of_path,
+    of_slip,
     supposed,
     without_defect,
 )
@@ -141,13 +142,15 @@ def fit(
     elif place not in (*PLACES, 'none'):
         msg = f"place={place!r}: choose 'none' or one of {', '.join(PLACES)}"
         raise BearingTwinError(msg)
-    if math.isfinite(slip) and 0.0 <= slip <= 0.05:
-        situation = replace(situation, slip=slip)
+    heard = math.isfinite(slip) and 0.0 <= slip <= 0.05
+    if heard:
+        situation = replace(situation, slip=abs(slip))
     x, rate = decimated(x, sample_rate)
     situation = replace(situation, place=place, sample_rate=rate)
     if place in ('ball', 'cage'):
         refusal = Refusal(Kind.NOT_FITTED, f'the width of a {place} defect is not fitted')
-    return _fitted(x, situation, unit, candidates, seed, start, refusal, named=named)
+    found = _fitted(x, situation, unit, candidates, seed, start, refusal, named=named)
+    return replace(found, quantities=found.quantities | {'slip': of_slip(situation, heard=heard)})
 
 
 def fitted_vibration(found: Calibration, seconds: float) -> FloatArray:
