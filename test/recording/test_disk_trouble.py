@@ -18,7 +18,7 @@ from bearing_twin.recording.recover import find_unfinished, recover
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.recording.snapshot import SnapshotWriter
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
-from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.ros.launching import NodeProcesses, REFUSED
 from bearing_twin.streams.statefile import StateFolder
 import pytest
 from recording_samples import START, VIBRATION, vibration_cdr
@@ -247,7 +247,7 @@ def test_nodes_import_nothing_from_the_working_directory(
     monkeypatch.chdir(tmp_path)
     with NodeProcesses(tmp_path / 'logs', os.environ) as nodes:
         nodes.start('recorder', {'output': str(tmp_path / 'run'), 'compression': 'no such'})
-        assert nodes.wait('recorder', 60.0) == 1
+        assert nodes.wait('recorder', 60.0) == REFUSED
     assert 'is not one of zstd, lz4, none' in (tmp_path / 'logs' / 'recorder.log').read_text()
 
 
