@@ -321,7 +321,8 @@ class TwinParameters:
     )
     waviness: float = quantity(
         50e-6,
-        'Waviness of races and balls: RMS velocity in each band of the ISO 15242 test.',
+        'Waviness of races and balls: RMS velocity in each band of the ISO 15242 test. The '
+        'default is a choice for a bearing of ordinary quality, no class of a standard.',
         unit='m/s',
         low=1e-6,
         high=1e-3,

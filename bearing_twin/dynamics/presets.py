@@ -56,12 +56,6 @@ _PRESETS = {
         15e-6,
         {'load': 500.0, 'inner_mass': 1.2638},
     ),
-    'dong': _Preset(
-        "Dong's thesis and the code that cites it: rotor of 50 kg, eccentricity 50 um",
-        0.8e-3,
-        15e-6,
-        {'load': 500.0, 'inner_mass': 50.0, 'unbalance': 2.5e-3, 'hertz_stiffness': 8.753e9},
-    ),
 }
 
 PRESETS: Mapping[str, str] = MappingProxyType({name: p.text for name, p in _PRESETS.items()})

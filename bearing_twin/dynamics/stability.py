@@ -112,7 +112,7 @@ def steps(p: TwinParameters, sample_rate: float) -> int:
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
-    >>> steps(preset('dong'), 25600.0), steps(preset('paper'), 25600.0)
+    >>> steps(preset('incipient', inner_mass=50.0), 25600.0), steps(preset('paper'), 25600.0)
     (1, 3)
 
     """

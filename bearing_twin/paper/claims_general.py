@@ -130,8 +130,8 @@ def _literature(study: Study) -> Claim:
             f'0.1 % from 20 to 110 degC, at least 95 %: load {_list(LITERATURE_LOADS)} N, spall '
             f'{_list(LITERATURE_WIDTHS, 1e3)} mm wide and {_list(LITERATURE_DEPTHS, 1e6)} um deep '
             'for each model. Only the contact stiffness of `mishra2017`, the rotor mass of '
-            '`sawalhi2008`, and both with the unbalance of `dong` are those of the models; the '
-            "rest is ours. `dong` is the thesis that the paper's equations come from (its "
+            '`sawalhi2008`, and both with the unbalance of Dong are those of the models; the '
+            "rest is ours. Dong's is the thesis that the paper's equations come from (its "
             'reference 19).'
         ),
     )

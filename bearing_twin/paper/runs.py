@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from concurrent.futures import ProcessPoolExecutor
 import dataclasses
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import functools
 import math
 import multiprocessing
@@ -21,7 +21,7 @@ import numpy.typing as npt
 from tqdm import tqdm
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from bearing_twin.dynamics import TwinParameters
     from bearing_twin.dynamics.parameters import Profile, ThermalMode
@@ -66,10 +66,12 @@ class RunSpec:
     width: float | None = None
     depth: float | None = None
     clearance: float | None = None
+    model: Mapping[str, float] = field(default_factory=dict)
+    """Other fields of the twin's parameters, instead of the preset's."""
 
     def parameters(self) -> TwinParameters:
         """Return the twin's parameters; the sensor is ideal: no resonance, no noise."""
-        changed = {
+        changed = dict(self.model) | {
             name: getattr(self, name)
             for name in ('load', 'clearance')
             if getattr(self, name) is not None

@@ -196,10 +196,10 @@ def run_study(*, processes: int) -> Study:
         }),
         'literature': (only_amplitude, {
             (name, load, width, depth, t): RunSpec(
-                preset=name, factor='all', temperature=t, load=load, width=width, depth=depth,
-                seconds=_beat(), rate=FREQUENCY_RATE,
+                preset=chosen, factor='all', temperature=t, load=load, width=width, depth=depth,
+                seconds=_beat(), rate=FREQUENCY_RATE, model=model,
             )
-            for name in settings.LITERATURE_PRESETS
+            for name, (chosen, model) in settings.PUBLISHED_MODELS.items()
             for load, width, depth in settings_of_models
             for t in (cold, hot)
         }),
@@ -232,7 +232,7 @@ def run_study(*, processes: int) -> Study:
         forgotten={p: change('forgotten', p) for p in names},
         literature={
             name: np.array([change('literature', name, *each) for each in settings_of_models])
-            for name in settings.LITERATURE_PRESETS
+            for name in settings.PUBLISHED_MODELS
         },
         small_mu={(p, f): change('small_mu', p, f) for p, f in product(names, factors[:3])},
         grid=Grid(small=slopes[..., 0], large=slopes[..., 1]),

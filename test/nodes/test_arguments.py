@@ -25,7 +25,7 @@ import pytest
         (
             ['--ros-args', '-p', 'preset:=dungs'],
             2,
-            "twin: preset='dungs' is not one of paper, incipient, mishra2017, sawalhi2008, dong; "
+            "twin: preset='dungs' is not one of paper, incipient, mishra2017, sawalhi2008; "
             'choose one of these\n',
         ),
     ],

@@ -84,7 +84,7 @@ OWN = {
 
 
 def test_defaults_are_the_preset_and_take_no_room_in_a_checkpoint():
-    for name in ('incipient', 'paper', 'mishra2017', 'sawalhi2008', 'dong'):
+    for name in ('incipient', 'paper', 'mishra2017', 'sawalhi2008'):
         values = DEFAULTS | {'preset': name, 'defect': 'inner'}
         assert build_parameters(values) == preset(name, defect='inner')
         kept = configuration(SPECS, values)
@@ -121,11 +121,11 @@ def test_a_parameter_sets_its_field_and_no_other(name):
 def test_a_value_given_that_is_the_default_of_the_field_holds(monkeypatch):
     heavy = {'outer_mass': 30.0, 'clearance': 10e-6, 'noise': 0.0, 'resonance_hz': 4000.0}
     settings = {'load': 900.0, 'inner_mass': 50.0, 'unbalance': 2.5e-3, **heavy}
-    made = dataclasses.replace(presets._PRESETS['dong'], settings=settings)
-    monkeypatch.setitem(presets._PRESETS, 'dong', made)
+    made = dataclasses.replace(presets._PRESETS['incipient'], settings=settings)
+    monkeypatch.setitem(presets._PRESETS, 'incipient', made)
     for name in settings:
         default = quantities(TwinParameters)[name][0]
-        parameters = build_parameters(DEFAULTS | {'preset': 'dong', name: default})
+        parameters = build_parameters(DEFAULTS | {'preset': 'incipient', name: default})
         assert getattr(parameters, name) == default, name
 
 
