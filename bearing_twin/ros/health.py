@@ -101,7 +101,7 @@ class Health:
             Asset that it speaks of; '' for that of the node.
 
         """
-        self._tasks[part] = (task, hardware_id or self.hardware_id)
+        self._tasks[part] = (task, hardware_id.strip('/') or self.hardware_id)
 
     def statuses(self) -> dict[str, Status]:
         """Ask every part; return its status by its name."""

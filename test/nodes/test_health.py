@@ -15,9 +15,11 @@ pytest.importorskip('rclpy')
 
 from bearing_twin.assets.messages import time_message
 from bearing_twin.nodes.diagnosis_topics import verdict_status
-from bearing_twin.ros.health import _text, known
+from bearing_twin.ros.health import _text, Health, known, Level, Status
 from bearing_twin.stamps import NANO
 from bearing_twin.thermal.gate import TemperatureStatus
+from diagnostic_msgs.msg import DiagnosticArray
+import rclpy
 from sensor_msgs.msg import Temperature
 
 pytestmark = pytest.mark.ros
@@ -65,6 +67,50 @@ def test_trouble_with_the_temperature_is_logged_once_and_so_is_its_end(nodes, pr
     ]
     # What the second one ended.
     assert int(found[1][2]) >= 2
+
+
+@pytest.fixture
+def node(ros_domain):
+    """Return a node in this process."""
+    rclpy.init()
+    yield rclpy.create_node('diagnosis', namespace='/line1')
+    rclpy.shutdown()
+
+
+def test_a_lost_input_and_a_changed_level_are_logged_once_with_the_time(node, capfd):
+    def inner(level):
+        return Status(level, 'inner', {})
+
+    silent = [Status(Level.WARN, f'no vibration for {s:.1f} s', {}) for s in (2.1, 3.1, 4.1)]
+    fresh = Status(Level.OK, 'vibration is fresh', {})
+    turns = iter([fresh, *silent, fresh, inner(Level.WARN), *2 * [inner(Level.ERROR)], fresh])
+    health = Health(node, '')
+    health.add('bearing', lambda: next(turns))
+    for _ in range(9):
+        health.publish()
+    logged = re.findall(r'\[(\w+)\] \[[\d.]+\] \[line1.diagnosis\]: (.*)', capfd.readouterr().err)
+    assert logged == [
+        ('WARN', 'bearing: no vibration for 2.1 s (before, for 0 s: vibration is fresh)'),
+        ('INFO', 'bearing: vibration is fresh (before, for 0 s: no vibration for 2.1 s)'),
+        ('WARN', 'bearing: inner (before, for 0 s: vibration is fresh)'),
+        ('ERROR', 'bearing: inner (before, for 0 s: WARN)'),
+        ('INFO', 'bearing: vibration is fresh (before, for 0 s: inner)'),
+    ]
+
+
+@pytest.mark.parametrize(
+    ('given', 'named'), [('/', 'diagnosis'), ('', 'diagnosis'), ('/line1/fan_7', 'line1/fan_7')]
+)
+def test_what_a_status_speaks_of_is_never_the_root(node, given, named):
+    heard = []
+    node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 10)
+    health = Health(node, given)
+    health.add('bearing', lambda: Status(Level.OK, 'fine', {}))
+    health.add('pump bearing', lambda: Status(Level.OK, 'fine', {}), hardware_id='/')
+    while not heard:
+        rclpy.spin_once(node, timeout_sec=0.1)
+    assert [status.hardware_id for status in heard[0].status] == [named, named]
+    assert heard[0].status[0].name == 'line1/diagnosis: bearing'
 
 
 def test_values_are_sent_so_that_a_database_keeps_their_types():

@@ -13,7 +13,13 @@ from types import SimpleNamespace
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.streams.arrival import MessageNumbers
 from bearing_twin.streams.shaft import ShaftSpeed
-from bearing_twin.streams.vibration_input import Intake, read_vibration, SourceLock
+from bearing_twin.streams.vibration_input import (
+    Intake,
+    read_vibration,
+    SOURCE_MEASURED,
+    SOURCE_SIMULATED,
+    SourceLock,
+)
 import numpy as np
 import pytest
 import yaml
@@ -161,7 +167,7 @@ def test_the_reason_of_a_refusal_is_not_hidden(age, problem, contested, level, t
     assert text in status.message
 
 
-def dated(seconds, rate):
+def dated(seconds, rate, **fields):
     """Blocks of a source that declares 25600 Hz and sends samples at ``rate``."""
     signal = np.random.default_rng(0).standard_normal(round(seconds * rate)).astype(np.float32)
     for first in range(0, signal.size - 1000, 1000):
@@ -169,7 +175,7 @@ def dated(seconds, rate):
         stamp = SimpleNamespace(sec=ns // 10**9, nanosec=ns % 10**9)
         header = SimpleNamespace(stamp=stamp, frame_id='')
         block = signal[first : first + 1000]
-        sent = message(first_sample=first, x=[], y=block, header=header)
+        sent = message(first_sample=first, x=[], y=block, header=header, **fields)
         yield read_vibration(sent, 'y')
 
 
@@ -193,6 +199,22 @@ def test_no_verdict_comes_of_samples_whose_rate_is_declared_wrong(rate):
     for block in blocks:
         with pytest.raises(BearingTwinError, match=f'set sample_rate to {rate:.0f}'):
             run.take(block, temperature=math.nan)
+
+
+@pytest.mark.ros
+def test_simulated_vibration_is_not_learnt_by_the_machine_of_the_same_frame():
+    from bearing_twin.assets.diagnosis_parameters import SPECS
+    from bearing_twin.offline.diagnosis_run import DiagnosisRun
+
+    run = DiagnosisRun({spec.name: spec.default for spec in SPECS})
+    said = [
+        due.judge(due.excerpt.analyse()).result.reasons
+        for source in (SOURCE_MEASURED, SOURCE_SIMULATED)
+        for block in dated(12.0, 25600.0, source=source)
+        for due in run.take(block, temperature=math.nan)
+    ]
+    refused = [any(r.startswith('baseline and trend are of') for r in rs) for rs in said]
+    assert refused[0] is False and refused[-1] is True, said[-1]
 
 
 @pytest.mark.ros
