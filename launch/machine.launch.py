@@ -10,7 +10,10 @@ started again, the recorder beside what it has recorded before.
 
 from bearing_twin.ros.launchfile import Argument, launch_description, shared
 from launch import LaunchDescription
-from launch.substitutions import LaunchConfiguration
+from launch.substitutions import EqualsSubstitution, IfElseSubstitution, LaunchConfiguration
+
+WAIT = 'wait_for_subscribers'
+RECORDED = EqualsSubstitution(LaunchConfiguration('record'), 'true')
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -28,6 +31,12 @@ def generate_launch_description() -> LaunchDescription:
             Argument('twin', 'run the twin beside the machine', 'true', bool),
             Argument('calibrate', 'fit the twin to the machine', 'false', bool),
             Argument('record', 'record to MCAP', 'true', bool),
+            Argument(
+                WAIT,
+                "subscribers of the twin's vibration for which it waits: the recorder",
+                IfElseSubstitution(RECORDED, '1', '0'),
+                int,
+            ),
             Argument('regex', 'topics to record', ['{namespace}/.*|/diagnostics', *beside]),
             Argument('output', 'bag folder; empty: bearing_twin_DATE-TIME here'),
             Argument('rerun_port', 'port of the Rerun server; empty or 0: none', kind=int),
@@ -37,7 +46,7 @@ def generate_launch_description() -> LaunchDescription:
             'recorder': ('output', 'rerun_port', 'regex'),
             'diagnosis': (),
             'adapter': (),
-            'twin': (),
+            'twin': (WAIT,),
             'calibration': (),
         },
         conditions={'recorder': 'record', 'twin': 'twin', 'calibration': 'calibrate'},

@@ -73,6 +73,18 @@ def test_launch_file_describes_itself(path):
 
 
 @pytest.mark.parametrize(
+    ('name', 'recorded', 'alone'), [('fleet', '1', '0'), ('machine', '1', '0'), ('twin', '2', '1')]
+)
+def test_a_twin_waits_for_the_recorder_that_is_started_beside_it(name, recorded, alone):
+    for record, wanted in (('true', recorded), ('false', alone)):
+        context = launch.LaunchService(argv=[]).context
+        context.launch_configurations['record'] = record
+        for declared in described(FOLDER / f'{name}.launch.py').get_launch_arguments():
+            declared.visit(context)
+        assert context.launch_configurations['wait_for_subscribers'] == wanted
+
+
+@pytest.mark.parametrize(
     ('name', 'arguments', 'said'),
     [
         ('twin', {'params_file': 'my_machine.yaml'}, 'params_file:=my_machine.yaml is no file'),
