@@ -41,6 +41,17 @@ def test_rosdep_keys_are_those_that_bloom_can_release():
     assert not {key for key in keys if key.endswith('-pip')}
 
 
+def test_tests_that_a_page_names_exist():
+    page = (ROOT / 'docs' / 'reliability.md').read_text(encoding='utf-8')
+    tests = 0
+    for file, names in re.findall(r'`(\S+\.py)`: ((?:`test_\w+`(?:, )?)+)', page):
+        source = (ROOT / 'test' / file).read_text(encoding='utf-8')
+        for name in re.findall(r'\w+', names):
+            assert f'def {name}(' in source, (file, name)
+            tests += 1
+    assert tests == len(re.findall(r'`test_\w+`', page)) > 30
+
+
 def test_every_message_is_built():
     listed = set(
         re.findall(r'"((?:msg|srv)/\w+\.\w+)"', (ROOT / 'msg_defs/CMakeLists.txt').read_text())
