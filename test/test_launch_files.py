@@ -106,6 +106,8 @@ def test_arguments_that_cannot_be_used_are_refused(name, arguments, said):
 
 
 def test_an_argument_that_is_misspelt_is_told(capfd):
+    # The log of launch holds the stdout of the test that logged first.
+    launch.logging.reset()
     description = described(FOLDER / 'twin.launch.py')
     typed = ['defct:=inner', 'params:=x.yaml', 'map_of_the_hall:=x.yaml']
     context = launch.LaunchService(argv=typed).context
