@@ -55,11 +55,11 @@ class AmplitudeByTemperature:
         self._maxima[first] = np.abs(samples[:whole]).reshape(-1, period).max(axis=1)
 
     def by_temperature(self) -> dict[float, float]:
-        """Return the amplitude, m/s^2, by the middle of each `STEP` of temperature, degC."""
+        """Return the amplitude, m/s^2, by the closest multiple of `STEP` in degC."""
         bars: dict[float, list[npt.NDArray[np.float64]]] = defaultdict(list)
         for first, maxima in self._maxima.items():
             temperature = self._states[first][0]
-            bars[(temperature // STEP + 0.5) * STEP].append(maxima)
+            bars[STEP * round(temperature / STEP)].append(maxima)
         return {t: mean_of_largest(np.concatenate(bars[t])) for t in sorted(bars)}
 
     def change(self) -> float:
