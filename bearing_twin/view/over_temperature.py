@@ -33,6 +33,11 @@ REFERENCE = 20.0
 """Temperature that values are compared with, degC."""
 SAME_SPEED = 0.02
 """Part by which a shaft speed may move and still be one: that by which slip moves a frequency."""
+NUMBERED, UNNUMBERED = (0.0, 100.0), 45.0
+"""
+Two temperatures that an axis in the viewer holds where it spans more than ``UNNUMBERED``: it is
+then numbered at each 100 degC only on a laptop.
+"""
 NO_SECOND = (0.0, 0.0, 0.0)
 """Length in s, its product with the temperature and largest magnitude, before any block."""
 
@@ -155,6 +160,12 @@ class OverTemperature:
         """Of the speed that was held longest."""
         return self._longest.strips
 
+    @property
+    def is_wide(self) -> bool:
+        """Whether the temperatures are too far apart for each tenth to be numbered."""
+        steps = [step for sums in self._longest.sums.values() for step in sums]
+        return bool(steps) and STEP * (max(steps) - min(steps)) > UNNUMBERED
+
     def take_strip(
         self, samples: NDArray[np.floating], first: int, rate: float, temperature: float
     ) -> bool:
@@ -241,6 +252,8 @@ class OverTemperature:
         """Go on with what was collected at a speed in Hz; one that is not known is the last."""
         if not math.isfinite(hertz):
             return
+        if hertz and self._now is not None and math.isnan(self._now.hertz):
+            self._now.hertz = hertz
         near = [at for at in self._speeds if abs(at.hertz - hertz) <= SAME_SPEED * abs(hertz)]
         if hertz and not near:
             near = [_AtSpeed(hertz)]

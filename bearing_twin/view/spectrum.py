@@ -27,8 +27,8 @@ ENVELOPE = 'squared_envelope_spectrum'
 HARMONICS = 4
 CHANCE = 1e-3
 """Part of the bins of noise alone that lies above the threshold."""
-ZOOM_BINS = 40
-"""Bins on either side of the first harmonic in the zoom."""
+ZOOM_BINS = 20
+"""Least bins on either side of the first harmonic in the zoom."""
 
 
 @dataclass(frozen=True)
@@ -188,10 +188,20 @@ class SpectrumPicture:
         return self.cut(self.start, min(1.04 * top, self.end))
 
     def zoom(self) -> SpectrumPicture | None:
-        """Return the neighbourhood of the first harmonic found; None where nothing is found."""
-        if self.found is None:
+        """
+        Return the neighbourhood of the first harmonic found; None where nothing is found.
+
+        It holds the nominal one, and is 5 or 25 times a power of ten wide: on a laptop's screen
+        Rerun numbers an axis at powers of ten, and less than two such steps may have one number.
+        """
+        found = self.found
+        if found is None:
             return None
-        at, reach = self.found.fundamental, ZOOM_BINS * self.spacing
+        at, least = found.fundamental, ZOOM_BINS * self.spacing
+        off = (abs(at - c.fundamental) for c in self.combs if c.family == found.family)
+        least = max(least, 1.2 * max(off))
+        decade = 10.0 ** math.floor(math.log10(least / 2.5) + 1e-9)
+        reach = next(r * decade for r in (2.5, 12.5, 25.0) if r * decade > least * (1.0 - 1e-9))
         return self.cut(at - reach, at + reach)
 
 

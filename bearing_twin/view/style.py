@@ -81,5 +81,6 @@ LINE: dict[str, Colour] = {
     'spectrum': (100, 181, 246),
     'threshold': (96, 100, 104),
     'ground': (128, 128, 128),
+    'grid': (40, 40, 40),
 }
 """Colours of lines, by the names that titles give them or by what they show."""

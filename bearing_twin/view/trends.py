@@ -205,7 +205,7 @@ DIAGNOSIS = (
         from_zero=True,
     ),
     _one('level', 'Vibration level [unit] rms', 'blue', 'rms', from_zero=True),
-    _one('velocity', 'Velocity 10 to 1000 Hz [mm/s rms]', 'green', 'velocity_rms', from_zero=True),
+    _one('velocity', 'Velocity [mm/s rms] 10 to 1000 Hz', 'green', 'velocity_rms', from_zero=True),
     Panel(
         'baseline',
         'Level over its own baseline [dB]',

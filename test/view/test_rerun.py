@@ -243,8 +243,10 @@ def test_every_sensor_follows_the_temperature(tmp_path, sensors):
         for part in ('abscissa', 'values'):
             _, rows = columns(rrd, f'/{name}/over_temperature/level', part)
             drawn[part] = rows[-1][0]['buffer']
-        assert drawn['abscissa'] == [20.0, 30.0, 40.0, 50.0, 60.0, 70.0]
-        assert drawn['values'] == pytest.approx([100.0 * growth[name] * k for k in range(6)])
+        # Two bars without height hold an axis that is numbered at each 100 degC only.
+        assert drawn['abscissa'] == [20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 0.0, 100.0]
+        changes = [100.0 * growth[name] * k for k in range(6)]
+        assert drawn['values'] == pytest.approx([*changes, 0.0, 0.0])
         _, strips = columns(rrd, f'/{name}/waterfall', 'strips')
         assert len(strips[-1]) == 6
 

@@ -8,6 +8,7 @@ import json
 import math
 import os
 from pathlib import Path
+import re
 import shutil
 import signal
 import socket
@@ -46,7 +47,7 @@ PAGES = {
         'Bearing, 40 x slower, shift x 100',
         'Squared envelope spectrum: modulation index over Hz',
         'Colours',
-        'First harmonic from near',
+        'First harmonic from near [1 over Hz]',
         'Verdict over time',
         'Evidence over its limits [1]',
         'Vibration level [m/s²] rms',
@@ -62,7 +63,7 @@ PAGES = {
         'Significance [σ over noise]',
         'Modulation index [1]',
         'Vibration level [m/s²] rms',
-        'Velocity 10 to 1000 Hz [mm/s rms]',
+        'Velocity [mm/s rms] 10 to 1000 Hz',
         'Kurtosis [1], crest factor green',
         'Colours',
     },
@@ -70,10 +71,10 @@ PAGES = {
         'Waveform over temperature',
         'Bearing, 40 x slower, shift x 100',
         'Temperature [°C], twin orange',
-        'Amplitude, change [%] over °C',
-        'Level, rms, change [%] over °C',
-        'Frequency found, change [%] over °C',
-        'Frequency, twin, change [%] over °C',
+        'Amplitude against 20 °C [%] over °C',
+        'Level, rms against 20 °C [%] over °C',
+        'Frequency found against 20 °C [%] over °C',
+        'Frequency, twin against 20 °C [%] over °C',
         'Cage slip, twin [%] over °C',
     },
     'Twin': {panel.named for panel in TWIN_STATE[1:]},
@@ -107,9 +108,10 @@ def _vulkan(tmp_path_factory):
         pytest.skip(str(error))
 
 
-def shots(viewer):
-    """Return the views in front, each with its picture."""
-    for view in viewer.client.get_state().views:
+def shots(viewer, names=('',)):
+    """Return the views in front whose names begin so, in that order, each with its picture."""
+    views = viewer.client.get_state().views
+    for view in (v for name in names for v in views if v.name.startswith(name)):
         # Those of other pages have none.
         with contextlib.suppress(ConnectionError):
             yield view, viewer.client.take_screenshot(view.view_id)
@@ -186,6 +188,10 @@ def stopped(recordings):
     return source.with_suffix('')
 
 
+AXIS = 18
+"""Height of the numbers of an axis, pixels."""
+
+
 def read(png):
     """Return the letters of a picture, in small ones and with single spaces."""
     # Letters are white on whatever colour: of the three channels the lowest.
@@ -215,6 +221,38 @@ def test_a_laptop_shows_the_answer_and_why_without_scrolling(recordings, stopped
     assert card in read(pictures['Verdict'])
     words = read(pictures['Reasons'])
     assert [text for text in reasons if text not in words] == []
+
+
+NUMBERED = {
+    'Verdict': ('First harmonic',),
+    'Temperature': ('Amplitude', 'Level', 'Frequency found', 'Frequency, twin', 'Cage slip'),
+}
+"""Views whose axis of frequency or temperature has at least two numbers on a laptop."""
+
+
+@pytest.mark.skipif(
+    shutil.which('tesseract') is None and os.environ.get('BEARING_TWIN_VULKAN') != 'required',
+    reason='there is no tesseract',
+)
+@pytest.mark.parametrize('page', list(NUMBERED))
+def test_an_axis_has_two_numbers_on_a_laptop(recordings, tmp_path, page):
+    rrd, found = tmp_path / 'outer.rrd', {}
+    legend = ('Colours',) if page == 'Verdict' else ()
+    draw_recordings(recordings[1:], rrd, page=page)
+    with HeadlessViewer([str(rrd)], size=LAPTOP) as viewer:
+        viewer.wait()
+        # To ask for a view of another page puts a message over those in front.
+        for view, png in shots(viewer, (*NUMBERED[page], *legend)):
+            if view.name in legend:
+                words = read(png)
+                assert 'bpfi 126' in words and 'shaft 25.4' in words
+                continue
+            with Image.open(io.BytesIO(png)) as shot:
+                strip = io.BytesIO()
+                shot.crop((0, shot.height - AXIS, *shot.size)).save(strip, 'PNG')
+            found[view.name] = set(re.findall(r'\d+', read(strip.getvalue())))
+    assert len(found) == len(NUMBERED[page])
+    assert [name for name, numbers in found.items() if len(numbers) < 2] == []
 
 
 def test_the_pictures_of_the_docs_show_the_views_of_today():

@@ -73,10 +73,8 @@ def layout(
     parts: list[View]
     if side_by_side:
         narrow = _narrow if len(shown) < 3 else _narrowest
-        pairs = rrb.Horizontal(*(narrow(s, title, timeline) for title, s in shown.items()))
-        legend = next((view for s in shown.values() for view in colour_legend(s)), None)
-        rows = [pairs, legend] if legend else [pairs]
-        parts = [rrb.Vertical(*rows, row_shares=[1.0, 0.06][: len(rows)], name='Side by side')]
+        pairs = (narrow(s, title, timeline) for title, s in shown.items())
+        parts = [rrb.Horizontal(*pairs, name='Side by side')]
     elif len(shown) == 1 and bearings:
         parts = [page for scene in shown.values() for page in _pages(scene, timeline)]
     else:
@@ -89,7 +87,7 @@ def layout(
         parts += [page for page in pages if page is not None]
     nodes = _nodes(scenes.values())
     if nodes:
-        parts.append(rrb.Vertical(*nodes, name='Nodes'))
+        parts.append(rrb.Horizontal(*nodes, name='Nodes'))
     return rrb.Blueprint(
         rrb.Tabs(*parts, active_tab=_front(parts, page))
         if len(parts) > 1
@@ -163,7 +161,8 @@ def _columns(left: Sequence[View], right: Sequence[View], *, name: str) -> View 
     if not right:
         return None
     beside = rrb.Grid(*right, grid_columns=2)
-    return rrb.Horizontal(*([rrb.Vertical(*left)] if left else []), beside, name=name)
+    columns = [rrb.Vertical(*left), beside] if left else [beside]
+    return rrb.Horizontal(*columns, column_shares=[2.0, 3.0][-len(columns) :], name=name)
 
 
 def _pages(scene: Scene, timeline: str) -> list[View]:
@@ -190,7 +189,7 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
     pages = (
         _rows((5.6, verdict), (2.4, trends), name='Verdict'),
         _vibration(scene, timeline, name='Vibration'),
-        _rows((5, evidence[:3]), (0.5, colour_legend(scene)), (5, evidence[3:]), name='Evidence'),
+        _rows((5, evidence[:3]), (0.8, colour_legend(scene)), (5, evidence[3:]), name='Evidence'),
         _columns(
             [*waterfall_views(scene), *bearing_views(scene)],
             [*over_temperature_views(scene), *temperature_views(scene)],
@@ -228,9 +227,10 @@ def _narrow(scene: Scene, title: str, timeline: str) -> View:
     if not is_bearing(scene):
         return rrb.Vertical(*number_views(scene), name=title)
     # Beside card and reasons, so that these have the height to be read.
-    seen = [*bearing_views(scene), *envelope_views(scene, legend=False)] or spectrum_views(scene)
+    seen = [*bearing_views(scene), *envelope_views(scene)] or spectrum_views(scene)
+    beside = [rrb.Vertical(*seen, row_shares=[2.0, 3.0][-len(seen) :])] if seen else []
     page = _rows(
-        (5.3, [*card_and_reasons(scene, title, (1, 5)), *([rrb.Vertical(*seen)] if seen else [])]),
+        (5.3, [*card_and_reasons(scene, title, (1, 5)), *beside]),
         (1.5, verdict_lane(scene)),
         # A waterfall as wide as a sixth of the screen would be all labels.
         (2.2, [*waveform_views(scene, timeline)[:1], *temperature_views(scene)]),
@@ -243,12 +243,12 @@ def _narrow(scene: Scene, title: str, timeline: str) -> View:
 def _narrowest(scene: Scene, title: str, timeline: str) -> View:
     """Return one of three recordings or more: what tells them apart, one above the other."""
     views = [
-        *card_and_reasons(scene, title, (2, 5)),
-        *envelope_views(scene, legend=False, near=False),
+        *card_and_reasons(scene, title),
+        *envelope_views(scene),
         *verdict_lane(scene),
         *waveform_views(scene, timeline)[:1],
     ]
-    shares = [5.2, 2.7, 1.7, 1.8] if len(views) == 4 else None
+    shares = [5.6, 3.4, 1.6, 1.4] if len(views) == 4 else None
     return rrb.Vertical(*(views or number_views(scene)), row_shares=shares, name=title)
 
 
@@ -262,13 +262,13 @@ def _nodes(scenes: Iterable[Scene]) -> list[View]:
             rrb.TextDocumentView(origin=f'{path}/parameters', name=path.strip('/'))
             for path in paths_of(scene, 'checkpoint')
         ]
-    views: list[View] = []
+    left: list[View] = []
     if logs:
         # The text names its node: a column of entities would cut it.
         columns = rrb.archetypes.TextLogColumns(text_log_columns=['LogLevel', 'Body'])
-        views.append(rrb.TextLogView(origin='/', contents=logs, name='Log', columns=columns))
-    if lanes:
-        views.append(lanes_view('Health of the nodes', lanes))
+        left.append(rrb.TextLogView(origin='/', contents=logs, name='Log', columns=columns))
     if panels:
-        views.append(rrb.Tabs(*panels, name='Parameters'))
-    return views
+        left.append(rrb.Tabs(*panels, name='Parameters'))
+    # A machine has a dozen lanes, which need the whole height.
+    right = [lanes_view('Health of the nodes', lanes)] if lanes else []
+    return [*([rrb.Vertical(*left)] if left else []), *right]

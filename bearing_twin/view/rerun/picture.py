@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.view.over_temperature import OverTemperature
+from bearing_twin.view.over_temperature import NUMBERED, OverTemperature
 from bearing_twin.view.rerun.scales import Scales
 from bearing_twin.view.source import Source
 from bearing_twin.view.style import LINE
-from bearing_twin.view.trends import ZERO
+from bearing_twin.view.trends import Limit, ZERO
 from bearing_twin.view.verdict import Headline, pretty
 import numpy as np
 
@@ -138,12 +138,15 @@ class Trends:
             if drawn:
                 self._asset.panels.add(panel.key)
             limits = self._asset.source.zones if panel.key == 'velocity' else panel.limits
+            numbered = panel.key == 'temperature' and self._asset.over_temperature.is_wide
+            if numbered:
+                limits = tuple(Limit(f'{value:g} °C', value) for value in NUMBERED)
             for limit in (*limits, *([ZERO] if panel.from_zero else ())) if drawn else ():
                 self._canvas.line(
                     f'{panel.key}/limit/{limit.value:g}',
                     times[[0, -1]],
                     np.full(2, limit.value),
                     label=limit.label,
-                    colour=LINE['ground'],
+                    colour=LINE['grid' if numbered else 'ground'],
                     slow=True,
                 )

@@ -8,6 +8,7 @@ import math
 from typing import Any
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.view.over_temperature import NUMBERED, UNNUMBERED
 from bearing_twin.view.rerun.bearing3d import check_pose, greatest_force
 from bearing_twin.view.spectrum import ENVELOPE, SpectrumPicture
 from bearing_twin.view.trends import recorded
@@ -34,7 +35,10 @@ class Scales:
     @property
     def temperature(self) -> tuple[float, float] | None:
         """Lowest and highest temperature, degC."""
-        return (self._coldest, self._hottest) if self._hottest > self._coldest else None
+        if not self._hottest > self._coldest:
+            return None
+        wide = NUMBERED if self._hottest - self._coldest > UNNUMBERED else ()
+        return min((self._coldest, *wide)), max((self._hottest, *wide))
 
     def take(self, type_name: str, message: Any) -> None:
         """Take a message; one of another version may lack fields."""

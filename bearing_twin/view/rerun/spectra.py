@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, lru_cache
 import io
 import math
 from typing import Any, TYPE_CHECKING
@@ -15,6 +15,7 @@ from bearing_twin.view.rerun.lanes import AGAIN
 from bearing_twin.view.rerun.picture import Picture
 from bearing_twin.view.spectrum import ENVELOPE, highest, SpectrumPicture
 from bearing_twin.view.style import FAMILIES, LINE
+from bearing_twin.view.verdict import number
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 import pyarrow as pa
@@ -36,7 +37,8 @@ MARK_WIDTH = 1.0 / 200.0
 """Width of a mark, as part of the frequencies shown."""
 STEP = 0.25
 """Step of the height from which marks take their length."""
-DARK = (40, 40, 40)
+LEGEND = (740, 80)
+"""Width and height of the legend, pixels."""
 COLOURS = {family.key: family.colour for family in FAMILIES} | {'shaft': LINE['ground']}
 
 
@@ -89,7 +91,8 @@ class SpectrumBars(Picture):
             self._bars('whole/limit', time, end, np.array([INDEX_FAULT]), width, LINE['red'])
             if self.asset.scales.index:
                 # An axis takes no range: a thin bar beside the limit holds it.
-                self._bars('whole/scale', time, end + width, np.array([top]), 0.1 * width, DARK)
+                grid = LINE['grid']
+                self._bars('whole/scale', time, end + width, np.array([top]), 0.1 * width, grid)
         if near is not None:
             self._part('near', time, near, top)
             self.asset.panels.add('near')
@@ -98,8 +101,12 @@ class SpectrumBars(Picture):
             self._marked = {k: v for k, v in self._marked.items() if not k.startswith('near/')}
             self._axes = {k: v for k, v in self._axes.items() if not k.startswith('near/')}
         self._near = near is not None
-        if self.canvas.is_new('legend'):
-            self.canvas.once('legend', rr.EncodedImage(contents=_legend(), media_type='image/png'))
+        nominal = {c.family: c.fundamental for c in picture.combs if not c.found}
+        places = np.array([0.0, *nominal.values()])
+        if self._changed('legend', time, places, 0.0, MARK_WIDTH * whole.end):
+            contents = _legend(tuple((k, number(hertz)) for k, hertz in nominal.items()))
+            image = rr.EncodedImage(contents=contents, media_type='image/png')
+            self.canvas.put('legend', time, image)
 
     def _part(self, name: str, time: int, picture: SpectrumPicture, top: float) -> None:
         indices, group = highest(picture.values, BARS)
@@ -204,20 +211,31 @@ def _tensor() -> tuple[pa.StructType, pa.Array, list[pa.Buffer], list[pa.Array],
     return blank.type, blank.field('names'), buffer.buffers()[1:3], kinds, own
 
 
-@cache
-def _legend() -> bytes:
-    """Return the names of the colours as PNG: a legend in the plot would cover lines."""
-    names = {family.label: family.colour for family in FAMILIES}
-    names |= {'shaft': LINE['ground'], 'noise threshold': LINE['threshold']}
-    names |= {'fault limit': LINE['red']}
+@lru_cache(maxsize=32)
+def _legend(hertz: tuple[tuple[str, str], ...]) -> bytes:
+    """
+    Return the names of the colours as PNG: a legend in the plot would cover lines.
+
+    Parameters
+    ----------
+    hertz
+        Fundamental of combs by their family: an axis of the viewer may have one number, and the
+        marks then tell the scale.
+
+    """
+    known = dict(hertz)
+    lower = {'shaft': 'shaft', '': 'noise threshold', 'limit': 'fault limit'}
+    colours = COLOURS | {'': LINE['threshold'], 'limit': LINE['red']}
     font = ImageFont.load_default(26)
-    image = Image.new('RGB', (1010, 44), (24, 24, 24))
+    image = Image.new('RGB', LEGEND, (24, 24, 24))
     draw = ImageDraw.Draw(image)
-    left = 10.0
-    for name, colour in names.items():
-        draw.rectangle((left, 12, left + 20, 32), fill=colour)
-        draw.text((left + 28, 4), name, (230, 230, 230), font)
-        left += 28 + draw.textlength(name, font) + 26
+    for top, row in ((0, {f.key: f.label for f in FAMILIES}), (38, lower)):
+        left = 10.0
+        for key, label in row.items():
+            name = f'{label} {known[key]}' if key in known else label
+            draw.rectangle((left, top + 12, left + 20, top + 32), fill=colours[key])
+            draw.text((left + 28, top + 4), name, (230, 230, 230), font)
+            left += 28 + draw.textlength(name, font) + 26
     buffer = io.BytesIO()
     image.quantize(32).save(buffer, 'PNG', optimize=True)
     return buffer.getvalue()

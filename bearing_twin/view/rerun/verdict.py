@@ -84,7 +84,7 @@ class VerdictPicture(Picture):
         """Return a diagnosis as Markdown."""
         rows = facts(diagnosis)
         if self.asset.source.text:
-            rows.insert(-1, ('Vibration', self.asset.source.text))
+            rows.append(('Vibration', self.asset.source.text))
         longest = NARROW if self.asset.narrow else SHORT
         for name, other in (('Level', 'Velocity'), ('Shaft', 'Temperature')):
             one, two = (next((r for r in rows if r[0] == n), None) for n in (name, other))

@@ -193,16 +193,18 @@ def spectrum_views(scene: Scene) -> list[View]:
     ]
 
 
-def envelope_views(scene: Scene, *, legend: bool = True, near: bool = True) -> list[View]:
-    """Return the envelope spectra with what names their colours."""
+def envelope_views(scene: Scene) -> list[View]:
+    """Return the envelope spectra with what names their colours, and the first harmonic."""
     views: list[View] = []
-    colours = colour_legend(scene) if legend else []
-    for path in paths_of(scene, 'envelope_spectrum'):
+    for path, legend in zip(
+        paths_of(scene, 'envelope_spectrum'), colour_legend(scene), strict=True
+    ):
+        narrow = scene.asset.narrow
         name = 'Squared envelope spectrum: modulation index over Hz'
-        whole = _bars(name if legend else 'Envelope spectrum: index over Hz', f'{path}/whole')
-        close = _bars('First harmonic from near', f'{path}/near')
-        parts = [(6.0, whole), *((0.55, view) for view in colours)]
-        parts += [(4.0, close)] if near and 'near' in scene.asset.panels else []
+        whole = _bars('Envelope spectrum: index over Hz' if narrow else name, f'{path}/whole')
+        parts = [(6.0, whole), (2.0 if narrow else 1.0, legend)]
+        if 'near' in scene.asset.panels and not narrow:
+            parts.append((4.0, _bars('First harmonic from near [1 over Hz]', f'{path}/near')))
         shares, shown = zip(*parts, strict=True)
         views.append(rrb.Vertical(*shown, row_shares=shares))
     return views
@@ -218,9 +220,11 @@ def colour_legend(scene: Scene) -> list[View]:
 
 def over_temperature_views(scene: Scene) -> list[View]:
     """Return a view for each quantity over temperature."""
+    references = {c.reference for c in scene.asset.over_temperature.curves}
+    against = f' against {references.pop():g} °C' if len(references) == 1 else ', change'
     return [
         _bars(
-            f'{name}{"" if key == "slip" else ", change"} [%] over °C',
+            f'{name}{"" if key == "slip" else against} [%] over °C',
             f'{path}/over_temperature/{key}',
         )
         for path in paths_of(scene, 'vibration')

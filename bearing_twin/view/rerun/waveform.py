@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import NANO
-from bearing_twin.view.over_temperature import OverTemperature, STEP
+from bearing_twin.view.over_temperature import NUMBERED, OverTemperature, STEP
 from bearing_twin.view.rerun.picture import Asset, Picture
 from bearing_twin.view.rerun.spectrogram import Spectrogram
 from bearing_twin.view.rerun.waterfall import Waterfall
@@ -137,12 +137,15 @@ class Waveform(Picture):
         """Draw how much each quantity changes with temperature, per cent."""
         self._time = time
         for curve in self._over.curves:
-            values = curve.values
+            temperatures, values = curve.temperatures, curve.values
             if np.isfinite(curve.base):
                 values = 100.0 * (values / curve.base - 1.0)
+            if self._over.is_wide:
+                temperatures = np.append(temperatures, NUMBERED)
+                values = np.append(values, np.zeros(len(NUMBERED)))
             bars = rr.BarChart(
                 values,
-                abscissa=curve.temperatures,
+                abscissa=temperatures,
                 widths=np.full(values.size, 0.8 * STEP, dtype=np.float32),
                 color=LINE['blue'],
             )
