@@ -74,7 +74,8 @@ def next_step(result: str, stage: int = 0, *, urgent: bool = False, standing: bo
         Stage of the defect, an index of ``STAGES``; it decides where a place is named, and where
         it is one of several.
     urgent : bool
-        Whether the vibration is that of a damaged machine; asked where no place is named.
+        Whether the vibration is that of a damaged machine; where a place is named, more than
+        its fault alone asks for.
     standing : bool
         Whether the shaft stands still; asked where the answer is *insufficient*.
 
@@ -89,16 +90,21 @@ def next_step(result: str, stage: int = 0, *, urgent: bool = False, standing: bo
     'order a bearing; measure daily'
     >>> next_step('ambiguous', urgent=True)
     'find the cause of the high vibration now: balance, alignment, looseness, bearing'
+    >>> next_step('inner', 2, urgent=True).partition('; ')[2]
+    'order a bearing; measure daily'
     >>> next_step('cage', 1)
     'plan to replace the bearing soon: a cage fails without much warning'
     >>> next_step('ambiguous', 2).partition('; record')[0]
     'order a bearing; measure daily'
 
     """
-    if result in PLACES and not (result == 'cage' and stage < 3):
-        return STAGE_STEPS[stage]
-    if urgent and result not in PLACES:
-        return 'find the cause of the high vibration now: balance, alignment, looseness, bearing'
+    urgently = 'find the cause of the high vibration now: balance, alignment, looseness, bearing'
+    if result in PLACES:
+        begun = result == 'cage' and stage < 3
+        step = _STEPS[result] if begun else STAGE_STEPS[stage]
+        return f'{urgently}; {step}' if urgent and stage < 4 else step
+    if urgent:
+        return urgently
     if standing and result == 'insufficient':
         return 'measure while the shaft turns'
     if result == 'ambiguous' and stage:

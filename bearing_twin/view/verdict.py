@@ -85,9 +85,11 @@ def judged_by_velocity(diagnosis: Any) -> bool:
 
 def next_step(diagnosis: Any) -> str:
     """Return what to do about a verdict."""
-    level = 'fault' if diagnosis.level == FAULT else ''
+    result = str(diagnosis.result_name)
+    # The combs of a place may be all that raised its level; the stage holds what the rest did.
+    level = 'fault' if diagnosis.level == FAULT and result not in PLACES else ''
     step = next_step_of(
-        str(diagnosis.result_name),
+        result,
         _stage(diagnosis),
         urgent=is_urgent(level, recorded(diagnosis, 'velocity_rms'), _stage(diagnosis)),
         standing=shaft_speed(diagnosis) == 'standing',

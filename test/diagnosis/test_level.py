@@ -95,8 +95,20 @@ def test_the_stage_decides_what_to_do_only_about_a_named_place(result, stage, st
 @pytest.mark.parametrize('result', ['suspect', 'ambiguous', 'insufficient', 'healthy'])
 def test_a_loud_machine_without_a_place_is_to_be_looked_at_now(result):
     assert next_step(result, urgent=True).startswith('find the cause of the high vibration now')
-    assert next_step('inner', 1, urgent=True).startswith('check the lubrication')
     assert next_step('insufficient', standing=True) == 'measure while the shaft turns'
+
+
+@pytest.mark.parametrize(
+    ('result', 'stage', 'step'),
+    [('inner', 1, 'check the lub'), ('outer', 3, 'replace the'), ('cage', 2, 'plan to replace')],
+)
+def test_a_loud_machine_with_a_named_place_is_looked_at_now_until_it_is_stopped(
+    result, stage, step
+):
+    now, later = next_step(result, stage, urgent=True).split('; ')[:2]
+    assert now.startswith('find the cause of the high vibration now')
+    assert later.startswith(step)
+    assert next_step(result, 4, urgent=True).startswith('stop the machine')
 
 
 def test_a_worn_out_machine_is_a_fault_of_unknown_place_over_its_own_baseline():

@@ -122,6 +122,12 @@ def test_a_machine_in_zone_d_is_not_only_recorded_again():
     assert next_step(loud).startswith('Record again')
     loud.velocity_rms = 56.0
     assert next_step(loud).startswith('Find the cause')
+    named = verdict('outer', stage=2)
+    named.velocity_rms = 17.7
+    assert next_step(named).startswith('Find the cause')
+    assert next_step(named).endswith('; order a bearing; measure daily.')
+    # Of a stage that is not known only the velocity tells how loud it is.
+    assert next_step(verdict('outer')).startswith('Record again')
 
 
 def test_nothing_is_certain():
