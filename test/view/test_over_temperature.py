@@ -80,6 +80,16 @@ def test_another_speed_is_no_effect_of_temperature(other):
     assert sorted(over.strips) == [4, 10, 22]
 
 
+def test_what_is_heard_before_the_speed_is_known_is_of_the_first_speed():
+    over = OverTemperature()
+    over.vibration(np.array([1.0, -1.0]), 'm/s^2', 2.0, 20.0)
+    for temperature in (50.0, 80.0):
+        state = {'temperature_used': temperature, 'shaft_hz': 25.0, 'bpfi': 125.0}
+        over.state(SimpleNamespace(defect='', slip=0.01, **state))
+        over.vibration(np.array([1.0, -1.0]), 'm/s^2', 2.0, temperature)
+    assert list(over.curves[0].temperatures) == [20.0, 50.0, 80.0]
+
+
 def test_the_frequency_of_the_twin_is_that_of_the_defect_found():
     over = OverTemperature()
     over.state(SimpleNamespace(temperature_used=20.0, defect='inner+outer', bpfi=124.0, bpfo=76.0))
