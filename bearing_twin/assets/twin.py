@@ -155,6 +155,7 @@ class Twin(TwinChannel):
         """Compile what a block needs: the first one has a deadline."""
         v = self.values
         self.simulator.advance(v['block_size'], v['start_temperature'], v['shaft_hz'])
+        self.simulator.condition()
         self.simulator.reset()
 
     def apply(self, values: Mapping[str, Any]) -> None:

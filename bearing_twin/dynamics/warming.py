@@ -22,7 +22,9 @@ def warm_up(*, fleet: bool = False) -> None:
 
     """
     parameters = preset('incipient', thermal_mode='physical')
-    Simulator(parameters).advance(16, 30.0, 25.0)
+    simulator = Simulator(parameters)
+    simulator.advance(16, 30.0, 25.0)
+    simulator.condition()
     path = SensorPath(sample_rate=25600.0, numerator=(1.0,), denominator=(1.0,), noise=0.0)
     path.filter().apply([0.0])
     if fleet:

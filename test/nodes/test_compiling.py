@@ -39,3 +39,23 @@ def test_a_kernel_from_the_cache_is_loaded_and_not_compiled(compiled):
     )
     found = subprocess.run([sys.executable, '-c', script], capture_output=True, check=True)
     assert found.stdout == b'False\n'
+
+
+@pytest.mark.parametrize(
+    'warm',
+    [
+        'from bearing_twin.dynamics.warming import warm_up as warm',
+        'from bearing_twin.assets.twin import Twin\n'
+        'from bearing_twin.assets.twin_parameters import SPECS\n'
+        'warm = Twin({spec.name: spec.default for spec in SPECS}).warm',
+    ],
+)
+def test_the_state_of_the_first_block_waits_for_no_compiler(warm):
+    script = (
+        f'{warm}\n'
+        'from bearing_twin.dynamics.kernel import ball_forces\n'
+        'warm()\n'
+        'print(len(ball_forces.signatures))\n'
+    )
+    found = subprocess.run([sys.executable, '-c', script], capture_output=True, check=True)
+    assert found.stdout.split() == [b'1']
