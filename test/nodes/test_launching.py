@@ -4,7 +4,7 @@
 
 import os
 
-from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.ros.launching import NodeProcesses, REFUSED
 import pytest
 
 
@@ -16,6 +16,6 @@ def test_nothing_is_imported_from_the_working_directory(ros_domain, tmp_path, mo
         (tmp_path / f'{name}.py').write_text("raise SystemExit('imported from here')")
     with NodeProcesses(tmp_path / 'logs', os.environ) as nodes:
         nodes.start('twin', {'load': 5.0})
-        assert nodes.wait('twin', 120.0) == 1
+        assert nodes.wait('twin', 120.0) == REFUSED
     # It is our node that speaks, and refuses what it was given.
     assert 'twin: load=5.0 is outside' in (tmp_path / 'logs' / 'twin.log').read_text()
