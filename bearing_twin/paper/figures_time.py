@@ -56,6 +56,8 @@ def _signals(
 ) -> None:
     """Draw the waterfall of one preset, with a line through the peaks at each peak time."""
     axes: Any = figure.add_axes((left, 0.33, 0.475, 0.6), projection='3d')
+    # The axis label of the picture on the left lies under the page of this one.
+    axes.patch.set_visible(False)
     nodes = settings.TEMPERATURE_NODES
     points = study.trends[name, factor]
     top = 0.0
