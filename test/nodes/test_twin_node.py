@@ -127,7 +127,7 @@ def test_changes_while_running_are_taken_as_a_whole_or_refused_with_a_reason(
         assert not accepted, why
         assert len(reason) > 20, why
     assert probe.get_parameters('twin', 'defect', 'load', 'block_size') == ['outer', 0.0, 1024]
-    assert probe.get_parameters('twin', 'resonance_hz', 'unbalance') == [6000.0, -1.0]
+    assert probe.get_parameters('twin', 'resonance_hz', 'unbalance') == [6000.0, 0.0]
     stiffness = states[-1].k_b
     together = {'hertz_stiffness': 2e10, 'unbalance': 1e-4, 'beta0.hardness': False}
     assert probe.set_parameters('twin', **together) == (True, '')
