@@ -29,7 +29,8 @@ others write takes 16 bytes a message."""
 MOST_WORK, BYTES_PER_WORK = 1_000_000, 20
 """Most work besides messages, and for how many bytes of the file one more: about 1 us each."""
 CHUNK, NEW_DESCRIPTION, MESSAGE = 60, 20, 30
-"""Work that a chunk and a new schema or channel make, and that a message allows."""
+"""Work that a chunk without messages and a new schema or channel make, and that a message
+allows."""
 OCTETS = 1024
 """Bytes of a record that make as much work as the record itself."""
 
@@ -106,7 +107,9 @@ class Chunks:
                 self.work(offset, 1 + length // OCTETS)
             yield opcode, at, length
             at += length
-        self._work += MESSAGE * messages
+        if messages:
+            # Slow topics have a chunk for each message: that is what a recorder makes.
+            self._work += CHUNK + MESSAGE * messages
         self._messages -= messages
         if self._messages < 0:
             self._refuse(offset, 'it has more messages than its size allows')

@@ -16,10 +16,11 @@ from bearing_twin.cli import main
 from bearing_twin.recording import chunks
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import read_messages
+from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from mcap.opcode import Opcode
 from mcap.writer import CompressionType, IndexType, Writer
 import pytest
-from recording_samples import write_blocks
+from recording_samples import NANO, QOS, START, TEMPERATURE, temperature_cdr, write_blocks
 from test_foreign import npy
 import zstandard
 
@@ -114,6 +115,25 @@ def many_entries(path: Path) -> None:
         writer.flush()
         writer._Writer__chunk_indices *= 20_000
         writer.finish()
+
+
+def test_slow_topics_may_have_a_chunk_for_each_message(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As the recorder writes them: one temperature a second."""
+    path = tmp_path / 'slow.mcap'
+    with RecordingWriter(path, WriterOptions(sync_period=0.0)) as writer:
+        for second in range(400):
+            at = START + second * NANO
+            writer.write(
+                '/temperature', TEMPERATURE, temperature_cdr(at, 40.0), log_time=at,
+                publish_time=at, qos=QOS,
+            )  # fmt: skip
+            writer.flush()
+    # Only what the size of the file allows: nothing that any small file may cost.
+    monkeypatch.setattr(chunks, 'MOST_WORK', 0)
+    assert len(list(read_messages(path))) == 400
+    assert examine(path)[1].damage == []
 
 
 def test_messages_are_counted_and_not_only_their_bytes(tmp_path: Path) -> None:
