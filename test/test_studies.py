@@ -10,7 +10,14 @@ import bearing_twin.diagnosis
 from bearing_twin.diagnosis.confidence import KINDS, share_right, Trust
 from bearing_twin.diagnosis.rules import RULES
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.studies import calibration, detection_power, generalisation, reliability
+from bearing_twin.studies import (
+    calibration,
+    detection_power,
+    generalisation,
+    impact_machines,
+    reliability,
+    twin_machines,
+)
 import numpy as np
 import pytest
 from scipy import special
@@ -45,6 +52,18 @@ def test_what_is_not_rated_are_rules():
     assert set(reliability.UNRATED) - {rule.name for rule in RULES} == {'record_gate'}
 
 
+def test_half_of_the_machines_are_sound_whatever_the_diagnosis_is_given():
+    draw = {'twin': twin_machines.draw, 'impacts': impact_machines.draw}
+    sound = {}
+    for model, number, misled in reliability.tasks(4, 16, 0):
+        sound.setdefault((model, misled), []).append(draw[model](number).condition == 'none')
+    assert {part: (sum(among), len(among)) for part, among in sound.items()} == {
+        ('twin', False): (2, 4),
+        ('impacts', False): (8, 16),
+        ('impacts', True): (2, 4),
+    }
+
+
 def test_weights_of_the_confidence_are_those_of_the_answers():
     """Answers that are right more often with more significance, whatever else they have."""
     rng = np.random.default_rng(0)
@@ -52,9 +71,7 @@ def test_weights_of_the_confidence_are_those_of_the_answers():
     for kind in KINDS:
         for z in rng.uniform(3.0, 20.0, 400):
             sound = rng.random() < special.expit(2.0 * (2.0 - np.log(z)))
-            told.append(
-                reliability.Told(kind, Trust(z=z), sound == (kind == 'healthy'), weight=1.0)
-            )
+            told.append(reliability.Told(kind, Trust(z=z), sound == (kind == 'healthy')))
     weights = reliability.fit(told)
     for kind in KINDS:
         sign = -1.0 if kind == 'healthy' else 1.0
@@ -66,7 +83,7 @@ def test_weights_of_the_confidence_are_those_of_the_answers():
 def test_two_rules_of_one_answer_are_not_right_equally_often():
     """A rule that is right in 3 of 10 answers beside one that is in 9 of 10, at the same combs."""
     told = [
-        reliability.Told(kind, Trust(z=8.0, rule=rule), number % 10 < right, weight=1.0)
+        reliability.Told(kind, Trust(z=8.0, rule=rule), number % 10 < right)
         for kind in KINDS
         for rule, right in (('sure', 9), ('unsure', 3))
         for number in range(400)

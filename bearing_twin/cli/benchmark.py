@@ -366,7 +366,7 @@ def _confidence_rows(pieces: list[Piece]) -> Iterator[tuple[object, ...]]:
         part = [(p.confidence, right) for p, right in told if kind in (p.kind, 'all')]
         if part:
             said, right = np.array(part, dtype=float).T
-            error = calibration_error(said, right, np.ones(len(part)))
+            error = calibration_error(said, right)
             yield kind, len(part), f'{said.mean():.2f}', f'{right.mean():.2f}', f'{error:.3f}'
 
 

@@ -225,11 +225,7 @@ def _few_steps(e: Evidence) -> Verdict | None:
     return _silent(e, text)
 
 
-@_rule(
-    'suspect',
-    'No load modulates noise so much: impacts or bursts, whatever their period.',
-    at_most=EVEN,
-)
+@_rule('suspect', 'No load modulates noise so much: impacts or bursts, whatever their period.')
 def _bursts(e: Evidence) -> Verdict | None:
     if e.remaining or e.kurtosis <= KURTOSIS:
         return None

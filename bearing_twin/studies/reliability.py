@@ -5,22 +5,22 @@ How often the answers of the diagnosis are right: what its confidence rests on.
 
 ``python -m bearing_twin.studies.reliability ANSWERS.jsonl [TWINS IMPACTS] [--fresh TWINS IMPACTS]
 [--weights JSON] [--picture PNG]`` diagnoses machines drawn at random with both models of
-:mod:`bearing_twin.studies.generalisation`, and as many machines with impacts again, whose
-diagnosis is given another bearing or a speed 3 to 5 % off. A fifth of the damaged bearings are
-worn out, and the surfaces of all twins and of half of the others have waves. Each answer is added
-to ANSWERS.jsonl, and a run goes on where the one before ended: delete the file after a change of
-the rules. The study fits the weights that the diagnosis reads as
+:mod:`bearing_twin.studies.generalisation`, as many sound as damaged ones, and every fourth machine
+with impacts again, whose diagnosis is given another bearing or a speed 3 to 5 % off. A fifth of
+the damaged bearings are worn out, and the surfaces of all twins and of half of the others have
+waves. Each answer is added to ANSWERS.jsonl, and a run goes on where the one before ended: delete
+the file after a change of the rules. The study fits the weights that the diagnosis reads as
 ``bearing_twin/diagnosis/reliability.json`` (logistic regression, one for each kind of answer).
 With fresh draws, which no weight has seen, it prints, and draws, how far the confidence holds. No
-real record takes part. A twin takes 0.35 s of one processor, a machine with impacts 0.06 s: the
-default takes some six minutes of one processor.
+real record takes part. A twin takes 0.35 s of one processor, a machine with impacts 0.08 s: the
+default takes some fifteen minutes of one processor.
 """
 
 from __future__ import annotations
 
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
-from itertools import pairwise
+import itertools
 import json
 import os
 from pathlib import Path
@@ -30,13 +30,14 @@ from typing import Any, NamedTuple, TYPE_CHECKING, TypeAlias
 from bearing_twin.diagnosis.confidence import KINDS, share_right, Trust
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
+from bearing_twin.studies import impact_machines, twin_machines
 from bearing_twin.studies.generalisation import judge_case
 from bearing_twin.studies.output import arguments, print_table, read_lines, write_table
 import numpy as np
 from scipy import optimize
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from bearing_twin.diagnosis import Diagnosis
     from bearing_twin.studies.generalisation import Machine
@@ -46,14 +47,7 @@ if TYPE_CHECKING:
 FEWEST = 25
 """Least answers of a kind from which weights are fitted."""
 
-HEALTHY_SHARE = 0.2
-"""Of the machines drawn; they are weighted to be as many as the damaged ones."""
-
-MISLED_WEIGHT = 0.25
-"""Of a machine whose diagnosis is given another bearing or speed: one in five of those with
-impacts, as many as the makers' and the nameplates' errors may be."""
-
-FIRST, FRESH = 1_600_000, 1_700_000
+FIRST, FRESH = 1_600_000, 2_400_000
 """Numbers of the first machine that weights are fitted to, and of the first that checks them."""
 
 STRIKING = ('impacts', 'impulses', 'pulses')
@@ -62,8 +56,8 @@ STRIKING = ('impacts', 'impulses', 'pulses')
 UNRATED = ('record_gate', 'two_faint_places')
 """Rules that answer *insufficient* whatever the confidence."""
 
-BINS = np.linspace(0.0, 1.0, 11)
-"""Ranges of confidence in which answers are counted together."""
+BINS = 10
+"""Equal ranges of confidence in which answers are counted together."""
 
 TERMS = tuple(name for name in Trust().terms() if name)
 
@@ -97,16 +91,13 @@ class Told(NamedTuple):
     kind: str
     trust: Trust
     right: bool
-    weight: float
 
 
-def tell(case: Machine, said: Diagnosis, *, misled: bool = False) -> Told | None:
+def tell(case: Machine, said: Diagnosis) -> Told | None:
     """Return an answer with its kind, and whether it is right; None if not rated."""
     if said.rule in UNRATED:
         return None
     sound = case.condition == 'none'
-    weight = (1.0 - HEALTHY_SHARE) / HEALTHY_SHARE if sound else 1.0
-    weight *= MISLED_WEIGHT if misled else 1.0
     # What is not called healthy for its confidence, or for its length, counts among the healthy.
     kind = said.kind or 'healthy'
     if kind == 'healthy':
@@ -120,7 +111,7 @@ def tell(case: Machine, said: Diagnosis, *, misled: bool = False) -> Told | None
         right = said.faults == (case.condition,)
     else:
         right = case.condition in said.faults
-    return Told(kind, said.trust, right, weight)
+    return Told(kind, said.trust, right)
 
 
 def _matrix(told: Sequence[Told], names: Sequence[str]) -> NDArray[np.float64]:
@@ -149,24 +140,19 @@ def fit(told: Sequence[Told]) -> dict[str, dict[str, float]]:
         names = (*TERMS, *rules)
         terms = _matrix(rows, names)
         right = np.array([t.right for t in rows])
-        share = np.array([t.weight for t in rows])
         # One right and one wrong answer more, so that no kind is certain.
-        typical = np.average(terms, axis=0, weights=share)
-        terms = np.vstack((terms, typical, typical))
+        terms = np.vstack((terms, terms.mean(axis=0), terms.mean(axis=0)))
         right = np.append(right, (True, False))
-        share = np.append(share, [share.mean()] * 2)
-        share /= share.sum()
 
         def loss(
             values: NDArray[np.float64],
             terms: NDArray[np.float64] = terms,
             right: NDArray[np.bool_] = right,
-            share: NDArray[np.float64] = share,
             shrink: float = _SHRINK / len(rows),
         ) -> float:
             total = terms @ values
             unlikely = np.logaddexp(0.0, np.where(right, -total, total))
-            return float((share * unlikely).sum() + shrink * (values[1:] ** 2).sum())
+            return float(unlikely.mean() + shrink * (values[1:] ** 2).sum())
 
         found = optimize.minimize(loss, np.zeros(len(names)), bounds=_bounds(kind, names)).x
         weights[kind] = {name: round(float(v), 4) for name, v in zip(names, found, strict=True)}
@@ -185,34 +171,32 @@ def _bounds(kind: str, names: Sequence[str]) -> list[tuple[float | None, float |
     return [ends[fall.get(name, 0)] for name in names]
 
 
-def _truth(told: Sequence[Told]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Whether each answer is right, and its weight."""
-    return np.array([t.right for t in told], dtype=float), np.array([t.weight for t in told])
+def _read(
+    weights: dict[str, dict[str, float]], told: Sequence[Told]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Confidence of each answer, and whether it is right."""
+    said = [share_right(weights[t.kind], t.trust) for t in told]
+    return np.array(said), np.array([t.right for t in told], dtype=float)
 
 
-def _read(weights: dict[str, dict[str, float]], told: Sequence[Told]) -> NDArray[np.float64]:
-    """Confidence of each answer."""
-    return np.array([share_right(weights[t.kind], t.trust) for t in told])
+def _counts(said: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
+    """
+    Answers in each range of confidence, their mean confidence and share right, (3, ranges).
+
+    Where there is none, both are zero.
+    """
+    at = np.minimum((said * BINS).astype(int), BINS - 1)
+    count = np.bincount(at, minlength=BINS)
+    sums = [np.bincount(at, values, BINS) for values in (said, right)]
+    return np.array([count, *(total / np.maximum(count, 1) for total in sums)])
 
 
-def _counts(
-    said: NDArray[np.float64], right: NDArray[np.float64], weight: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Per range of confidence: low and high end, answers, their weight, mean and share right."""
-    rows = []
-    for low, high in pairwise(BINS):
-        among = (said >= low) & ((said < high) | (high == 1.0))
-        if among.any():
-            means = np.average((said[among], right[among]), axis=1, weights=weight[among])
-            rows.append((low, high, among.sum(), weight[among].sum(), *means))
-    return np.array(rows).reshape(-1, 6)
-
-
-def calibration_error(
-    said: NDArray[np.float64], right: NDArray[np.float64], weight: NDArray[np.float64]
-) -> float:
+def calibration_error(said: NDArray[np.float64], right: NDArray[np.float64]) -> float:
     """
     Return the expected calibration error: mean distance of confidence and share right.
+
+    Few answers raise it, as the share right of each range is then uncertain: see
+    :func:`square_error`.
 
     Parameters
     ----------
@@ -220,30 +204,65 @@ def calibration_error(
         Confidence of each answer, 0 to 1.
     right
         1 where the answer is right, else 0.
-    weight
-        Of each answer.
 
     >>> one = np.ones(4)
-    >>> round(calibration_error(0.9 * one, one, one), 3)
+    >>> round(calibration_error(0.9 * one, one), 3)
     0.1
 
     """
-    counts = _counts(said, right, weight)
-    return float(np.average(np.abs(counts[:, 4] - counts[:, 5]), weights=counts[:, 3]))
+    count, mean, share = _counts(said, right)
+    return float(np.average(np.abs(mean - share), weights=count))
+
+
+def square_error(said: NDArray[np.float64], right: NDArray[np.float64]) -> float:
+    """
+    Mean square distance of confidence and share right, without what chance adds to it.
+
+    The variance of each range's mean is taken off the square of its distance, so that the
+    expected value is the same for few and for many answers: zero for a confidence that holds,
+    and then as often below zero. Its root is at least the expected calibration error. Arguments
+    as of :func:`calibration_error`.
+
+    >>> rng = np.random.default_rng(0)
+    >>> said = rng.uniform(0.5, 1.0, 200)
+    >>> right = (rng.random(200) < said).astype(float)
+    >>> round(calibration_error(said, right), 3), abs(square_error(said, right)) < 0.02**2
+    (0.055, True)
+
+    """
+    count, mean, share = _counts(said, right)
+    off = said - right
+    squares = _counts(said, off * off)[2]
+    spread = np.maximum(squares - (mean - share) ** 2, 0.0) / np.maximum(count - 1.0, 1.0)
+    # The variance of a single answer is not known.
+    several = np.where(count > 1.0, count, 0.0)
+    return float((several * ((mean - share) ** 2 - spread)).sum() / len(said))
 
 
 def _one(task: Task) -> Told | None:
     model, number, misled = task
     case, said = judge_case(model, number, misled=misled)
-    return tell(case, said, misled=misled)
+    return tell(case, said)
 
 
-def _tasks(twins: int, impacts: int, first: int) -> list[Task]:
-    """Twins, and machines with impacts with the right and with wrong inputs, from a number on."""
-    tasks = [('twin', first + n, False) for n in range(twins)]
-    return tasks + [
-        ('impacts', first + n, misled) for n in range(impacts) for misled in (False, True)
+def tasks(twins: int, impacts: int, first: int) -> list[Task]:
+    """Machines of both models from a number on, every fourth pair with impacts misled as well."""
+    rigs = _numbers(impacts, first, impact_machines.draw)
+    return [
+        *(('twin', number, False) for number in _numbers(twins, first, twin_machines.draw)),
+        *(('impacts', number, False) for number in rigs),
+        *(('impacts', number, True) for at, number in enumerate(rigs) if at % 8 < 2),
     ]
+
+
+def _numbers(count: int, first: int, draw: Callable[[int], Machine]) -> list[int]:
+    """Numbers of machines from a number on, as many sound as damaged ones by turns."""
+
+    def of(*, sound: bool) -> Iterator[int]:
+        return (n for n in itertools.count(first) if (draw(n).condition == 'none') == sound)
+
+    pairs = itertools.chain.from_iterable(zip(of(sound=True), of(sound=False), strict=True))
+    return list(itertools.islice(pairs, count))
 
 
 def _answers(path: Path, wanted: Sequence[Task], jobs: int) -> list[Told]:
@@ -252,21 +271,35 @@ def _answers(path: Path, wanted: Sequence[Task], jobs: int) -> list[Told]:
     left = [task for task in wanted if task not in known]
     with ProcessPoolExecutor(jobs) as pool, path.open('a', encoding='utf-8') as out:
         for task, told in zip(left, pool.map(_one, left, chunksize=8), strict=True):
-            known[task] = told and [told.kind, asdict(told.trust), told.right, told.weight]
+            known[task] = told and [told.kind, asdict(told.trust), told.right]
             print(json.dumps([task, known[task]], default=float), file=out, flush=True)
     found = filter(None, map(known.__getitem__, wanted))
-    return [Told(kind, Trust(**trust), right, weight) for kind, trust, right, weight in found]
+    return [Told(kind, Trust(**trust), right) for kind, trust, right in found]
 
 
-def _error_range(
-    said: NDArray[np.float64], right: NDArray[np.float64], weight: NDArray[np.float64]
-) -> str:
-    """Calibration error with its 90 % interval over machines drawn again (bootstrap)."""
+def _errors(said: NDArray[np.float64], right: NDArray[np.float64]) -> tuple[str, str, str]:
+    """
+    Calibration error, that of a confidence that holds, and the error without chance.
+
+    The second draws the answers again, right as often as they say. The third is the root of the
+    mean square without chance, with its 90 % interval (bootstrap of the machines).
+    """
     rng = np.random.default_rng(0)
+    chance = [
+        calibration_error(said, (rng.random(len(said)) < said).astype(float))
+        for _ in range(_AGAIN)
+    ]
     picks = rng.integers(0, len(said), (_AGAIN, len(said)))
-    errors = [calibration_error(said[pick], right[pick], weight[pick]) for pick in picks]
-    low, high = np.quantile(errors, (0.05, 0.95))
-    return f'{calibration_error(said, right, weight):.3f} ({low:.3f} to {high:.3f})'
+    again = np.array([square_error(said[pick], right[pick]) for pick in picks])
+    found = square_error(said, right)
+    # What is drawn again from a sample is off by the sample's own chance.
+    ends = found - np.quantile(again - again.mean(), (0.95, 0.05))
+    root, low, high = np.sqrt(np.maximum((found, *ends), 0.0))
+    return (
+        f'{calibration_error(said, right):.3f}',
+        f'{np.mean(chance):.3f}',
+        f'{root:.3f} ({low:.3f} to {high:.3f})',
+    )
 
 
 def _draw(path: Path, weights: dict[str, dict[str, float]], told: Sequence[Told]) -> None:
@@ -279,13 +312,13 @@ def _draw(path: Path, weights: dict[str, dict[str, float]], told: Sequence[Told]
     FigureCanvasAgg(figure)
     axes: Any = figure.subplots(1, len(KINDS), sharey=True)
     for axis, kind in zip(axes, KINDS, strict=True):
-        rows = [t for t in told if t.kind == kind]
-        said = _read(weights, rows)
-        counts = _counts(said, *_truth(rows))
+        said, right = _read(weights, [t for t in told if t.kind == kind])
+        count, mean, share = _counts(said, right)
         axis.plot((0.0, 1.0), (0.0, 1.0), color='0.7', linewidth=1.0)
-        axis.scatter(counts[:, 4], counts[:, 5], s=8.0 + 0.4 * counts[:, 2], color='tab:blue')
-        error = calibration_error(said, *_truth(rows))
-        axis.set_title(f'{kind}: {len(rows)}, error {error:.3f}', fontsize=9)
+        shown = count > 0.0
+        axis.scatter(mean[shown], share[shown], s=8.0 + 0.4 * count[shown], color='tab:blue')
+        error = calibration_error(said, right)
+        axis.set_title(f'{kind}: {len(said)}, error {error:.3f}', fontsize=9)
         axis.set_xlabel('confidence')
         axis.set_xlim(-0.05, 1.05)
         axis.set_ylim(-0.05, 1.05)
@@ -296,34 +329,53 @@ def _draw(path: Path, weights: dict[str, dict[str, float]], told: Sequence[Told]
 def main(argv: Sequence[str] | None = None) -> None:
     """Write the data files and print the check."""
     parser = arguments(sys.modules[__name__], writes=True)
-    parser.add_argument('twins', type=int, nargs='?', default=300)
-    parser.add_argument('impacts', type=int, nargs='?', default=1000)
-    parser.add_argument('--fresh', type=int, nargs=2, default=(100, 500))
+    parser.add_argument('twins', type=int, nargs='?', default=400)
+    parser.add_argument('impacts', type=int, nargs='?', default=3000)
+    parser.add_argument('--fresh', type=int, nargs=2, default=(400, 3000))
     parser.add_argument('--weights', type=Path, help='JSON file to write: the weights')
     parser.add_argument('--picture', type=Path, help='PNG file to write: the reliability diagram')
     parser.add_argument('--jobs', type=int, default=len(os.sched_getaffinity(0)))
     args = parser.parse_args(argv)
     keep_freed_memory()
-    tasks = _tasks(args.twins, args.impacts, FIRST)
-    weights = fit(_answers(args.output, tasks, args.jobs))
+    drawn = tasks(args.twins, args.impacts, FIRST)
+    weights = fit(_answers(args.output, drawn, args.jobs))
     if args.weights:
         about = 'written by python -m bearing_twin.studies.reliability'
         write_table(args.weights, {'about': about, 'weights': weights})
-    fresh = _answers(args.output, _tasks(args.fresh[0], args.fresh[1], FRESH), args.jobs)
-    rows = []
+    fresh = _answers(args.output, tasks(args.fresh[0], args.fresh[1], FRESH), args.jobs)
+    rows: list[Sequence[object]] = []
     for kind in (*KINDS, 'all'):
-        part = [t for t in fresh if kind in (t.kind, 'all')]
-        if not part:
-            rows.append((f'**{kind}**', '', 0, '', '', ''))
-            continue
-        said = _read(weights, part)
+        said, right = _read(weights, [t for t in fresh if kind in (t.kind, 'all')])
         if kind != 'all':
             rows += [
-                (kind, f'{low:.1f} to {high:.1f}', int(count), f'{mean:.2f}', f'{share:.2f}', '')
-                for low, high, count, _, mean, share in _counts(said, *_truth(part))
-            ]
-        rows.append((f'**{kind}**', '', len(part), '', '', _error_range(said, *_truth(part))))
-    print_table(('answer', 'confidence', 'answers', 'mean', 'right', 'error (90 %)'), rows)
+                (kind, f'{k / BINS:.1f} to {(k + 1) / BINS:.1f}', int(count), f'{mean:.2f}',
+                 f'{share:.2f}', '', '', '')
+                for k, (count, mean, share) in enumerate(_counts(said, right).T)
+                if count
+            ]  # fmt: skip
+        rows.append(
+            (
+                f'**{kind}**',
+                '',
+                len(said),
+                '',
+                '',
+                *(_errors(said, right) if len(said) else ('', '', '')),
+            )
+        )
+    print_table(
+        (
+            'answer',
+            'confidence',
+            'answers',
+            'mean',
+            'right',
+            'error',
+            'by chance',
+            'without chance',
+        ),
+        rows,
+    )
     if args.picture:
         _draw(args.picture, weights, fresh)
 
