@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Write tables into ``docs/diagnosis.md``: that of the rules, or what a study prints.
+Write tables into the pages on the diagnosis: that of the rules, or what a study prints.
 
 A table replaces the text between its two markers::
 
     python docs/rules.py docs/diagnosis.md
-    python -m bearing_twin.studies.noise_windows | python docs/rules.py docs/diagnosis.md noise
+    python -m bearing_twin.studies.noise_windows | python docs/rules.py docs/diagnosis_why.md noise
 """
 
 from pathlib import Path

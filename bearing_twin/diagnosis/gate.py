@@ -21,7 +21,7 @@ SHAFT_TURNS = 20.0
 
 HEALTHY_TURNS = 50.0
 """Least shaft turns, all windows together, to call a bearing healthy; fewer show only strong
-faults (measured: docs/diagnosis.md, detection power)."""
+faults (measured: docs/diagnosis_results.md, detection power)."""
 
 CAGE_TURNS = 40.0
 """Least cage turns in a window for a cage statement."""

@@ -9,7 +9,7 @@ rules are asked in the order of this file. A new rule touches:
 - this file: the function, at its place in the order, and what `Rule` asks about its answer;
 - ``evidence.py``: a property for each new quantity, with its value where nothing disturbs the
   combs, and ``search.py`` if the quantity has to be measured in the spectra;
-- ``thresholds.py`` and the table of thresholds in ``docs/diagnosis.md``;
+- ``thresholds.py`` and the table of thresholds in ``docs/diagnosis_why.md``;
 - ``CASES`` in ``test/diagnosis/test_rules.py``: evidence that reaches the rule;
 - the table of rules: ``python docs/rules.py docs/diagnosis.md``;
 - the share of right answers, where it changes many: ``studies.reliability``.

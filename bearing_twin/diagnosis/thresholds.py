@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Thresholds of the decision; docs/diagnosis.md derives them."""
+"""Thresholds of the decision; docs/diagnosis_why.md derives them."""
 
 from __future__ import annotations
 
