@@ -86,6 +86,12 @@ class _Kept:
     unjudged: int = 0
     """Those since the last that was."""
 
+    def __post_init__(self) -> None:
+        """Refuse, of a saved series, a level that none is."""
+        if self.held not in LEVELS:
+            msg = f'the saved level {self.held!r:.60} is none; use what save() returned'
+            raise BearingTwinError(msg)
+
 
 class SeriesMonitor:
     """

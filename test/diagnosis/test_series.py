@@ -445,6 +445,7 @@ def test_series_is_saved_and_resumed_to_the_bit():
             arrays['levels'],
         ),
         ({'rise': {**kept['rise'], 'total': -1.0}}, arrays['levels']),
+        ({'held': 'x'}, arrays['levels']),
         ({}, arrays['levels'][:, :1]),
     ):
         forged = {**values, 'series': {**values['series'], 'kept': {**kept, **changed}}}
