@@ -187,14 +187,20 @@ class RecorderNode(ManagedNode):
                 # They are asked for again.
                 self._qos.clear()
             qos = self._qos[topic] = self._offered(topic)
-        self._writer.write(
-            topic,
-            type_name,
-            cdr,
-            log_time=received,
-            publish_time=max(0, info['source_timestamp'] or received),
-            qos=qos,
-        )
+        try:
+            self._writer.write(
+                topic,
+                type_name,
+                cdr,
+                log_time=received,
+                publish_time=max(0, info['source_timestamp'] or received),
+                qos=qos,
+            )
+        except BearingTwinError as error:
+            # A single file that has no number left for a further topic.
+            self._lost += 1
+            self.get_logger().error(str(error), once=True)
+            return
         # A writer that the timer keeps waiting flushes by itself.
         self._tell_problem()
         self._watch.see(topic, type_name, cdr, received)

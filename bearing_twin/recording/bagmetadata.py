@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 VERSION = 9
 NO_MESSAGE = 2**63 - 1
 """Starting time of a bag without messages, as rosbag2 writes it, ns."""
+MOST_LISTED = 5000
+"""Most topics that are listed: YAML takes 70 us for each, and the record may take 4 MiB."""
 _DUMPER = getattr(yaml, 'CSafeDumper', yaml.SafeDumper)
 """That of libyaml where PyYAML has it: a recording ends in a fraction of the time."""
 
@@ -110,8 +112,8 @@ def _file(file: BagFile) -> dict[str, Any]:
 
 def _topics(files: Sequence[BagFile]) -> list[dict[str, Any]]:
     merged: dict[tuple[str, str], BagTopic] = {}
-    for file in files:
-        for topic in file.topics:
+    for topic in (topic for file in files for topic in file.topics):
+        if len(merged) < MOST_LISTED or (topic.name, topic.type_name) in merged:
             known = merged.setdefault(
                 (topic.name, topic.type_name),
                 BagTopic(topic.name, topic.type_name, topic.qos, topic.type_hash),

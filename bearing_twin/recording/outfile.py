@@ -10,7 +10,7 @@ import fcntl
 import os
 import struct
 import time
-from typing import TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin import __version__
 from bearing_twin.recording.bagmetadata import BagFile, BagTopic
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.disksync import DiskSync
+    from bearing_twin.recording.schema import MessageSchema
     from bearing_twin.recording.sink import Attached, Written
     from mcap.data_stream import RecordBuilder
 
@@ -33,6 +34,8 @@ MOST_REPEATED = 2000
 """Most descriptions that are repeated in one chunk: more would fill it."""
 REPEATED_EACH = 10
 """Chunks after which schemas and channels are described again: 5 s of the default flush period."""
+MOST_CHANNELS = 65_535
+"""Most channels and schemas of one file: MCAP numbers each with two bytes, from 1 on."""
 
 
 class _Spool:
@@ -122,6 +125,14 @@ class _RepeatingWriter(Writer):
             record.write(builder.record_writer)
 
 
+class _Channel(NamedTuple):
+    """A topic with one schema."""
+
+    identity: int
+    schema: MessageSchema
+    about: BagTopic
+
+
 class OutputFile:
     """
     Write one file of a recording.
@@ -147,32 +158,38 @@ class OutputFile:
         self._spool = _Spool()
         self._writer = _RepeatingWriter(self._spool, chunk_size, compression)
         self._writer.start(profile='ros2', library=LIBRARY)
-        self._schemas: dict[str, int] = {}
-        self._channels: dict[str, int] = {}
+        self._schemas: dict[MessageSchema, int] = {}
+        self._channels: dict[tuple[str, MessageSchema], _Channel] = {}
+        # That of the newest message of a topic.
+        self._newest: dict[str, _Channel] = {}
         self._counts: Counter[int] = Counter()
-        self._topics: dict[str, BagTopic] = {}
 
     @property
     def size(self) -> int:
         """Bytes written, those that wait for the disk included."""
         return self._spool.tell()
 
+    def knows(self, message: Written) -> bool:
+        """Whether the message needs no further channel, or there is a number left for one."""
+        described = len(self._channels)
+        return described < MOST_CHANNELS or (message.topic, message.schema) in self._channels
+
     def write(self, message: Written) -> None:
-        """Add a message; see RecordingWriter.write."""
+        """Add a message, of a channel that the file :meth:`knows`; see RecordingWriter.write."""
         self._writer.repeat()
         topic, log_time = message.topic, message.log_time
-        about = self._topics.get(topic)
-        if about is None or about.type_name != message.type_name:
-            about = self._describe(message)
+        channel = self._newest.get(topic)
+        if channel is None or channel.schema is not message.schema:
+            channel = self._newest[topic] = self._described(message)
         if not self.count or log_time < self.start:
             self.start = log_time
         if log_time > self._end:
             self._end = log_time
-        channel = self._channels[topic]
+        about, identity = channel.about, channel.identity
         self._writer.add(
-            _Message(channel, log_time, message.cdr, message.publish_time, about.count)
+            _Message(identity, log_time, message.cdr, message.publish_time, about.count)
         )
-        self._counts[channel] += 1
+        self._counts[identity] += 1
         self.count += 1
         about.count += 1
 
@@ -239,23 +256,28 @@ class OutputFile:
             count=self.count,
             start=self.start,
             end=self._end,
-            topics=list(self._topics.values()),
+            topics=[channel.about for channel in self._channels.values()],
         )
 
-    def _describe(self, message: Written) -> BagTopic:
-        writer, schema = self._writer, message.schema
-        topic, name = message.topic, message.type_name
-        if name not in self._schemas:
+    def _described(self, message: Written) -> _Channel:
+        """Return the channel of a message, which is described in the file where it is new."""
+        topic, schema, writer = message.topic, message.schema, self._writer
+        known = self._channels.get((topic, schema))
+        if known is not None:
+            # Most messages of a topic come with one schema object, which is then looked at alone.
+            return known._replace(schema=schema)
+        name = message.type_name
+        if schema not in self._schemas:
             text = schema.text.encode()
             identity = writer.register_schema(name, schema.encoding, text)
             writer.describe(Schema(identity, text, schema.encoding, name))
-            self._schemas[name] = identity
+            self._schemas[schema] = identity
         about = {'offered_qos_profiles': message.qos, 'topic_type_hash': schema.type_hash}
-        identity = writer.register_channel(topic, 'cdr', self._schemas[name], about)
-        writer.describe(Channel(identity, topic, 'cdr', about, self._schemas[name]))
-        self._channels[topic] = identity
-        self._topics[topic] = BagTopic(topic, name, message.qos, schema.type_hash)
-        return self._topics[topic]
+        identity = writer.register_channel(topic, 'cdr', self._schemas[schema], about)
+        writer.describe(Channel(identity, topic, 'cdr', about, self._schemas[schema]))
+        of_bag = BagTopic(topic, name, message.qos, schema.type_hash)
+        channel = self._channels[topic, schema] = _Channel(identity, schema, of_bag)
+        return channel
 
     def _push(self) -> str:
         spool = self._spool

@@ -149,7 +149,15 @@ class RecordingWriter(MessageSink):
         return finished + sum(file.size for file in unfinished)
 
     def take(self, message: Written) -> None:
-        """Write one message that has been checked; :meth:`write` is the door."""
+        """
+        Write one message that has been checked; :meth:`write` is the door.
+
+        Raises
+        ------
+        BearingTwinError
+            If a single file has no number left for a further topic.
+
+        """
         if self.stopped:
             self.dropped += 1
             return
@@ -186,7 +194,10 @@ class RecordingWriter(MessageSink):
         while self._waiting and not self.problem:
             message = self._waiting.popleft()
             self._waiting_bytes -= message.memory
-            self._put(message)
+            try:
+                self._put(message)
+            except BearingTwinError:
+                self.dropped += 1
         if not self.problem:
             self._keep_within_limit()
 
@@ -295,7 +306,14 @@ class RecordingWriter(MessageSink):
         self.written -= count
 
     def _put(self, message: Written) -> None:
-        if self._is_full(message.log_time):
+        numbered = self._file.knows(message)
+        if not (numbered or self.bag):
+            msg = (
+                f'{self.path} has as many topics as MCAP can number: no number is left for '
+                f'{message.topic!r:.60}; give a folder name, which goes on in a further file'
+            )
+            raise BearingTwinError(msg)
+        if not numbered or self._is_full(message.log_time):
             self.split()
         self._file.write(message)
         self.written += 1

@@ -20,11 +20,14 @@ from bearing_twin.recording.foreign import read_signal
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.mcapfile import BrokenRecording, UnfinishedRecording
 from bearing_twin.recording.messages import in_file_order, Selection
+from bearing_twin.recording.outfile import MOST_CHANNELS
 from bearing_twin.recording.player import Player
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover, RecoveryReport
+from bearing_twin.recording.schema import MessageSchema
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from mcap.reader import make_reader
+from mcap.records import Channel
 from mcap.writer import Writer
 import pytest
 from recording_samples import START, TEMPERATURE, temperature_cdr, VIBRATION, write_blocks
@@ -496,3 +499,65 @@ def test_messages_of_another_encoding_cost_only_themselves(tmp_path: Path) -> No
     assert report.topics == {'/t': 5}
     assert report.lost_messages == 5
     assert report.losses == ["a.mcap: /status: 5 messages are encoded as 'json', not as cdr"]
+
+
+def write_topics(path: Path, count: int) -> None:
+    """Write one message on each of ``count`` topics; the numbers of channels begin anew."""
+    with path.open('wb') as file:
+        writer = Writer(file)
+        writer.start(profile='ros2')
+        schema = writer.register_schema('std_msgs/msg/Empty', 'ros2msg', b'')
+        for index in range(count):
+            identity = index % MOST_CHANNELS
+            channel = Channel(identity, f'/t{index}', 'cdr', {}, schema)
+            writer._Writer__chunk_builder.add_channel(channel)
+            writer.add_message(identity, index, b'\0\1\0\0', index)
+        writer.flush()
+
+
+def test_a_bag_of_more_topics_than_a_file_can_number_goes_on_in_a_further_file(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / 'torn.mcap'
+    write_topics(path, MOST_CHANNELS + 10)
+    report = recover(path, tmp_path / 'bag')
+    assert (report.kept, report.lost_messages) == (MOST_CHANNELS + 10, 0)
+    assert [recording_info(tmp_path / 'bag' / f'bag_{n}.mcap').count for n in range(2)] == [
+        MOST_CHANNELS, 10,
+    ]  # fmt: skip
+    # The list of topics would take more than a record may, and a reader minutes.
+    assert (tmp_path / 'bag' / 'metadata.yaml').stat().st_size < 4 * 1024**2
+    assert recording_info(tmp_path / 'bag').problems == []
+
+
+def test_a_single_file_says_what_it_cannot_number(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / 'torn.mcap'
+    write_topics(path, 7)
+    monkeypatch.setattr(outfile, 'MOST_CHANNELS', 5)
+    report = recover(path, tmp_path / 'saved.mcap')
+    assert report.kept == 5
+    assert [text for text in report.losses if 'no number is left' in text][1:] == [
+        f'torn.mcap: /t6: {tmp_path / "saved.mcap"} has as many topics as MCAP can number: no '
+        "number is left for '/t6'; give a folder name, which goes on in a further file"
+    ]
+    assert recording_info(tmp_path / 'saved.mcap').count == 5
+
+
+def test_a_topic_of_several_types_has_one_channel_each(tmp_path: Path) -> None:
+    """Each change of type took a new one; of two texts of one type, the first stood for both."""
+    texts = {'a/msg/A': ('float32 x', 'float64 x'), 'a/msg/B': ('string y',)}
+    schemas = [MessageSchema(name, text, '') for name in texts for text in texts[name]]
+    with RecordingWriter(tmp_path / 'run') as writer:
+        for index in range(30):
+            schema = schemas[index % 3]
+            writer.write(
+                '/t', schema.type_name, bytes(8), log_time=index, publish_time=0, schema=schema
+            )
+    found = [message.channel for message in read_messages(tmp_path / 'run')]
+    assert [channel.message_schema for channel in found] == schemas * 10
+    with (tmp_path / 'run' / 'run_0.mcap').open('rb') as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    assert len(summary.channels) == 3
