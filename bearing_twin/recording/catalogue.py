@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 DEFINITIONS = (Opcode.SCHEMA, Opcode.CHANNEL)
 MOST_HELD = 64 * 1024 * 1024
 """Most bytes of the descriptions of a file."""
+MOST_DESCRIBED = 2 * 65_536
+"""Most schemas and channels of a file, the same ones not counted again: MCAP can number 65 535 of
+each."""
 MOST_TRIED = 100
 """Most channels whose description is lost that are looked for by their content."""
 
@@ -149,7 +152,7 @@ class Catalogue:
         self._schemas: dict[int, tuple[str, str, str]] = {}
         # What has been said last of a schema or channel, which comes again and again.
         self._said: dict[int, dict[bytes, bytes]] = {kind: {} for kind in DEFINITIONS}
-        self._held = 0
+        self._held = self._described = 0
         self.channels: dict[int, RecordedChannel] = {}
         self.guessed: dict[int, str] = {}
         """Topics that were found by their content alone."""
@@ -173,10 +176,12 @@ class Catalogue:
         if known == content:
             return
         self._chunks.work(offset, NEW_DESCRIPTION)
+        self._described += 1
+        if self._described > MOST_DESCRIBED:
+            self._chunks.refuse(offset, f'more than {MOST_DESCRIBED} schemas and channels')
         self._held += len(content) - len(known)
         if self._held > MOST_HELD:
-            msg = f'the descriptions at byte {offset} are too long: limit {MOST_HELD} together'
-            raise SpentRecording(msg, offset, self._chunks.size - offset)
+            self._chunks.refuse(offset, f'schemas and channels of more than {MOST_HELD} bytes')
         record = parse(opcode, content, offset)
         said[identity] = content
         if isinstance(record, Schema):

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import BinaryIO, TYPE_CHECKING
+from typing import BinaryIO, NoReturn, TYPE_CHECKING
 import zlib
 
 from bearing_twin.recording.mcapfile import BrokenRecording, content, parse, RECORD_HEAD
@@ -77,7 +77,7 @@ class Chunks:
             raise BrokenRecording(msg, raw.offset)
         self._unpacked -= size
         if self._unpacked < 0:
-            self._refuse(raw.offset, 'its chunks unpack to too much for its size')
+            self.refuse(raw.offset, 'its chunks unpack to too much for its size')
         self.work(raw.offset, CHUNK)
         return _unpack(chunk, raw.offset)
 
@@ -112,7 +112,7 @@ class Chunks:
             self._work += CHUNK + MESSAGE * messages
         self._messages -= messages
         if self._messages < 0:
-            self._refuse(offset, 'it has more messages than its size allows')
+            self.refuse(offset, 'it has more messages than its size allows')
         if at != len(data):
             msg = f'the chunk at byte {offset} ends inside a record'
             raise BrokenRecording(msg, offset)
@@ -129,9 +129,10 @@ class Chunks:
         """
         self._work -= amount
         if self._work < 0:
-            self._refuse(offset, 'it has too many records besides messages')
+            self.refuse(offset, 'it has too many records besides messages')
 
-    def _refuse(self, offset: int, reason: str) -> None:
+    def refuse(self, offset: int, reason: str) -> NoReturn:
+        """Read nothing more: raise a SpentRecording."""
         msg = f'nothing is read from byte {offset} on: {reason}'
         raise SpentRecording(msg, offset, self.size - offset)
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording import outfile
+from bearing_twin.recording import catalogue, outfile
 from bearing_twin.recording.foreign import read_signal
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.mcapfile import BrokenRecording, UnfinishedRecording
@@ -561,3 +561,16 @@ def test_a_topic_of_several_types_has_one_channel_each(tmp_path: Path) -> None:
         summary = make_reader(file).get_summary()
     assert summary is not None
     assert len(summary.channels) == 3
+
+
+def test_channels_described_again_and_again_are_read_as_often_as_there_are_numbers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / 'torn.mcap'
+    write_topics(path, 50)
+    monkeypatch.setattr(catalogue, 'MOST_DESCRIBED', 20)
+    assert any('more than 20 schemas' in text for text in examine(path)[1].damage)
+    # One schema, and a channel for each message.
+    report = recover(path, tmp_path / 'saved.mcap')
+    assert report.kept == 19
+    assert report.lost_bytes > 0
