@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 import tempfile
@@ -18,84 +19,170 @@ from bearing_twin.recording.reader import read_messages
 from bearing_twin.ros.domain import own_domain
 from bearing_twin.ros.launching import local_environment, NodeProcesses
 
-FEW, MANY = 2, 16
-"""Bearings of the two runs whose difference is the cost of one bearing."""
+FEW = 16
+"""Bearings of the first run, and of the equations alone."""
 PROVED = 0.5
 """Part of the claimed bearings that is run to prove the claim."""
+GROWTH = 4
+"""Most times the bearings of a run that kept time, from which the next run has its number."""
+CLOSE = 1.25
+"""Ratio of the fewest bearings that were late to the most in time, at which a search ends."""
 SETTLE, SETTLE_DIAGNOSIS = 4.0, 14.0
 """Time that is not measured, s; windows of 8 s grow until the last diagnosis has a full one."""
 MEASURED = 20.0
+UPDATE = 25600
+"""Samples from one verdict to the next, 1 s."""
 BLOCKS = 15
 """Blocks of the equations alone."""
 
 
 class FleetRun(NamedTuple):
-    """What a live fleet took, and what became of its blocks."""
+    """What a live fleet took, and what became of its blocks and verdicts."""
 
+    bearings: int
     share: float
     """Of a core."""
     late: int
     """Blocks published more than `late_after` behind their deadline."""
     missing: int
-    """Blocks that were dropped, or that the recorder does not have."""
+    """Blocks that were dropped, and blocks and verdicts that the recorder does not have."""
+
+    @property
+    def kept_time(self) -> bool:
+        """Whether every block and every verdict came, and in time."""
+        return not (self.late or self.missing)
+
+
+class Search:
+    """
+    Runs of a fleet that grows until half of what its cost allows has run in time.
+
+    What one bearing adds is taken from the smallest and the largest run that kept time, as what 16
+    bearings take is little. No more is claimed than twice the largest number that kept time.
+    """
+
+    def __init__(self) -> None:
+        self._runs: list[FleetRun] = []
+        self._late = math.inf
+
+    def add(self, run: FleetRun) -> None:
+        """
+        Take a run.
+
+        Raises
+        ------
+        BearingTwinError
+            If not even the first one kept time.
+
+        """
+        if run.kept_time:
+            self._runs.append(run)
+        elif self._runs:
+            self._late = min(self._late, run.bearings)
+        else:
+            msg = (
+                f'of {run.bearings} bearings {run.late} blocks were late and {run.missing} were '
+                'missing; leave more of the machine to it'
+            )
+            raise BearingTwinError(msg)
+
+    @property
+    def following(self) -> int:
+        """Number of bearings of the next run; 0 where the claim is proved, or late beyond it."""
+        if not self._runs:
+            return FEW
+        most = self._runs[-1].bearings
+        wanted = min(math.ceil(PROVED * self._affordable), GROWTH * most)
+        if wanted >= self._late:
+            wanted = round(math.sqrt(most * self._late))
+            if self._late < CLOSE * most:
+                return 0
+        return wanted if wanted > most else 0
+
+    @property
+    def claim(self) -> float:
+        """Bearings for a core."""
+        return min(self._affordable, self.proved / PROVED)
+
+    @property
+    def proved(self) -> int:
+        """Largest number of bearings that kept time."""
+        return self._runs[-1].bearings
+
+    @property
+    def late(self) -> float:
+        """Smallest number of bearings that did not; 0 where all did."""
+        return self._late if math.isfinite(self._late) else 0.0
+
+    @property
+    def per_bearing(self) -> float:
+        """Share of a core that each bearing adds; with one run also that of the process."""
+        first, last = self._runs[0], self._runs[-1]
+        if first is last:
+            return last.share / last.bearings
+        return (last.share - first.share) / (last.bearings - first.bearings)
+
+    @property
+    def process(self) -> float:
+        """Share of a core that the process takes as such."""
+        first = self._runs[0]
+        return first.share - first.bearings * self.per_bearing
+
+    @property
+    def _affordable(self) -> float:
+        return (1.0 - self.process) / self.per_bearing
 
 
 def measure() -> dict[str, float]:
     """
-    Measure what one bearing costs, and run half as many as that allows.
+    Run fleets until half of what a core carries has run without a late or a missing block.
 
     The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
 
     Raises
     ------
     BearingTwinError
-        If a fleet lost blocks while its cost was measured: it took less than what it costs.
+        If a fleet of 16 does not keep time.
 
     """
-    per_twin, process = _cost(diagnosis=False)
-    per_both, process_of_both = _cost(diagnosis=True)
-    per_core, without = (1.0 - process) / per_twin, 1.0 / _advance_share()
-    count = max(1, round(PROVED * per_core))
-    proved = _run_fleet(count, diagnosis=False)
+    plain, diagnosed = _search(diagnosis=False), _search(diagnosis=True)
+    without = 1.0 / _advance_share()
     return {
-        'live_bearings_per_core': per_core,
-        'live_bearings_run': float(count),
-        'live_late_blocks': float(proved.late),
-        'live_missing_blocks': float(proved.missing),
-        'live_bearings_per_core_with_diagnosis': (1.0 - process_of_both) / per_both,
+        'live_bearings_per_core': plain.claim,
+        'live_bearings_run': float(plain.proved),
+        'live_bearings_late': plain.late,
+        'live_bearings_per_core_with_diagnosis': diagnosed.claim,
+        'live_bearings_run_with_diagnosis': float(diagnosed.proved),
+        'live_bearings_late_with_diagnosis': diagnosed.late,
         'live_bearings_per_core_without_dds': without,
-        'live_ratio': per_core / without,
-        'live_share_per_bearing': per_twin,
-        'live_share_of_the_process': process,
+        'live_ratio': plain.claim / without,
+        'live_ratio_with_diagnosis': diagnosed.claim / without,
+        'live_share_per_bearing': plain.per_bearing,
+        'live_share_of_the_process': plain.process,
     }
+
+
+def _search(*, diagnosis: bool) -> Search:
+    search = Search()
+    while count := search.following:
+        run = _run_fleet(count, diagnosis=diagnosis)
+        # Something else on the machine may have had the core for a moment.
+        search.add(run if run.kept_time else _run_fleet(count, diagnosis=diagnosis))
+    return search
 
 
 def _advance_share() -> float:
     """CPU time of one twin's equations of motion in a fleet, and of its state, over real time."""
-    fleet = Fleet([preset('incipient', defect='inner')] * MANY)
+    fleet = Fleet([preset('incipient', defect='inner')] * FEW)
     fleet.advance(BLOCK, 20.0, 25.4)
     fleet.condition(0)
     began = time.process_time()
     for _ in range(BLOCKS):
         fleet.advance(BLOCK, 20.0, 25.4)
-        for index in range(MANY):
+        for index in range(FEW):
             fleet.condition(index)
     spent = time.process_time() - began
-    return spent * fleet.sample_rate / (BLOCKS * BLOCK * MANY)
-
-
-def _cost(*, diagnosis: bool) -> tuple[float, float]:
-    """Share of a core for each bearing, and for the process as such."""
-    shares = []
-    for count in (FEW, MANY):
-        run = _run_fleet(count, diagnosis=diagnosis)
-        if run.missing:
-            msg = f'a fleet of {count} lost {run.missing} blocks; leave more of the machine to it'
-            raise BearingTwinError(msg)
-        shares.append(run.share)
-    few, many = shares
-    per_bearing = (many - few) / (MANY - FEW)
-    return per_bearing, few - FEW * per_bearing
+    return spent * fleet.sample_rate / (BLOCKS * BLOCK * FEW)
 
 
 def _run_fleet(count: int, *, diagnosis: bool) -> FleetRun:
@@ -118,25 +205,37 @@ def _run_fleet(count: int, *, diagnosis: bool) -> FleetRun:
             nodes.check()
             nodes.end('fleet')
             nodes.end('recorder')
-        return FleetRun(share, *_blocks(folder / 'bag', count, began, ended))
+        late, missing = _blocks(folder / 'bag', count, began, ended)
+        if diagnosis:
+            missing += _missing(folder / 'bag', count, 'diagnosis', UPDATE, began, ended)
+        return FleetRun(count, share, late, missing)
 
 
 def _blocks(bag: Path, count: int, began: int, ended: int) -> tuple[int, int]:
     """Count late and missing blocks of all bearings between two times, ns."""
-    late: dict[str, list[int]] = {}
-    firsts: dict[str, list[int]] = {}
-    topics = [f'/bearing_{k}/{name}' for k in range(count) for name in ('vibration', 'twin_state')]
-    for message in read_messages(bag, topics=topics):
-        if not began <= message.log_time <= ended:
-            continue
-        decoded = message.decode()
-        if message.topic.endswith('/twin_state'):
-            late.setdefault(message.topic, []).append(int(decoded.blocks_late))
-        else:
-            firsts.setdefault(message.topic, []).append(int(decoded.first_sample))
-    if len(firsts) < count:
-        msg = f'{count - len(firsts)} of {count} bearings were not recorded'
-        raise BearingTwinError(msg)
-    missing = sum((f[-1] - f[0]) // BLOCK + 1 - len(f) for f in firsts.values())
     # A block is late for all bearings at once.
-    return max((counts[-1] - counts[0] for counts in late.values()), default=0), missing
+    ((first, *_, last),) = _recorded(
+        bag, ['/bearing_0/twin_state'], 'blocks_late', began, ended
+    ).values()
+    return last - first, _missing(bag, count, 'vibration', BLOCK, began, ended)
+
+
+def _missing(bag: Path, count: int, name: str, step: int, began: int, ended: int) -> int:
+    """Count messages of all bearings, one each ``step`` samples, that are not there."""
+    topics = [f'/bearing_{k}/{name}' for k in range(count)]
+    firsts = _recorded(bag, topics, 'first_sample', began, ended)
+    if not all(firsts.values()):
+        msg = f'{sum(not f for f in firsts.values())} of {count} bearings were not recorded'
+        raise BearingTwinError(msg)
+    return sum((max(f) - min(f)) // step + 1 - len(f) for f in firsts.values())
+
+
+def _recorded(
+    bag: Path, topics: list[str], field: str, began: int, ended: int
+) -> dict[str, list[int]]:
+    """Whole numbers in a field of the messages of each topic between two times, ns, by topic."""
+    found: dict[str, list[int]] = {topic: [] for topic in topics}
+    for message in read_messages(bag, topics=topics):
+        if began <= message.log_time <= ended:
+            found[message.topic].append(int(getattr(message.decode(), field)))
+    return found

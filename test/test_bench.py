@@ -1,0 +1,43 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What the benchmarks claim, from runs given by hand."""
+
+from bearing_twin.bench.live import FleetRun, Search
+from bearing_twin.errors import BearingTwinError
+import pytest
+
+
+def test_a_claim_of_live_bearings_grows_with_the_runs_that_kept_time():
+    search = Search()
+    search.add(FleetRun(search.following, 0.08, 0, 0))
+    # Of a single run the process is a part of each bearing.
+    assert search.claim == 32
+    search.add(FleetRun(search.following, 0.2, 0, 0))
+    assert search.proved == 64
+    assert search.claim == 128
+    assert search.following == 192
+    search.add(FleetRun(192, 0.52, 0, 0))
+    # 0.08 and 0.0025 for each of 176 more: half of 384 is enough to prove them.
+    assert search.claim == pytest.approx(384)
+    assert search.following == 0
+    assert search.late == 0
+
+
+def test_no_more_is_claimed_than_twice_what_kept_time():
+    search = Search()
+    for run in (FleetRun(16, 0.04, 0, 0), FleetRun(64, 0.1, 0, 0), FleetRun(256, 0.3, 0, 7)):
+        search.add(run)
+    assert search.claim == 128
+    # Between the most that kept time and the fewest that did not.
+    assert search.following == 128
+    search.add(FleetRun(128, 0.2, 1, 0))
+    search.add(FleetRun(search.following, 0.15, 0, 0))
+    search.add(FleetRun(search.following, 0.19, 1, 0))
+    assert search.following == 0
+    assert search.claim == 2 * search.proved == 182
+    assert search.late == 108
+
+
+def test_a_machine_on_which_16_bearings_are_late_proves_nothing():
+    with pytest.raises(BearingTwinError, match='2 blocks were late'):
+        Search().add(FleetRun(16, 0.1, 2, 0))
