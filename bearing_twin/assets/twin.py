@@ -81,11 +81,6 @@ class TwinChannel(Inputs):
         if self.values['thermal_mode'] == 'physical':
             self._settle(temperature)
 
-    def inputs(self) -> TwinInputs:
-        """Return temperature and shaft speed for the block to be computed now."""
-        now = self._clock()
-        return TwinInputs(self._gate.at(now), self.shaft.at(now))
-
     @property
     def start_temperature(self) -> float:
         """Temperature at which the twin starts anew, degC: in the physical mode the measured."""
@@ -260,21 +255,19 @@ class Twin(TwinChannel):
             state=self.save(),
         )
 
-    def advance(self) -> TwinBlock:
-        """Compute the next block with the inputs of now."""
-        temperature, shaft_hz = self.inputs()
-        block = self.block(self.values['block_size'], temperature.used, shaft_hz)
+    def advance(self, inputs: TwinInputs | None = None, n: int | None = None) -> TwinBlock:
+        """Compute the next block as the sensor gives it: of the inputs and the length in force."""
+        now, n = self.clock(), n or self.values['block_size']
+        temperature, shaft_hz = inputs or TwinInputs(self.gate.at(now), self.shaft.at(now))
+        if self._changing:
+            block = self._fade(n, temperature.used, shaft_hz)
+        else:
+            block = self.simulator.advance(n, temperature.used, shaft_hz)
+            block = block if self.sensor is None else self.sensor.take(block)
         fitted = self.fitted
         injected = defect_places(self.values['defect']) != 'none'
         defect = fitted.defect if fitted and not injected else ''
         return TwinBlock(block, temperature, shaft_hz, self.unit, defect)
-
-    def block(self, n: int, temperature: float, shaft_hz: float) -> Block:
-        """Compute the next ``n`` samples as the sensor gives them."""
-        if self._changing:
-            return self._fade(n, temperature, shaft_hz)
-        block = self.simulator.advance(n, temperature, shaft_hz)
-        return block if self.sensor is None else self.sensor.take(block)
 
     def _fade(self, n: int, temperature: float, shaft_hz: float) -> Block:
         """Compute a block that goes over from one calibration to the next."""

@@ -53,23 +53,17 @@ class TwinBlock(NamedTuple):
     """What a calibration says of the defects; '': what the parameters say."""
 
 
-def vibration_message(
-    block: Block,
-    due: Due,
-    values: Mapping[str, Any],
-    shaft_hz: float,
-    unit: str = ACCELERATION,
-) -> Vibration:
+def vibration_message(made: TwinBlock, due: Due, values: Mapping[str, Any]) -> Vibration:
     """Return the acceleration of a block at the time of ``due``."""
     return Vibration(
         header=message_header(due.stamp, values['frame_id']),
         sample_rate=values['sample_rate'],
         first_sample=due.first_sample,
         source=Vibration.SOURCE_SIMULATED,
-        unit=unit,
-        shaft_hz=shaft_hz,
-        x=floats(block.x),
-        y=floats(block.y),
+        unit=made.unit,
+        shaft_hz=made.shaft_hz,
+        x=floats(made.block.x),
+        y=floats(made.block.y),
     )
 
 
@@ -101,25 +95,18 @@ class TwinBytes:
         self._vibration: MessageTemplate | None = None
         self._state: MessageTemplate | None = None
 
-    def vibration(
-        self,
-        block: Block,
-        due: Due,
-        values: Mapping[str, Any],
-        shaft_hz: float,
-        unit: str = ACCELERATION,
-    ) -> bytes:
+    def vibration(self, made: TwinBlock, due: Due, values: Mapping[str, Any]) -> bytes:
         """Return a `Vibration`; ``values`` is another object where parameters have changed."""
         self._renew(values)
         if self._vibration is None:
             self._vibration = MessageTemplate(
-                vibration_message(block, due, values, shaft_hz, unit),
+                vibration_message(made, due, values),
                 (*STAMP, 'first_sample', 'shaft_hz'),
                 ('x', 'y'),
                 self._serialize,
             )
-        numbers = *split_ns(due.stamp), due.first_sample, shaft_hz
-        return self._vibration.fill(numbers, block.x, block.y)
+        numbers = *split_ns(due.stamp), due.first_sample, made.shaft_hz
+        return self._vibration.fill(numbers, made.block.x, made.block.y)
 
     def state(
         self, made: TwinBlock, due: Due, values: Mapping[str, Any], realtime: Mapping[str, float]

@@ -40,7 +40,7 @@ def answer_alone(analysis: Analysis) -> Diagnosis:
     'insufficient'
 
     """
-    found, excerpt = analysis.conclude(), analysis.excerpt
+    found, excerpt = analysis.alone, analysis.excerpt
     severity = of_length(found.severity, len(excerpt.samples), excerpt.sample_rate)
     return raised(replace(found, severity=severity))
 

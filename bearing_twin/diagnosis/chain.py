@@ -294,13 +294,10 @@ class Analysis:
     @cached_property
     def alone(self) -> Diagnosis:
         """Diagnosis from these samples alone."""
-        return self._conclude(())
+        return self.conclude(())
 
-    def conclude(self, earlier: Sequence[OrderSpectra] = ()) -> Diagnosis:
+    def conclude(self, earlier: Sequence[OrderSpectra]) -> Diagnosis:
         """Diagnosis from these samples and the spectra of earlier windows, oldest first."""
-        return self._conclude(earlier) if earlier else self.alone
-
-    def _conclude(self, earlier: Sequence[OrderSpectra]) -> Diagnosis:
         excerpt, window = self.excerpt, self.window
         taken = insufficient(
             [*excerpt.notes, *self.refused],

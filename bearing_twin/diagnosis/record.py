@@ -131,12 +131,12 @@ def diagnose_record(
     cut = functools.partial(Excerpt.of, signal, turning, *fixed, **known)
     excerpt = cut()
     analysis = excerpt.analyse()
-    found = analysis.conclude()
+    found = analysis.alone
     faint = found.rule in FAINT
     if faint and found.level == 'suspect' and len(excerpt.stretches) > excerpt.pieces:
         # Each segment is taken relative to its own noise, so impacts in bursts of seconds weigh
         # little in the mean.
-        whole = cut(divided=False).analyse().conclude()
+        whole = cut(divided=False).analyse().alone
         if whole.level == 'fault':
             found = replace(whole, reasons=(*whole.reasons, _BURSTS))
     # Where the speed moves, the lines of a fault smear over the whole and not over its parts.
@@ -207,7 +207,7 @@ def _moving(
     for count in (2, 4):
         if turns < count * _PART_TURNS:
             break
-        said = [part.analyse().conclude() for part in parts(count)]
+        said = [part.analyse().alone for part in parts(count)]
         for one, other in itertools.pairwise(said):
             line_hz = one.sample_rate / min(one.sample_count, other.sample_count)
             moved = abs(other.fault_hz - one.fault_hz)

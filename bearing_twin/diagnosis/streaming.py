@@ -315,7 +315,8 @@ class StreamingDiagnoser:
             earlier = [w for w in self._before(excerpt, wanted) if w.carrier.shape == bands]
             if full and settings.averages:
                 self._earlier.append((excerpt.end, analysis.window.orders))
-        found, trend = analysis.conclude(earlier), self._trend
+        found = analysis.conclude(earlier) if earlier else analysis.alone
+        trend = self._trend
         if self.other_source:
             found = replace(found, reasons=(*found.reasons, self.other_source))
             if not self._guest.takes(source):

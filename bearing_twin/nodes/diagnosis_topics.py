@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from bearing_twin.ros.parameters import ParameterSet
     from bearing_twin.streams.vibration_input import VibrationBlock
     from rclpy.qos import QoSProfile
-    from rclpy.subscription import MessageInfo, Subscription
+    from rclpy.subscription import Subscription
 
 
 SILENT_AFTER = 2.0
@@ -92,7 +92,7 @@ class DiagnosisTopics:
         """Subscribe; without ``sensors`` blocks and temperature are handed to :meth:`take`."""
         self._inputs: list[Subscription[Any]] = []
         if sensors:
-            self._subscribe(Vibration, 'vibration', self._on_vibration, STREAM)
+            self._subscribe(Vibration, 'vibration', self.take, STREAM)
             self._subscribe(
                 Temperature, 'temperature', self._measured.take_temperature, MEASUREMENT
             )
@@ -128,15 +128,25 @@ class DiagnosisTopics:
         self._core.reconfigure(values)
         self._checkpoints.ask()
 
-    def _on_vibration(self, message: Vibration, info: MessageInfo) -> None:
-        # Jazzy does not tell who sent it: then all is one source.
-        if self._intake.sources.accept(info.get('publisher_gid'), time.monotonic()):
-            self.take(message, self._measured.temperature.taken)
+    def take(
+        self,
+        message: Vibration,
+        info: Mapping[str, Any] | None = None,
+        *,
+        temperature: float | None = None,
+    ) -> None:
+        """
+        Diagnose one block; publish the verdict if due.
 
-    def take(self, message: Vibration, temperature: float) -> None:
-        """Diagnose one block at a temperature (degC; NaN: unknown); publish the verdict if due."""
-        intake = self._intake
-        intake.arrived = time.monotonic()
+        At ``temperature``, degC, NaN if unknown; None: at that of the topic.
+        """
+        intake, now = self._intake, time.monotonic()
+        # Jazzy does not tell who sent it: then all is one source.
+        if not intake.sources.accept((info or {}).get('publisher_gid'), now):
+            return
+        intake.arrived = now
+        if temperature is None:
+            temperature = self._measured.temperature.taken
         try:
             block = read_vibration(message, self.parameters['axis'])
             self._core.admit(block)

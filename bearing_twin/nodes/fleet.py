@@ -16,7 +16,7 @@ from bearing_twin.assets.checkpoints import Checkpoints
 from bearing_twin.assets.fleet import build_fleet, read_assets, SHARED
 from bearing_twin.assets.shared_specs import STATE_RATE, SUBSCRIBERS
 from bearing_twin.assets.spec import fixed
-from bearing_twin.assets.twin import TwinChannel
+from bearing_twin.assets.twin import TwinChannel, TwinInputs
 from bearing_twin.assets.twin_messages import StateTurns, TwinBlock, vibration_message
 from bearing_twin.assets.twin_parameters import build_parameters, build_simulator
 from bearing_twin.diagnosis import warming as diagnosis
@@ -38,7 +38,6 @@ import yaml
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bearing_twin.assets.twin import TwinInputs
     from bearing_twin.dynamics.fleet import Fleet, FleetBlock
     from bearing_twin.dynamics.simulator import Simulator
 
@@ -142,7 +141,7 @@ class FleetNode(ManagedNode):
         if self._fleet is None:
             return
         start, due = self._fleet.save(), Due(0, 0, 0.0)
-        inputs = [member.channel.inputs() for member in self._twins if member.channel]
+        inputs = self._inputs()
         block = self._advance(inputs)
         fields = self._cycle.fields(due)
         for index, (member, each) in enumerate(zip(self._twins, inputs, strict=True)):
@@ -259,12 +258,17 @@ class FleetNode(ManagedNode):
             return
         if self._checkpoints.is_due(due.first_sample):
             self._publish_checkpoint(due)
-        inputs = [member.channel.inputs() for member in self._twins if member.channel]
+        inputs = self._inputs()
         began = time.perf_counter()
         block = self._advance(inputs)
         took = time.perf_counter() - began
         for index, each in enumerate(inputs):
             self._pending.append(Pending(index, block, due, each, took))
+
+    def _inputs(self) -> list[TwinInputs]:
+        """Return temperature and speed of each twin for the block to be computed now."""
+        channels = [member.channel for member in self._twins if member.channel]
+        return [TwinInputs(c.gate.at(c.clock()), c.shaft.at(c.clock())) for c in channels]
 
     def _advance(self, inputs: list[TwinInputs]) -> FleetBlock:
         assert self._fleet is not None
@@ -285,21 +289,18 @@ class FleetNode(ManagedNode):
         member = self._twins[item.index]
         assert self._fleet is not None
         assert member.twin is not None and member.channel is not None
-        temperature, shaft_hz = item.inputs
         began = time.perf_counter() - item.took
-        block = self._fleet.of_bearing(item.block, item.index)
-        made = TwinBlock(block, temperature, shaft_hz)
+        made = TwinBlock(self._fleet.of_bearing(item.block, item.index), *item.inputs)
+        topics, values = member.twin, member.channel.values
+        topics.vibration.publish(topics.bytes.vibration(made, item.due, values))
         # Without the time in which the block waited for its slot.
-        member.twin.publish(
-            made,
-            item.due,
-            lambda due: self._cycle.fields(due) | {'execution_time': time.perf_counter() - began},
-        )
+        took = {'execution_time': time.perf_counter() - began}
+        topics.publish_state(made, item.due, self._cycle.fields(item.due) | took)
         if member.wait:
             member.wait -= 1
         elif member.diagnosis is not None:
-            message = vibration_message(block, item.due, member.channel.values, shaft_hz)
-            member.diagnosis.take(message, temperature.taken)
+            message = vibration_message(made, item.due, values)
+            member.diagnosis.take(message, temperature=made.temperature.taken)
 
     def _publish_checkpoint(self, due: Due) -> None:
         assert self._fleet is not None

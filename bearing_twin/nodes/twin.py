@@ -97,8 +97,11 @@ class TwinNode(ManagedNode):
         self._calibration.apply(values)
 
     def _publish_block(self, due: Due) -> None:
-        self._topics.publish_checkpoint(self._twin.checkpoint(due, self.parameters.text))
-        self._topics.publish(self._twin.advance(), due, self._cycle.fields)
+        topics, twin = self._topics, self._twin
+        topics.publish_checkpoint(twin.checkpoint(due, self.parameters.text))
+        made = twin.advance()
+        topics.vibration.publish(topics.bytes.vibration(made, due, twin.values))
+        topics.publish_state(made, due, self._cycle.fields(due))
 
 
 NODE = TwinNode

@@ -19,7 +19,7 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState, Temperature
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
     from bearing_twin.assets.twin import TwinChannel
     from bearing_twin.assets.twin_messages import StateTurns, TwinBlock
@@ -58,10 +58,10 @@ class TwinTopics:
         self._node = node
         self._twin = twin
         self._turns = turns
-        self._bytes = TwinBytes(serialize_message)
+        self.bytes = TwinBytes(serialize_message)
         self._condition: Condition | None = None
         qos = stream(turns.period)
-        self._vibration = node.create_lifecycle_publisher(
+        self.vibration = node.create_lifecycle_publisher(
             Vibration, f'{prefix}vibration', own(qos), qos_overriding_options=OVERRIDES
         )
         self._state = node.create_lifecycle_publisher(
@@ -80,7 +80,7 @@ class TwinTopics:
     def await_subscribers(self, count: int, deadline: float = math.inf) -> None:
         """Wait until ``count`` subscribers hear the vibration; 10 s, or until ``deadline``."""
         deadline = min(deadline, time.monotonic() + LONGEST_WAIT)
-        while self._vibration.get_subscription_count() < count:
+        while self.vibration.get_subscription_count() < count:
             if time.monotonic() > deadline or not self._node.context.ok():
                 return
             time.sleep(0.02)
@@ -92,27 +92,21 @@ class TwinTopics:
 
     def warm(self, made: TwinBlock, due: Due, fields: Mapping[str, float]) -> None:
         """Make the messages of a block that is not published: the first one has a deadline."""
-        self._bytes.vibration(made.block, due, self._twin.values, made.shaft_hz, made.unit)
-        self._bytes.state(made, due, self._twin.values, fields)
+        self.bytes.vibration(made, due, self._twin.values)
+        self.bytes.state(made, due, self._twin.values, fields)
 
-    def publish(
-        self, made: TwinBlock, due: Due, realtime: Callable[[Due], Mapping[str, float]]
-    ) -> None:
-        """Publish a block; ``realtime`` returns the fields of the state on real time."""
+    def publish_state(self, made: TwinBlock, due: Due, fields: Mapping[str, float]) -> None:
+        """Publish the state after a block, with its fields on real time, if it is its turn."""
         values = self._twin.values
-        self._vibration.publish(
-            self._bytes.vibration(made.block, due, values, made.shaft_hz, made.unit)
-        )
-        fields = realtime(due)
         inputs = made.temperature.used, made.temperature.status, made.shaft_hz
         counters = fields['blocks_late'], fields['blocks_dropped']
         if self._turns.wants(due, values, *inputs, *counters):
             self._condition = made.block.condition
-            self._state.publish(self._bytes.state(made, due, values, fields))
+            self._state.publish(self.bytes.state(made, due, values, fields))
 
     def status(self) -> Status:
         """Status of the inputs for /diagnostics."""
-        return temperature_status(self._twin.inputs().temperature, *self._twin.problems())
+        return temperature_status(self._twin.temperature, *self._twin.problems())
 
     def validity(self) -> Status:
         """Limits of model and life that are passed, for /diagnostics."""

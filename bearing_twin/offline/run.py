@@ -226,7 +226,7 @@ class _TwinSide:
         self._now = message.log_time / NANO
         if message.type_name == TEMPERATURE:
             self._twin.take_temperature(decoded)
-            self._temperature = self._twin.inputs().temperature.taken
+            self._temperature = self._twin.temperature.taken
         else:
             self._twin.take_joints(decoded)
 
@@ -258,7 +258,7 @@ class _TwinSide:
             Output(
                 '/vibration',
                 VIBRATION,
-                self._bytes.vibration(made.block, due, values, made.shaft_hz, made.unit),
+                self._bytes.vibration(made, due, values),
             ),
             Output('/twin_state', STATE, self._bytes.state(made, due, values, realtime)),
         ]

@@ -8,18 +8,18 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.assets.checkpoints import configuration_values
 from bearing_twin.assets.fleet import build_fleet
-from bearing_twin.assets.twin import Twin
-from bearing_twin.assets.twin_messages import ACCELERATION, TwinBytes
+from bearing_twin.assets.twin import Twin, TwinInputs
+from bearing_twin.assets.twin_messages import TwinBlock, TwinBytes
 from bearing_twin.offline.agreement import Agreement
 from bearing_twin.offline.output import output
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.pacer import Due
+from bearing_twin.thermal.gate import GatedTemperature, TemperatureStatus
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from bearing_twin.dynamics.fleet import Fleet
-    from bearing_twin.dynamics.simulator import Block
     from bearing_twin.offline.agreement import Reproduction
     from bearing_twin.recording.catalogue import RecordedMessage
 
@@ -31,8 +31,7 @@ class Recorded(NamedTuple):
     due: Due
     """Index, time and number of the block."""
     length: int
-    temperature: float
-    shaft_hz: float
+    inputs: TwinInputs
 
 
 class TwinCheck:
@@ -111,9 +110,10 @@ class TwinCheck:
             return
         number = int(state.blocks_published)
         due = Due(first, stamp_ns(vibration.header.stamp), 0.0, number)
-        self._take(
-            Recorded(message, due, length, float(state.temperature_used), float(state.shaft_hz))
-        )
+        used = float(state.temperature_used)
+        temperature = GatedTemperature(used, used, used, 0.0, TemperatureStatus.OK)
+        inputs = TwinInputs(temperature, float(state.shaft_hz))
+        self._take(Recorded(message, due, length, inputs))
 
     def settle(self) -> None:
         """
@@ -126,7 +126,7 @@ class TwinCheck:
             return
         last, vibration = self._last, message.decode()
         first, length = int(vibration.first_sample), len(vibration.y)
-        if not self._sparse or last is None or vibration.shaft_hz != last.shaft_hz:
+        if not self._sparse or last is None or vibration.shaft_hz != last.inputs.shaft_hz:
             self._agreement.skipped += 1
             return
         number = last.due.number + (first - last.due.first_sample) // last.length
@@ -151,16 +151,13 @@ class TwinCheck:
         if self._twin is None:
             self.skip()
             return
-        made = self._twin.block(block.length, block.temperature, block.shaft_hz)
-        self.compare(block, made, self._twin.values, self._twin.unit)
+        self.compare(block, self._twin.advance(block.inputs, block.length), self._twin.values)
 
-    def compare(
-        self, block: Recorded, made: Block, values: Mapping[str, Any], unit: str = ACCELERATION
-    ) -> None:
+    def compare(self, block: Recorded, made: TwinBlock, values: Mapping[str, Any]) -> None:
         """Compare a recorded block with the one that was made again."""
         if block.length not in self._bytes:
             self._bytes = {block.length: TwinBytes(lambda message: output('', message).cdr)}
-        again = self._bytes[block.length].vibration(made, block.due, values, block.shaft_hz, unit)
+        again = self._bytes[block.length].vibration(made, block.due, values)
         what = f'{self.topic} at sample {block.due.first_sample}'
         self._agreement.compare(block.message, again, what)
 
@@ -204,6 +201,7 @@ class FleetCheck:
         self._configuration: dict[str, Any] = {}
         self._members: list[TwinCheck] = []
         self._inputs: list[tuple[float, float]] = []
+        """Temperature, degC, and speed, Hz, of each twin."""
         self._lost: set[int] = set()
         self._blocks: dict[int, dict[int, Recorded]] = {}
         self._published = -1
@@ -258,7 +256,7 @@ class FleetCheck:
                 self._members[index].skip()
             return
         for index, block in blocks.items():
-            self._inputs[index] = block.temperature, block.shaft_hz
+            self._inputs[index] = block.inputs.temperature.used, block.inputs.shaft_hz
         for index in set(range(len(self._members))) - blocks.keys() - self._lost:
             self._lost.add(index)
             self._note(f'a block of {self._members[index].topic} is missing')
@@ -269,7 +267,7 @@ class FleetCheck:
             if index in self._lost:
                 self._members[index].skip()
                 continue
-            again = self._fleet.of_bearing(made, index)
+            again = TwinBlock(self._fleet.of_bearing(made, index), *block.inputs)
             self._members[index].compare(block, again, values[index])
 
     def _resume(self) -> None:

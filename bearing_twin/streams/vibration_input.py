@@ -191,47 +191,47 @@ class Inputs:
         hold: bool = False,
         first: Callable[[float], None] = lambda _: None,
     ) -> None:
-        self._clock = clock
+        self.clock = clock
         self._first = first
         self.settled = False
         """Whether there is a history: of a first reading, or of a state that was loaded."""
-        self._gate = TemperatureGate(start=start, timeout=timeout)
+        self.gate = TemperatureGate(start=start, timeout=timeout)
         # Another source is heard when the last temperature of the first is stale.
         self._sources = SourceLock(timeout, timeout)
         self.shaft = ShaftSpeed(nominal=nominal, joint=joint, highest=highest, hold=hold)
 
     def take_temperature(self, message: Any, info: Mapping[str, Any] | None = None) -> None:
         """Take a ``sensor_msgs/Temperature``; of several publishers the first one's only."""
-        now = self._clock()
+        now = self.clock()
         if self._sources.accept((info or {}).get('publisher_gid'), now):
-            self._gate.offer(message.temperature, stamp=stamp_ns(message.header.stamp), now=now)
-            reading = self._gate.at(now)
+            self.gate.offer(message.temperature, stamp=stamp_ns(message.header.stamp), now=now)
+            reading = self.gate.at(now)
             if not (self.settled or math.isnan(reading.taken)):
                 self.settled = True
                 self._first(reading.used)
 
     def take_joints(self, message: Any, _: object = None) -> None:
         """Take a ``sensor_msgs/JointState``."""
-        self.shaft.offer(message.name, message.velocity, now=self._clock())
+        self.shaft.offer(message.name, message.velocity, now=self.clock())
 
     @property
     def temperature(self) -> GatedTemperature:
         """The temperature to use now."""
-        return self._gate.at(self._clock())
+        return self.gate.at(self.clock())
 
     def shaft_hz(self, length: float = 0.0) -> float:
         """Return the shaft speed to use for a block of ``length`` (s) that ends now, Hz."""
-        return self.shaft.at(self._clock(), length)
+        return self.shaft.at(self.clock(), length)
 
     def problems(self) -> tuple[str, str]:
         """Return what is wrong with the shaft speed and with the sources; '' if nothing."""
-        now = self._clock()
+        now = self.clock()
         several = 'several sources of temperature: only the first is used'
         return self.shaft.problem(now), several if self._sources.contested(now) else ''
 
     def set_timeout(self, timeout: float) -> None:
         """Take another age above which a temperature is stale, s."""
-        self._gate.timeout = self._sources.timeout = self._sources.remember = timeout
+        self.gate.timeout = self._sources.timeout = self._sources.remember = timeout
 
 
 @dataclass

@@ -172,7 +172,7 @@ def _of_twin(x, shaft_hz):
     turning = Turning(np.array([shaft_hz]), np.array([len(x)]))
     known = RATE, find_bearing('6307'), DiagnosisSettings()
     excerpt = Excerpt.of(x, turning, *known, unit='m/s^2', sensor='acc y simulated')
-    return excerpt.analyse().conclude()
+    return excerpt.analyse().alone
 
 
 def test_too_short_a_window_says_what_it_could_have_shown(rng):
@@ -248,7 +248,7 @@ def test_impacts_in_bursts_of_seconds_are_an_alarm(rng):
     burst = 3.0 * (0.6 + 0.9 * np.exp(-passed / 0.15))
     x = rng.standard_normal(2 * N) * np.where((t >= 3.0) & (t < 5.0), burst, 1.0)
     known = Turning(np.array([SHAFT_HZ]), np.array([2 * N])), RATE, bearing, DiagnosisSettings()
-    assert Excerpt.of(x, *known).analyse().conclude().rule == 'weak_modulation'
+    assert Excerpt.of(x, *known).analyse().alone.rule == 'weak_modulation'
     said = diagnose_record(x, RATE, bearing, SHAFT_HZ)
     assert (said.level, said.faults) == ('fault', ('outer',))
     assert 'bursts' in said.reasons[-1]

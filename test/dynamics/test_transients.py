@@ -77,7 +77,8 @@ def test_a_machine_that_is_hot_when_it_is_first_measured_has_been_so_for_long():
     # A checkpoint precedes it, from which the same bits come.
     again = hosted(thermal_mode='physical', preset='incipient', defect='inner', noise=0.0)
     again.load(saved)
-    block = again.block(1024, 70.0, HZ)
+    again.take_temperature(measured(70.0, stamp=1))
+    block = again.advance().block
     assert block.y.tobytes() == made.block.y.tobytes()
     # The next ones are ordinary: the ring follows in seconds.
     twin.take_temperature(measured(90.0, stamp=2))

@@ -297,12 +297,12 @@ def test_one_of_two_thermometers_is_heard_and_the_other_is_told():
         now += 0.2
         twin.take_temperature(Temperature(temperature=25.0), {'publisher_gid': 'a'})
         twin.take_temperature(Temperature(temperature=95.0), {'publisher_gid': 'b'})
-        assert twin.inputs().temperature.used == 25.0
+        assert twin.temperature.used == 25.0
     assert 'several sources of temperature: only the first is used' in twin.problems()
     # The first falls silent: the other is heard when the last temperature is stale.
     now += 5.1
     twin.take_temperature(Temperature(temperature=95.0), {'publisher_gid': 'b'})
-    assert twin.inputs().temperature.used == 95.0
+    assert twin.temperature.used == 95.0
     assert not any(twin.problems())
 
 

@@ -58,8 +58,8 @@ def test_bytes_from_templates_are_those_of_the_messages(block_size):
             number += 1
             due = Due(number * block_size, stamp, 0.0, number)
             made = twin.advance()
-            expected = vibration_message(made.block, due, twin.values, made.shaft_hz)
-            cdr = made_bytes.vibration(made.block, due, twin.values, made.shaft_hz)
+            expected = vibration_message(made, due, twin.values)
+            cdr = made_bytes.vibration(made, due, twin.values)
             assert deserialize_message(cdr, type(expected)) == expected
             assert canonical(cdr, expected) == canonical(serialize_message(expected), expected)
             expected = state_message(made, due, twin.values)
