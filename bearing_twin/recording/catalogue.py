@@ -11,7 +11,7 @@ from typing import Any, BinaryIO, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.chunks import Chunks, NEW_DESCRIPTION, SpentRecording
-from bearing_twin.recording.mcapfile import BrokenRecording, content, parse
+from bearing_twin.recording.mcapfile import BrokenRecording, parse
 from bearing_twin.recording.salvage import sound_records
 from bearing_twin.recording.schema import (
     canonical_cdr,
@@ -250,9 +250,8 @@ def own_definitions(file: BinaryIO, size: int) -> Iterator[Catalogue]:
     chunks = Chunks(file, size)
     catalogue = Catalogue(chunks)
     try:
-        for raw in summary_records(file, size):
-            if raw.opcode in DEFINITIONS:
-                catalogue.learn(raw.opcode, content(file, raw), raw.offset)
+        for raw, data in summary_records(file, size, DEFINITIONS):
+            catalogue.learn(raw.opcode, data, raw.offset)
     except BrokenRecording:
         # What has been read of it serves nevertheless.
         pass

@@ -21,19 +21,17 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import (
     Attachment,
-    AttachmentIndex,
     Channel,
     Chunk,
     Header,
     McapRecord,
     Metadata,
-    MetadataIndex,
     Schema,
     Statistics,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
     from pathlib import Path
 
 
@@ -55,10 +53,8 @@ PARSERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
     Opcode.CHANNEL: Channel.read,
     Opcode.CHUNK: Chunk.read,
     Opcode.ATTACHMENT: Attachment.read,
-    Opcode.ATTACHMENT_INDEX: AttachmentIndex.read,
     Opcode.STATISTICS: Statistics.read,
     Opcode.METADATA: Metadata.read,
-    Opcode.METADATA_INDEX: MetadataIndex.read,
 }
 BULKY = (Opcode.CHUNK, Opcode.ATTACHMENT, Opcode.MESSAGE)
 
@@ -170,15 +166,6 @@ def record_at(file: BinaryIO, offset: int, stop: int) -> RawRecord:
         msg = f'the record at byte {offset} should have {raw.length} bytes: the file ends before'
         raise UnfinishedRecording(msg, offset)
     return raw
-
-
-def walk(file: BinaryIO, start: int, stop: int) -> Iterator[RawRecord]:
-    """Step over the top-level records between two offsets; raises as :func:`record_at`."""
-    offset = start
-    while offset < stop:
-        raw = record_at(file, offset, stop)
-        yield raw
-        offset = raw.end
 
 
 def read_record(file: BinaryIO, raw: RawRecord) -> McapRecord | None:

@@ -20,7 +20,6 @@ from bearing_twin.recording.chunks import Chunks, SpentRecording
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
     check_magic,
-    content,
     MESSAGE_HEAD,
     message_head,
     record_at,
@@ -67,14 +66,15 @@ def in_time_order(file: BinaryIO, size: int, keep: Selection) -> Iterator[Record
     check_magic(file)
     chunks = Chunks(file, size)
     catalogue = Catalogue(chunks)
-    for raw in summary_records(file, size):
-        if raw.opcode in DEFINITIONS:
-            catalogue.learn(raw.opcode, content(file, raw), raw.offset)
 
-    def index_records() -> Iterator[RawRecord]:
-        return (raw for raw in summary_records(file, size) if raw.opcode == Opcode.CHUNK_INDEX)
+    def index_records() -> Iterator[tuple[RawRecord, bytes]]:
+        for raw, data in summary_records(file, size, (*DEFINITIONS, Opcode.CHUNK_INDEX)):
+            if raw.opcode in DEFINITIONS:
+                catalogue.learn(raw.opcode, data, raw.offset)
+            else:
+                yield raw, data
 
-    places = chunk_index(file, size, index_records())
+    places = chunk_index(size, index_records())
     if not len(places):
         yield from in_file_order(file, size, keep)
         return

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import contextlib
 from dataclasses import dataclass, field
+import itertools
+import struct
 from typing import BinaryIO, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -20,7 +22,6 @@ from bearing_twin.recording.finding import natural
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
     check_magic,
-    content,
     MAGIC,
     parse,
     RawRecord,
@@ -30,11 +31,11 @@ from bearing_twin.recording.mcapfile import (
     UnfinishedRecording,
 )
 from bearing_twin.recording.messages import in_file_order, in_time_order, Selection
-from bearing_twin.recording.salvage import open_mcap
+from bearing_twin.recording.salvage import MOST_TABLES, open_mcap
 from bearing_twin.recording.summary import summary_records
 from bearing_twin.stamps import NANO
 from mcap.opcode import Opcode
-from mcap.records import Attachment, AttachmentIndex, Header, Metadata, MetadataIndex, Statistics
+from mcap.records import Attachment, Header, Metadata, Statistics
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
@@ -43,6 +44,10 @@ if TYPE_CHECKING:
 
 MOST_METADATA = 8 * 1024 * 1024
 """Most metadata that is shown of a recording, bytes."""
+ATTACHMENT_INDEX = struct.Struct('<32xQI')
+"""Size of the attachment and length of its name, which follows."""
+METADATA_INDEX = struct.Struct('<Q')
+"""Where the record is."""
 
 
 @dataclass
@@ -265,26 +270,39 @@ def _look_into(file: BinaryIO, path: Path, info: RecordingInfo, witness: Witness
 def _from_summary(file: BinaryIO, size: int, info: RecordingInfo) -> bool:
     """Take what the summary says; return whether it says what is in the file."""
     catalogue = Catalogue(Chunks(file, size))
-    statistics: Statistics | None = None
+    last: tuple[RawRecord, bytes] | None = None
     attachments: dict[str, int] = {}
-    metadata: dict[int, MetadataIndex] = {}
-    for raw in summary_records(file, size):
-        if raw.opcode in DEFINITIONS:
-            catalogue.learn(raw.opcode, content(file, raw), raw.offset)
-        elif raw.opcode in (Opcode.STATISTICS, Opcode.ATTACHMENT_INDEX, Opcode.METADATA_INDEX):
-            record = read_record(file, raw)
-            if isinstance(record, Statistics):
-                statistics = record
-            elif isinstance(record, AttachmentIndex):
-                attachments[record.name] = record.data_size
-            elif isinstance(record, MetadataIndex):
-                metadata[record.offset] = record
-    if statistics is None:
+    # Where metadata are: an index may name a place many times.
+    metadata: dict[int, None] = {}
+    wanted = (
+        *DEFINITIONS,
+        *(Opcode.STATISTICS, Opcode.ATTACHMENT_INDEX, Opcode.METADATA_INDEX),
+    )
+    try:
+        for raw, data in summary_records(file, size, wanted):
+            if raw.opcode in DEFINITIONS:
+                catalogue.learn(raw.opcode, data, raw.offset)
+            elif raw.opcode == Opcode.STATISTICS:
+                last = raw, data
+            elif raw.opcode == Opcode.ATTACHMENT_INDEX:
+                octets, length = ATTACHMENT_INDEX.unpack_from(data)
+                begin = ATTACHMENT_INDEX.size
+                attachments[data[begin : begin + length].decode()] = octets
+            else:
+                metadata[METADATA_INDEX.unpack_from(data)[0]] = None
+    except (struct.error, UnicodeDecodeError) as error:
+        msg = f'the summary is damaged: an index record cannot be read ({error})'
+        raise BrokenRecording(msg, 0) from None
+    if last is None:
         return False
+    statistics = parse(last[0].opcode, last[1], last[0].offset)
+    assert isinstance(statistics, Statistics)
     _read_header(file, size, info)
     info.attachments |= attachments
-    for index in metadata.values():
-        _add_metadata(file, record_at(file, index.offset, size), info)
+    for offset in itertools.islice(metadata, MOST_TABLES):
+        _add_metadata(file, record_at(file, offset, size), info)
+    if len(metadata) > MOST_TABLES:
+        info.problems.append(f'more than {MOST_TABLES} records of metadata: no more are shown')
     for identity, channel in catalogue.channels.items():
         _count(info, channel, statistics.channel_message_counts.get(identity, 0))
     if statistics.message_count:

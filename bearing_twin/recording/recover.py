@@ -24,7 +24,7 @@ from bearing_twin.recording.messages import in_file_order, Selection
 from bearing_twin.recording.reader import recording_files
 from bearing_twin.recording.salvage import open_mcap
 from bearing_twin.recording.schema import message_schema
-from bearing_twin.recording.summary import summary_records
+from bearing_twin.recording.summary import summary_place, summary_records
 from bearing_twin.recording.topics import OWN_TOPICS
 from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import NANO
@@ -141,7 +141,7 @@ def _is_our_torn_file(path: Path) -> bool:
     with open_mcap(path) as file:
         size = path.stat().st_size
         try:
-            next(summary_records(file, size), None)
+            summary_place(file, size)
         except UnfinishedRecording:
             header = read_record(file, record_at(file, len(MAGIC), size))
             ours = isinstance(header, Header) and header.library.startswith('bearing_twin ')
@@ -228,10 +228,9 @@ def _copy(path: Path, writer: RecordingWriter, report: RecoveryReport, others: l
 def _said_count(path: Path, size: int) -> int:
     """Messages in a file by its summary; 0 where that does not say."""
     with open_mcap(path) as file, contextlib.suppress(BrokenRecording):
-        for raw in summary_records(file, size):
-            if raw.opcode == Opcode.STATISTICS:
-                record = read_record(file, raw)
-                return record.message_count if isinstance(record, Statistics) else 0
+        for raw, data in summary_records(file, size, (Opcode.STATISTICS,)):
+            record = parse(raw.opcode, data, raw.offset)
+            return record.message_count if isinstance(record, Statistics) else 0
     return 0
 
 

@@ -12,20 +12,21 @@ import zlib
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
     CHUNK_HEAD,
+    content,
     LARGEST_TABLE,
     MAGIC,
+    RawRecord,
     read_at,
+    record_at,
     RECORD_HEAD,
     UnfinishedRecording,
-    walk,
 )
 from mcap.opcode import Opcode
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Collection, Iterable, Iterator
 
-    from bearing_twin.recording.mcapfile import RawRecord
     from numpy.typing import NDArray
 
 
@@ -33,11 +34,16 @@ FOOTER_LENGTH = RECORD_HEAD.size + 20
 SMALLEST_CHUNK = RECORD_HEAD.size + CHUNK_HEAD.size + 8
 INDEX_HEAD = struct.Struct('<QQQQ')
 """First and last log time, first byte and length of a chunk."""
+BLOCK = 1024 * 1024
+"""Bytes that are read at a time."""
+MOST_RECORDS, BYTES_PER_RECORD = 100_000, 20
+"""Most records of a summary, and for how many of its bytes one more: the shortest that says
+something, a schema without a name, takes 23."""
 
 
-def summary_records(file: BinaryIO, size: int) -> Iterator[RawRecord]:
+def summary_place(file: BinaryIO, size: int) -> tuple[int, int]:
     """
-    Step over the records of the summary section of a finished file; none where it has none.
+    Return first and last byte of the summary section of a finished file; the same: it has none.
 
     Raises
     ------
@@ -54,26 +60,65 @@ def summary_records(file: BinaryIO, size: int) -> Iterator[RawRecord]:
         raise UnfinishedRecording(msg, size)
     start, _, crc = struct.unpack_from('<QQI', tail, 9)
     if start == 0:
-        return
+        return end, end
     if not len(MAGIC) <= start <= end:
         msg = f'the footer points to byte {start}, outside the file of {size} bytes'
         raise BrokenRecording(msg, end)
     if crc and _crc(file, start, end + FOOTER_LENGTH - 4) != crc:
         msg = f'the summary at byte {start} is damaged: its CRC does not fit'
         raise BrokenRecording(msg, start)
-    yield from walk(file, start, end)
+    return start, end
 
 
-def chunk_index(file: BinaryIO, size: int, records: Iterator[RawRecord]) -> NDArray[np.uint64]:
+def summary_records(
+    file: BinaryIO, size: int, wanted: Collection[int]
+) -> Iterator[tuple[RawRecord, bytes]]:
+    """
+    Yield the records of the wanted kinds in the summary of a file, with their content.
+
+    Raises
+    ------
+    BrokenRecording
+        As :func:`summary_place`, or if it has more records than its size allows.
+
+    """
+    at, stop = summary_place(file, size)
+    unpack, left = RECORD_HEAD.unpack_from, MOST_RECORDS + (stop - at) // BYTES_PER_RECORD
+    while at < stop:
+        block = read_at(file, at, min(BLOCK, stop - at))
+        place, last = 0, len(block) - RECORD_HEAD.size
+        while place <= last:
+            opcode, length = unpack(block, place)
+            begin = place + RECORD_HEAD.size
+            end = begin + length
+            if end > len(block) or not opcode:
+                break
+            left -= 1
+            if opcode in wanted:
+                yield RawRecord(at + place, opcode, length), block[begin:end]
+            place = end
+        if left < 0:
+            msg = 'the summary has too many records for its size: it is not used'
+            raise BrokenRecording(msg, at)
+        if not place:
+            # Longer than a block, or none.
+            raw = record_at(file, at, stop)
+            if raw.opcode in wanted:
+                yield raw, content(file, raw)
+            place = raw.end - at
+        at += place
+
+
+def chunk_index(size: int, records: Iterable[tuple[RawRecord, bytes]]) -> NDArray[np.uint64]:
     """
     Return the places of the chunks that a summary names.
 
     Parameters
     ----------
-    file, size
-        The file and its size, bytes.
+    size
+        Of the file, bytes.
     records
-        Its chunk index records.
+        Its chunk index records with their content.
 
     Returns
     -------
@@ -87,12 +132,11 @@ def chunk_index(file: BinaryIO, size: int, records: Iterator[RawRecord]) -> NDAr
 
     """
     fields = array('Q')
-    for raw in records:
-        head = read_at(file, raw.begin, INDEX_HEAD.size)
+    for raw, data in records:
         if raw.length < INDEX_HEAD.size or len(fields) // 4 * SMALLEST_CHUNK > size:
             msg = f'the chunk index record at byte {raw.offset} is damaged'
             raise BrokenRecording(msg, raw.offset)
-        fields.extend(INDEX_HEAD.unpack(head))
+        fields.extend(INDEX_HEAD.unpack_from(data))
     table = np.array(fields, dtype=np.uint64).reshape(-1, 4)
     by_place = table[np.argsort(table[:, 2], kind='stable')]
     ends = np.append(by_place[1:, 2], np.uint64(size))

@@ -8,6 +8,7 @@ from pathlib import Path
 import struct
 import subprocess
 import sys
+import time
 from typing import TYPE_CHECKING
 import zipfile
 import zlib
@@ -15,7 +16,9 @@ import zlib
 from bearing_twin.cli import main
 from bearing_twin.recording import chunks
 from bearing_twin.recording.health import examine
+from bearing_twin.recording.mcapfile import MAGIC
 from bearing_twin.recording.reader import read_messages
+from bearing_twin.recording.summary import summary_place
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from mcap.opcode import Opcode
 from mcap.writer import CompressionType, IndexType, Writer
@@ -258,3 +261,36 @@ def test_many_arrays_that_are_large_together(
     monkeypatch.setattr('bearing_twin.recording.npz.MOST_UNPACKED', 75_000)
     with pytest.raises(BearingTwinError, match=r'x9 would need 8000 bytes; .* 3000 are left'):
         npz.read_npz(path)
+
+
+def entry(fields: bytes, name: bytes = b'') -> bytes:
+    return fields + struct.pack('<I', len(name)) + name
+
+
+SUMMARIES: dict[str, Callable[[int], bytes]] = {
+    'too many records': lambda _: record(0x80, b''),
+    'one record named again': lambda _: record(Opcode.METADATA_INDEX, entry(bytes(16), b'a')),
+    'attachments': lambda index: record(
+        Opcode.ATTACHMENT_INDEX, entry(bytes(40), str(index).encode()) + bytes(4)
+    ),
+    'statistics': lambda _: record(Opcode.STATISTICS, bytes(46)),
+}
+
+
+@pytest.mark.parametrize('kind', SUMMARIES)
+def test_a_summary_of_small_records_costs_what_its_size_allows(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / 'a.mcap'
+    written = write_blocks(path, 5)
+    content = path.read_bytes()
+    # The statistics stay the last ones.
+    start, _ = summary_place(path.open('rb'), len(content))
+    one, size = SUMMARIES[kind], 20_000_000
+    junk = b''.join(map(one, range(size // len(one(0)))))
+    path.write_bytes(
+        content[:start] + junk + content[start:-28] + struct.pack('<QQI', start, 0, 0) + MAGIC
+    )
+    began = time.process_time()
+    info, health = examine(path)
+    assert time.process_time() - began < 10.0 * len(junk) / 1e8
+    assert info.count == 2 * len(written) == sum(t.count for t in health.topics.values())
+    assert any(kind in text for text in info.problems) == (kind == 'too many records')
