@@ -9,6 +9,8 @@ import re
 import shutil
 
 from bearing_twin import cli
+from bearing_twin.recording.reader import read_messages
+from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.view.report.page import report_page
 from bearing_twin.view.report.pdf import browse, BROWSERS, pdf_of
 import pytest
@@ -66,11 +68,16 @@ def page(recording):
     return report_page(recording)
 
 
-@pytest.mark.parametrize('width', [1366, 794, 390])
-def test_nothing_overflows_overlaps_or_is_too_small(page, width):
+def measured(page, width):
+    """Return what a browser makes of a page on a screen of that width."""
     wrapper = MEASURE % {'width': width, 'page': html.escape(page)}
     shown = browse(wrapper, '--virtual-time-budget=5000', '--dump-dom')
-    found = json.loads(html.unescape(re.search(r'<pre>(.*?)</pre>', shown, re.DOTALL)[1]))
+    return json.loads(html.unescape(re.search(r'<pre>(.*?)</pre>', shown, re.DOTALL)[1]))
+
+
+@pytest.mark.parametrize('width', [1366, 794, 390])
+def test_nothing_overflows_overlaps_or_is_too_small(page, width):
+    found = measured(page, width)
     assert found['texts'] > 100
     assert 'mathdefault' not in page
     assert found['width'] <= width
@@ -83,5 +90,26 @@ def test_the_report_prints_on_two_sheets_and_an_appendix(page, recording, tmp_pa
     main = re.sub(r'<section class="appendix">.*</section>', '', page, flags=re.DOTALL)
     target = tmp_path / 'page.pdf'
     assert cli.main(['report', str(recording), '-o', str(target)]) == 0
-    for pdf, sheets in ((pdf_of(main), 2), (target.read_bytes(), 4)):
-        assert len(re.findall(rb'/Type\s*/Page\b', pdf)) == sheets
+    assert sheets(pdf_of(main)) == 2
+    assert sheets(target.read_bytes()) == 4
+
+
+def sheets(pdf):
+    return len(re.findall(rb'/Type\s*/Page\b', pdf))
+
+
+def test_a_fleet_prints_all_machines_on_a_sheet_and_the_two_most_urgent(recording, tmp_path):
+    begin = next(read_messages(recording)).log_time
+    with RecordingWriter(tmp_path / 'fleet') as writer:
+        for message in read_messages(recording, end=begin + 12_000_000_000):
+            for name in 'abcdefgh':
+                writer.write(
+                    f'/line1/{name}{message.topic}', message.type_name, message.cdr,
+                    log_time=message.log_time, publish_time=message.publish_time,
+                )  # fmt: skip
+    page = report_page(tmp_path / 'fleet')
+    main = re.sub(r'<section class="appendix">.*</section>', '', page, flags=re.DOTALL)
+    assert sheets(pdf_of(main)) == 1 + 2 * 2
+    overview = re.search(r'<section class="overview">.*?</section>', page, re.DOTALL)[0]
+    assert re.findall(r'<a href="#m\d">(.*?)</a>', overview) == [f'/line1/{n}' for n in 'abcdefgh']
+    assert measured(page, 390)['width'] <= 390

@@ -90,31 +90,34 @@ def off_default(kind: str, values: Any) -> list[tuple[str, str]]:
     return rows
 
 
-def _off_default(node: str, kind: str, values: Any) -> list[str]:
-    rows = off_default(kind, values)
-    heading = f'<h2>Parameters of {escape(node)} that differ from the defaults</h2>'
-    return [heading, table(rows) if rows else '<p>None.</p>']
-
-
 def _parameters(info: RecordingInfo, machines: list[Machine]) -> list[str]:
-    parts, known = [], set()
+    nodes, parts, known = {}, [], set()
     for machine in machines:
         for node, (kind, values) in sorted(machine.parameters.items()):
-            known.add(node.strip('/').replace('/', '.'))
-            parts += _off_default(node, kind, values)
+            # Of a bearing of a fleet the node stands behind it.
+            known.add(node.rpartition(' in ')[2].strip('/').replace('/', '.'))
+            nodes[node] = off_default(kind, values)
     for name, values in sorted(info.metadata.items()):
         if not name.startswith('bearing_twin.'):
             continue
         kind, _, node = name.removeprefix('bearing_twin.').partition('.')
         if kind in SPECS:
-            parts += _off_default(node or kind, kind, values) if node not in known else []
+            if node not in known:
+                nodes[node or kind] = off_default(kind, values)
         elif node not in known:
             heading = f'{kind} of {node}' if node else kind
             parts.append(f'<h2>{escape(heading.capitalize())}</h2>')
             parts.append(
                 table((key, _shown(key, value)) for key, value in values.items() if value)
             )
-    return parts
+    off = [(f'{node}: {name}', text) for node, rows in nodes.items() for name, text in rows]
+    same = ', '.join(node for node, rows in nodes.items() if not rows)
+    return [
+        *(['<h2>Parameters that differ from the defaults</h2>'] if nodes else []),
+        *([table(off)] if off else []),
+        *([f'<p>None of {escape(same)}.</p>'] if same else []),
+        *parts,
+    ]
 
 
 def _health(
@@ -154,8 +157,10 @@ def _health(
             f'<td class="n">{topic.count}</td><td class="n">{topic.longest_gap:.2f} s</td>'
             f'<td class="n">{missing}</td></tr>'
         )
+    # On paper only where it explains something.
     parts.append(
-        '<table><tr><th>Topic</th><th class="n">messages</th><th class="n">longest pause</th>'
+        f'<table{"" if problems else " class=screen"}><tr><th>Topic</th>'
+        '<th class="n">messages</th><th class="n">longest pause</th>'
         '<th class="n">samples missing</th></tr>' + ''.join(cells) + '</table>'
     )
     return parts

@@ -23,6 +23,10 @@ p.sub { color: #616161; margin: 0 0 10px; }
 .verdict { color: #fff; border-radius: 6px; padding: 10px 16px; margin: 10px 0;
   print-color-adjust: exact; -webkit-print-color-adjust: exact; overflow-wrap: anywhere; }
 .verdict.suspect { color: #212121; }
+td.verdict { border-radius: 0; padding: 2px 8px; font-weight: 600; }
+.wide { overflow-x: auto; } .wide table { min-width: 660px; } .wide th { width: auto; }
+.wide td { overflow-wrap: normal; } .wide tr > :first-child { min-width: 10em; }
+.print { display: none; }
 .verdict b { display: block; font-size: 28px; line-height: 1.2; }
 .columns { display: grid; grid-template-columns: 1fr 1fr; gap: 0 24px; align-items: start; }
 figure { margin: 10px 0; break-inside: avoid; }
@@ -48,7 +52,10 @@ ul { margin: 6px 0; padding-left: 20px; font-size: 14px; overflow-wrap: anywhere
   h1 { font-size: 14pt; } .verdict b { font-size: 18pt; } table { font-size: 8.5pt; }
   ul { font-size: 9pt; } figcaption { font-size: 8pt; } h2 { break-after: avoid; }
   figure { margin: 6px 0; } figure svg { min-width: 0; }
-  .columns { grid-template-columns: 1fr 1fr; }
+  .columns { grid-template-columns: 1fr 1fr; } .wide table { min-width: 0; }
+  .screen { display: none; } .print { display: block; }
+  .overview { break-after: page; } .machine + .machine { break-before: page; }
+  .appendix .machine { break-before: auto; }
   .appendix { break-before: page; border: 0; margin: 0; padding: 0; }
   .appendix table, .appendix ul { font-size: 7.5pt; } }
 """

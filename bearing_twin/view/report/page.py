@@ -18,7 +18,7 @@ from bearing_twin.stamps import NANO
 from bearing_twin.view.report.appendix import appendix
 from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.html import CSS, table
-from bearing_twin.view.report.plots import appended_figures, figures
+from bearing_twin.view.report.plots import appended_figures, figures, verdicts_over_time
 from bearing_twin.view.report.svg import VERDICT_COLOURS
 from bearing_twin.view.source import bearing_in_words
 from bearing_twin.view.style import FAMILIES
@@ -28,17 +28,23 @@ from bearing_twin.view.verdict import (
     impacts,
     measured,
     next_step,
-    number,
     reasons,
     title_of,
     urgency,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
     from pathlib import Path
 
     from bearing_twin.view.report.data import Machine
+
+PRINTED = 2
+"""Most machines that paper shows in detail, the most urgent ones, two sheets each."""
+OVERVIEW = ('Found', 'Stage', 'Level', 'Velocity', 'Next step')
+"""Columns of the table of several machines, after machine and verdict."""
+ON_BANNER = ('Found', 'Next step')
+"""Facts that are not said again below it."""
 
 
 def report_page(path: Path, source: Path | None = None) -> str:
@@ -71,15 +77,21 @@ def report_page(path: Path, source: Path | None = None) -> str:
     ]
     named = any(machine.namespace for machine in machines)
     if len(machines) > 1:
-        body.append(_overview(machines))
+        body += _overview(machines)
     for count, machine in enumerate(machines):
-        body += _heading(machine, f'm{count}') if named else []
-        body += _machine(machine, f'm{count}-')
+        body += [
+            _section(count),
+            *(_heading(machine, f'm{count}') if named else []),
+            *_machine(machine, f'm{count}-'),
+            '</section>',
+        ]
     body.append('<section class="appendix"><h1>Appendix</h1>')
     for count, machine in enumerate(machines):
         pictures = _pictures(appended_figures(machine, f'a{count}-'))
-        body += _heading(machine, f'a{count}') if named and pictures else []
-        body += pictures
+        heading = _heading(machine, f'a{count}') if named and pictures else []
+        # On paper those of a single machine only.
+        part = _section(0 if len(machines) == 1 else PRINTED)
+        body += [part, *heading, *pictures, '</section>']
     body += appendix(info, health, machines)
     body.append('</section>')
     return (
@@ -89,6 +101,11 @@ def report_page(path: Path, source: Path | None = None) -> str:
         + '\n'.join(body)
         + '\n</body></html>\n'
     )
+
+
+def _section(count: int) -> str:
+    """Begin the part of a machine; beyond the most urgent ones paper leaves it out."""
+    return f'<section class="{"machine" if count < PRINTED else "machine screen"}">'
 
 
 def _heading(machine: Machine, name: str) -> list[str]:
@@ -104,7 +121,7 @@ def _machine(machine: Machine, prefix: str) -> list[str]:
     return [
         _banner(machine, worst),
         '<div class="columns">',
-        table(facts(worst)[:-1]),
+        table(row for row in facts(worst) if row[0] not in ON_BANNER),
         table(_measurement(machine, worst)),
         '</div>',
         _families(worst),
@@ -113,16 +130,34 @@ def _machine(machine: Machine, prefix: str) -> list[str]:
     ]
 
 
-def _overview(machines: Iterable[Machine]) -> str:
-    """Return the verdicts of several machines, each with a link to its part of the page."""
-    rows = []
+def _overview(machines: Sequence[Machine]) -> list[str]:
+    """Return what is known of each of several machines, with a link to its part of the page."""
+    heads = ''.join(f'<th>{name}</th>' for name in ('Machine', 'Verdict', *OVERVIEW))
+    rows = [f'<tr>{heads}</tr>']
     for count, machine in enumerate(machines):
-        text = 'no diagnosis recorded'
+        title, known = 'No diagnosis recorded', dict[str, str]()
         if machine.diagnoses:
-            text = f'{title_of(machine.headline.worst.best)}, {machine.headline.span}'
+            worst = machine.headline.worst.best
+            title, known = title_of(worst), dict(facts(worst))
+        cells = ''.join(f'<td>{escape(known.get(name, ""))}</td>' for name in OVERVIEW)
         link = f'<a href="#m{count}">{escape(machine.name)}</a>'
-        rows.append(f'<tr><th>{link}</th><td>{escape(text)}</td></tr>')
-    return f'<table>{"".join(rows)}</table>'
+        rows.append(f'<tr><th>{link}</th><td{_colour(machine)}>{escape(title)}</td>{cells}</tr>')
+    text = f'<div class="wide"><table>{"".join(rows)}</table></div>'
+    parts = ['<section class="overview">', text, *_pictures(verdicts_over_time(machines))]
+    if len(machines) > PRINTED:
+        parts.append(
+            f'<p class="print">On paper the {PRINTED} most urgent of {len(machines)} machines '
+            'follow in detail; the page on a screen has all of them.</p>'
+        )
+    return [*parts, '</section>']
+
+
+def _colour(machine: Machine) -> str:
+    """Return class and colour of what shows the verdict of a machine."""
+    result = str(machine.headline.worst.best.result_name) if machine.diagnoses else ''
+    colour = VERDICT_COLOURS.get(result, VERDICT_COLOURS['insufficient'])
+    dark = ' suspect' if result == 'suspect' else ''
+    return f' class="verdict{dark}" style="background:{colour}"'
 
 
 def _urgency(machine: Machine) -> tuple[int, int]:
@@ -141,28 +176,22 @@ def _no_verdict(machine: Machine) -> str:
     if machine.unread:
         remedy = f'messages of {", ".join(machine.unread)} cannot be read: see the appendix'
     return (
-        f'<div class="verdict" style="background:{VERDICT_COLOURS["insufficient"]}">'
+        f'<div{_colour(machine)}>'
         f'<b>No diagnosis recorded</b>Vibration {escape(machine.source.text)}. There is no '
         f'verdict; {escape(remedy)}.</div>'
     )
 
 
 def _banner(machine: Machine, worst: Any) -> str:
-    result = str(worst.result_name)
-    found = next((text for name, text in facts(worst) if name == 'Found'), '')
+    found = dict(facts(worst)).get('Found', '')
     lines = [
         *([f'Found {escape(found)}.'] if found else []),
         f'In {escape(machine.headline.span)}.',
         f'Vibration {escape(machine.source.text or "not recorded")}.',
         f'Next step: {escape(next_step(worst))}',
     ]
-    colour = VERDICT_COLOURS.get(result, VERDICT_COLOURS['insufficient'])
-    style = 'verdict suspect' if result == 'suspect' else 'verdict'
-    return (
-        f'<div class="{style}" style="background:{colour}"><b>{escape(title_of(worst))}</b>'
-        + '<br>'.join(lines)
-        + '</div>'
-    )
+    head = f'<b>{escape(title_of(worst))}</b>'
+    return f'<div{_colour(machine)}>{head}{"<br>".join(lines)}</div>'
 
 
 def _measurement(machine: Machine, worst: Any) -> list[tuple[str, str]]:
@@ -205,8 +234,8 @@ def _families(worst: Any) -> str:
         values = (
             f'{hertz / worst.shaft_hz:.3f}',
             f'{hertz:.2f} Hz',
-            _against(score, limit),
-            _against(index, INDEX_FAULT),
+            _against(score, limit, 1),
+            _against(index, INDEX_FAULT, 2),
         )
         row = ''.join(f'<td class="n">{value}</td>' for value in values)
         found = ' class="found"' if place in worst.faults else ''
@@ -218,8 +247,9 @@ def _families(worst: Any) -> str:
     return f'<table><tr>{heads}</tr>{"".join(cells)}</table>'
 
 
-def _against(value: float, limit: float) -> str:
-    text = f'{number(value, otherwise="-")} / {limit:g}'
+def _against(value: float, limit: float, digits: int) -> str:
+    # Adding zero makes -0.0 what it is.
+    text = f'{round(value, digits) + 0.0:.{digits}f} / {limit:g}' if math.isfinite(value) else '-'
     return f'<b>{text}</b>' if value > limit else text
 
 

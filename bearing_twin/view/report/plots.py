@@ -7,6 +7,7 @@ from __future__ import annotations
 from textwrap import wrap
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.bearing.vocabulary import TITLES
 from bearing_twin.view.report.fitted import explained, over_each_other
 from bearing_twin.view.report.spectra import CAPTION, draw_envelope_spectrum, draw_spectrum
 from bearing_twin.view.report.svg import (
@@ -113,7 +114,28 @@ def _history(machine: Machine) -> tuple[str, Figure] | None:
     return 'Verdict, temperature and vibration over time', figure
 
 
-def _lane(axes: Axes, machine: Machine) -> None:
+def verdicts_over_time(machines: Sequence[Machine]) -> list[tuple[str, str]]:
+    """Return caption and SVG of the verdicts of several machines, one above the other."""
+    judged = [machine for machine in machines if machine.diagnoses]
+    if not judged:
+        return []
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 0.8 + 0.17 * len(judged)), layout='constrained')
+        axes = figure.subplots()
+        seen: dict[str, Rectangle] = {}
+        for row, machine in enumerate(judged):
+            seen |= _patches(axes, machine, row)
+        axes.set(ylim=(len(judged), 0), yticks=np.arange(len(judged)) + 0.5)
+        axes.set_yticklabels([machine.name for machine in judged])
+        axes.set_xlabel('time since the start of the recording [s]')
+        axes.autoscale_view(scaley=False)
+        axes.grid(axis='y', visible=False)
+        figure.legend(seen.values(), seen, ncols=4, loc='outside upper right')
+        return [('Verdicts over time', svg_element(figure, 'o-'))]
+
+
+def _patches(axes: Axes, machine: Machine, row: int = 0) -> dict[str, Rectangle]:
+    """Draw the verdicts of a machine in the row that begins at ``row``; return one of each."""
     times = _times(machine.diagnoses)
     # A verdict holds until the next; the last one as long as they usually do.
     usual = float(np.median(np.diff(times))) if times.size > 1 else 1.0
@@ -125,10 +147,15 @@ def _lane(axes: Axes, machine: Machine) -> None:
         colour = VERDICT_COLOURS.get(names[first], VERDICT_COLOURS['insufficient'])
         begin = times[first]
         patch = Rectangle(
-            (begin, 0.0), ends[after - 1] - begin, 1.0, facecolor=colour, linewidth=0.0
+            (begin, row + 0.1), ends[after - 1] - begin, 0.8, facecolor=colour, linewidth=0.0
         )
         axes.add_patch(patch)
-        seen.setdefault(names[first], patch)
+        seen.setdefault(TITLES.get(names[first], names[first]), patch)
+    return seen
+
+
+def _lane(axes: Axes, machine: Machine) -> None:
+    seen = _patches(axes, machine)
     axes.set(ylim=(0.0, 1.0), yticks=[], title='verdict')
     axes.grid(visible=False)
     axes.autoscale_view(scaley=False)
