@@ -205,8 +205,11 @@ class Trend:
         return replace(diagnosis, severity=severity, reasons=tuple(said))
 
     def _shown(self, own: Diagnosis, hold: int, full: bool) -> Diagnosis:
-        """Return what is shown of a window; one that tells nothing does not end an alarm."""
-        held = own.level != 'none' or self.level in ('suspect', 'fault')
+        """Return what is shown of a window; a single one that tells nothing changes no answer."""
+        # But that the machine stands still or the sensor is dead is told at once.
+        fallen = own.severity.level_over_baseline <= -FAULT_DB
+        stands = self.level in ('suspect', 'fault') or (self.level == 'ok' and not fallen)
+        held = own.level != 'none' or stands
         shown = staged(self._held(own, hold, full) if held else own)
         stage = shown.severity.stage
         if own.level == shown.level:
@@ -240,13 +243,16 @@ class Trend:
             # The first full window sets the level; before it none is known.
             return replace(own, level='none', window=(own.result, own.level))
         said = ' '.join((own.result, *own.faults))
-        # A fault is held for as long as nothing is known, a suspicion for a while.
+        # A fault is held for as long as nothing is known, any other answer for a while.
         known = own.level != 'none' or self.level == 'suspect'
         before, level = self.level, self._hold(own.level, hold) if known else self.level
         if level == 'none':
             self.level = self.answer = ''
             return own
-        if own.level != level:
+        if not known and level == 'ok':
+            if self._another(said, hold):
+                return own
+        elif own.level != level:
             self.other, self.other_count = '', 0
         elif level != before or said == self.answer or self._another(said, hold):
             self.answer, self.confidence = said, own.confidence
@@ -256,10 +262,12 @@ class Trend:
         result, *faults = self.answer.split()
         count, words = self.other_count, _spoken(said)
         if own.level != level:
-            count, words = self.pending_count, f'{_spoken(said)}, {own.level}'
+            count = self.pending_count if known else self.other_count
+            words = f'{_spoken(said)}, {own.level}'
         text = f'{_spoken(self.answer)}, {level} held: '
         nothing = 'this window tells nothing; after a repair reset the diagnosis'
-        text += f'{count} of {hold} verdicts say {words}' if known else nothing
+        lasts = not known and level == 'fault'
+        text += nothing if lasts else f'{count} of {hold} verdicts say {words}'
         return replace(
             own,
             result=result,

@@ -197,6 +197,20 @@ def test_a_suspicion_ends_after_windows_that_show_nothing():
     assert levels == [('suspect', 'suspect')] * 3 + [('insufficient', 'none')] * 2
 
 
+def test_a_healthy_answer_stands_over_single_windows_that_tell_nothing():
+    healthy, nothing = said('healthy', 'ok'), said('insufficient', 'none')
+    shown = _answers([healthy, nothing, nothing, healthy, *[nothing] * 4, healthy])
+    answers = [(d.result, d.level) for d in shown]
+    ok, unknown = ('healthy', 'ok'), ('insufficient', 'none')
+    assert answers == [ok] * 6 + [unknown] * 2 + [ok]
+    assert shown[2].window == unknown
+    assert shown[2].reasons[-1] == 'healthy, ok held: 2 of 3 verdicts say insufficient, none'
+    # Windows that tell nothing are no reason to wait longer for a fault.
+    fault = said('inner', 'fault', 'inner')
+    levels = [d.level for d in _answers([healthy, fault, nothing, fault, nothing, fault])]
+    assert levels == ['ok'] * 5 + ['fault']
+
+
 @pytest.mark.parametrize(('rule', 'level'), [('run_together', 'fault'), ('few_steps', 'none')])
 def test_windows_in_which_no_fault_could_show_teach_the_level(rule, level):
     trend, known = Trend(), {'wanted': 5, 'hold': 3, 'full': True}
