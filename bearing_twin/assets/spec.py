@@ -38,7 +38,8 @@ class Spec(Quantity):
         Return a given value in the type of the parameter.
 
         A whole number is taken for a float and, since a bearing called 6307 is a name, for a text.
-        ``68e-6`` is a number to ROS but, without a point, a text to YAML 1.1.
+        ``68e-6`` is a number to ROS but, without a point, a text to YAML 1.1. An axis ``y`` that
+        ``ros2 param dump`` has written without quotes is read by ROS as true.
 
         Raises
         ------
@@ -49,6 +50,8 @@ class Spec(Quantity):
         kind = type(self.default)
         if kind is str and type(value) is int:
             value = str(value)
+        elif value is True and 'y' in self.choices:
+            value = 'y'
         elif kind is float and type(value) in (int, str):
             with contextlib.suppress(ValueError, OverflowError):
                 value = float(value)

@@ -173,3 +173,23 @@ def test_what_rclpy_refuses_is_one_sentence(ros_domain, given, said):
     assert ran.returncode == 2
     assert said in ran.stderr
     assert 'Traceback' not in ran.stderr
+
+
+@pytest.mark.ros
+def test_a_dump_of_the_parameters_can_be_given_again(ros_domain, tmp_path):
+    dump = tmp_path / 'dump.yaml'
+    # As ros2 param dump writes it: ROS reads this axis as true.
+    dump.write_text('/diagnosis:\n  ros__parameters: {axis: y, window: 0.01}\n')
+    ran = subprocess.run(
+        [
+            *[sys.executable, '-m', 'bearing_twin', 'run', 'diagnosis'],
+            *['--ros-args', '--params-file', str(dump)],
+        ],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    # Only the window, which is wrong by intention, is refused.
+    assert ran.returncode == 2
+    assert 'diagnosis: window=0.01 is outside' in ran.stderr
