@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The launch files load and start what they say; needs an installed ROS 2."""
 
+import contextlib
 import importlib.util
 import inspect
 import os
@@ -17,6 +18,7 @@ from bearing_twin.assets.twin_parameters import SPECS as TWIN
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.fleet import SPECS as FLEET
 from bearing_twin.nodes.replay import SPECS as REPLAY
+from mcap.reader import make_reader
 import pytest
 
 launch = pytest.importorskip('launch', reason='launch is part of an installed ROS 2 only')
@@ -157,21 +159,84 @@ def test_what_dies_is_started_again_and_what_refuses_its_parameters_is_not(ros_d
     assert len(re.findall(r'\[diagnosis-\d+\]: process started', log)) == 1
 
 
-def launched(command, folder, wait):
-    """Launch until ``wait`` holds for what is printed, end it by Ctrl-C; return what it is."""
-    log = folder / 'log'
+@pytest.mark.ros
+@pytest.mark.skipif(not INSTALLED, reason='ros2 does not find this package')
+def test_two_machines_record_themselves_only_and_nodes_end_with_their_launch(ros_domain, tmp_path):
+    machines = {}
+    try:
+        for name in ('a', 'b'):
+            given = [f'namespace:=line1/{name}', f'output:=bag_{name}']
+            command = ['ros2', 'launch', str(FOLDER / 'machine.launch.py'), *given]
+            machines[name] = started(command, tmp_path, f'log_{name}')
+        for name, (process, log) in machines.items():
+            wait_for(process, log, lambda _, name=name: size(tmp_path / f'bag_{name}') > 300_000)
+        (first, _), (second, said) = machines.values()
+        # Ctrl-C reaches the nodes and launch, SIGTERM from a script or a container launch alone.
+        os.killpg(first.pid, signal.SIGINT)
+        second.terminate()
+        assert (first.wait(120.0), second.wait(120.0)) == (0, -signal.SIGTERM)
+        nodes = re.findall(r'process started with pid \[(\d+)\]', said.read_text())
+        assert len(nodes) == 4
+        deadline = time.monotonic() + 60.0
+        while any(map(is_running, nodes)):
+            assert time.monotonic() < deadline, said.read_text()
+            time.sleep(0.2)
+    finally:
+        for process, _ in machines.values():
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+    for name, (_, log) in machines.items():
+        assert 'process has died' not in log.read_text()
+        assert (tmp_path / f'bag_{name}' / 'metadata.yaml').is_file()
+        topics = recorded(tmp_path / f'bag_{name}')
+        assert f'/line1/{name}/twin/vibration' in topics
+        assert all(t.startswith(f'/line1/{name}/') for t in topics - {'/diagnostics'})
+
+
+def size(bag):
+    return sum(path.stat().st_size for path in bag.glob('*.mcap'))
+
+
+def recorded(bag):
+    """Topics of a bag."""
+    [path] = bag.glob('*.mcap')
+    with path.open('rb') as file:
+        return {channel.topic for channel in make_reader(file).get_summary().channels.values()}
+
+
+def is_running(pid):
+    try:
+        return Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()[0] != 'Z'
+    except FileNotFoundError:
+        return False
+
+
+def started(command, folder, name='log'):
+    """Start a launch in a session of its own; return it and its log."""
+    log = folder / name
     with log.open('wb') as out:
         process = subprocess.Popen(
             command, stdout=out, stderr=subprocess.STDOUT, cwd=folder, start_new_session=True
         )
-        try:
-            deadline = time.monotonic() + 120.0
-            while not wait(log.read_text()):
-                assert process.poll() is None and time.monotonic() < deadline, log.read_text()
-                time.sleep(0.2)
-        finally:
-            # Ctrl-C reaches the whole group.
-            os.killpg(process.pid, signal.SIGINT)
-            process.wait(120.0)
+    return process, log
+
+
+def wait_for(process, log, holds):
+    """Wait until something holds for what is printed."""
+    deadline = time.monotonic() + 120.0
+    while not holds(log.read_text()):
+        assert process.poll() is None and time.monotonic() < deadline, log.read_text()
+        time.sleep(0.2)
+
+
+def launched(command, folder, holds):
+    """Launch until something holds for what is printed, end by Ctrl-C; return what it is."""
+    process, log = started(command, folder)
+    try:
+        wait_for(process, log, holds)
+    finally:
+        # Ctrl-C reaches the whole group.
+        os.killpg(process.pid, signal.SIGINT)
+        process.wait(120.0)
     assert process.returncode == 0
     return log.read_text()

@@ -6,11 +6,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from difflib import get_close_matches
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.ros.launching import REFUSED
+from bearing_twin.ros.launching import PARENT, REFUSED
 from launch import LaunchDescription
 from launch.actions import (
     DeclareLaunchArgument,
@@ -115,6 +116,7 @@ def launch_description(
                     parameters=[*([file] if file else []), *([chosen] if chosen else [])],
                     condition=IfCondition(LaunchConfiguration(condition)) if condition else None,
                     remappings=list(remappings.get(executable, {}).items()),
+                    additional_env={PARENT: str(os.getpid())},
                     respawn=executable in respawned,
                     respawn_delay=2.0,
                     output='screen',

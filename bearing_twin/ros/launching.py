@@ -24,6 +24,8 @@ LOADING = 'loading the kernel'
 """The same where the kernel has been compiled before."""
 REFUSED = 2
 """Exit status of a node that refuses its parameters or arguments, as it would the next time."""
+PARENT = 'BEARING_TWIN_PARENT'
+"""Variable in which our launch files tell their nodes the process with which they end."""
 RUN_NODE = (
     'import sys; sys.path[:] = filter(None, sys.path); '
     'from bearing_twin.start import command; sys.exit(command())'

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import signal
 import sys
@@ -16,7 +17,7 @@ from bearing_twin.memory import keep_freed_memory
 from bearing_twin.ros.executor import LeanExecutor
 from bearing_twin.ros.fastdds import set_up_fast_dds
 from bearing_twin.ros.health import Health, Level, Status
-from bearing_twin.ros.launching import COMPILING, ensure_log_folder, LOADING, REFUSED
+from bearing_twin.ros.launching import COMPILING, ensure_log_folder, LOADING, PARENT, REFUSED
 from bearing_twin.ros.lifecycle import refuses
 from bearing_twin.view.rerun.ending import leave
 import rclpy
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 SLOW = 2.0
 """Time after which a node says why its preparation takes long, s."""
 THREAD = 'compiler'
+_PR_SET_PDEATHSIG = 1
+"""Of ``linux/prctl.h``: the signal that a process gets when its parent ends."""
 PART = 'real time'
 """Part of the node that a status speaks of; every node that compiles has it later on, too."""
 
@@ -51,6 +54,7 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
             file=sys.stderr,
         )
         return REFUSED
+    _end_with_parent()
     set_up_fast_dds()
     ensure_log_folder()
     keep_freed_memory()
@@ -62,6 +66,22 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
         os._exit(status)
     leave(status)
     return status
+
+
+def _end_with_parent() -> None:
+    """
+    End, as by SIGTERM, when the launch ends that has started this process.
+
+    SIGTERM and a crash end ``ros2 launch`` alone. Its nodes would record on, and beside those of
+    the next launch two of each would listen to one sensor.
+    """
+    parent = os.environ.get(PARENT, '')
+    if sys.platform != 'linux' or parent != str(os.getppid()):
+        return
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+    if parent != str(os.getppid()):
+        # It ended before the kernel was asked.
+        os.kill(os.getpid(), signal.SIGTERM)
 
 
 def _prepare(node: ManagedNode, executor: Executor) -> None:
