@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 from bearing_twin.errors import BearingTwinError
@@ -102,6 +103,7 @@ def delay(sample_rate: float) -> float:
     return (_LENGTH // 2 - 1) / sample_rate
 
 
+@functools.lru_cache(maxsize=64)
 def resonator(frequency: float, damping: float, step: float, samples: int) -> FloatArray:
     """
     Exact discretisation of a sensor resonance driven by the housing's acceleration.
@@ -158,6 +160,8 @@ def resonator(frequency: float, damping: float, step: float, samples: int) -> Fl
         table[1 + k] = whole[2] if frequency == 0.0 else -whole[0] - 2.0 * damping * whole[1]
     if frequency:
         table[:2] = whole[:2]
+    # The same for all twins of a cloud.
+    table.flags.writeable = False
     return table
 
 

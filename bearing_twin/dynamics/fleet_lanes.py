@@ -192,9 +192,9 @@ class Lanes:
 
 def _sensor_rows(p: TwinParameters, step: float) -> tuple[FloatArray, ...]:
     """Return the coefficients of both states at the end of a step, and of what is read then."""
-    to_z, to_w = filters.resonator(p.resonance_hz, p.resonance_damping, step, 1)[:2]
-    for row in (to_z, to_w):
-        row[[3, 5]] *= step  # the kernel has the jerk itself
+    # The kernel has the jerk itself.
+    scales = np.array([1.0, 1.0, 1.0, step, 1.0, step])
+    to_z, to_w = scales * filters.resonator(p.resonance_hz, p.resonance_damping, step, 1)[:2]
     read = (-1.0, -2.0 * p.resonance_damping, 0.0) if p.resonance_hz else (0.0, 0.0, 1.0)
     return to_z, to_w, np.array(read)
 

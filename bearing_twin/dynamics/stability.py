@@ -36,6 +36,7 @@ _LARGEST_STEP = 1.0
 """h |lambda| up to which a mode is resolved: the phase error of the scheme is then 0.1 % a rad."""
 _GOOD_STEP = 0.28
 """h |lambda| up to which a step is not parted in three."""
+_COUPLING = np.kron([[1.0, -1.0], [-1.0, 1.0]], np.ones((2, 2)))
 
 
 def system_matrices(
@@ -57,11 +58,10 @@ def system_matrices(
     548
 
     """
-    coupling = np.array([[1.0, -1.0], [-1.0, 1.0]])
-    stiffness = np.kron(coupling, contact_stiffness)
-    stiffness += np.diag([p.inner_stiffness] * 2 + [*p.housing_stiffness])
-    damping = np.kron(coupling, contact_damping)
-    damping += np.diag([p.inner_damping] * 2 + [*p.housing_damping])
+    springs = [p.inner_stiffness] * 2 + [*p.housing_stiffness]
+    dampers = [p.inner_damping] * 2 + [*p.housing_damping]
+    stiffness = np.tile(contact_stiffness, (2, 2)) * _COUPLING + np.diag(springs)
+    damping = np.tile(contact_damping, (2, 2)) * _COUPLING + np.diag(dampers)
     light = np.array([1.0 / p.inner_mass] * 2 + [1.0 / p.outer_mass] * 2)[:, None]
     return light * stiffness, light * damping
 
@@ -84,9 +84,8 @@ def amplification(
 
     """
     n = len(stiffness)
-    one, none = np.eye(n), np.zeros((n, n))
     # Rows of the state; then predictor, evaluation and corrector as in `integrator`.
-    q, v, a, j, s = (np.hstack([one if i == k else none for i in range(5)]) for k in range(5))
+    q, v, a, j, s = np.eye(5 * n).reshape(5, n, 5 * n)
     ahead = a + h * (j + 0.5 * h * s)
     faster = v + h * (a + 0.5 * h * (j + h / 3.0 * s))
     further = q + h * (v + 0.5 * h * (a + h / 3.0 * (j + 0.25 * h * s)))
@@ -149,10 +148,10 @@ def check_step(p: TwinParameters, h: float, *, snaps: bool = True) -> None:
     bearing_twin.errors.BearingTwinError: the fastest motion of these parameters is at 548 Hz, ...
 
     """
-    for index, (fastest, stiffness, damping) in enumerate(_motions(p, preloaded=True)):
-        radius = float(
-            np.abs(np.linalg.eigvals(amplification(stiffness, damping, h, snaps=snaps))).max()
-        )
+    motions = _motions(p, preloaded=True)
+    matrices = np.array([amplification(k, c, h, snaps=snaps) for _, k, c in motions])
+    radii = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
+    for index, (radius, (fastest, _, _)) in enumerate(zip(radii, motions, strict=True)):
         if radius > 1.0 + 1e-9 or (index < 2 and fastest * h > _LARGEST_STEP):
             limit = _LARGEST_STEP / h / 2.0 / math.pi
             msg = (
@@ -197,10 +196,13 @@ def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatAr
     damped = 0.5 * n * p.contact_damping * np.eye(2)
     thrown = p.unbalance * (2.0 * math.pi * MAX_SHAFT_HZ) ** 2
     overload = max(_OVERLOAD, (1.0 + thrown / p.load) ** (1.0 / 3.0))
-    motions = []
-    for scale in (0.0, 1.0, overload):
-        stiffness, damping = system_matrices(p, scale * touching, min(scale, 1.0) * damped)
-        whole = np.block([[np.zeros((4, 4)), np.eye(4)], [-stiffness, -damping]])
-        fastest = float(np.abs(np.linalg.eigvals(whole)).max())
-        motions.append((fastest, stiffness, damping))
-    return motions
+    pairs = [
+        system_matrices(p, scale * touching, min(scale, 1.0) * damped)
+        for scale in (0.0, 1.0, overload)
+    ]
+    whole = np.zeros((3, 8, 8))
+    whole[:, :4, 4:] = np.eye(4)
+    for block, (stiffness, damping) in zip(whole, pairs, strict=True):
+        block[4:, :4], block[4:, 4:] = -stiffness, -damping
+    fastest = np.abs(np.linalg.eigvals(whole)).max(axis=1)
+    return [(float(mode), *pair) for mode, pair in zip(fastest, pairs, strict=True)]
