@@ -27,7 +27,7 @@ from bearing_twin.calibration.estimates import (
 )
 from bearing_twin.calibration.impacts import impacts_of
 from bearing_twin.calibration.passage import load_range
-from bearing_twin.calibration.path import identify, LINE_DAMPING, REACH_S, resonances
+from bearing_twin.calibration.path import identify, REACH_S, resonances
 from bearing_twin.calibration.refusals import (
     Kind,
     no_impacts,
@@ -37,7 +37,7 @@ from bearing_twin.calibration.refusals import (
     untold,
 )
 from bearing_twin.calibration.result import Calibration, in_words
-from bearing_twin.calibration.summaries import correlate
+from bearing_twin.calibration.summaries import correlate, fastest_resonance
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.demodulation import highest_fault_order
 from bearing_twin.diagnosis.gate import check_record
@@ -52,7 +52,6 @@ from scipy import signal
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
-    from bearing_twin.calibration.path import Resonance
     from bearing_twin.calibration.posterior import Posterior
     from bearing_twin.calibration.summaries import Summary
     from bearing_twin.dynamics.sensor_path import SensorPath
@@ -247,7 +246,7 @@ def _fitted(
         refusal = no_impacts(x, situation) if named else None
         refusal = refusal or too_wide(whole, situation, measured)
         refusal = refusal or unresolved(whole, measured, situation)
-        left, refusal = _defect(measured, situation, modes, candidates, seed, refusal)
+        left, refusal = _defect(x, measured, situation, candidates, seed, refusal)
     else:
         left = posterior.supposed(situation, seed)
     values, weights = left.values, left.weights
@@ -294,9 +293,9 @@ def _fitted(
 
 
 def _defect(
+    x: FloatArray,
     measured: Summary,
     situation: Situation,
-    modes: list[Resonance],
     candidates: int,
     seed: int,
     refusal: Refusal | None,
@@ -308,7 +307,7 @@ def _defect(
         return posterior.limit(measured, situation, candidates=candidates, seed=seed), refusal
     left = posterior.sample(measured, situation, candidates=candidates, seed=seed)
     # Two impacts are apart if one resonance that they excite has swung between them.
-    fastest = max((m.hz[1] for m in modes if m.damping[1] >= LINE_DAMPING), default=math.nan)
+    fastest = fastest_resonance(x, situation.sample_rate, measured.spacing)
     refusal = untold(left, situation, fastest)
     # The impacts are those of a passage, or they are not and hide it: one as likely as the other.
     if refusal is not None and refusal.kind is not Kind.MANY_WIDTHS:

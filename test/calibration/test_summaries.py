@@ -3,7 +3,7 @@
 """What is compared of a record: wherever it ends."""
 
 from bearing_twin.calibration.path import identify
-from bearing_twin.calibration.summaries import summarise
+from bearing_twin.calibration.summaries import fastest_resonance, summarise
 from bearing_twin.dynamics.sensor_path import band_levels, distance
 import numpy as np
 import pytest
@@ -45,3 +45,36 @@ def test_no_place_at_which_a_twin_ends_spoils_its_spectrum():
         path = identify(machine, rate, twin, 1e-4)
         found = path.filter().apply(twin)[len(path.denominator) :]
         assert distance(band_levels(machine, rate), band_levels(found, rate)) < 1.0
+
+
+def test_the_fastest_resonance_is_found_below_a_rotor_that_rings_forty_times_as_strong():
+    """As a rotor does on its balls below 1 kHz: that is the strongest, and no path."""
+    rate = 32000.0
+    rng = np.random.default_rng(1)
+    impacts = 1e-3 * rng.standard_normal(96000)
+    entries = np.cumsum(rng.normal(356.0, 2.0, 260)).astype(int)
+    impacts[entries] += 1.0
+    impacts[entries + 34] -= 0.7
+    rung = []
+    for hz, height in ((590.0, 40.0), (2000.0, 1.0), (3500.0, 1.0)):
+        pole = np.exp(2.0 * np.pi * hz / rate * (-0.03 + 1j))
+        each = signal.lfilter([1.0], np.poly([pole, pole.conjugate()]).real, impacts)
+        rung.append(height * each / each.std())
+    noise = 0.1 * rng.standard_normal(96000)
+    found = fastest_resonance(sum(rung) + noise, rate, 34 / rate)
+    assert found == pytest.approx(3500.0, rel=0.05)
+
+
+def test_the_comb_of_a_pair_of_impacts_does_not_pass_for_a_fast_resonance():
+    """Two strikes 0.6 to 1 ms apart that ring at 1.5 kHz: their comb reaches to the highest."""
+    rate = 51200.0
+    pole = np.exp(2.0 * np.pi * 1500.0 / rate * (-0.03 + 1j))
+    for seed, apart in enumerate((31, 41, 51)):
+        rng = np.random.default_rng(seed)
+        impacts = 1e-3 * rng.standard_normal(102400)
+        entries = np.cumsum(rng.normal(560.0, 3.0, 180)).astype(int)
+        impacts[entries] += 1.0
+        impacts[entries + apart] -= 0.7
+        x = signal.lfilter([1.0], np.poly([pole, pole.conjugate()]).real, impacts)
+        x += 0.05 * x.std() * rng.standard_normal(len(x))
+        assert fastest_resonance(x, rate, apart / rate) == pytest.approx(1500.0, rel=0.15)
