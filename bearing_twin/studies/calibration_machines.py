@@ -51,7 +51,7 @@ RACES_MM = {'inner': 15.55, 'outer': 23.5}
 
 def drawn_machine(number: int, key: int) -> tuple[np.random.Generator, Situation]:
     """Bearing, rate, speed and place of a number."""
-    rng = np.random.default_rng([2029, key, number])
+    rng = np.random.default_rng([2030, key, number])
     situation = Situation(
         bearing=find_bearing(str(rng.choice(BEARINGS))),
         place=str(rng.choice(('inner', 'outer'))),
