@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from bearing_twin.assets import diagnosis_parameters, twin_parameters
 from bearing_twin.assets.spec import configuration, read_values
 from bearing_twin.assets.twin import Twin
-from bearing_twin.assets.twin_messages import REALTIME, TwinBytes
+from bearing_twin.assets.twin_messages import REALTIME, TwinBlock, TwinBytes
 from bearing_twin.dynamics.limits import Limit
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.diagnosis_run import DiagnosisRun
@@ -147,14 +147,16 @@ def run_offline(
         ThreadPoolExecutor(threads, thread_name_prefix='analysis') as pool,
     ):
         writer.metadata('bearing_twin.source', {'source': source.name, 'mode': 'offline'})
-        diagnosis_side = _DiagnosisSide(diagnosis_values, writer, pool, threads + 1, report)
+        diagnosis_side = _DiagnosisSide(
+            twin_values, diagnosis_values, writer, pool, threads + 1, report
+        )
         messages = iter(read_messages(source, topics=topics, problems=report.problems))
         first = next(messages, None)
         if first is None:
             msg = f'{source} holds none of the messages that its summary counts'
             raise BearingTwinError(msg)
         reported = start = first.log_time
-        twin_side = _TwinSide(twin_values, diagnosis_values, start)
+        twin_side = _TwinSide(twin_values, start)
         made = twin_side.run(chain([first], messages), info.end)
         for item in ahead(made, depth=AHEAD, batch=BATCH):
             if stop():
@@ -172,28 +174,25 @@ def run_offline(
 
 
 class _Block(NamedTuple):
-    """One block of the twin, and what the diagnosis needs with it."""
+    """One block of the twin, whose messages and condition are still to be worked out."""
 
     now: int
-    vibration: VibrationBlock
-    outputs: list[Output]
+    due: Due
+    made: TwinBlock
     temperature: float
-    warnings: list[str]
+    checkpoint: Output | None
 
 
 class _TwinSide:
     """The inputs and the twin on one time line."""
 
-    def __init__(self, twin: dict[str, Any], diagnosis: dict[str, Any], start: int) -> None:
+    def __init__(self, twin: dict[str, Any], start: int) -> None:
         self._now = 0.0
         self._twin = Twin(twin, clock=lambda: self._now)
         self._text = yaml.safe_dump(configuration(twin_parameters.SPECS, twin))
-        self._axis = diagnosis['axis']
         self._temperature = math.nan
         self._start = self._latest = start
         self._next_sample = 0
-        self._passed = Limit(0)
-        self._bytes = TwinBytes(lambda message: output('', message).cdr)
 
     def run(
         self, messages: Iterable[RecordedMessage], end: int
@@ -245,43 +244,14 @@ class _TwinSide:
     def _block(self, due: Due, now: int) -> _Block:
         self._now = now / NANO
         checkpoint = self._twin.checkpoint(due, self._text)
-        made, values = self._twin.advance(), self._twin.values
-        # As the diagnosis would read it out of the message.
-        vibration = VibrationBlock(
-            due.first_sample, getattr(made.block, self._axis), values['sample_rate'],
-            made.shaft_hz, made.unit, simulated=True, stamp=due.stamp, frame_id=values['frame_id'],
-        )  # fmt: skip
-        # How late a block was says nothing here, and would differ each time.
-        realtime = dict.fromkeys(REALTIME, 0)
-        realtime['blocks_published'] = due.first_sample // made.block.y.size + 1
-        outputs = [
-            Output(
-                '/vibration',
-                VIBRATION,
-                self._bytes.vibration(made, due, values),
-            ),
-            Output('/twin_state', STATE, self._bytes.state(made, due, values, realtime)),
-        ]
-        if checkpoint is not None:
-            outputs.insert(0, output('/twin_checkpoint', checkpoint))
+        made = self._twin.advance()
         return _Block(
-            now, vibration, outputs, self._temperature,
-            self._new_warnings(made.block.condition, due),
-        )  # fmt: skip
-
-    def _new_warnings(self, condition: Condition, due: Due) -> list[str]:
-        """Sentences on limits that no block before has passed."""
-        if condition.limits_passed in self._passed:
-            return []
-        passed = (limit for limit in Limit if limit in condition.limits_passed)
-        new = [
-            sentence
-            for limit, sentence in zip(passed, condition.warnings, strict=True)
-            if limit not in self._passed
-        ]
-        self._passed |= condition.limits_passed
-        seconds = (due.stamp - self._start) / NANO
-        return [f'at {seconds:.1f} s {sentence}' for sentence in new]
+            now,
+            due,
+            made,
+            self._temperature,
+            output('/twin_checkpoint', checkpoint) if checkpoint is not None else None,
+        )
 
 
 class _Analysed(NamedTuple):
@@ -292,16 +262,25 @@ class _Analysed(NamedTuple):
 
 
 class _DiagnosisSide:
-    """The diagnosis and the new recording; at most ``most`` analyses are under way."""
+    """
+    The diagnosis and the new recording; at most ``most`` analyses are under way.
+
+    The messages of the twin's blocks are made here: the twin leaves the interpreter to that.
+    """
 
     def __init__(
         self,
+        twin: dict[str, Any],
         diagnosis: dict[str, Any],
         writer: RecordingWriter,
         pool: ThreadPoolExecutor,
         most: int,
         report: OfflineReport,
     ) -> None:
+        self._twin = twin
+        self._bytes = TwinBytes(lambda message: output('', message).cdr)
+        self._passed = Limit(0)
+        self._axis = diagnosis['axis']
         self._run = DiagnosisRun(diagnosis)
         self._writer = writer
         self._pool = pool
@@ -341,17 +320,50 @@ class _DiagnosisSide:
             self._waiting.popleft()
 
     def _work(self, block: _Block) -> None:
-        self._waiting.extend((made, block.now) for made in block.outputs)
-        if self._run.needs_checkpoint(block.vibration):
+        self._waiting.extend((made, block.now) for made in self._outputs(block))
+        made, due, values = block.made, block.due, self._twin
+        # As the diagnosis would read it out of the message.
+        vibration = VibrationBlock(
+            due.first_sample, getattr(made.block, self._axis), values['sample_rate'],
+            made.shaft_hz, made.unit, simulated=True, stamp=due.stamp, frame_id=values['frame_id'],
+        )  # fmt: skip
+        if self._run.needs_checkpoint(vibration):
             # The state before this block is that after all verdicts before it.
             self._settle(0)
-            self._write(self._run.checkpoint(block.vibration), block.now)
-        for due in self._run.take(block.vibration, temperature=block.temperature):
+            self._write(self._run.checkpoint(vibration), block.now)
+        for verdict in self._run.take(vibration, temperature=block.temperature):
             self._analyses += 1
-            analysis = self._pool.submit(due.excerpt.analyse)
-            self._waiting.append((_Analysed(due, analysis), block.now))
+            analysis = self._pool.submit(verdict.excerpt.analyse)
+            self._waiting.append((_Analysed(verdict, analysis), block.now))
         self._report.blocks += 1
-        self._report.warnings += block.warnings
+        self._report.warnings += self._new_warnings(made.block.condition, due)
+
+    def _outputs(self, block: _Block) -> list[Output]:
+        """Return what the twin publishes of a block."""
+        made, due, values = block.made, block.due, self._twin
+        # How late a block was says nothing here, and would differ each time.
+        realtime = dict.fromkeys(REALTIME, 0)
+        realtime['blocks_published'] = due.first_sample // made.block.y.size + 1
+        vibration = self._bytes.vibration(made, due, values)
+        return [
+            *([block.checkpoint] if block.checkpoint is not None else []),
+            Output('/vibration', VIBRATION, vibration),
+            Output('/twin_state', STATE, self._bytes.state(made, due, values, realtime)),
+        ]
+
+    def _new_warnings(self, condition: Condition, due: Due) -> list[str]:
+        """Sentences on limits that no block before has passed."""
+        if condition.limits_passed in self._passed:
+            return []
+        passed = (limit for limit in Limit if limit in condition.limits_passed)
+        new = [
+            sentence
+            for limit, sentence in zip(passed, condition.warnings, strict=True)
+            if limit not in self._passed
+        ]
+        self._passed |= condition.limits_passed
+        seconds = due.first_sample / self._twin['sample_rate']
+        return [f'at {seconds:.1f} s {sentence}' for sentence in new]
 
     def _copy(self, message: RecordedMessage) -> None:
         self._writer.copy(message)
