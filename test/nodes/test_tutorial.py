@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tutorial's commands, read from its page, do what it says."""
 
+import contextlib
+import os
 from pathlib import Path
 import re
 import shlex
@@ -57,15 +59,25 @@ def terminals(tmp_path):
         log = tmp_path / f'{len(running)}.log'
         with log.open('wb') as out:
             running[command] = subprocess.Popen(
-                words_of(command), cwd=tmp_path, stdout=out, stderr=subprocess.STDOUT
+                words_of(command),
+                cwd=tmp_path,
+                stdout=out,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
             )
         return log
 
     start.running = running
     yield start
     for process in running.values():
-        process.send_signal(signal.SIGINT)
+        interrupt(process)
     assert [process.wait(120) for process in running.values()] == [0] * len(running)
+
+
+def interrupt(process):
+    """Press Ctrl-C in a terminal: ``ros2 run`` counts on it to reach the node as well."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGINT)
 
 
 def finish(command, folder):
@@ -158,7 +170,7 @@ def test_the_nodes_one_by_one_and_their_recording(probe, terminals, tmp_path):
         if re.match(r'ros2 (topic|param|service)', command) and 'jitter' not in command:
             finish(command, tmp_path)
     for process in terminals.running.values():
-        process.send_signal(signal.SIGINT)
+        interrupt(process)
         assert process.wait(120) == 0
     reads = [c for c in listed if re.match(r'bearing-twin (info|report|verify)', c)]
     assert len(reads) == 3
