@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
+MOST_FILES = 10_000
+"""Most files of a bag that metadata.yaml names: it takes 0.12 ms for each, at each split."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class WriterOptions:
     """How a recording is written."""
@@ -108,6 +112,8 @@ class RecordingWriter(MessageSink):
         self._waiting_bytes = 0
         self._attached: list[Attached] = []
         self._finished: list[BagFile] = []
+        # Messages and bytes of files before them, which are no longer listed.
+        self._earlier_count = self._earlier_size = 0
         # Files whose end the disk has not taken yet.
         self._ending: list[OutputFile] = []
         # What is wrong with metadata.yaml, the files that it is to name, and those it names.
@@ -144,7 +150,7 @@ class RecordingWriter(MessageSink):
     @property
     def size(self) -> int:
         """Bytes of the recording so far, those still in memory included."""
-        finished = sum(file.size for file in self._finished)
+        finished = self._earlier_size + sum(file.size for file in self._finished)
         unfinished = self._ending if self._closed else (*self._ending, self._file)
         return finished + sum(file.size for file in unfinished)
 
@@ -296,6 +302,9 @@ class RecordingWriter(MessageSink):
     def _count_removed(self) -> None:
         """Count what was finished in a folder that has been removed."""
         self._file.alone = False
+        if self._earlier_count and not (self.path / f'{self.path.name}_0.mcap').exists():
+            self._lose(self._earlier_count)
+            self._earlier_count = self._earlier_size = 0
         for finished in list(self._finished):
             if not (self.path / finished.name).exists():
                 self._lose(finished.count)
@@ -330,12 +339,11 @@ class RecordingWriter(MessageSink):
 
     def _keep_within_limit(self) -> None:
         o = self.options
-        if not o.storage_limit or self.size <= o.storage_limit:
-            return
         if not o.delete_oldest:
-            self.stopped = f'the storage limit of {o.storage_limit} bytes is reached'
+            if 0 < o.storage_limit < self.size:
+                self.stopped = f'the storage limit of {o.storage_limit} bytes is reached'
             return
-        while self._finished and self.size > o.storage_limit:
+        while self._finished and (self.size > o.storage_limit or len(self._finished) > MOST_FILES):
             oldest = self._finished[0]
             try:
                 (self.path / oldest.name).unlink(missing_ok=True)
@@ -364,6 +372,10 @@ class RecordingWriter(MessageSink):
                 self._lose(file.count)
                 continue
             self._finished.append(file.summary())
+            if len(self._finished) > MOST_FILES and not self.options.delete_oldest:
+                earlier = self._finished.pop(0)
+                self._earlier_count += earlier.count
+                self._earlier_size += earlier.size
             if self.bag:
                 self._to_list = list(self._finished)
                 self._disk.do(self._list_files)

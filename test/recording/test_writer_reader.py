@@ -9,7 +9,7 @@ import struct
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording import reader
+from bearing_twin.recording import reader, writer
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.writer import RecordingWriter, whole_recording, WriterOptions
@@ -249,6 +249,26 @@ def test_storage_limit_deletes_its_own_oldest_files_only(tmp_path: Path) -> None
     assert messages[0].decode().first_sample > 0
     with Reader(tmp_path / 'run') as reader:
         assert reader.message_count == len(messages)
+
+
+@pytest.mark.parametrize('delete', [True, False])
+def test_the_list_of_files_is_bounded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, delete: bool
+) -> None:
+    monkeypatch.setattr(writer, 'MOST_FILES', 3)
+    run = tmp_path / 'run'
+    options = WriterOptions(split_size=1, storage_limit=10**9, delete_oldest=delete)
+    with RecordingWriter(run, options) as to:
+        for index in range(10):
+            to.write('/v', VIBRATION, vibration_cdr(index), log_time=index, publish_time=index)
+            to.flush()
+        assert len(to._finished) == 3
+        on_disk = {path.name: path.stat().st_size for path in run.glob('*.mcap')}
+        assert to.size == sum(on_disk.values())
+        assert len(on_disk) == (4 if delete else 10)
+    with Reader(run) as reader:
+        assert [message[1] for message in reader.messages()][-1] == 9
+    assert [m.log_time for m in read_messages(run)] == list(range(6 if delete else 0, 10))
 
 
 @pytest.mark.parametrize(
