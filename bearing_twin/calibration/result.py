@@ -187,6 +187,7 @@ class Calibration:
             machine, spectrum = values['machine'], values['spectrum']
             load, before = machine['load'], spectrum['level_before_db']
             refusal, impacts = values['refusal'], values['impacts']
+            candidates, weights = _cloud(values['candidates'], values['weights'])
             return cls(
                 situation=Situation(
                     bearing=Bearing(**machine['bearing']),
@@ -207,16 +208,31 @@ class Calibration:
                 level=float(spectrum['level_after_db']),
                 spectrum=np.array(spectrum['machine_db'], float),
                 rms=float(spectrum['machine_rms']),
-                candidates={k: np.array(v, float) for k, v in values['candidates'].items()},
-                weights=np.array(values['weights'], float),
+                candidates=candidates,
+                weights=weights,
                 sensor_unit=str(machine['unit']),
                 impacts=None if impacts is None else Impacts.of(impacts),
                 cost_s=float(values['cost_s']),
             )
-        except (KeyError, TypeError, ValueError, IndexError) as error:
-            msg = f'this is no calibration of this version ({error!r}); fit the machine again'
+        except (
+            *(KeyError, TypeError, ValueError, IndexError),
+            *(AttributeError, OverflowError),
+        ) as error:
+            msg = f'this is no calibration of this version ({error!r:.200}); fit the machine again'
             raise BearingTwinError(msg) from None
 
     def at(self, **changes: Any) -> Calibration:
         """Return the same machine under other conditions: fields of `Situation`."""
         return replace(self, situation=replace(self.situation, **changes))
+
+
+def _cloud(
+    candidates: dict[str, Any], weights: list[float]
+) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.float64]]:
+    """Return candidates and weights that can be drawn from; raises a ValueError."""
+    arrays, shares = {k: np.array(v, float) for k, v in candidates.items()}, np.array(weights)
+    each = np.stack([*arrays.values(), shares.astype(float)])
+    fits = each.ndim == 2 and np.isfinite(each).all() and (each[-1] >= 0.0).all()
+    if not (fits and math.isclose(each[-1].sum(), 1.0, rel_tol=1e-6)):
+        raise ValueError('candidates without finite values or weights of sum 1')
+    return arrays, each[-1]

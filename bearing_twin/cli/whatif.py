@@ -63,7 +63,7 @@ def _fits(name: str) -> list[dict[str, object]]:
     try:
         text = sys.stdin.read() if name == '-' else Path(name).read_text('utf-8')
         rows = [json.loads(line) for line in text.splitlines() if line.strip()]
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         msg = f"{name} cannot be read as what 'fit --json' wrote ({error})"
         raise BearingTwinError(msg) from None
     # What several records say together is no machine to run.

@@ -527,12 +527,25 @@ def test_one_speed_predicts_another(slot, data_dir, tmp_path, capsys):
     assert answer['width_mm'] == [1.0, 1.0]
 
 
-@pytest.mark.parametrize('text', ['', '[1, 2]', '{"quantities": {}}', 'not json'])
+@pytest.mark.parametrize('text', ['', '[1, 2]', '{"quantities": {}}', 'not json', '[' * 100_000])
 def test_what_is_no_fit_is_refused_in_words(text, tmp_path, capsys):
     path = tmp_path / 'fit.json'
     path.write_text(text)
     assert main(['whatif', str(path)]) != 0
     assert str(path) in (said := capsys.readouterr().err) or 'no calibration' in said
+
+
+def test_a_forged_fit_is_refused_in_words(slot, tmp_path, capsys):
+    """What does not fit together was met while drawing."""
+    good = fit(*slot, BEARING, 15.0, candidates=64, place='inner').to_dict()
+    saved = tmp_path / 'fit.json'
+    for changed in (
+        {'weights': math.nan}, {'weights': 1.0}, {'weights': good['weights'][:-1]},
+        {'quantities': None}, {'candidates': [1]}, {'machine': {**good['machine'], 'load': {}}},
+    ):  # fmt: skip
+        saved.write_text(json.dumps(good | changed))
+        assert main(['whatif', str(saved)]) == 1
+        assert 'no calibration of this version' in capsys.readouterr().err
 
 
 def test_a_width_no_ball_fits_is_refused(slot):

@@ -432,6 +432,21 @@ def test_a_benchmark_of_no_records_is_an_error(tmp_path, capsys):
     assert 'has no record with a label of inner, outer, ball, cage' in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    'text',
+    [
+        '[]',
+        '{"bearings": {"a": 1}, "records": []}',
+        '{"bearings": {}, "records": [1]}',
+        '[' * 99_999,
+    ],
+)
+def test_an_index_of_another_form_is_refused_in_words(text, tmp_path, capsys):
+    (tmp_path / 'index.json').write_text(text)
+    assert main(['benchmark', str(tmp_path)]) == 1
+    assert 'cannot be used' in capsys.readouterr().err
+
+
 def test_every_file_is_answered_although_a_dask_worker_is_killed(good, tmp_path, capsys):
     pytest.importorskip('distributed', reason="pip install 'bearing_twin[dask]'")
     from distributed import Client
