@@ -173,6 +173,8 @@ def commands(path: Path, out: Path) -> list[list[str]]:
         ['recover', str(path), '-o', str(out / 'saved')],
         ['report', str(path), '-o', str(out / 'page.html')],
         ['diagnose', str(path), '--bearing', '6307'],
+        ['diagnose', str(path), '--bearing', '6307', '--series', '--json'],
+        ['fit', str(path), '--bearing', '6307', '--shaft-hz', '25'],
         ['view', str(path), '--save', str(out / 'picture.rrd')],
         ['replay', '--offline', str(path), '-o', str(out / 'again')],
     ]
