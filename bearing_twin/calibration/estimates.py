@@ -150,6 +150,9 @@ def of_defect(
                     1e3 * t * situation.speed for t in (measured.spacing, measured.lobe)
                 )
                 low = min(low, spacing - lobe)
+                # Nor is the most less than what half of the supposed loads and depths make of it:
+                # candidates in which the rotor rebounds after the exit have narrower defects.
+                high = max(high, spacing + 1e3 * taken_off(situation, 0.5))
                 why = (
                     f'from impacts {spacing:.2f} mm apart on the race; the rest is the path of a '
                     'ball over the edges, without which the lower bound does; if they are one '

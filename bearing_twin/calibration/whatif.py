@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import fault_frequencies
 from bearing_twin.calibration.cloud import IMPACTS, SETTLE_S, vibrations
 from bearing_twin.calibration.passage import load_range
 from bearing_twin.calibration.path import REACH_S
-from bearing_twin.calibration.summaries import squared_envelope, summarise
+from bearing_twin.calibration.summaries import summarise
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.dependence import PER_KELVIN, PER_OCTAVE
 from bearing_twin.errors import BearingTwinError
@@ -31,6 +30,9 @@ TURNS = 60.0
 """Shaft turns simulated of each candidate: enough for a diagnosis."""
 DIAGNOSED = 12
 """Candidates that are diagnosed."""
+_DOUBT = 0.35
+"""Scatter of the predicted crest factor and impulsiveness about the machine's, as logarithms: a
+model error, fixed on one rig only, HIT-SM (24 predictions: 0.38 and 0.34)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,9 +60,7 @@ class Expectation:
     """Share of the candidates of each answer of the diagnosis."""
 
 
-def features(
-    x: FloatArray, sample_rate: float, shaft_hz: float, impacts_hz: float, longest: float
-) -> dict[str, float]:
+def features(x: FloatArray, sample_rate: float, longest: float) -> dict[str, float]:
     """
     Figures of a vibration that are predicted: level, crest factor, impulsiveness, spacing.
 
@@ -68,36 +68,28 @@ def features(
     ----------
     x
         Samples, shape (n,).
-    sample_rate, shaft_hz
+    sample_rate
         Hz.
-    impacts_hz
-        Frequency at which the defect strikes, Hz; NaN without a defect.
     longest
         Longest time between the impacts of a passage, s.
 
     Examples
     --------
     >>> x = np.random.default_rng(1).standard_normal(25600)
-    >>> found = features(x, 25600.0, 25.0, 90.0, 5e-3)
+    >>> found = features(x, 25600.0, 5e-3)
     >>> round(found['rms'], 1), round(found['impulsiveness'], 1)
     (1.0, 0.3)
 
     """
     summary = summarise(x, sample_rate, longest)
-    figures = {
-        'rms': float(x.std()),
-        'peak': float(np.abs(x - x.mean()).max()),
-        'crest_factor': float(np.abs(x - x.mean()).max() / x.std()),
+    peak, rms = float(np.abs(x - x.mean()).max()), float(x.std())
+    return {
+        'rms': rms,
+        'peak': peak,
+        'crest_factor': peak / rms,
         'impulsiveness': summary.impulsiveness,
         'spacing_ms': 1e3 * summary.spacing,
     }
-    if math.isfinite(impacts_hz):
-        envelope, rate = squared_envelope(x, sample_rate)
-        power = np.abs(np.fft.rfft(envelope)) ** 2
-        at = impacts_hz * len(envelope) / rate
-        near = power[math.floor(0.98 * at) : math.ceil(1.02 * at) + 1]
-        figures['modulation_index'] = float(2.0 * np.sqrt(near.max() / power[0]))
-    return figures
 
 
 def expect(
@@ -180,8 +172,6 @@ def expect(
         values['defect_width_mm'] = np.full(candidates, width_mm)
     values['noise_ratio'] = np.zeros(candidates)
     rate, settle = situation.sample_rate, SETTLE_S + REACH_S
-    rates = fault_frequencies(situation.bearing, situation.shaft_hz, situation.slip)
-    impacts_hz = math.nan if place == 'none' else rates.impacts(place)
     unit = found.sensor_unit or 'unit of the samples'
     rows: list[dict[str, float]] = []
     verdicts: list[str] = []
@@ -189,7 +179,7 @@ def expect(
     for batch in vibrations(situation, values, seconds, seed):
         for x in batch:
             y = found.path.filter(seed + len(rows)).apply(x)[int(settle * rate) :]
-            rows.append(features(y, rate, situation.shaft_hz, impacts_hz, situation.longest))
+            rows.append(features(y, rate, situation.longest))
             if len(verdicts) < DIAGNOSED:
                 said = diagnose_record(y, rate, situation.bearing, situation.shaft_hz)
                 verdicts.append(said.result)
@@ -198,11 +188,11 @@ def expect(
         strengths = {name: v[drawn] for name, v in found.candidates.items()}
         gains = gains * _gains(found, known, strengths, seed)
     units = {'rms': unit, 'peak': unit, 'spacing_ms': 'ms'}
+    doubt = np.exp(_DOUBT * rng.standard_normal(candidates))
+    factors = {'rms': gains, 'peak': gains, 'crest_factor': doubt, 'impulsiveness': doubt}
     vibration = {}
     for name in rows[0]:
-        column = np.array([row[name] for row in rows]) * (
-            gains if units.get(name) == unit else 1.0
-        )
+        column = np.array([row[name] for row in rows]) * factors.get(name, 1.0)
         column = column[np.isfinite(column)]
         if len(column) > len(rows) // 4:
             low, median, high = np.quantile(column, (0.05, 0.5, 0.95))

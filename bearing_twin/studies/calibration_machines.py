@@ -14,7 +14,7 @@ import json
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import fault_frequencies, find_bearing
+from bearing_twin.bearing import find_bearing
 from bearing_twin.calibration import fit
 from bearing_twin.calibration.cloud import Situation, unknowns, vibrations
 from bearing_twin.calibration.passage import (
@@ -206,11 +206,8 @@ def fit_whatif(path: Path, rpm: float, others: list[tuple[Path, float]]) -> list
         hz = other_rpm / 60.0
         expected = expect(found, shaft_hz=hz, candidates=32)
         record = read_signal(other)
-        impacts = fault_frequencies(find_bearing('6205'), hz, found.situation.slip)
-        seen = features(
-            record.x, record.sample_rate, hz, impacts.impacts(found.defect),
-            found.situation.longest * found.situation.shaft_hz / hz,
-        )  # fmt: skip
+        longest = found.situation.longest * found.situation.shaft_hz / hz
+        seen = features(record.x, record.sample_rate, longest)
         rows += [
             {'name': path.stem, 'other': other.stem, 'quantity': name, 'truth': seen[name],
              'q05': said.q05, 'median': said.median, 'q95': said.q95}

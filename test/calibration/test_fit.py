@@ -10,7 +10,7 @@ from pathlib import Path
 from bearing_twin.bearing import Bearing, fault_frequencies, find_bearing
 from bearing_twin.calibration import Calibration, cloud, fit
 from bearing_twin.calibration.cloud import parameters, Situation, unknowns, vibrations
-from bearing_twin.calibration.estimates import taken_off
+from bearing_twin.calibration.estimates import of_defect, taken_off
 from bearing_twin.calibration.fit import fitted_vibration
 from bearing_twin.calibration.impacts import follows_speed, Impacts, impacts_of
 from bearing_twin.calibration.joint import compared, joined
@@ -23,6 +23,7 @@ from bearing_twin.calibration.passage import (
     widest,
 )
 from bearing_twin.calibration.path import identify, noise_floor, resonances
+from bearing_twin.calibration.posterior import limit
 from bearing_twin.calibration.refusals import Kind, no_impacts, unresolved
 from bearing_twin.calibration.summaries import correlate, summarise
 from bearing_twin.calibration.whatif import expect, features
@@ -511,12 +512,14 @@ def test_one_speed_predicts_another(slot, data_dir, tmp_path, capsys):
     with np.load(data_dir / 'hitsm' / 'hitsm_sq_IR8_1200.npz') as file:
         x, rate = file['x'].astype(float), float(file['fs'])
     there = found.at(shaft_hz=20.0).situation
-    hz = fault_frequencies(BEARING, 20.0).bpfi
-    measured = features(x, rate, 20.0, hz, there.longest)
+    measured = features(x, rate, there.longest)
     spacing = expected.vibration['spacing_ms']
     assert spacing.q05 < measured['spacing_ms'] < spacing.q95
     level = expected.vibration['rms']
     assert level.q05 < measured['rms'] < level.q95
+    for name in ('crest_factor', 'impulsiveness'):
+        said = expected.vibration[name]
+        assert said.q05 < measured[name] < said.q95, name
     assert max(expected.verdicts, key=expected.verdicts.get) == 'inner'
     saved = tmp_path / 'fit.json'
     saved.write_text(json.dumps({'file': 'slot', **found.to_dict()}))
@@ -663,3 +666,20 @@ def test_no_limit_is_said_where_no_defect_of_any_width_would_show():
     assert found.statement == 'a defect of any width may not show'
     limit = found.quantities['defect_width_mm'].q95
     assert limit == pytest.approx(math.pi * (39.04 + 7.94) / 9, rel=1e-3)
+
+
+def test_candidates_that_rebound_leave_the_width_of_the_bare_passage_possible():
+    """All kept candidates are narrower than the impacts are apart; the ball's path is not."""
+    machine = cloud.example()
+    x = 1e-3 * NOISE[:25600]
+    x[200:25000:143] += 1.0
+    x[220:25020:143] -= 0.7
+    measured = summarise(x, machine.sample_rate, machine.longest)
+    left = limit(measured, machine, candidates=32)
+    narrow = np.full(len(left.weights), 1.0)
+    left = replace(left, values=left.values | {'defect_width_mm': narrow})
+    told = of_defect(left, machine, measured, None)['defect_width_mm']
+    apart, half = (1e3 * seconds * machine.speed for seconds in (measured.spacing, measured.lobe))
+    assert apart > 1.5 and told.median == pytest.approx(1.0)
+    assert told.q95 == pytest.approx(apart + 1e3 * taken_off(machine, 0.5))
+    assert told.q05 <= apart - half
