@@ -16,7 +16,6 @@ import numpy.typing as npt
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics.parameters import TwinParameters
-    from bearing_twin.dynamics.waviness import Surfaces
 
 
 FloatArray = npt.NDArray[np.float64]
@@ -106,10 +105,7 @@ def condition(
     at: tuple[float, float, float],
     inputs: FloatArray,
     states: Records,
-    machines: Records,
-    defects: Records,
-    balls: FloatArray,
-    surfaces: Surfaces,
+    tables: kernel.Tables,
 ) -> Condition:
     """
     Put together the condition from the state of motion.
@@ -175,5 +171,5 @@ def condition(
         ball_angle=2.0 * math.pi * (float(state['spin']) % 1.0),
         inner_x=q[0] - q[2],
         inner_y=q[1] - q[3],
-        ball_force=kernel.ball_forces(states, machines, defects, balls, surfaces, values),
+        ball_force=kernel.ball_forces(states, tables, values),
     )

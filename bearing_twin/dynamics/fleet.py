@@ -20,7 +20,6 @@ from bearing_twin.dynamics.fleet_lanes import Lanes
 from bearing_twin.dynamics.parameters import check_speed
 from bearing_twin.dynamics.saved import Envelope, identity
 from bearing_twin.dynamics.simulator import Block, Simulator
-from bearing_twin.dynamics.tables import ball_table, defect_table, machine
 from bearing_twin.dynamics.vector import L
 from bearing_twin.dynamics.waviness import surfaces
 from bearing_twin.errors import BearingTwinError
@@ -120,13 +119,12 @@ class Fleet:
         self.next_sample = 0
         self.sample_rate = filters.check_rate(sample_rate)
         self._lanes = lanes = Lanes(parameters, self.sample_rate)
-        self._tables = [self._tables_of(p) for p in parameters]
         self._tick = inner_ring.tick_length(self.sample_rate)
         for index in range(lanes.size):
             if index < size:
                 simulator = self._fresh(index, parameters[index], seeds[index])
             lanes.place(index, simulator)
-            lanes.fill_filters(index, simulator.snapshot())
+            lanes.fill_filters(index, simulator)
         lanes.survey(self._parameters)
         groups = len(lanes.groups)
         edges = np.linspace(0, groups, min(max(threads, 1), groups) + 1).astype(int).tolist()
@@ -142,11 +140,6 @@ class Fleet:
     def parameters(self) -> tuple[TwinParameters, ...]:
         """Parameters in force, one set a bearing."""
         return tuple(self._parameters)
-
-    @property
-    def delay(self) -> float:
-        """Delay of the published signals against the conditions, s."""
-        return filters.delay(self.sample_rate)
 
     def advance(self, n: int, temperatures: npt.ArrayLike, shaft_hz: npt.ArrayLike) -> FleetBlock:
         """
@@ -228,7 +221,7 @@ class Fleet:
         at = self._temperatures[index], inner, self._shaft_hz[index]
         return condition(
             p, lanes.law[index], at, self._inputs(index), lanes.motion(index, self.next_sample),
-            *self._tables[index], lanes.surfaces_of(index),
+            lanes.tables(index),
         )  # fmt: skip
 
     def _inputs(self, index: int | slice) -> FloatArray:
@@ -257,7 +250,6 @@ class Fleet:
             raise BearingTwinError(msg)
         simulator = self._simulator(index, parameters, self._inputs(index))
         self._parameters[index] = parameters
-        self._tables[index] = self._tables_of(parameters)
         self._lanes.place(index, simulator)
         self._lanes.survey(self._parameters)
 
@@ -293,14 +285,13 @@ class Fleet:
             msg = f'a simulator of other parameters or rate cannot become bearing {index}'
             raise BearingTwinError(msg)
         inner = simulator.condition().inner_ring_temperature
-        snapshot = simulator.snapshot()
         self._temperatures[index] = simulator.temperature
         self._shaft_hz[index] = simulator.shaft_hz
-        moved = self._fresh(index, ours, seed=snapshot.seed)
+        moved = self._fresh(index, ours, seed=simulator.seed)
         rings = np.array([inner, inner]) if ours.thermal_mode == 'physical' else None
-        moved.adopt(snapshot.state, self.next_sample, rings, simulator.inputs())
+        moved.adopt(simulator.state, self.next_sample, rings, simulator.inputs())
         self._lanes.place(index, moved)
-        self._lanes.fill_filters(index, snapshot)
+        self._lanes.fill_filters(index, simulator)
 
     def _simulator(self, index: int, parameters: TwinParameters, inputs: FloatArray) -> Simulator:
         """Return one bearing with these parameters; the rings' temperatures go with the mode."""
@@ -387,10 +378,6 @@ class Fleet:
         for index in np.flatnonzero((self._lanes.marks != ours).any(axis=1)).tolist():
             p = self._parameters[min(index, len(self) - 1)]
             self._lanes.place(index, self._simulator(index, p, inputs[index]))
-
-    def _tables_of(self, p: TwinParameters) -> tuple[Array, Array, FloatArray]:
-        """Return the records of one bearing that its condition needs."""
-        return machine(p, self.sample_rate, self._lanes.oversample), defect_table(p), ball_table(p)
 
     def _state(self) -> list[Array]:
         """Arrays that a saved state consists of."""

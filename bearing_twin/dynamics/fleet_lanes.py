@@ -19,8 +19,9 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from bearing_twin.dynamics.kernel import Tables
     from bearing_twin.dynamics.parameters import TwinParameters
-    from bearing_twin.dynamics.simulator import Simulator, Snapshot
+    from bearing_twin.dynamics.simulator import Simulator
     from bearing_twin.dynamics.waviness import Surfaces
 
 
@@ -66,7 +67,7 @@ class Lanes:
         self.groups = aligned((groups,), fl.GROUP)
         self.balls = aligned((groups, slots, fl.BALL_ROWS, L), np.float32)
         self.surfaces = np.zeros((self.size, 0), np.float32)
-        self._rolled: dict[int, Surfaces] = {}
+        self._tables: dict[int, Tables] = {}
         self.law = np.zeros((self.size, coefficients.LAW_SIZE))
         self.values = np.zeros((self.size, coefficients.CONDITION_SIZE))
         self.drift = np.zeros((self.size, 2, coefficients.INPUTS))
@@ -113,21 +114,21 @@ class Lanes:
         number, lane = divmod(index, L)
         return int(self.groups[number]['seed'][lane])
 
-    def fill_filters(self, index: int, snapshot: Snapshot) -> None:
+    def fill_filters(self, index: int, simulator: Simulator) -> None:
         """Take over the sensor and the memory of the decimator of one bearing."""
         number, lane = divmod(index, L)
-        self.groups[number]['sensor'][:, lane] = snapshot.state['sensor'][0]
+        self.groups[number]['sensor'][:, lane] = simulator.state['sensor'][0]
         # By the place of an internal sample within an output sample, as the taps.
         padding = np.zeros((2, self.oversample - 1))
-        internal = np.concatenate([padding, snapshot.history], axis=1)
+        internal = np.concatenate([padding, simulator.history], axis=1)
         memory = self.history[number].reshape(self.oversample, -1, 2, L)
         memory[..., lane] = internal.reshape(2, -1, self.oversample).T
 
     def place(self, index: int, simulator: Simulator) -> None:
         """Put one bearing into its lane; the filters' memory stays."""
-        snapshot = simulator.snapshot()
         number, lane = divmod(index, L)
-        group, m, state = self.groups[number], snapshot.machine[0], snapshot.state[0]
+        group, tables, state = self.groups[number], simulator.tables, simulator.state[0]
+        m = tables.machines[0]
 
         def put(record: Any, **values: Any) -> None:
             for name, value in values.items():
@@ -137,7 +138,7 @@ class Lanes:
         put(group, **{name: m[name] for name in m.dtype.names if name in group.dtype.names})
         n = int(m['n_balls'])
         to_z, to_w, read = _sensor_rows(simulator.parameters, self.step)
-        put(group, per_ball=1.0 / n, seed=snapshot.seed, to_z=to_z, to_w=to_w, read=read)
+        put(group, per_ball=1.0 / n, seed=simulator.seed, to_z=to_z, to_w=to_w, read=read)
         self.balls[number, :, :, lane] = _slots(n, self.balls.shape[1])
         since = simulator.next_sample % layout.CHUNK / simulator.sample_rate
         hz, slip = simulator.shaft_hz, simulator.inputs()[coefficients.SLIP]
@@ -150,13 +151,13 @@ class Lanes:
         shaft = state['shaft_cos'], state['shaft_sin']
         put(group, directions=(math.cos(ahead), math.sin(ahead), *shaft))
         for slot, record in enumerate(group['spalls']):
-            defect = snapshot.defects[slot] if slot < len(snapshot.defects) else None
-            put(record, **_spall(defect, m))
-        self.roll_on(index, snapshot.surfaces)
-        self.law[index], self.values[index] = snapshot.law, snapshot.values
-        self.drift[index], self.rings[index] = snapshot.drift, snapshot.rings
-        self.fade[index], self.faded[index] = snapshot.fade, snapshot.faded
-        self.marks[index] = snapshot.marks
+            put(record, **_spall(tables.defects[slot] if slot < len(tables.defects) else None, m))
+        self._tables[index] = tables
+        self.roll_on(index, tables.surfaces)
+        self.law[index], self.values[index] = simulator.law, simulator.values
+        self.drift[index], self.rings[index] = simulator.drift, simulator.rings
+        self.fade[index], self.faded[index] = simulator.fade, simulator.faded
+        self.marks[index] = simulator.marks
 
     def roll_on(self, index: int, surfaces: Surfaces) -> None:
         """Take over the surfaces of one bearing."""
@@ -169,11 +170,12 @@ class Lanes:
         for name in ('outer', 'inner', 'ball'):
             group[name + '_nodes'][lane] = getattr(surfaces, name)
         group['highest'][lane] = surfaces.highest
-        self._rolled[index] = surfaces._replace(table=None)
+        self._tables[index] = self._tables[index]._replace(surfaces=surfaces._replace(table=None))
 
-    def surfaces_of(self, index: int) -> Surfaces:
-        """Surfaces of one bearing."""
-        return self._rolled[index]._replace(table=self.surfaces[index])
+    def tables(self, index: int) -> Tables:
+        """One bearing as the kernel of single bearings takes it."""
+        tables = self._tables[index]
+        return tables._replace(surfaces=tables.surfaces._replace(table=self.surfaces[index]))
 
     def state(self) -> list[Array]:
         """Motion, phases, decimators, inner rings, what still fades and whose it is, as views."""

@@ -11,9 +11,9 @@ records.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.dynamics.coefficients import K_B, SHAFT_HZ
+from bearing_twin.dynamics.coefficients import INPUTS, K_B, SHAFT_HZ
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.integrator import FAR, integrate, predict, ring_rates, Scratch
 from bearing_twin.dynamics.kinematics import (
@@ -29,6 +29,7 @@ from bearing_twin.dynamics.layout import CHUNK, COS, GAP, SIN, STEP
 from bearing_twin.dynamics.model import contact_force
 from bearing_twin.dynamics.random import NOISE, normal_pair, WALK
 from bearing_twin.dynamics.statics import equilibrium
+from numba.np.unsafe.ndarray import to_fixed_tuple
 import numpy as np
 import numpy.typing as npt
 
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 Records = npt.NDArray[np.void]
 
+_seven: Any = to_fixed_tuple
+"""Of any type: its arguments are not those that compiled code gives."""
 FAST_HZ = 27.0
 """Shaft speed above which steps are short: events crowd, and errors would pass 0.1 %."""
 _MOST_KINKS = 32
@@ -47,16 +50,24 @@ _LONG, _SHORT = 0, 1
 """Steps of the integrator: `filters.least_steps` per output sample, or three times as many."""
 
 
+class Tables(NamedTuple):
+    """One bearing as the kernel takes it; see `tables` and `waviness`."""
+
+    machines: Records
+    """MACHINE[2]: constants for long and for short steps. Steps are short where the rings are
+    stiff or the shaft turns faster than `FAST_HZ`."""
+    defects: Records
+    balls: FloatArray
+    surfaces: Surfaces
+
+
 @compiled(fast=FAST)
 def advance(
     states: Records,
     history: FloatArray,
-    machines: Records,
+    tables: Tables,
     resonators: FloatArray,
     taps: FloatArray,
-    defects: Records,
-    balls: FloatArray,
-    surfaces: Surfaces,
     ramp: FloatArray,
     drift: FloatArray,
     fade: FloatArray,
@@ -75,13 +86,12 @@ def advance(
         Changed in place.
     history : float64[2, taps - oversample]
         Last internal samples, the memory of the decimator; changed in place.
-    machines, resonators : MACHINE[2], float64[2, 5, 6]
-        Constants and tables of `filters.resonator`, for long and for short steps. Steps are short
-        where the rings are stiff or the shaft turns faster than `FAST_HZ`.
+    tables
+        The bearing.
+    resonators : float64[2, 5, 6]
+        Tables of `filters.resonator`, for long and for short steps.
     taps
         `filters.decimator`.
-    defects, balls, surfaces
-        See `tables` and `waviness`.
     ramp : float64[2, INPUTS]
         Inputs at the start and at the end of the block.
     drift : float64[2, INPUTS]
@@ -96,7 +106,7 @@ def advance(
         Acceleration of the sensor along x and y, m/s^2.
 
     """
-    state = states[0]
+    state, machines = states[0], tables.machines
     n = out.shape[1]
     memory = history.shape[1]
     most = CHUNK * machines[_SHORT].steps
@@ -104,8 +114,8 @@ def advance(
     # Everything between two grid points stays in the fastest cache.
     raw = np.empty((2, memory + CHUNK * oversample))
     steps = np.empty(most, STEP)
-    gaps = np.empty((most, 4, balls.shape[1]))
-    one_step, one_gap = np.empty(1, STEP), np.empty((1, 4, balls.shape[1]))
+    gaps = np.empty((most, 4, tables.balls.shape[1]))
+    one_step, one_gap = np.empty(1, STEP), np.empty((1, 4, tables.balls.shape[1]))
     scratch = Scratch(one_step[0], one_gap, np.empty(_MOST_KINKS))
     raw[:, :memory] = history
     done = 0
@@ -123,7 +133,7 @@ def advance(
         if state.next_step != machine.step:
             predict(state, machine.step)
         inputs, growth = _inputs(ramp, drift, fade, n, machine.steps, at, since_tick, left)
-        bearing = KernelBearing(machine, defects, balls, surfaces, inputs, growth)
+        bearing = _bearing(tables, machine, inputs, growth)
         rows, begin = count * machine.steps, float(within * machine.steps)
         new = count * oversample
         advance_steps(state, bearing, walk, begin, steps[:rows], gaps[:rows])
@@ -148,26 +158,11 @@ def _inputs(ramp, drift, fade, n, steps, at, since_tick, left):
     Relative to the grid, so that held inputs give the same bits in every block. A fade ends after
     minus ``left`` samples.
     """
-    return (
-        Inputs(
-            _input(ramp, drift, fade, n, 0, at, since_tick, left),
-            _input(ramp, drift, fade, n, 1, at, since_tick, left),
-            _input(ramp, drift, fade, n, 2, at, since_tick, left),
-            _input(ramp, drift, fade, n, 3, at, since_tick, left),
-            _input(ramp, drift, fade, n, 4, at, since_tick, left),
-            _input(ramp, drift, fade, n, 5, at, since_tick, left),
-            _input(ramp, drift, fade, n, 6, at, since_tick, left),
-        ),
-        Inputs(
-            _growth(ramp, drift, fade, n, 0, left) / steps,
-            _growth(ramp, drift, fade, n, 1, left) / steps,
-            _growth(ramp, drift, fade, n, 2, left) / steps,
-            _growth(ramp, drift, fade, n, 3, left) / steps,
-            _growth(ramp, drift, fade, n, 4, left) / steps,
-            _growth(ramp, drift, fade, n, 5, left) / steps,
-            _growth(ramp, drift, fade, n, 6, left) / steps,
-        ),
-    )
+    inputs, growth = np.empty(INPUTS), np.empty(INPUTS)
+    for i in range(INPUTS):
+        inputs[i] = _input(ramp, drift, fade, n, i, at, since_tick, left)
+        growth[i] = _growth(ramp, drift, fade, n, i, left) / steps
+    return _as_inputs(inputs), _as_inputs(growth)
 
 
 @compiled(inline=True, fast=FAST)
@@ -234,31 +229,33 @@ def _instant(state, bearing, here, gaps):
 
 
 @compiled(inline=True)
-def _held(machine, defects, balls, surfaces, values):
+def _held(tables, values):
     """Put together a bearing whose inputs do not change."""
     none = Inputs(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    inputs = Inputs(values[0], values[1], values[2], values[3], values[4], values[5], values[6])
-    return KernelBearing(machine, defects, balls, surfaces, inputs, none)
+    return _bearing(tables, tables.machines[_LONG], _as_inputs(values), none)
+
+
+@compiled(inline=True)
+def _bearing(tables, machine, inputs, growth):
+    return KernelBearing(machine, tables.defects, tables.balls, tables.surfaces, inputs, growth)
+
+
+@compiled(inline=True)
+def _as_inputs(values):
+    return Inputs(*_seven(values, INPUTS))
 
 
 @compiled(fast=FAST)
-def settle(
-    states: Records,
-    machines: Records,
-    defects: Records,
-    balls: FloatArray,
-    surfaces: Surfaces,
-    values: FloatArray,
-) -> None:
+def settle(states: Records, tables: Tables, values: FloatArray) -> None:
     """
     Put both rings into static equilibrium at the present phases, defects under the balls included.
 
     ``values`` are the inputs; `start` is to be called next.
     """
-    state, machine = states[0], machines[_LONG]
+    state, machine = states[0], tables.machines[_LONG]
     wrap_phases(state)
-    steps, gaps = np.empty(1, STEP), np.zeros((1, 4, balls.shape[1]))
-    bearing = _held(machine, defects, balls, surfaces, values)
+    steps, gaps = np.empty(1, STEP), np.zeros((1, 4, tables.balls.shape[1]))
+    bearing = _held(tables, values)
     _instant(state, bearing, steps[0], gaps)
     foot_x, foot_y, inner = steps[0].foot_x, steps[0].foot_y, machine.inner_stiffness
     outer_x, outer_y = machine.outer_stiffness_x, machine.outer_stiffness_y
@@ -270,24 +267,17 @@ def settle(
 
 
 @compiled(fast=FAST)
-def start(
-    states: Records,
-    machines: Records,
-    defects: Records,
-    balls: FloatArray,
-    surfaces: Surfaces,
-    values: FloatArray,
-) -> None:
+def start(states: Records, tables: Tables, values: FloatArray) -> None:
     """
     Set what of the state follows from its phases, positions and velocities.
 
     Sines, accelerations, jerks, loaded balls and the prediction for the next step. To be
     called where a trajectory begins and where parameters change; ``values`` are the inputs.
     """
-    state, machine = states[0], machines[_LONG]
+    state, machine = states[0], tables.machines[_LONG]
     wrap_phases(state)
-    steps, gaps = np.empty(1, STEP), np.zeros((1, 4, balls.shape[1]))
-    _instant(state, _held(machine, defects, balls, surfaces, values), steps[0], gaps)
+    steps, gaps = np.empty(1, STEP), np.zeros((1, 4, tables.balls.shape[1]))
+    _instant(state, _held(tables, values), steps[0], gaps)
     q = (state.q[0], state.q[1], state.q[2], state.q[3])
     v = (state.v[0], state.v[1], state.v[2], state.v[3])
     a = (0.0, 0.0, 0.0, 0.0)
@@ -303,18 +293,11 @@ def start(
 
 
 @compiled()
-def ball_forces(
-    states: Records,
-    machines: Records,
-    defects: Records,
-    balls: FloatArray,
-    surfaces: Surfaces,
-    values: FloatArray,
-) -> npt.NDArray[np.float32]:
+def ball_forces(states: Records, tables: Tables, values: FloatArray) -> npt.NDArray[np.float32]:
     """Contact force of each ball, N, float32[n_balls], at the present state and inputs."""
-    state, machine = states[0], machines[_LONG]
-    steps, gaps = np.empty(1, STEP), np.zeros((1, 4, balls.shape[1]))
-    _instant(state, _held(machine, defects, balls, surfaces, values), steps[0], gaps)
+    state, machine = states[0], tables.machines[_LONG]
+    steps, gaps = np.empty(1, STEP), np.zeros((1, 4, tables.balls.shape[1]))
+    _instant(state, _held(tables, values), steps[0], gaps)
     forces = np.zeros(machine.n_balls, dtype=np.float32)
     x, y = state.q[0] - state.q[2], state.q[1] - state.q[3]
     vx, vy = state.v[0] - state.v[2], state.v[1] - state.v[3]

@@ -18,7 +18,7 @@ from bearing_twin.dynamics.parameters import check_speed
 from bearing_twin.dynamics.saved import Envelope, identity
 from bearing_twin.dynamics.stability import steps
 from bearing_twin.dynamics.tables import ball_table, defect_table, machine
-from bearing_twin.dynamics.waviness import Surfaces, surfaces
+from bearing_twin.dynamics.waviness import surfaces
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import check_whole
 from bearing_twin.thermal.gcr15 import check_temperature
@@ -77,26 +77,6 @@ class Block:
         return self.describe()
 
 
-@dataclass(frozen=True, kw_only=True)
-class Snapshot:
-    """Tables and state of one simulator, as records of `layout` and rows of `coefficients`."""
-
-    state: Records
-    history: FloatArray
-    machine: Records
-    defects: Records
-    balls: FloatArray
-    surfaces: Surfaces
-    law: FloatArray
-    values: FloatArray
-    drift: FloatArray
-    rings: FloatArray
-    fade: FloatArray
-    faded: int
-    marks: tuple[int, int]
-    seed: int
-
-
 class Simulator:
     """
     Advances the equations of motion of one bearing and carries their state.
@@ -153,11 +133,11 @@ class Simulator:
         self.start = (check_temperature(float(temperature)), check_speed(shaft_hz))
         """Temperature and speed to which :meth:`reset` goes back, degC and Hz."""
         self.tick = inner_ring.tick_length(sample_rate)
-        self._drift = np.zeros((2, coefficients.INPUTS))
-        self._fade, self._faded = np.zeros(coefficients.INPUTS), 0
-        self._rings = np.full(2, math.nan)
-        self._values = np.zeros(coefficients.CONDITION_SIZE)
-        self._seed = _checked(seed)
+        self.drift = np.zeros((2, coefficients.INPUTS))
+        self.fade, self.faded = np.zeros(coefficients.INPUTS), 0
+        self.rings = np.full(2, math.nan)
+        self.values = np.zeros(coefficients.CONDITION_SIZE)
+        self.seed = _checked(seed)
         self._configure(parameters)
         self.reset()
 
@@ -192,8 +172,8 @@ class Simulator:
             self._reseed(_checked(seed))
         self.next_sample = 0
         self._temperature, self._shaft_hz = self.start
-        self._history = np.zeros((2, len(self._taps) - self._oversample))
-        self._state = np.zeros(1, STATE)
+        self.history = np.zeros((2, len(self._taps) - self._oversample))
+        self.state = np.zeros(1, STATE)
         self._come_from(None)
         self._settle_ring()
         self._run_in()
@@ -254,7 +234,7 @@ class Simulator:
         temperature = check_temperature(float(temperature))
         shaft_hz = check_speed(shaft_hz)
         was = self._temperature, self._shaft_hz
-        begin, end = self._values, self._values
+        begin, end = self.values, self.values
         if (temperature, shaft_hz) != was:
             end = self._evaluate(temperature, temperature, shaft_hz)
         start = begin[: coefficients.INPUTS]
@@ -267,8 +247,8 @@ class Simulator:
                 count = min(count, self.tick - self.next_sample % self.tick)
             ramp = start + growth * (np.array([[done], [done + count]]) / n)
             kernel.advance(
-                self._state, self._history, self._machines, self._resonators, self._taps,
-                *self._tables(), ramp, self._drift, self._fade, self._faded, self._seed,
+                self.state, self.history, self.tables, self._resonators, self._taps, ramp,
+                self.drift, self.fade, self.faded, self.seed,
                 self.next_sample, self.next_sample % self.tick, out[:, done : done + count],
             )  # fmt: skip
             done += count
@@ -276,11 +256,11 @@ class Simulator:
             if self._parameters.thermal_mode == 'physical' and self.next_sample % self.tick == 0:
                 share = done / n
                 inner_ring.advance(
-                    self._law, was[0] + (temperature - was[0]) * share,
-                    was[1] + (shaft_hz - was[1]) * share, self._rings, self._drift, self.tick,
+                    self.law, was[0] + (temperature - was[0]) * share,
+                    was[1] + (shaft_hz - was[1]) * share, self.rings, self.drift, self.tick,
                     self.tick / self.sample_rate,
                 )  # fmt: skip
-        self._temperature, self._shaft_hz, self._values = temperature, shaft_hz, end
+        self._temperature, self._shaft_hz, self.values = temperature, shaft_hz, end
         return Block(first_sample=first, x=out[0], y=out[1], describe=self._describe())
 
     def condition(self) -> Condition:
@@ -289,10 +269,10 @@ class Simulator:
 
     def _describe(self) -> Callable[[], Condition]:
         """Return what works out the present condition, whatever becomes of the state."""
-        inner = inner_ring.temperature(self._rings, self.next_sample % self.tick, self.tick)
+        inner = inner_ring.temperature(self.rings, self.next_sample % self.tick, self.tick)
         return functools.partial(
-            _condition, self._parameters, self._law, (self._temperature, inner, self._shaft_hz),
-            self.inputs(), self._state.tobytes(), self._machines, *self._tables(),
+            _condition, self._parameters, self.law, (self._temperature, inner, self._shaft_hz),
+            self.inputs(), self.state.tobytes(), self.tables,
         )  # fmt: skip
 
     def save(self) -> bytes:
@@ -303,13 +283,13 @@ class Simulator:
         """
         body = np.concatenate(
             [
-                self._state.view(float), self._history.ravel(), self._drift.ravel(),
-                self._fade, self.inputs(), np.nan_to_num(self._rings),
+                self.state.view(float), self.history.ravel(), self.drift.ravel(),
+                self.fade, self.inputs(), np.nan_to_num(self.rings),
             ]
         )  # fmt: skip
         fields = (
-            self.sample_rate, self._seed, self.next_sample, self._temperature, self._shaft_hz,
-            identity([self._parameters]), self._faded, *self.marks,
+            self.sample_rate, self.seed, self.next_sample, self._temperature, self._shaft_hz,
+            identity([self._parameters]), self.faded, *self.marks,
         )  # fmt: skip
         return _SAVED.seal(fields, body.astype('<f8').tobytes())
 
@@ -327,7 +307,7 @@ class Simulator:
         fields, body = _SAVED.open(data)
         rate, seed, next_sample, temperature, shaft_hz, whose, faded, *of = fields
         own = (self.sample_rate, identity([self._parameters]))
-        sizes = [STATE.itemsize // 8, self._history.size, self._drift.size]
+        sizes = [STATE.itemsize // 8, self.history.size, self.drift.size]
         sizes += [coefficients.INPUTS, coefficients.INPUTS, 2]
         if (rate, whose) != own or len(body) != 8 * sum(sizes):
             msg = (
@@ -352,15 +332,15 @@ class Simulator:
         values_at = self._evaluate(
             check_temperature(temperature), temperature, check_speed(shaft_hz)
         )
-        self._temperature, self._shaft_hz, self._values = temperature, shaft_hz, values_at
+        self._temperature, self._shaft_hz, self.values = temperature, shaft_hz, values_at
         self._reseed(seed)
         self.next_sample = next_sample
-        self._state = state.copy()
-        self._history = history.reshape(self._history.shape).copy()
-        self._drift = drift.reshape(self._drift.shape).copy()
-        self._fade[:], self._faded = fade, faded
+        self.state = state.copy()
+        self.history = history.reshape(self.history.shape).copy()
+        self.drift = drift.reshape(self.drift.shape).copy()
+        self.fade[:], self.faded = fade, faded
         physical = self._parameters.thermal_mode == 'physical'
-        self._rings[:] = rings if physical else math.nan
+        self.rings[:] = rings if physical else math.nan
         if tuple(of) != self.marks:
             self._come_from(inputs if of[1] == self.marks[1] else None)
             self._start_motion()
@@ -380,30 +360,11 @@ class Simulator:
         """
         self.next_sample = next_sample
         if rings is not None:
-            self._rings[:] = rings
+            self.rings[:] = rings
             self._carry_rings()
         self._come_from(inputs)
-        self._state[:] = state
+        self.state[:] = state
         self._start_motion()
-
-    def snapshot(self) -> Snapshot:
-        """Return copies of the tables and the state, as a fleet takes them."""
-        return Snapshot(
-            state=self._state.copy(),
-            history=self._history.copy(),
-            machine=self._machines[:1],
-            defects=self._defects,
-            balls=self._balls,
-            surfaces=self._surfaces,
-            law=self._law,
-            values=self._values,
-            drift=self._drift.copy(),
-            rings=self._rings.copy(),
-            fade=self._fade.copy(),
-            faded=self._faded,
-            marks=self.marks,
-            seed=self._seed,
-        )
 
     def _configure(self, parameters: TwinParameters) -> None:
         p = parameters
@@ -411,7 +372,7 @@ class Simulator:
         long = filters.least_steps(self.sample_rate)
         stiff = steps(p, self.sample_rate) > long
         kinds = long, self._oversample
-        self._machines = np.concatenate(
+        machines = np.concatenate(
             [machine(p, self.sample_rate, each, stiff=stiff) for each in kinds]
         )
         reads = self._oversample // long
@@ -423,33 +384,29 @@ class Simulator:
                 p.resonance_hz, p.resonance_damping, step, count
             )
         self._parameters = p
-        self._law = coefficients.law_table(p)
-        self._defects = defect_table(p)
-        self._balls = ball_table(p)
-        self._surfaces = surfaces(p, self._seed)
+        self.law = coefficients.law_table(p)
+        found = surfaces(p, self.seed)
+        self.tables = kernel.Tables(machines, defect_table(p), ball_table(p), found)
         springs = np.array([p.inner_stiffness, *p.housing_stiffness])
-        tables = self._machines, self._law, self._defects, np.array([p.waviness])
+        tables = machines, self.law, self.tables.defects, np.array([p.waviness])
         whole = zlib.crc32(b''.join(table.tobytes() for table in tables))
         self.marks = whole, zlib.crc32(springs.tobytes())
         """Checksums of what the equations take, and of the springs, whose foot jumps with them."""
 
     def _reseed(self, seed: int) -> None:
         """Take another seed: the random numbers change, and with them the surfaces."""
-        if seed != self._seed:
-            self._seed = seed
-            self._surfaces = surfaces(self._parameters, seed)
-
-    def _tables(self) -> tuple[Records, FloatArray, Surfaces]:
-        return self._defects, self._balls, self._surfaces
+        if seed != self.seed:
+            self.seed = seed
+            self.tables = self.tables._replace(surfaces=surfaces(self._parameters, seed))
 
     def _evaluate(self, outer: float, inner: float, shaft_hz: float) -> FloatArray:
         values = np.empty(coefficients.CONDITION_SIZE)
-        coefficients.evaluate(self._law, outer, inner, shaft_hz, values)
+        coefficients.evaluate(self.law, outer, inner, shaft_hz, values)
         return values
 
     def _run_in(self) -> None:
         """Turn from equilibrium to the phases of sample 0, without jitter and noise."""
-        values, machines, state = self.inputs(), self._machines.copy(), self._state
+        values, machines, state = self.inputs(), self.tables.machines.copy(), self.state
         machines['jitter'] = machines['noise'] = 0.0
         turns = self._parameters.start_angle / (2.0 * math.pi) % 1.0
         hz, carried = self._shaft_hz, self._shaft_hz * (1.0 - values[coefficients.SLIP])
@@ -459,12 +416,12 @@ class Simulator:
         state['cage'] = turns - seconds * machine['ftf_order'] * carried
         state['shaft'] = turns - seconds * hz
         state['spin'] = -seconds * machine['spin_order'] * carried
-        tables = self._tables()
-        kernel.settle(state, machines, *tables, values)
-        kernel.start(state, machines, *tables, values)
+        tables = self.tables._replace(machines=machines)
+        kernel.settle(state, tables, values)
+        kernel.start(state, tables, values)
         kernel.advance(
-            state, self._history, machines, self._resonators, self._taps, *tables,
-            np.array([values, values]), np.zeros((2, coefficients.INPUTS)), self._fade, 0, 0, -n,
+            state, self.history, tables, self._resonators, self._taps,
+            np.array([values, values]), np.zeros((2, coefficients.INPUTS)), self.fade, 0, 0, -n,
             0, np.empty((2, n), np.float32),
         )  # fmt: skip
         state['cage'], state['shaft'], state['spin'] = turns, turns, 0.0
@@ -472,33 +429,33 @@ class Simulator:
 
     def inputs(self) -> FloatArray:
         """Return the inputs of the equations at the next sample, as `coefficients` has them."""
-        behind = self._fade * min(self.next_sample - self._faded, 0)
-        return inner_ring.inputs(self._values, behind, self._drift, self.next_sample % self.tick)
+        behind = self.fade * min(self.next_sample - self.faded, 0)
+        return inner_ring.inputs(self.values, behind, self.drift, self.next_sample % self.tick)
 
     def _come_from(self, inputs: FloatArray | None) -> None:
         """Let ``inputs`` of the equations fade into those that are due; None: at once."""
-        self._fade[:], self._faded = 0.0, 0
+        self.fade[:], self.faded = 0.0, 0
         if inputs is not None:
             behind = inputs - self.inputs()
             end = self.next_sample + _FADE * self.sample_rate
-            self._faded = CHUNK * math.ceil(end / CHUNK)
-            self._fade[:] = behind / (self.next_sample - self._faded)
+            self.faded = CHUNK * math.ceil(end / CHUNK)
+            self.fade[:] = behind / (self.next_sample - self.faded)
 
     def _start_motion(self) -> None:
         """Make acceleration and jerk follow from positions, velocities and parameters."""
-        kernel.start(self._state, self._machines, *self._tables(), self.inputs())
+        kernel.start(self.state, self.tables, self.inputs())
 
     def _settle_ring(self) -> None:
         """Put the inner ring into its steady state."""
         outer, hz = self._temperature, self._shaft_hz
-        self._values = self._evaluate(outer, outer, hz)
-        inner_ring.settle(self._law, outer, hz, self._rings, self._drift)
+        self.values = self._evaluate(outer, outer, hz)
+        inner_ring.settle(self.law, outer, hz, self.rings, self.drift)
 
     def _carry_rings(self) -> None:
         """Let the inner ring go on with the parameters in force."""
         outer, hz = self._temperature, self._shaft_hz
-        self._values = self._evaluate(outer, outer, hz)
-        inner_ring.carry(self._law, outer, hz, self._rings, self._drift, self.tick)
+        self.values = self._evaluate(outer, outer, hz)
+        inner_ring.carry(self.law, outer, hz, self.rings, self.drift, self.tick)
 
 
 def _condition(
@@ -507,16 +464,13 @@ def _condition(
     at: tuple[float, float, float],
     inputs: FloatArray,
     state: bytes,
-    machines: Records,
-    defects: Records,
-    balls: FloatArray,
-    surfaces: Surfaces,
+    tables: kernel.Tables,
 ) -> Condition:
     """Return the condition at a state that has been put aside as bytes, which is quickest."""
     # Looked up with room of its own: the simulator may run meanwhile.
-    surfaces = surfaces._replace(room=surfaces.room.copy())
-    states = np.frombuffer(state, STATE).copy()
-    return condition(parameters, law, at, inputs, states, machines, defects, balls, surfaces)
+    found = tables.surfaces
+    tables = tables._replace(surfaces=found._replace(room=found.room.copy()))
+    return condition(parameters, law, at, inputs, np.frombuffer(state, STATE).copy(), tables)
 
 
 def _checked(seed: int) -> int:

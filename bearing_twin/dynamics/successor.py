@@ -45,22 +45,26 @@ def successor(simulator: Simulator, parameters: TwinParameters) -> tuple[Simulat
     True
 
     """
-    was, rate = simulator.snapshot(), simulator.sample_rate
+    rate = simulator.sample_rate
     temperature, shaft_hz = simulator.temperature, simulator.shaft_hz
     new = Simulator(
-        parameters, sample_rate=rate, seed=was.seed, temperature=temperature, shaft_hz=shaft_hz
+        parameters,
+        sample_rate=rate,
+        seed=simulator.seed,
+        temperature=temperature,
+        shaft_hz=shaft_hz,
     )
     new.start = simulator.start
     physical = {parameters.thermal_mode, simulator.parameters.thermal_mode} == {'physical'}
-    rings = was.rings if physical else None
+    rings = simulator.rings if physical else None
     n = int(SETTLE_S * rate)
-    now, state = new.condition(), new.snapshot().state
+    now, state = new.condition(), new.state.copy()
     for name, hz in zip(_PHASES, (shaft_hz, now.ftf, now.bsf), strict=True):
-        state[name] = was.state[name] - n / rate * hz
+        state[name] = simulator.state[name] - n / rate * hz
     new.adopt(state, simulator.next_sample, rings)
     before = new.advance(n, temperature, shaft_hz)
-    state = new.snapshot().state
+    state = new.state.copy()
     for name in _PHASES:
-        state[name] = was.state[name]
+        state[name] = simulator.state[name]
     new.adopt(state, simulator.next_sample, rings)
     return new, before

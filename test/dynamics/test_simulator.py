@@ -133,12 +133,12 @@ def test_free_motion_decays_to_static_equilibrium():
     simulator = Simulator(parameters, shaft_hz=0.0)
     at_rest = simulator.condition()
     assert np.abs(simulator.advance(2560, 20.0, 0.0).y).max() < 1e-6
-    pushed = simulator.snapshot().state
+    pushed = simulator.state.copy()
     pushed['v'] = 0.0, -1e-3, 0.0, 0.0
     simulator.adopt(pushed, simulator.next_sample)
 
     def energy():
-        inner, outer = simulator.snapshot().state['v'][0].reshape(2, 2)
+        inner, outer = simulator.state['v'][0].reshape(2, 2)
         return 0.5 * (6.2638 * (inner**2).sum() + 12.638 * (outer**2).sum())
 
     peaks = [

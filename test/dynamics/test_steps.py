@@ -58,11 +58,11 @@ def test_contact_is_lost_and_found_when_an_adaptive_solver_finds_it(hz):
     """
     p, samples = quiet(resonance_hz=0.0), 3072
     simulator = Simulator(p, shaft_hz=hz)
-    values = simulator.snapshot().values
+    values = simulator.values
     near, loaded = np.empty(samples), np.empty(samples, np.int64)
     for k in range(samples):
         simulator.advance(1, 20.0, hz)
-        state = simulator.snapshot().state[0]
+        state = simulator.state[0]
         near[k], loaded[k] = state['near'], state['loaded']
     states = solve(p, samples, shaft_hz=hz).states[:, 2::3]
     times, soon = np.arange(1, samples + 1) / RATE, 2e-6
@@ -88,9 +88,10 @@ def test_contact_is_lost_and_found_when_an_adaptive_solver_finds_it(hz):
 @pytest.mark.parametrize('hz', [BELOW, ABOVE])
 def test_kinks_are_where_the_path_has_them(hz):
     p = quiet()
-    snapshot = Simulator(p, shaft_hz=hz).snapshot()
-    values, found = snapshot.values, np.empty(32)
-    machine, defect, state = snapshot.machine[0], snapshot.defects[0], snapshot.state[0]
+    simulator = Simulator(p, shaft_hz=hz)
+    values, found = simulator.values, np.empty(32)
+    tables, state = simulator.tables, simulator.state[0]
+    machine, defect = tables.machines[0], tables.defects[0]
     h = machine['step']
     orders = fault_orders(p.bearing, values[coefficients.SLIP])
     rates = hz * orders.ftf, hz, hz * orders.bsf
@@ -99,7 +100,7 @@ def test_kinks_are_where_the_path_has_them(hz):
     instants = []
     for step in range(2560):
         phases = tuple(begin + step * h * np.array(rates))
-        n = kinks(machine, snapshot.defects, phases, rates, found)
+        n = kinks(machine, tables.defects, phases, rates, found)
         instants += list(step * h + found[:n])
     instants = np.array(instants)
     distance = abs(along_inner_race(p, values, hz, instants)).min(axis=0)
@@ -122,7 +123,7 @@ def test_same_bits_however_a_run_over_the_switch_is_cut(mode):
         for hz in (ABOVE, BELOW, ABOVE + 2.0, BELOW - 2.0):
             for n in (1000, *cuts):
                 signal.append(simulator.advance(n, 40.0, hz).y)
-                short.append(simulator.snapshot().state['next_step'][0])
+                short.append(simulator.state['next_step'][0])
                 if len(cuts) > 1:
                     saved = simulator.save()
                     simulator = build()
