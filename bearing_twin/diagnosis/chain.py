@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 import itertools
 import math
 import threading
@@ -21,6 +21,7 @@ from bearing_twin.diagnosis.demodulation import (
 )
 from bearing_twin.diagnosis.evidence import Evidence
 from bearing_twin.diagnosis.gate import check_extents, Extent
+from bearing_twin.diagnosis.plain_lines import low_lines
 from bearing_twin.diagnosis.report import insufficient, not_shown, report
 from bearing_twin.diagnosis.rules import decide
 from bearing_twin.diagnosis.search import CombSearch
@@ -334,7 +335,9 @@ class Analysis:
 
         def decided(spectra: OrderSpectra, speed: ShaftSpeed) -> Verdict:
             combs = CombSearch(spectra, bearing, speed)
-            return decide(Evidence(combs, turns, window.kurtosis, steps))
+            outer_hz = combs.orders.bpfo * speed.shaft_hz
+            plain = partial(low_lines, window.amplitude, window.bin_hz, outer_hz, speed.shaft_hz)
+            return decide(Evidence(combs, turns, window.kurtosis, steps, plain))
 
         verdict = decided(accumulate(windows), speed)
         if speed.shaft_hz == given_hz:

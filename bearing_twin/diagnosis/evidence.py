@@ -7,22 +7,21 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cached_property, wraps
 import math
-from typing import Any, NamedTuple, TYPE_CHECKING, TypeVar
+from typing import Any, TYPE_CHECKING, TypeVar
 
 from bearing_twin.bearing import find_bearing, PLACES
-from bearing_twin.diagnosis.search import Candidate, CombSearch
+from bearing_twin.diagnosis.candidate import Candidate, Claims, LoadZone
+from bearing_twin.diagnosis.search import CombSearch
 from bearing_twin.diagnosis.thresholds import (
     BLURRED,
     INDEX_FAULT,
     INDEX_NOISE,
     INDEX_NOISE_TURNS,
     INDEX_SOUND,
-    INDEX_SUSPECT,
     LOAD_ZONE,
     RIPPLE,
     RIVAL,
     SLIP_COST,
-    Z_CAGE,
     Z_FAULT,
     Z_SECOND_LOOK,
 )
@@ -32,22 +31,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.comb import OrderSpectra
-
-
-class Claims(NamedTuple):
-    """Combs after each that two places claim has been given to one of them."""
-
-    kept: tuple[Candidate, ...]
-    contested: tuple[tuple[Candidate, Candidate], ...] = ()
-    """Pairs of (stronger, weaker) where neither sidebands nor slip tell whose comb it is."""
-
-
-class LoadZone(NamedTuple):
-    """Combs without the shaft sidebands of an inner race that passes through the load zone."""
-
-    kept: tuple[Candidate, ...]
-    uncertain: Candidate | None = None
-    """A removed comb that is the strongest, while the inner race's does not lead clearly."""
 
 
 _T = TypeVar('_T')
@@ -94,13 +77,21 @@ class Evidence:
         Of the newest window's samples without single shocks, and without lines.
     steps
         RMS of its samples in steps of the converter.
+    low_lines
+        Finds the share of the power at low multiples of the outer race that is in its lines.
 
     """
 
     def __init__(
-        self, combs: CombSearch, turns: float, kurtosis: float = 3.0, steps: float = math.inf
+        self,
+        combs: CombSearch,
+        turns: float,
+        kurtosis: float = 3.0,
+        steps: float = math.inf,
+        low_lines: Callable[[], float] = float,
     ) -> None:
         self._combs = combs
+        self._low_lines = low_lines
         self.turns = turns
         self.kurtosis = kurtosis
         self.steps = steps
@@ -120,7 +111,7 @@ class Evidence:
             Any other quantity, by its name. What is not given and does not follow from the others
             is that of combs that nothing disturbs.
 
-        >>> from bearing_twin.diagnosis.search import Candidate
+        >>> from bearing_twin.diagnosis.candidate import Candidate
         >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
         >>> Evidence.of(inner).leading.place
         'inner'
@@ -181,14 +172,14 @@ class Evidence:
     @cached_property
     def significant(self) -> tuple[Candidate, ...]:
         """Combs that are neither chance nor too weak for a remark, nor of sound parts."""
-        found = filter(_significant, self.candidates.values())
+        found = (c for c in self.candidates.values() if c.significant)
         return tuple(c for c in found if c.place not in self.sound) or self.on_second_look
 
     @_measured(undisturbed=frozenset())
     def sound(self) -> frozenset[str]:
         """Places whose comb is a smooth modulation that sound parts and noise make together."""
         most = math.hypot(INDEX_SOUND, INDEX_NOISE * math.sqrt(INDEX_NOISE_TURNS / self.turns))
-        shown = filter(_significant, self.candidates.values())
+        shown = (c for c in self.candidates.values() if c.significant)
         return frozenset(c.place for c in shown if self._combs.sound(c, most))
 
     @_measured(undisturbed=())
@@ -203,7 +194,7 @@ class Evidence:
             for c in self.candidates.values()
             if c.place != 'cage' and c.z >= Z_SECOND_LOOK and c.index >= INDEX_FAULT
         )
-        return tuple(filter(_significant, map(self._combs.second_look, strong)))
+        return tuple(c for c in map(self._combs.second_look, strong) if c.significant)
 
     @_measured(undisturbed=0.0)
     def outer_index(self) -> float:
@@ -470,6 +461,17 @@ class Evidence:
         combs = (*self.candidates.values(), self.elsewhere)
         return {c.place: self._combs.impacts(c) for c in combs}
 
+    @_measured(undisturbed=0.0)
+    def low_lines(self) -> float:
+        """Share of the power at low multiples of the outer race that is in its lines."""
+        return self._low_lines()
+
+    @_measured(undisturbed=frozenset())
+    def loose(self) -> frozenset[str]:
+        """Places whose comb may be of strikes once a turn: the other turns show as high."""
+        found = (c for c in self._races_and_balls if self._combs.alike(c))
+        return frozenset(c.place for c in found if self._combs.whole_turns(c))
+
     smooth = _of_leading(CombSearch.smooth, undisturbed=False)
     half_turn = _of_leading(CombSearch.half_turn, undisturbed=False)
     whole_turns = _of_leading(CombSearch.whole_turns, undisturbed=0)
@@ -513,12 +515,6 @@ class Evidence:
             and not combs.shaft_sidebands_dominate(c)
             and not combs.extraneous_order(c)
         )
-
-
-def _significant(c: Candidate) -> bool:
-    """Whether a comb is neither chance nor too weak for a remark."""
-    least = Z_CAGE if c.place == 'cage' else Z_FAULT
-    return c.z >= least and c.index >= INDEX_SUSPECT and c.harmonics >= 2
 
 
 def _on_harmonics(order: float, cage_order: float, step: float) -> bool:

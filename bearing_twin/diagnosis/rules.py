@@ -37,6 +37,7 @@ from bearing_twin.diagnosis.thresholds import (
     INDEX_STRIKE,
     INDEX_SUSPECT,
     KURTOSIS,
+    LOW_LINES,
     RIPPLE,
     RIVAL,
     SLIP_COST,
@@ -50,8 +51,8 @@ from bearing_twin.diagnosis.verdict import highest_comb, Verdict
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from bearing_twin.diagnosis.candidate import Candidate
     from bearing_twin.diagnosis.evidence import Evidence
-    from bearing_twin.diagnosis.search import Candidate
 
     _Apply = Callable[[Evidence], Verdict | None]
 
@@ -97,8 +98,7 @@ def _rule(
 
 
 @_rule(
-    'ball',
-    'A ball in the load zone ripples the envelope with the cage and has a comb of its own.',
+    'ball', 'A ball in the load zone ripples the envelope with the cage and has a comb of its own.'
 )
 def _ball_ripple(e: Evidence) -> Verdict | None:
     ball = e.candidates['ball']
@@ -114,8 +114,7 @@ def _ball_ripple(e: Evidence) -> Verdict | None:
 
 
 @_rule(
-    'ambiguous',
-    'A ball in the load zone ripples the envelope once a cage turn, as a cage does.',
+    'ambiguous', 'A ball in the load zone ripples the envelope once a cage turn, as a cage does.'
 )
 def _cage_ripple(e: Evidence) -> Verdict | None:
     if not e.cage_leads:
@@ -157,10 +156,7 @@ def _weak_cage(e: Evidence) -> Verdict | None:
     return _say(e, _NO_ALARM, about=cage)
 
 
-@_rule(
-    'ambiguous',
-    'A comb with high shaft sidebands may be a sideband of the inner race.',
-)
+@_rule('ambiguous', 'A comb with high shaft sidebands may be a sideband of the inner race.')
 def _load_zone_modulated(e: Evidence) -> Verdict | None:
     comb = e.load_zone.uncertain if e.own else None
     if comb is None:
@@ -172,8 +168,8 @@ def _load_zone_modulated(e: Evidence) -> Verdict | None:
         'race, which passes through the load zone; a longer window or steadier conditions '
         'part them'
     )
-    level = 'fault' if comb.index >= INDEX_FAULT else 'suspect'
-    return _say(e, str(inner), text, about=comb, faults=('inner', comb.place), level=level)
+    places, level = ('inner', comb.place), _unless_loose(e, comb)
+    return _say(e, str(inner), text, about=comb, faults=places, level=level)
 
 
 @_rule(
@@ -329,6 +325,18 @@ def _run_together(e: Evidence) -> Verdict | None:
     return _silent(e, text)
 
 
+@_rule('insufficient', 'What rings low has steady lines and modulates little.', nothing_shows=True)
+def _low_lines(e: Evidence) -> Verdict | None:
+    if e.remaining or e.low_lines < LOW_LINES:
+        return None
+    text = (
+        f'{100.0 * e.low_lines:.0f} % of the power from the 4th to the 12th multiple of the outer '
+        "race's frequency is in lines at these multiples: a fault that rings low, or the variable "
+        'compliance of a sound bearing; compare with an earlier record, sample faster or slow down'
+    )
+    return _silent(e, text)
+
+
 @_rule('healthy', 'No comb is both significant and strong.', faint=True)
 def _no_comb(e: Evidence) -> Verdict | None:
     if e.remaining:
@@ -349,7 +357,8 @@ def _same_lines(e: Evidence) -> Verdict | None:
         'a longer window or an exact speed may part them'
     )
     places = (one.place, *(c.place for c in e.same_lines))
-    return _say(e, *map(str, e.same_lines), text, about=one, faults=places, level='fault')
+    level = _unless_loose(e, one)
+    return _say(e, *map(str, e.same_lines), text, about=one, faults=places, level=level)
 
 
 @_rule(
@@ -367,10 +376,7 @@ def _mains_pulses(e: Evidence) -> Verdict | None:
     return _say(e, text, about=e.leading)
 
 
-@_rule(
-    'ambiguous',
-    'A race does not move with the cage, so its comb has no cage sidebands.',
-)
+@_rule('ambiguous', 'A race does not move with the cage, so its comb has no cage sidebands.')
 def _cage_sideband_dominated(e: Evidence) -> Verdict | None:
     if not e.cage_sideband_order:
         return None
@@ -381,10 +387,7 @@ def _cage_sideband_dominated(e: Evidence) -> Verdict | None:
     return _say(e, text, about=e.leading, faults=('ball', 'cage'))
 
 
-@_rule(
-    'ambiguous',
-    "An impact once a cage turn may have a harmonic at the ball's order.",
-)
+@_rule('ambiguous', "An impact once a cage turn may have a harmonic at the ball's order.")
 def _cage_harmonic_series(e: Evidence) -> Verdict | None:
     if not e.cage_series_order:
         return None
@@ -395,11 +398,7 @@ def _cage_harmonic_series(e: Evidence) -> Verdict | None:
     return _say(e, text, about=e.leading, faults=('cage', 'ball'))
 
 
-@_rule(
-    'ambiguous',
-    'An impact once a turn has lines at all multiples of the shaft.',
-    at_most=EVEN,
-)
+@_rule('ambiguous', 'An impact once a turn has lines at all multiples of the shaft.', at_most=EVEN)
 def _masked_by_shaft(e: Evidence) -> Verdict | None:
     if e.leading in e.nameable or e.leading.place not in e.masked_by_shaft:
         return None
@@ -411,10 +410,7 @@ def _masked_by_shaft(e: Evidence) -> Verdict | None:
     return _say(e, text, about=e.leading)
 
 
-@_rule(
-    'ambiguous',
-    'A ball moves with the cage, so its comb has no higher shaft sidebands.',
-)
+@_rule('ambiguous', 'A ball moves with the cage, so its comb has no higher shaft sidebands.')
 def _shaft_sideband_dominated(e: Evidence) -> Verdict | None:
     if not e.shaft_sidebands_dominate:
         return None
@@ -460,10 +456,7 @@ def _slipping_race(e: Evidence) -> Verdict | None:
     return _say(e, text, about=leading)
 
 
-@_rule(
-    'suspect',
-    'A gear, a belt or another bearing may have a harmonic at this order.',
-)
+@_rule('suspect', 'A gear, a belt or another bearing may have a harmonic at this order.')
 def _extraneous(e: Evidence) -> Verdict | None:
     if e.leading in e.nameable:
         return None
@@ -496,8 +489,7 @@ def _contested_comb(e: Evidence) -> Verdict | None:
 
 
 @_rule(
-    'ambiguous',
-    'Without an exact speed lines of a second fault may be sidebands of the first.',
+    'ambiguous', 'Without an exact speed lines of a second fault may be sidebands of the first.'
 )
 def _uncertain_second(e: Evidence) -> Verdict | None:
     doubtful = _doubtful(e)
@@ -543,7 +535,7 @@ def _whole_turns(e: Evidence) -> Verdict | None:
         f'the shaft speed is not known well enough to tell it from {e.whole_turns} impacts a '
         'turn, as of a coupling; give a measured speed'
     )
-    return _say(e, text, about=e.leading, level='fault')
+    return _say(e, text, about=e.leading, level=_unless_loose(e, e.leading))
 
 
 @_rule('its place', 'The comb is significant, strong, and nothing else explains it.')
@@ -570,7 +562,7 @@ def decide(evidence: Evidence) -> Verdict:
     Verdict of the first rule that applies.
 
     >>> from bearing_twin.diagnosis.evidence import Evidence
-    >>> from bearing_twin.diagnosis.search import Candidate
+    >>> from bearing_twin.diagnosis.candidate import Candidate
     >>> outer = Candidate('outer', order=3.07, slip=0.01, z=9.0, index=0.8)
     >>> decide(Evidence.of(outer)).rule
     'fault'
@@ -654,6 +646,11 @@ def _say(
         candidates=candidates or e.candidates,
         strongest=about,
     )
+
+
+def _unless_loose(e: Evidence, comb: Candidate) -> str:
+    """Level of a comb: an alarm where it is strong and no loose shaft has such lines."""
+    return 'fault' if comb.index >= INDEX_FAULT and comb.place not in e.loose else 'suspect'
 
 
 def _silent(e: Evidence, text: str) -> Verdict:

@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
+from bearing_twin.diagnosis.candidate import Candidate, UNTESTED
 from bearing_twin.diagnosis.comb import comb_scores, HARMONICS, OrderSpectra
 from bearing_twin.diagnosis.harmonics import (
     denser_series,
@@ -49,53 +50,9 @@ if TYPE_CHECKING:
 
 _SIDEBANDS = 4
 _RACES = ('inner', 'outer')
-_UNTESTED = 1.0
 _SHARP = 1.5
 """Bins within which a shaft at a steady speed is two thirds as clear. Simulated ones are within
 1.1, and those whose speed drifts by 3 % in 8 s are not within 2.5."""
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """
-    The best comb of one fault place.
-
-    >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
-    >>> inner.weight, str(inner)
-    (7.2, 'inner: comb at 4.930 orders, z 9.0, modulation index 0.80')
-    """
-
-    place: str
-    order: float
-    """Measured fundamental, multiples of the shaft speed."""
-    slip: float
-    """Cage slip that explains it."""
-    z: float
-    """Score less the cost of an unlikely slip."""
-    index: float
-    """Modulation index."""
-    band: int = 0
-    """Number of the band in the tree."""
-    harmonics: int = HARMONICS
-    """Number of harmonics that are not masked by one of the shaft."""
-    shaft_sideband_ratio: float = _UNTESTED
-    """Mean amplitude of the shaft sidebands over that of the harmonics."""
-
-    @property
-    def weight(self) -> float:
-        """
-        Weight by which faults that claim the same lines are compared.
-
-        The sidebands of a race fault are lower than its harmonics, so a comb beside higher lines
-        is more likely a sideband itself.
-        """
-        return self.z * self.index / max(self.shaft_sideband_ratio, 0.25)
-
-    def __str__(self) -> str:
-        return (
-            f'{self.place}: comb at {self.order:.3f} orders, z {self.z:.1f}, '
-            f'modulation index {self.index:.2f}'
-        )
 
 
 class CombSearch:
@@ -160,7 +117,7 @@ class CombSearch:
         harmonics = found * np.arange(1, HARMONICS + 1)
         alive = int((~self._silent[spectra.rows(harmonics)]).sum())
         tested = place in _RACES and z[at] >= Z_FAULT
-        sidebands = sideband_ratio(spectra, found, band) if tested else _UNTESTED
+        sidebands = sideband_ratio(spectra, found, band) if tested else UNTESTED
         return Candidate(
             place, found, float(slip[at]), float(z[at]), index, band, alive, sidebands
         )
@@ -285,20 +242,29 @@ class CombSearch:
 
     def whole_turns(self, candidate: Candidate) -> int:
         """
-        How often a part of the shaft would strike in a turn to make a race's comb; 0 if none can.
+        How often a part of the shaft would strike in a turn to make a comb; 0 if none can.
 
         It can at a whole number within the uncertainty of a speed that neither a measurement nor
         the lines of the shaft tell, and where the speed moves so that the comb smears over it.
         What passes a load zone is an inner race.
         """
         order, turns = candidate.order, round(candidate.order)
-        if candidate.place not in _RACES or not turns or self._spread <= _SHARP * self._all.step:
+        # Strikes once a turn have all lines alike, and look sharp where the speed moves a little.
+        strikes = candidate.place != 'inner' and self.alike(candidate)
+        if not turns or self._spread <= (0.0 if strikes else _SHARP * self._all.step):
             return 0
-        slack = self._spread if math.isfinite(self._spread) else self._uncertainty
+        spread = self._spread if math.isfinite(self._spread) else 0.0
+        slack = max(spread, self._uncertainty) if strikes else spread or self._uncertainty
         if abs(order - turns) > slack * order and not self._reaches(order, turns):
             return 0
-        turning = candidate.place == 'inner' and self.turning_sideband(candidate)[1]
-        return 0 if turning * RIVAL >= LOAD_ZONE else turns
+        if strikes or candidate.place == 'outer':
+            return turns
+        swings = self.turning_sideband(candidate)[1] * RIVAL >= LOAD_ZONE
+        return 0 if candidate.place == 'ball' or swings else turns
+
+    def alike(self, candidate: Candidate) -> bool:
+        """Whether the lines a turn beside a comb are as high as its own, as of a loose shaft."""
+        return self.turning_sideband(candidate)[1] * RIVAL >= 1.0
 
     def _reaches(self, order: float, whole: float) -> bool:
         """Whether a comb is half as clear at all orders from its own to a whole one."""

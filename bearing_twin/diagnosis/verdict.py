@@ -14,14 +14,14 @@ from bearing_twin.diagnosis.thresholds import INDEX_NOISE
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from bearing_twin.diagnosis.search import Candidate
+    from bearing_twin.diagnosis.candidate import Candidate
 
 
 def highest_comb(candidates: Iterable[Candidate]) -> Candidate | None:
     """
     Most significant comb that modulates the envelope by more than noise does.
 
-    >>> from bearing_twin.diagnosis.search import Candidate
+    >>> from bearing_twin.diagnosis.candidate import Candidate
     >>> chance = Candidate('outer', 3.06, 0.0, z=5.0, index=0.0)
     >>> highest_comb([chance, Candidate('inner', 4.94, 0.0, z=4.0, index=0.2)]).place
     'inner'

@@ -71,6 +71,40 @@ def test_a_loose_shaft_beside_the_given_speed_is_no_fault(rng, name, off):
     assert said.shaft_hz == pytest.approx(SHAFT_HZ, rel=5e-4)
 
 
+@pytest.mark.parametrize('name', ['6312', '6203', '6308'])
+@pytest.mark.parametrize('sway', [0.005, 0.01, 0.02])
+def test_a_loose_shaft_whose_speed_moves_is_no_alarm(rng, name, sway):
+    """Its lines smear, so that neither they nor the combs tell the speed."""
+    times = np.arange(N) / RATE
+    speed = 1.0 + sway * np.sin(2.0 * np.pi * 0.3 * times + rng.uniform(0.0, 6.3))
+    turns = np.cumsum(SHAFT_HZ * speed) / RATE
+    at = np.arange(1.0, turns[-1] - 1.0)
+    jitter, heights = rng.standard_normal((2, len(at)))
+    struck = np.interp(at + 0.01 * jitter, turns, times)
+    x = _strikes(struck, 8.0 * (1.0 + 0.4 * heights)) + rng.standard_normal(N)
+    x += sum(2.0 / k * np.cos(2.0 * np.pi * k * turns) for k in range(1, 11))
+    said = diagnose_record(x, RATE, find_bearing(name), SHAFT_HZ)
+    assert said.level != 'fault', said.reasons
+
+
+@pytest.mark.parametrize('ringing_hz', [800.0, 1000.0, 1300.0])
+def test_an_outer_race_that_rings_low_is_not_healthy(rng, ringing_hz):
+    """Its impacts do not die away, so that they are lines of the plain spectrum and no comb."""
+    bearing, rate, shaft_hz = find_bearing('6205'), 8000.0, 48.6
+    count = int(4.0 * rate)
+    hertz = fault_orders(bearing, 0.01).bpfo * shaft_hz
+    x = np.zeros(count)
+    at = np.cumsum(1.0 + 0.004 * rng.standard_normal(int(3.9 * hertz))) / hertz
+    x[(at * rate).astype(int)] = 1.0 + 0.2 * rng.standard_normal(len(at))
+    t = np.arange(2000) / rate
+    ring = np.exp(-0.02 * 2.0 * np.pi * ringing_hz * t) * np.sin(2.0 * np.pi * ringing_hz * t)
+    x = np.convolve(x, ring)[:count]
+    noise = rng.standard_normal(count)
+    said = diagnose_record(1.2 * x / x.std() + noise, rate, bearing, shaft_hz)
+    assert said.level != 'ok', said.reasons
+    assert diagnose_record(noise, rate, bearing, shaft_hz).result == 'healthy'
+
+
 def test_pulses_of_the_mains_are_no_fault(rng):
     bearing = find_bearing('6307')
     # Twice the mains falls on the order of the inner race at this speed.

@@ -4,6 +4,7 @@
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis import diagnose_record
+from bearing_twin.diagnosis.candidate import Candidate
 from bearing_twin.diagnosis.comb import OrderSpectra
 from bearing_twin.diagnosis.harmonics import (
     denser_series,
@@ -12,7 +13,7 @@ from bearing_twin.diagnosis.harmonics import (
     missing_harmonics,
 )
 from bearing_twin.diagnosis.kernels import NEUTRAL
-from bearing_twin.diagnosis.search import Candidate, CombSearch
+from bearing_twin.diagnosis.search import CombSearch
 from bearing_twin.diagnosis.shaft import ShaftSpeed
 from bearing_twin.studies.half_pulses import measured
 import numpy as np

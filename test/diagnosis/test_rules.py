@@ -5,9 +5,9 @@
 from pathlib import Path
 import runpy
 
-from bearing_twin.diagnosis.evidence import Claims, Evidence
+from bearing_twin.diagnosis.candidate import Candidate, Claims
+from bearing_twin.diagnosis.evidence import Evidence
 from bearing_twin.diagnosis.rules import decide, FAINT, NOTHING_SHOWS, RULES
-from bearing_twin.diagnosis.search import Candidate
 import pytest
 
 DOCUMENT = Path(__file__).parents[2] / 'docs' / 'diagnosis.md'
@@ -110,6 +110,7 @@ CASES = {
     'few_shaft_turns': (Evidence.of(turns=49.0), 'insufficient', 'none', ()),
     # The inner race of a 6205 strikes 5.4 times a turn of 1/25 s.
     'run_together': (Evidence.of(sample_rate=2400.0), 'insufficient', 'none', ()),
+    'low_lines': (Evidence.of(low_lines=0.5), 'insufficient', 'none', ()),
     'no_comb': (Evidence.of(turns=50.0), 'healthy', 'ok', ()),
     'same_lines': (
         Evidence.of(INNER, OUTER, explained={('inner', 'outer'), ('outer', 'inner')}),
@@ -343,6 +344,15 @@ def test_a_second_look_counts_only_where_nothing_else_is_significant():
     assert decide(seen).faults == ('inner',)
     seen = Evidence.of(doubtful, OUTER, on_second_look=(again,), claims=Claims((OUTER,)))
     assert decide(seen).faults == ('outer',)
+
+
+def test_lines_of_a_loose_shaft_are_no_alarm():
+    of_shaft = {'loose': frozenset({'outer'})}
+    doubtful = (
+        Evidence.of(INNER_SIDEBAND, **SIDEBAND, **of_shaft),
+        Evidence.of(OUTER, whole_turns=3, **of_shaft),
+    )
+    assert [decide(seen).level for seen in doubtful] == ['suspect', 'suspect']
 
 
 def test_a_quantity_is_computed_once():

@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Combs that may be of a fault place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from bearing_twin.diagnosis.comb import HARMONICS
+from bearing_twin.diagnosis.thresholds import INDEX_SUSPECT, Z_CAGE, Z_FAULT
+
+UNTESTED = 1.0
+"""Sideband ratio of a comb whose sidebands were not measured."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """
+    The best comb of one fault place.
+
+    >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
+    >>> inner.weight, str(inner)
+    (7.2, 'inner: comb at 4.930 orders, z 9.0, modulation index 0.80')
+    """
+
+    place: str
+    order: float
+    """Measured fundamental, multiples of the shaft speed."""
+    slip: float
+    """Cage slip that explains it."""
+    z: float
+    """Score less the cost of an unlikely slip."""
+    index: float
+    """Modulation index."""
+    band: int = 0
+    """Number of the band in the tree."""
+    harmonics: int = HARMONICS
+    """Number of harmonics that are not masked by one of the shaft."""
+    shaft_sideband_ratio: float = UNTESTED
+    """Mean amplitude of the shaft sidebands over that of the harmonics."""
+
+    @property
+    def weight(self) -> float:
+        """
+        Weight by which faults that claim the same lines are compared.
+
+        The sidebands of a race fault are lower than its harmonics, so a comb beside higher lines
+        is more likely a sideband itself.
+        """
+        return self.z * self.index / max(self.shaft_sideband_ratio, 0.25)
+
+    @property
+    def significant(self) -> bool:
+        """Whether it is neither chance nor too weak for a remark."""
+        least = Z_CAGE if self.place == 'cage' else Z_FAULT
+        return self.z >= least and self.index >= INDEX_SUSPECT and self.harmonics >= 2
+
+    def __str__(self) -> str:
+        return (
+            f'{self.place}: comb at {self.order:.3f} orders, z {self.z:.1f}, '
+            f'modulation index {self.index:.2f}'
+        )
+
+
+class Claims(NamedTuple):
+    """Combs after each that two places claim has been given to one of them."""
+
+    kept: tuple[Candidate, ...]
+    contested: tuple[tuple[Candidate, Candidate], ...] = ()
+    """Pairs of (stronger, weaker) where neither sidebands nor slip tell whose comb it is."""
+
+
+class LoadZone(NamedTuple):
+    """Combs without the shaft sidebands of an inner race that passes through the load zone."""
+
+    kept: tuple[Candidate, ...]
+    uncertain: Candidate | None = None
+    """A removed comb that is the strongest, while the inner race's does not lead clearly."""
