@@ -59,7 +59,13 @@ def dataset_signals(path: Path) -> list[DatasetSignal]:
             f'{path / TABLE} has no column {", ".join(missing)}; was it made by bearing-datasets?'
         )
         raise BearingTwinError(msg)
-    rows: list[DatasetSignal] = table.rename_columns(names).to_pylist()
+    # Times are not needed, and those in ns become Python's only through pandas.
+    plain = [
+        name
+        for name, field in zip(names, table.schema, strict=True)
+        if str(getattr(field.type, 'unit', '')) != 'ns'
+    ]
+    rows: list[DatasetSignal] = table.rename_columns(names).select(plain).to_pylist()
     return [row for row in rows if str(row.get('quantity', 'unknown')) in VIBRATION]
 
 

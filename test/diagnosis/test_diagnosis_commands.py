@@ -221,6 +221,8 @@ def parquet_set(tmp_path_factory):
         'signal_row': [0, 1, 0], 'quantity': ['acceleration'] * 3, 'unit': ['g'] * 3,
         'speed_rpm': [60.0 * SHAFT_HZ] * 3, 'bearing_model': ['of our own'] * 3,
         **{name: [round(order, 5)] * 3 for name, order in orders.items()},
+        # Python has no such times without pandas.
+        'start': pa.array([1, 2, 3], pa.timestamp('ns')),
     }  # fmt: skip
     parquet.write_table(pa.table(columns), folder / 'metadata.parquet')
     manifest = {'dataset': 'rig', 'schema_version': 2, 'n_recordings': 2, 'n_signals': 3}
