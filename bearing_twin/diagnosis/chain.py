@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis.candidate import Candidate
     from bearing_twin.diagnosis.demodulation import Layout, Segment
     from bearing_twin.diagnosis.result import Diagnosis, Severity
     from bearing_twin.diagnosis.settings import DiagnosisSettings
@@ -333,13 +334,13 @@ class Analysis:
         turns = window.revolutions * len(windows)
         steps = max(stretch.extent.steps for stretch in self.excerpt.stretches)
 
-        def decided(spectra: OrderSpectra, speed: ShaftSpeed) -> Verdict:
+        def evidence(spectra: OrderSpectra, speed: ShaftSpeed) -> Evidence:
             combs = CombSearch(spectra, bearing, speed)
             outer_hz = combs.orders.bpfo * speed.shaft_hz
             plain = partial(low_lines, window.amplitude, window.bin_hz, outer_hz, speed.shaft_hz)
-            return decide(Evidence(combs, turns, window.kurtosis, steps, plain))
+            return Evidence(combs, turns, window.kurtosis, steps, plain)
 
-        verdict = decided(accumulate(windows), speed)
+        verdict = decide(evidence(accumulate(windows), speed))
         if speed.shaft_hz == given_hz:
             return verdict, speed
         # A fault beside an integer order can pass for a shaft that runs a little off: the speed
@@ -348,28 +349,28 @@ class Analysis:
         apart = abs(speed.shaft_hz / given_hz - 1.0)
         given = ShaftSpeed(given_hz, max(speed.uncertainty, apart), 0.0, speed.tolerance)
         at_given = accumulate([each.at_given_speed() for each in windows])
-        other = decided(at_given, given)
+        at_this, gap = evidence(at_given, given), speed.shaft_hz / given_hz
+        if not any(_mistaken(at_given, comb, gap) for comb in at_this.candidates.values()):
+            return verdict, speed
+        other = decide(at_this)
         sure = other.level == 'fault' and other.result in PLACES
         clearer = sure and other.weight > _CLEARER * verdict.weight
-        if clearer and _mistaken(at_given, other, speed.shaft_hz / given_hz):
+        if clearer and other.strongest and _mistaken(at_given, other.strongest, gap):
             return other, given
         return verdict, speed
 
 
-def _mistaken(at_given: OrderSpectra, verdict: Verdict, gap: float) -> bool:
+def _mistaken(at_given: OrderSpectra, found: Candidate, gap: float) -> bool:
     """
-    Whether the lines of a fault were mistaken for the harmonics of the shaft.
+    Whether the lines of a comb were mistaken for the harmonics of the shaft.
 
-    They can be where the fault's order is a whole number at the refined speed, and the fault has
+    They can be where the comb's order is a whole number at the refined speed, and the fault has
     sidebands at the turns of the given speed: these look like the other multiples of a shaft. The
     harmonics of a comb without sidebands are too few, as two of the shaft's do not count. Half a
     bin apart the two speeds are one, and the clearer fault is right.
     """
     if 2.0 * abs(gap - 1.0) < 1.01 * at_given.step:
         return True
-    found = verdict.strongest
-    if found is None:
-        return False
     order = found.order / gap
     if abs(order - round(order)) > 3.0 * at_given.step:
         return False
