@@ -59,8 +59,16 @@ def draw_calibration(
         figure.suptitle(found.statement)
         steps = BAND_HZ, 1.0 / found.situation.sample_rate
         draw_over_each_other(pair, (found.spectrum, spectrum), turns, steps, found.sensor_unit)
-        lower.hist(found.candidates['defect_width_mm'], bins=40, weights=found.weights)
+        width = found.quantities['defect_width_mm']
+        # Behind the candidates, beyond which it may reach: few of them end too early.
+        lower.axvspan(width.q05, width.q95, color='#bbdefb', label='5 to 95 %')
+        lower.axvline(width.median, color='#1565c0', dashes=(4, 2), label='median')
+        lower.hist(
+            found.candidates['defect_width_mm'], bins=40, weights=found.weights,
+            color='#424242', label='candidates',
+        )  # fmt: skip
         lower.set(xlabel='width of the defect [mm]', ylabel='share of the candidates')
+        lower.legend(loc='upper right', ncols=3)
         _save(figure, path)
 
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from bearing_twin.bearing.vocabulary import RESULTS, TITLES
@@ -32,6 +33,25 @@ class State(NamedTuple):
 
 
 # Middle lightness throughout: to be told apart on a dark and on a light ground.
+def held(top: float, part: float) -> float:
+    """
+    Return the power of ten that an axis up to ``top`` has to hold to have a number beside 0.
+
+    The viewer numbers an axis at each tenth of a power of ten while there is room, which is up to
+    ``part`` of it, and else at the power itself. 0 where nothing has to be held.
+
+    Examples
+    --------
+    >>> held(85.0, 0.6), held(55.0, 0.6), held(0.0, 0.6)
+    (100.0, 0.0, 0.0)
+
+    """
+    if not 0.0 < top < math.inf:
+        return 0.0
+    power: float = 10.0 ** math.ceil(math.log10(top) - 1e-9)
+    return power if top > part * power else 0.0
+
+
 FAMILIES = (
     Family('inner', 'BPFI', (229, 57, 53)),
     Family('outer', 'BPFO', (30, 136, 229)),
@@ -79,8 +99,11 @@ LINE: dict[str, Colour] = {
     'red': (239, 83, 80),
     'violet': (171, 71, 188),
     'spectrum': (100, 181, 246),
+    'limit': (255, 241, 118),
+    'remark': (150, 142, 84),
     'threshold': (96, 100, 104),
     'ground': (128, 128, 128),
     'grid': (40, 40, 40),
+    'back': (13, 13, 13),
 }
 """Colours of lines, by the names that titles give them or by what they show."""

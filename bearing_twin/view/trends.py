@@ -70,10 +70,12 @@ class Limit(NamedTuple):
     label: str
     value: float
     mark: str = ''
-    """Written beside it on a page, where a panel has several."""
+    """Written beside it on a page."""
+    look: str = 'limit'
+    """Name of its colour."""
 
 
-ZERO = Limit('zero', 0.0)
+ZERO = Limit('zero', 0.0, look='ground')
 LOUD = Limit(f'zone D of every machine above {HIGHEST_LIMIT:g}', HIGHEST_LIMIT, 'D')
 
 
@@ -185,7 +187,15 @@ OVER_LIMITS = Panel(
         )
         for k, family in enumerate(FAMILIES)
     ),
-    (Limit(f'fault above 1, suspect above {INDEX_SUSPECT / INDEX_FAULT:g}', 1.0),),
+    (
+        Limit('fault above 1', 1.0, 'fault'),
+        Limit(
+            f'suspect above {INDEX_SUSPECT / INDEX_FAULT:g} where significant',
+            INDEX_SUSPECT / INDEX_FAULT,
+            'suspect',
+            'remark',
+        ),
+    ),
     from_zero=True,
 )
 """Of a Diagnosis: a fault needs significance and modulation index, so the lower one decides."""
@@ -195,13 +205,24 @@ DIAGNOSIS = (
         'significance',
         'Significance [σ over noise]',
         _per_family('score'),
-        (Limit(f'fault above {Z_FAULT:g}, cage {Z_CAGE:g}', Z_FAULT),),
+        (
+            Limit(f'significant above {Z_FAULT:g}', Z_FAULT, f'limit {Z_FAULT:g}'),
+            Limit(f'cage significant above {Z_CAGE:g}', Z_CAGE, f'cage {Z_CAGE:g}', 'remark'),
+        ),
     ),
     Panel(
         'modulation',
         'Modulation index [1]',
         _per_family('modulation_index'),
-        (Limit(f'fault above {INDEX_FAULT:g}', INDEX_FAULT),),
+        (
+            Limit(f'fault above {INDEX_FAULT:g}', INDEX_FAULT, f'fault {INDEX_FAULT:g}'),
+            Limit(
+                f'suspect above {INDEX_SUSPECT:g}',
+                INDEX_SUSPECT,
+                f'suspect {INDEX_SUSPECT:g}',
+                'remark',
+            ),
+        ),
         from_zero=True,
     ),
     _one('level', 'Vibration level [unit] rms', 'blue', 'rms', from_zero=True),
@@ -219,8 +240,10 @@ DIAGNOSIS = (
             ),
         ),
         (
-            Limit(f'suspect above {SUSPECT_DB:g}', SUSPECT_DB, 'suspect'),
-            Limit(f'fault above {FAULT_DB:g}', FAULT_DB, 'fault'),
+            Limit(
+                f'suspect above {SUSPECT_DB:g}', SUSPECT_DB, f'suspect {SUSPECT_DB:g}', 'remark'
+            ),
+            Limit(f'fault above {FAULT_DB:g}', FAULT_DB, f'fault {FAULT_DB:g}'),
         ),
     ),
     Panel(

@@ -13,7 +13,7 @@ from bearing_twin.bearing.vocabulary import next_step as next_step_of
 from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
 from bearing_twin.diagnosis.level import is_urgent
 from bearing_twin.diagnosis.severity import SLOW_HZ
-from bearing_twin.diagnosis.thresholds import INDEX_SUSPECT, Z_CAGE, Z_FAULT
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.view.trends import recorded
 
@@ -113,7 +113,7 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
             (
                 'Found',
                 f'{diagnosis.fault_hz:.2f} Hz, expected {diagnosis.fault_hz_expected:.2f} Hz '
-                f'({off:+.2%})',
+                f'({round(100.0 * off, 2) + 0.0:+.2f} %)',
             )
         )
     rows.append(('Shaft', shaft_speed(diagnosis)))
@@ -151,7 +151,7 @@ def measured(diagnosis: Any) -> list[tuple[str, str]]:
     if not diagnosis.iso_zone:
         why = ': needs machine group, mounting and speed'
         if not math.isfinite(diagnosis.velocity_rms):
-            why = ': needs the unit of an acceleration, and 1 s'
+            why = ': needs the unit of an acceleration, and at least 1 s'
         elif diagnosis.shaft_hz < SLOW_HZ:
             why = ' below 600 1/min'
         rows.append(('Zone', f'none of ISO 20816-3{why}'))
@@ -183,7 +183,12 @@ def rival(diagnosis: Any) -> str:
         # Found as well: the title names it.
         scores.pop(str(place), None)
     limits = {place: Z_CAGE if place == 'cage' else Z_FAULT for place in scores}
-    rivals = [place for place in scores if scores[place] >= max(limits[place], RIVAL * own)]
+    rivals = [
+        place
+        for place, score in scores.items()
+        if score >= max(limits[place], RIVAL * own)
+        or (score > limits[place] and index[place] > INDEX_FAULT)
+    ]
     if not rivals:
         return ''
     other = max(rivals, key=lambda place: scores[place] / limits[place])
@@ -196,7 +201,7 @@ def rival(diagnosis: Any) -> str:
         )
     if result not in PLACES:
         return ''
-    text = f'The {name} is nearly as significant ({scores[other]:.1f} against {own:.1f})'
+    text = f'The {name} is significant too ({scores[other]:.1f} against {own:.1f})'
     fundamental, shaft = impacts(diagnosis, other), float(diagnosis.shaft_hz)
     sidebands = [
         k * diagnosis.fault_hz + n * shaft for k in range(1, 5) for n in range(-2, 3) if n
@@ -204,8 +209,8 @@ def rival(diagnosis: Any) -> str:
     close = min(abs(line - fundamental) for line in sidebands)
     if close < CLOSE * fundamental:
         return (
-            f'{text}: its line is within {close / fundamental:.1%} of a shaft sideband of the '
-            f'{name_of(result)}.'
+            f'{text}: its line is within {100.0 * close / fundamental:.1f} % of a shaft sideband '
+            f'of the {name_of(result)}.'
         )
     return f'{text}: modulation index {index[other]:.2f} against {index[result]:.2f}.'
 

@@ -257,8 +257,8 @@ def test_a_level_over_baseline_has_its_limits_and_takes_no_third_sheet(recording
         (drawn,) = (svg for caption, svg in page.items() if caption.startswith('What decides'))
         heights.append(re.search(r'height="([\d.]+)pt"', drawn)[1])
     assert heights[0] == heights[1]
-    assert '>suspect</text>' in drawn
-    assert '>fault</text>' in drawn
+    assert '>suspect 6</text>' in drawn
+    assert '>fault 12</text>' in drawn
 
 
 def test_only_parameters_off_their_defaults_are_listed():

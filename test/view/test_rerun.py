@@ -24,6 +24,7 @@ from bearing_twin.view.rerun.bearing3d import contact_forces, SLOWED
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings
+from bearing_twin.view.rerun.outlet import Outlet
 from bearing_twin.view.rerun.picture import Asset
 from bearing_twin.view.rerun.spectra import SpectrumBars, vector
 from bearing_twin.view.rerun.spectrogram import COLUMNS, Spectrogram
@@ -606,3 +607,30 @@ def test_a_process_that_draws_many_pictures_keeps_none_of_their_threads(tmp_path
             pass
         counts.append(len(list(tasks.iterdir())))
     assert counts[-1] <= counts[2] + 2
+
+
+def test_a_file_is_given_up_when_it_no_longer_grows_not_after_a_time(tmp_path):
+    rrd, tries = tmp_path / 'slow.rrd', []
+    outlet = Outlet('slow', rr.FileSink(str(rrd)), place=rrd)
+    real = outlet.recording
+
+    class Slow:
+        def flush(self, timeout_sec):
+            tries.append(timeout_sec)
+            if len(tries) < 4:
+                # What a loaded machine has written meanwhile.
+                with rrd.open('ab') as file:
+                    file.write(bytes(1))
+            if len(tries) < growing:
+                raise RuntimeError('timeout')
+
+        def disconnect(self):
+            real.disconnect()
+
+    growing, outlet.recording = 3, Slow()
+    outlet.close()
+    assert len(tries) == 3
+    growing, outlet.recording = 99, Slow()
+    with pytest.raises(RuntimeError):
+        outlet.close()
+    assert len(tries) == 4

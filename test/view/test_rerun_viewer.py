@@ -224,7 +224,9 @@ def test_a_laptop_shows_the_answer_and_why_without_scrolling(recordings, stopped
 
 
 NUMBERED = {
-    'Verdict': ('First harmonic',),
+    # Without a page: two recordings side by side.
+    '': ('Envelope spectrum',),
+    'Verdict': ('First harmonic', 'Squared envelope spectrum'),
     'Temperature': ('Amplitude', 'Level', 'Frequency found', 'Frequency, twin', 'Cage slip'),
 }
 """Views whose axis of frequency or temperature has at least two numbers on a laptop."""
@@ -238,7 +240,7 @@ NUMBERED = {
 def test_an_axis_has_two_numbers_on_a_laptop(recordings, tmp_path, page):
     rrd, found = tmp_path / 'outer.rrd', {}
     legend = ('Colours',) if page == 'Verdict' else ()
-    draw_recordings(recordings[1:], rrd, page=page)
+    draw_recordings(recordings[1:] if page else recordings, rrd, page=page)
     with HeadlessViewer([str(rrd)], size=LAPTOP) as viewer:
         viewer.wait()
         # To ask for a view of another page puts a message over those in front.

@@ -237,12 +237,15 @@ def test_a_rival_is_named_with_the_reason_it_lost():
     inner.bpfo, inner.bpfi, inner.bsf, inner.ftf = 76.86, 126.34, 49.07, 9.61
     inner.fault_hz = 126.42
     # BPFI less two turns of the shaft is 75.62 Hz, 1.6 % from BPFO.
-    assert 'outer race is nearly as significant' in rival(inner)
-    assert 'within 1.6% of a shaft sideband of the inner race' in rival(inner)
+    assert 'outer race is significant too' in rival(inner)
+    assert 'within 1.6 % of a shaft sideband of the inner race' in rival(inner)
     for bpfo in (90.0, 0.0):
         inner.bpfo = bpfo
         assert rival(inner).endswith('modulation index 2.50 against 3.00.')
+    # Far below what was found, but over both limits of a fault by itself.
     inner.score[1] = 6.0
+    assert 'outer race is significant too (6.0 against 18.0)' in rival(inner)
+    inner.modulation_index[1] = 0.5
     assert rival(inner) == ''
     healthy = verdict('healthy')
     healthy.score, healthy.modulation_index = [1.0, 13.0, 2.0, 1.0], [0.0, 0.13, 0.0, 0.0]
@@ -252,7 +255,7 @@ def test_a_rival_is_named_with_the_reason_it_lost():
     assert rival(healthy) == ''
     # The cage is a rival though the outer race is farther over its own limit.
     inner.score = [12.0, 7.0, 1.0, 9.0]
-    assert 'cage is nearly as significant' in rival(inner)
+    assert 'cage is significant too' in rival(inner)
     # A cage needs more, and one with the index of a fault is not denied by it.
     for cage, index in ((6.0, 0.3), (9.0, 0.7)):
         healthy.score, healthy.modulation_index = [1.0, 2.0, 2.0, cage], [0.0, 0.0, 0.0, index]

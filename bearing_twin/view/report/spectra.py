@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.diagnosis.thresholds import INDEX_FAULT
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT
 from bearing_twin.view.report.svg import BINS, FAMILY_COLOURS
 from bearing_twin.view.spectrum import HARMONICS, highest, SpectrumPicture
 from matplotlib.ticker import MaxNLocator
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 CAPTION = (
     f'Triangles: the {HARMONICS} harmonics found; ticks: the nominal ones, without slip; dots: '
     'sidebands. Grey: noise floor, and dashed what one bin of noise in a thousand passes. Red: '
-    'limit of a fault, for the root of the sum of squares of its harmonics'
+    'limit of a fault, for the root of the sum of squares of its harmonics; dotted: of suspect'
 )
 
 
@@ -55,7 +55,8 @@ def draw_envelope_spectrum(figure: Figure, picture: SpectrumPicture) -> None:
     top = 1.15 * max(float(picture.deciding().values.max(initial=0.0)), 1.05 * INDEX_FAULT)
     for axes in grid[0]:
         axes.set_ylim(0.0, top)
-        axes.axhline(INDEX_FAULT, color='#b71c1c', linewidth=0.7, dashes=(6, 3))
+        for limit, dashes in ((INDEX_FAULT, (6, 3)), (INDEX_SUSPECT, (1, 2))):
+            axes.axhline(limit, color='#b71c1c', linewidth=0.7, dashes=dashes)
     if near is not None:
         grid[0, 1].set_title('first harmonic from near')
         grid[0, 1].xaxis.set_major_locator(MaxNLocator(3))

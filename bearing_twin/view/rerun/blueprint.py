@@ -230,8 +230,8 @@ def _narrow(scene: Scene, title: str, timeline: str) -> View:
     seen = [*bearing_views(scene), *envelope_views(scene)] or spectrum_views(scene)
     beside = [rrb.Vertical(*seen, row_shares=[2.0, 3.0][-len(seen) :])] if seen else []
     page = _rows(
-        (5.3, [*card_and_reasons(scene, title, (1, 5)), *beside]),
-        (1.5, verdict_lane(scene)),
+        (5.6, [*card_and_reasons(scene, title, (1, 5)), *beside]),
+        (1.2, verdict_lane(scene)),
         # A waterfall as wide as a sixth of the screen would be all labels.
         (2.2, [*waveform_views(scene, timeline)[:1], *temperature_views(scene)]),
         name=title,

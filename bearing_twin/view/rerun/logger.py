@@ -122,7 +122,7 @@ class RerunLogger:
         self._served: ServedOutlet | None = None
         self._closed = False
         if rrd is not None:
-            self._file = Outlet(recording_id, rr.FileSink(str(rrd)), place=str(rrd))
+            self._file = Outlet(recording_id, rr.FileSink(str(rrd)), place=rrd)
         if serve is not None:
             sink = rr.GrpcServerSink(*serve, server_memory_limit=memory_limit)
             self._served = ServedOutlet(Outlet(recording_id, sink, place=f'port {serve[1]}'))

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 import contextlib
+from pathlib import Path
 import threading
 from typing import Any
 
@@ -39,7 +40,8 @@ class Outlet:
 
     """
 
-    def __init__(self, recording_id: str, sink: Any, *, place: str) -> None:
+    def __init__(self, recording_id: str, sink: Any, *, place: str | Path) -> None:
+        self._place = place
         self.recording = rr.RecordingStream(APPLICATION, recording_id=recording_id)
         try:
             self.recording.set_sinks(sink)
@@ -61,12 +63,24 @@ class Outlet:
             If the sink does not take what is left in time.
 
         """
-        self.recording.flush(timeout_sec=FLUSH_TIMEOUT)
+        written = self._written()
+        while True:
+            try:
+                self.recording.flush(timeout_sec=FLUSH_TIMEOUT)
+                break
+            except RuntimeError:
+                # A file on a loaded machine takes longer: it has failed when it does not grow.
+                before, written = written, self._written()
+                if written <= before:
+                    raise
         self.recording.disconnect()
         # Else each picture of a process leaves more threads and memory behind, even though it
         # is disconnected (rerun-io/rerun#2116). What has drawn into it may live on in a circle.
         del self.recording
         rerun_bindings.flush_and_cleanup_orphaned_recordings()
+
+    def _written(self) -> int:
+        return self._place.stat().st_size if isinstance(self._place, Path) else 0
 
 
 class ServedOutlet:

@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.view.over_temperature import NUMBERED, OverTemperature
 from bearing_twin.view.rerun.scales import Scales
 from bearing_twin.view.source import Source
-from bearing_twin.view.style import LINE
+from bearing_twin.view.style import held, LINE
 from bearing_twin.view.trends import Limit, ZERO
 from bearing_twin.view.verdict import Headline, pretty
 import numpy as np
@@ -23,6 +23,11 @@ if TYPE_CHECKING:
     from bearing_twin.bearing.geometry import Bearing
     from bearing_twin.view.rerun.canvas import Canvas
     from bearing_twin.view.trends import Panel
+
+
+LOW = 0.7
+"""Part of a power of ten up to which each tenth is numbered on an axis from 0, a quarter of a
+laptop's screen high."""
 
 
 @dataclass
@@ -121,12 +126,13 @@ class Trends:
         columns = iter(np.array(self._rows).T)
         self._times, self._rows = [], []
         for panel in self._panels:
-            drawn = False
+            drawn, top = False, 0.0
             for trend in panel.trends:
                 values = next(columns)
                 there = np.isfinite(values)
                 if there.any():
                     drawn |= trend is panel.trends[0]
+                    top = max(top, float(values[there].max()))
                     self._canvas.line(
                         f'{panel.key}/{trend.key}',
                         times if there.all() else times[there],
@@ -140,13 +146,21 @@ class Trends:
             limits = self._asset.source.zones if panel.key == 'velocity' else panel.limits
             numbered = panel.key == 'temperature' and self._asset.over_temperature.is_wide
             if numbered:
-                limits = tuple(Limit(f'{value:g} °C', value) for value in NUMBERED)
-            for limit in (*limits, *([ZERO] if panel.from_zero else ())) if drawn else ():
+                limits = tuple(Limit(f'{t:g} °C', t, look='grid') for t in NUMBERED)
+            if panel.from_zero:
+                end = held(max(top, *(limit.value for limit in limits), 0.0), LOW)
+                limits = *limits, ZERO
+                if drawn and end:
+                    self._canvas.line(
+                        f'{panel.key}/axis', times[[0, -1]], np.full(2, end), label='axis',
+                        colour=LINE['back'], slow=True,
+                    )  # fmt: skip
+            for limit in limits if drawn else ():
                 self._canvas.line(
                     f'{panel.key}/limit/{limit.value:g}',
                     times[[0, -1]],
                     np.full(2, limit.value),
                     label=limit.label,
-                    colour=LINE['grid' if numbered else 'ground'],
+                    colour=LINE[limit.look],
                     slow=True,
                 )

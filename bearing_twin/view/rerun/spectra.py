@@ -9,12 +9,12 @@ import io
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.diagnosis.thresholds import INDEX_FAULT
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT
 from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.lanes import AGAIN
 from bearing_twin.view.rerun.picture import Picture
 from bearing_twin.view.spectrum import ENVELOPE, highest, SpectrumPicture
-from bearing_twin.view.style import FAMILIES, LINE
+from bearing_twin.view.style import FAMILIES, held, LINE
 from bearing_twin.view.verdict import number
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -37,9 +37,19 @@ MARK_WIDTH = 1.0 / 200.0
 """Width of a mark, as part of the frequencies shown."""
 STEP = 0.25
 """Step of the height from which marks take their length."""
+HIGH, LOW = 0.6, 0.35
+"""Part of a power of ten up to which a laptop numbers each tenth on the axis of the index, and on
+that of the first harmonic."""
 LEGEND = (740, 80)
 """Width and height of the legend, pixels."""
 COLOURS = {family.key: family.colour for family in FAMILIES} | {'shaft': LINE['ground']}
+LIMITS = {'limit': INDEX_FAULT, 'remark': INDEX_SUSPECT}
+"""By their colour: of a fault, and of suspect."""
+NARROW, WIDE = 4.0, 6.0
+"""
+Most steps of 1, 10, 100 Hz over which the viewer numbers an axis at each step, beside another
+recording and alone, on a laptop's screen.
+"""
 
 
 class SpectrumBars(Picture):
@@ -80,21 +90,29 @@ class SpectrumBars(Picture):
             return
         self.kind = 'envelope_spectrum'
         whole, near = picture.deciding(), picture.zoom()
+        whole = picture.cut(0.0, numbered(whole.end, NARROW if self.asset.narrow else WIDE))
         # A healthy spectrum stays low: the axis always holds the limit of a fault.
         # In steps, so that marks stay what they are.
         top = max(float(whole.values.max()), self.asset.scales.index, INDEX_FAULT)
         top = STEP * math.ceil(top / STEP)
         self._part('whole', time, whole, top)
-        width = 2.0 * MARK_WIDTH * whole.end
+        width = MARK_WIDTH * whole.end
         if self._changed('whole/limit', time, np.array([whole.end]), top, width):
+            # A bar begins at its place: as wide as the axis these are dark grounds, whose upper
+            # edges are the limits.
+            for name, limit in LIMITS.items():
+                red, green, blue = LINE[name]
+                ground = red // 7, green // 7, blue // 7
+                self._bars(
+                    f'whole/{name}', time, np.zeros(1), np.array([limit]), whole.end, ground
+                )
             end = np.array([whole.end + width])
-            self._bars('whole/limit', time, end, np.array([INDEX_FAULT]), width, LINE['red'])
-            if self.asset.scales.index:
-                # An axis takes no range: a thin bar beside the limit holds it.
-                grid = LINE['grid']
-                self._bars('whole/scale', time, end + width, np.array([top]), 0.1 * width, grid)
+            self._hold('whole/scale', time, end, held(top, HIGH) or top, width)
         if near is not None:
             self._part('near', time, near, top)
+            end, width = np.array([near.end]), MARK_WIDTH * (near.end - near.start)
+            if (least := held(top, LOW)) and self._changed('near/limit', time, end, least, width):
+                self._hold('near/scale', time, end, least, width)
             self.asset.panels.add('near')
         elif self._near:
             self.canvas.put('near', time, rr.Clear(recursive=True))
@@ -107,6 +125,12 @@ class SpectrumBars(Picture):
             contents = _legend(tuple((k, number(hertz)) for k, hertz in nominal.items()))
             image = rr.EncodedImage(contents=contents, media_type='image/png')
             self.canvas.put('legend', time, image)
+
+    def _hold(
+        self, name: str, time: int, end: NDArray[np.float64], top: float, width: float
+    ) -> None:
+        """Have an axis go up to ``top``: it takes no range, but holds a thin bar at its end."""
+        self._bars(name, time, end, np.array([top]), 0.1 * width, LINE['grid'])
 
     def _part(self, name: str, time: int, picture: SpectrumPicture, top: float) -> None:
         indices, group = highest(picture.values, BARS)
@@ -183,6 +207,25 @@ class SpectrumBars(Picture):
         self.canvas.put(name, time, bars)
 
 
+def numbered(end: float, steps: float) -> float:
+    """
+    Return where an axis from 0 is to end, so that the viewer writes two numbers on it.
+
+    It numbers each power of ten if there are at most so many of them on the axis, else each tenth
+    of them: the axis then ends at the nearest place where there are so few, or ten.
+
+    Examples
+    --------
+    >>> numbered(530.0, 6.0), numbered(530.0, 4.0), numbered(900.0, 6.0)
+    (530.0, 400.0, 1000.0)
+
+    """
+    step: float = 10.0 ** math.floor(math.log10(end) + 1e-9)
+    if end <= steps * step:
+        return end
+    return steps * step if end**2 < 10.0 * steps * step**2 else 10.0 * step
+
+
 def vector(values: NDArray[np.floating]) -> pa.Array:
     """
     Return a vector, shape (n,), as the Arrow array in which Rerun keeps a tensor.
@@ -224,8 +267,8 @@ def _legend(hertz: tuple[tuple[str, str], ...]) -> bytes:
 
     """
     known = dict(hertz)
-    lower = {'shaft': 'shaft', '': 'noise threshold', 'limit': 'fault limit'}
-    colours = COLOURS | {'': LINE['threshold'], 'limit': LINE['red']}
+    lower = {'shaft': 'shaft', 'threshold': 'noise', 'limit': 'fault limit', 'remark': 'suspect'}
+    colours = COLOURS | LINE
     font = ImageFont.load_default(26)
     image = Image.new('RGB', LEGEND, (24, 24, 24))
     draw = ImageDraw.Draw(image)

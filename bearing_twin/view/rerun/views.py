@@ -114,7 +114,8 @@ def lane_paths(scene: Scene) -> list[str]:
 def verdict_lane(scene: Scene) -> list[View]:
     """Return the view of the verdicts over time."""
     lanes = lane_paths(scene)
-    lanes += [f'{path}/temperature_status' for path in paths_of(scene, 'twin_state')]
+    if not scene.asset.narrow:
+        lanes += [f'{path}/temperature_status' for path in paths_of(scene, 'twin_state')]
     return [lanes_view('Verdict over time', lanes)] if paths_of(scene, 'diagnosis') else []
 
 
@@ -141,7 +142,8 @@ def waveform_views(scene: Scene, timeline: str) -> list[View]:
         unit = scene.asset.units.get(path, _unit(scene))
         views += [
             lines_view(
-                f'Vibration [{unit}], last {CLOSE:g} s',
+                # A low axis may have one number: the title tells the one that all sides share.
+                f'Vibration {f"±{peak:.3g} " if peak else ""}[{unit}], last {CLOSE:g} s',
                 [f'{path}/samples/**'],
                 window=_window(timeline, CLOSE),
                 span=(-peak, peak) if peak else None,
@@ -172,7 +174,7 @@ def waterfall_views(scene: Scene) -> list[View]:
             origin=f'{path}/waterfall',
             name='Waveform over temperature',
             eye_controls=rrb.EyeControls3D(
-                position=[0.5, -6.5, 6.5], look_target=[5.2, 3.6, -0.7], eye_up=[0.0, 0.0, 1.0]
+                position=[1.9, -6.2, 5.6], look_target=[5.4, 3.0, -1.1], eye_up=[0.0, 0.0, 1.0]
             ),
             line_grid=False,
         )

@@ -14,7 +14,7 @@ from bearing_twin.view.rerun.spectrogram import Spectrogram
 from bearing_twin.view.rerun.waterfall import Waterfall
 from bearing_twin.view.source import Source
 from bearing_twin.view.spectrum import low_high
-from bearing_twin.view.style import LINE
+from bearing_twin.view.style import held, LINE
 from bearing_twin.view.verdict import pretty
 import numpy as np
 import rerun as rr
@@ -30,6 +30,9 @@ FINE, COARSE = 16, 64
 """Samples behind one pair of the close look and of the envelope."""
 BURST = 0.25
 """Part of each second that is drawn sample by sample, unless everything is, s."""
+LARGE = 0.6
+"""Part of a power of ten up to which each tenth is numbered on an axis of both signs, half a
+laptop's screen high."""
 AXES = {'y': ('vertical', 'blue'), 'x': ('horizontal', 'olive')}
 """Direction and colour by the field of the message."""
 
@@ -169,6 +172,7 @@ class Waveform(Picture):
             colour=LINE[colour],
             width=1.0,
         )
+        self._hold('samples', samples, piece)
 
     def _envelope(self, axis: str, samples: NDArray[np.float64], piece: _Piece) -> None:
         place, colour = AXES[axis]
@@ -182,6 +186,22 @@ class Waveform(Picture):
             width=1.0,
             slow=True,
         )
+        self._hold('envelope', samples, piece, slow=True)
+
+    def _hold(
+        self, name: str, samples: NDArray[np.float64], piece: _Piece, *, slow: bool = False
+    ) -> None:
+        """Hold the next power of ten on the axis, where it would have no number but 0."""
+        # Part by part: the view shows less than a piece, or more.
+        edges = np.arange(0, samples.size, max(1, samples.size // 8))
+        peaks = np.maximum.reduceat(np.abs(samples), edges)
+        ends = np.array([held(float(peak), LARGE) for peak in peaks])
+        if ends.any():
+            self.canvas.line(
+                f'{name}/scale', _times(edges[ends > 0.0], piece),
+                np.outer(ends[ends > 0.0], [-1.0, 1.0]), label=('axis', 'axis'),
+                colour=LINE['back'], width=0.5, slow=slow,
+            )  # fmt: skip
 
 
 def extremes(samples: NDArray[np.float64], group: int) -> NDArray[np.int64]:
