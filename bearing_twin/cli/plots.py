@@ -68,7 +68,7 @@ def draw_calibration(
             color='#424242', label='candidates',
         )  # fmt: skip
         lower.set(xlabel='width of the defect [mm]', ylabel='share of the candidates')
-        lower.legend(loc='upper right', ncols=3)
+        lower.legend(loc='lower right', bbox_to_anchor=(1.0, 1.0), ncols=3)
         _save(figure, path)
 
 

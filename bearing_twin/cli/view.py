@@ -17,9 +17,8 @@ from urllib.parse import urlsplit
 from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recordings
 from bearing_twin.cli.terminal import percent, refuse_given, shown
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.view.rerun.blueprint import PAGES
-from bearing_twin.view.rerun.opening import draw_recordings
 from bearing_twin.view.rerun.viewer import HeadlessViewer, live_url, show, show_in_browser
+from bearing_twin.view.style import PAGES
 from bearing_twin.wholefile import whole_file
 
 if TYPE_CHECKING:
@@ -118,6 +117,9 @@ def _server(text: str) -> str:
 
 
 def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
+    # What draws takes seconds to load: a server that is not there is told before.
+    from bearing_twin.view.rerun.opening import draw_recordings
+
     paths = as_recordings(args.recordings, args, folder)
     pictures = [path for path in paths if path.suffix == '.rrd']
     if pictures and len(paths) > 1:

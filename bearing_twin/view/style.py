@@ -9,6 +9,9 @@ from typing import NamedTuple
 
 from bearing_twin.bearing.vocabulary import RESULTS, TITLES
 
+PAGES = ('Verdict', 'Vibration', 'Evidence', 'Temperature', 'Twin', 'Calibration', 'Nodes')
+"""Pages of a bearing, each of them for a laptop's screen."""
+
 APPLICATION = 'bearing_twin'
 """Rerun keeps a blueprint per application."""
 

@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.scene import Scene
 
 
-PAGES = ('Verdict', 'Vibration', 'Evidence', 'Temperature', 'Twin', 'Calibration', 'Nodes')
-"""Pages of a bearing, each of them for a laptop's screen."""
 MOST_CARDS = 12
 """Bearings up to which each has a card on the page of all; more could not be read."""
 
