@@ -9,7 +9,7 @@ from dataclasses import replace
 import functools
 import itertools
 import math
-from typing import NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.diagnosis.chain import Excerpt, Stretch
 from bearing_twin.diagnosis.comb import OrderSpectra
@@ -180,33 +180,16 @@ class StreamingDiagnoser:
         self._restart(self._next, 'window restarted: bearing or settings were changed')
 
     def push(
-        self,
-        first_sample: int,
-        x: ArrayLike,
-        sample_rate: float,
-        shaft_hz: float,
-        *,
-        speed_measured: bool = False,
-        temperature: float = math.nan,
-        unit: str = '',
-        sensor: str = '',
+        self, first_sample: int, x: ArrayLike, sample_rate: float, shaft_hz: float, **known: Any
     ) -> list[Diagnosis]:
         """
         Take a block and return the diagnoses that fall due within it, oldest first.
 
-        The same as :meth:`take`, :meth:`Excerpt.analyse` and :meth:`judge` after one another.
+        The same as :meth:`take`, which has the parameters, :meth:`Excerpt.analyse` and
+        :meth:`judge` after one another.
         """
-        excerpts = self.take(
-            first_sample,
-            x,
-            sample_rate,
-            shaft_hz,
-            speed_measured=speed_measured,
-            temperature=temperature,
-            unit=unit,
-            sensor=sensor,
-        )
-        return [self.judge(excerpt.analyse()) for excerpt in excerpts]
+        due = self.take(first_sample, x, sample_rate, shaft_hz, **known)
+        return [self.judge(excerpt.analyse()) for excerpt in due]
 
     def take(
         self,

@@ -366,11 +366,10 @@ class Fleet:
         ours = self._lanes.marks.copy()
         self._lanes.set_state(lanes)
         self._lanes.groups['seed'] = keys
+        self.next_sample = next_sample
         for index in range(self._lanes.size):
             p = self._parameters[min(index, len(self) - 1)]
             self._lanes.roll_on(index, surfaces(p, self._lanes.seed(index)))
-        self.next_sample = next_sample
-        for index in range(self._lanes.size):
             coefficients.evaluate(
                 self._lanes.law[index], self._temperatures[index], self._temperatures[index],
                 self._shaft_hz[index], self._lanes.values[index],

@@ -69,7 +69,7 @@ class Scratch(NamedTuple):
 
 
 @compiled(inline=True, fast=_IN_ORDER)
-def _contact(step, gaps, i, q, v, a, damping):
+def _contact(step, gaps, i, q, v, a, damping, known):
     """
     Force of the balls on the outer ring, N, its rate, N/s, loaded balls, ``near``.
 
@@ -77,6 +77,8 @@ def _contact(step, gaps, i, q, v, a, damping):
     bits of an integer. Its force begins and ends with a singularity of the power 1.5, and with a
     step where there is contact damping. How near that is, in time, is ``near``: the least of delta
     / |delta'| over the loaded balls, at most `FAR`.
+
+    ``known`` are the balls that are taken for loaded, on one side of an event; -1: they are found.
     """
     x, y, vx, vy, ax, ay = _between(q, v, a)
     turning, k_b = step.turning, step.k_b
@@ -89,12 +91,17 @@ def _contact(step, gaps, i, q, v, a, damping):
     for k in range(gaps.shape[2]):
         c, s = gaps[i, COS, k], gaps[i, SIN, k]
         delta = x * c + y * s - gaps[i, GAP, k]
-        if delta > 0.0:
+        if known < 0:
+            taken = delta > 0.0
+        else:
+            taken = known >> min(k, _MASKED) & 1 != 0 and (k < _MASKED or delta > 0.0)
+        if taken:
+            delta = max(delta, 0.0)
             speed = vx * c + vy * s
             closing = speed + turning * (y * c - x * s) - gaps[i, GAP_RATE, k]
             acceleration = ax * c + ay * s + turning * (vy * c - vx * s)
             force, rate = contact_force(delta, closing, speed, acceleration, k_b, damping)
-            if force > 0.0:
+            if known >= 0 or force > 0.0:
                 fx += force * c
                 fy += force * s
                 gx += rate * c
@@ -105,34 +112,6 @@ def _contact(step, gaps, i, q, v, a, damping):
     return (fx, fy), (gx - turning * fy, gy + turning * fx), loaded, near
 
 
-@compiled(inline=True, fast=_IN_ORDER)
-def _contact_of(step, gaps, q, v, a, damping, loaded):
-    """As `_contact` for balls that are known to be loaded."""
-    x, y, vx, vy, ax, ay = _between(q, v, a)
-    turning, k_b = step.turning, step.k_b
-    fx = 0.0
-    fy = 0.0
-    gx = 0.0
-    gy = 0.0
-    near = FAR
-    for k in range(gaps.shape[2]):
-        c, s = gaps[0, COS, k], gaps[0, SIN, k]
-        delta = x * c + y * s - gaps[0, GAP, k]
-        if loaded >> min(k, _MASKED) & 1 and (k < _MASKED or delta > 0.0):
-            delta = max(delta, 0.0)
-            speed = vx * c + vy * s
-            closing = speed + turning * (y * c - x * s) - gaps[0, GAP_RATE, k]
-            acceleration = ax * c + ay * s + turning * (vy * c - vx * s)
-            force, rate = contact_force(delta, closing, speed, acceleration, k_b, damping)
-            fx += force * c
-            fy += force * s
-            gx += rate * c
-            gy += rate * s
-            if delta < near * abs(closing):
-                near = delta / abs(closing)
-    return (fx, fy), (gx - turning * fy, gy + turning * fx), near
-
-
 @compiled(inline=True, fast=FAST)
 def _between(q, v, a):
     """Position, velocity and acceleration of the inner ring against the outer one."""
@@ -140,18 +119,17 @@ def _between(q, v, a):
 
 
 @compiled(inline=True, fast=FAST)
-def ring_rates(step, gaps, i, q, v, a, machine):
+def ring_rates(step, gaps, i, q, v, a, machine, known=-1):
     """Acceleration and jerk of both rings, loaded balls and ``near``; row ``i`` of ``gaps``."""
-    force, rate, loaded, near = _contact(step, gaps, i, q, v, a, machine.contact_damping)
+    force, rate, loaded, near = _contact(step, gaps, i, q, v, a, machine.contact_damping, known)
     a1, j1 = ring_motion(machine, step, force, rate, q, v, a)
     return a1, j1, loaded, near
 
 
 @compiled(fast=FAST, borrows=True)
-def _rates_of(step, gaps, q, v, a, machine, loaded):
+def _rates_of(step, gaps, q, v, a, machine, known):
     """As `ring_rates` for balls known to be loaded: the limit on one side of an event."""
-    force, rate, near = _contact_of(step, gaps, q, v, a, machine.contact_damping, loaded)
-    a1, j1 = ring_motion(machine, step, force, rate, q, v, a)
+    a1, j1, _, near = ring_rates(step, gaps, 0, q, v, a, machine, known)
     return a1, j1, near
 
 

@@ -20,6 +20,8 @@ To add a profile:
 - its name: `parameters.Profile`, and what it is in the docstring of `parameters.Defect`;
 - its code: a constant below, and its place in `CODES`;
 - its path: a branch of `defect_path`, and where that path has a kink, `path_kink`;
+- a path that jumps at its edges: `fleet_kinematics.open_gap`, whose steps are not parted there,
+  takes it for `RECTANGLE` alone;
 - its closed form: `PATHS` in test_model.py, whose tests ask for every profile;
 - the table of parameters: ``python docs/tables.py docs/nodes.md``.
 

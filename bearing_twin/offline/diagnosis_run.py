@@ -93,30 +93,9 @@ class DiagnosisRun:
             yield from self.outputs(due.judge(due.excerpt.analyse()))
 
     def take(
-        self,
-        block: VibrationBlock,
-        *,
-        temperature: float,
-        joint_hz: float = math.nan,
+        self, block: VibrationBlock, *, temperature: float, joint_hz: float = math.nan
     ) -> list[DueVerdict]:
-        """
-        Take one block; return the verdicts that are due.
-
-        Parameters
-        ----------
-        block
-            Of the axis in the parameters.
-        temperature
-            Last bearing temperature, degC; NaN where there is none.
-        joint_hz
-            Speed of a joint, for where the message has none, Hz; NaN: that of the parameters.
-
-        Raises
-        ------
-        BearingTwinError
-            If its sample rate cannot be trusted.
-
-        """
+        """Admit one block of the axis in the parameters and take it, as `DiagnosisCore` does."""
         self._core.admit(block)
         return self._core.take(block, temperature=temperature, joint_hz=joint_hz)
 
