@@ -453,7 +453,7 @@ class SeriesMonitor:
             average.load(int(count), float(turns), power)
 
     def _change(self, alarm: float) -> float:
-        """Time at which the rise to an alarm began: the last zero of Page's CUSUM."""
+        """Time at which the rise to an alarm began, the last zero of Page's CUSUM; NaN of none."""
         if math.isnan(alarm):
             return math.nan
         times = np.array([point.time for point in self._kept.points])
@@ -467,6 +467,9 @@ class SeriesMonitor:
             start = int(np.searchsorted(times, base.times[1]))
             floor = base.levels[measure]
             reference = max(reference, base.scatter[measure])
+        if np.median(levels[-CONFIRMING:]) <= floor + reference:
+            # A zone may be an alarm from the first snapshot on.
+            return math.nan
         return float(times[start + rise_begins(levels[start:], floor, reference)])
 
     def _trend(self) -> float:

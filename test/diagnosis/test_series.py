@@ -167,6 +167,17 @@ def test_a_short_snapshot_has_no_velocity():
     assert (point.iso_zone, point.level) == ('', 'ok')
 
 
+def test_a_machine_that_is_loud_from_the_first_snapshot_on_has_no_rise():
+    monitor = SeriesMonitor(None, DiagnosisSettings(power_group=2, mounting='rigid'))
+    rng = np.random.default_rng(6)
+    for number in range(20):
+        x = np.cumsum(rng.standard_normal(int(1.1 * RATE)))
+        monitor.add(number, x, RATE, SHAFT_HZ, unit='m/s^2')
+    said = monitor.report()
+    assert said.level == 'fault' and np.isfinite(said.alarm) and np.isnan(said.change)
+    assert not any('began to rise' in reason for reason in said.reasons), said.reasons
+
+
 def test_a_new_bearing_ends_the_alarm_and_has_its_own_baseline():
     monitor, points = life(
         3, 1600, lambda n: 16.0 * (500 <= n < 600) - 5.0 * (n >= 600), scatter=0.4, warm=False
