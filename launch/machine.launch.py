@@ -3,9 +3,10 @@
 """
 Beside one machine: adapter and diagnosis of its accelerometer, its twin, and a recorder.
 
-The twin sends its vibration on ``twin/vibration``, so that each stream has one source. Only the
-namespace of the machine is recorded, and its temperature and speed wherever they are. What dies is
-started again, the recorder beside what it has recorded before.
+The twin sends its vibration on ``twin/vibration``, so that each stream has one source. The
+recorder takes the namespace of the machine, its temperature and speed wherever they are, and
+``/diagnostics``, which all machines share. What dies is started again, the recorder beside what it
+has recorded before. All end with the launch.
 """
 
 from bearing_twin.ros.launchfile import Argument, launch_description, shared
