@@ -85,12 +85,15 @@ class OrderSpectra:
 
     def line_power(self, orders: NDArray[np.floating], columns: slice) -> NDArray[np.float32]:
         """Power above the floor of lines, (..., C): each spreads over three bins."""
-        rows = self.rows(orders)
-        power = np.zeros(
-            (*rows.shape, len(range(*columns.indices(self.excess.shape[1])))), np.float32
-        )
+        wanted = len(range(*columns.indices(self.excess.shape[1])))
+        power = np.zeros((*orders.shape, wanted), np.float32)
         three_bins(
-            self.excess, self.quiet, rows.ravel(), columns.start or 0, power.reshape(rows.size, -1)
+            self.excess,
+            self.quiet,
+            np.asarray(orders, np.float64).ravel(),
+            self.step,
+            columns.start or 0,
+            power.reshape(orders.size, -1),
         )
         return power
 

@@ -14,8 +14,8 @@ import functools
 import math
 from typing import TYPE_CHECKING
 
+from bearing_twin.diagnosis import kernels
 from bearing_twin.diagnosis.comb import HARMONICS
-from bearing_twin.diagnosis.kernels import NEUTRAL
 import numpy as np
 
 if TYPE_CHECKING:
@@ -70,6 +70,7 @@ def line_heights(
     --------
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> from bearing_twin.diagnosis.kernels import NEUTRAL
     >>> logs = np.full((2000, 1), NEUTRAL, np.float32)
     >>> logs[613] = 3.0 + NEUTRAL
     >>> spectra = OrderSpectra(0.01, logs, 0.0 * logs, np.zeros(1, np.float32))
@@ -77,8 +78,11 @@ def line_heights(
     array([3., 0.])
 
     """
-    rows = spectra.rows(lines)
-    return np.asarray(spectra.logs[rows[:, None], columns].mean(axis=1) - NEUTRAL, np.float64)
+    heights = np.empty(len(lines))
+    kernels.line_heights(
+        spectra.logs, np.asarray(lines, np.float64), spectra.step, columns, heights
+    )
+    return heights
 
 
 def missing_harmonics(
@@ -154,6 +158,7 @@ def unshared_height(
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> from bearing_twin.diagnosis.kernels import NEUTRAL
     >>> logs = np.full((2000, 1), NEUTRAL, np.float32)
     >>> logs[[306, 613, 920, 1227]] += np.array([[0.3], [3.0], [0.3], [3.0]], np.float32)
     >>> spectra = OrderSpectra(0.01, logs, 0.0 * logs, np.zeros(1, np.float32))

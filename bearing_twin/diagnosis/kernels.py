@@ -194,10 +194,42 @@ def best_bands(
 
 
 @compiled(fast=FAST, borrows=True)
+def line_heights(
+    logs: NDArray[np.float32],
+    orders: NDArray[np.float64],
+    step: float,
+    columns: NDArray[np.intp],
+    heights: NDArray[np.float64],
+) -> None:
+    """
+    Write the mean over some columns of the row nearest to each order, noise taken off.
+
+    Parameters
+    ----------
+    logs, step
+        See :func:`comb_sums`.
+    orders
+        (N,).
+    columns
+        (B,).
+    heights
+        (N,), written.
+
+    """
+    for n in range(len(orders)):
+        at = min(max(int(np.rint(orders[n] * (1.0 / step))) - 1, 0), len(logs) - 1)
+        total = np.float32(0.0)
+        for c in columns:
+            total += logs[at, c]
+        heights[n] = total / np.float32(len(columns)) - np.float32(NEUTRAL)
+
+
+@compiled(fast=FAST, borrows=True)
 def three_bins(
     excess: NDArray[np.float32],
     hidden: NDArray[np.bool_],
-    rows: NDArray[np.intp],
+    orders: NDArray[np.float64],
+    step: float,
     first: int,
     power: NDArray[np.float32],
 ) -> None:
@@ -210,8 +242,10 @@ def three_bins(
         (K, C).
     hidden
         (K,) mask of the rows that say nothing.
-    rows
-        (N,) middle row of each line.
+    orders
+        (N,) of the lines.
+    step
+        Orders a bin.
     first
         First column wanted.
     power
@@ -222,8 +256,9 @@ def three_bins(
     last = len(excess) - 1
     for n in range(lines):
         out = power[n]
+        middle = min(max(int(np.rint(orders[n] * (1.0 / step))) - 1, 0), last)
         for beside in range(-1, 2):
-            at = min(max(rows[n] + beside, 0), last)
+            at = min(max(middle + beside, 0), last)
             if hidden[at]:
                 continue
             row = excess[at, first : first + columns]
