@@ -20,7 +20,7 @@ from bearing_twin.diagnosis.demodulation import (
     SECONDS,
 )
 from bearing_twin.diagnosis.evidence import Evidence
-from bearing_twin.diagnosis.gate import check_extents, Extent
+from bearing_twin.diagnosis.gate import check_extents, Extent, FAINTEST, LARGEST
 from bearing_twin.diagnosis.plain_lines import low_lines
 from bearing_twin.diagnosis.report import insufficient, not_shown, report
 from bearing_twin.diagnosis.rules import decide
@@ -243,7 +243,7 @@ class Excerpt:
         # The width of a bin of the smallest rates is no longer a number above 0.
         if len(x) < LEAST or not 0.0 < self.sample_rate / len(x) < math.inf or shaft_hz == 0.0:
             return None
-        if not np.isfinite(x).all() or not np.ptp(x) > 0.0:
+        if not np.abs(x).max() <= LARGEST or not np.ptp(x) > FAINTEST:
             return None
         spectrum = fft.rfft(x - x.mean()) / len(x)
         found = measure_severity(

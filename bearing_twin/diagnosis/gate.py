@@ -39,6 +39,8 @@ _RUN_TOGETHER = 1.8
 """Rate of impacts over the corner of their ringing at which they still have the index of a
 fault."""
 
+FAINTEST, LARGEST = 1e-100, 1e100
+"""Range of samples whose powers are numbers, in whatever unit."""
 _CLIPPED_SHARE = 0.005
 CONVERTER_STEPS = 2.0
 """Least RMS of a healthy signal in steps of its converter: rounding to steps, which has an RMS of
@@ -134,7 +136,10 @@ def check_extents(
     if bad:
         return [f'{bad} of {count} samples are NaN or infinite: repair or leave out that part']
     low, high = min(part.low for part in parts), max(part.high for part in parts)
-    if high - low <= 1e-12 * max(abs(low), abs(high)):
+    largest = max(abs(low), abs(high))
+    if largest > LARGEST:
+        return [f'samples reach {largest:g}: no sensor tells that; check its driver']
+    if high - low <= max(1e-12 * largest, FAINTEST):
         return [f'the signal is constant at {low:g}: check sensor and cable']
     if shaft_hz == 0.0:
         return ['the shaft stands still: measure while it turns']

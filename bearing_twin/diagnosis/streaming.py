@@ -36,6 +36,10 @@ _STEADY = 1e-4
 its width in 8 s."""
 
 
+LOWEST_RATE, HIGHEST_RATE = 1.0, 1e9
+"""Sample rates of a stream, Hz: an update is at least a sample, and a window ends."""
+
+
 def checked_block(x: ArrayLike, sample_rate: float) -> NDArray[np.float64]:
     """
     Return the samples of one axis.
@@ -43,7 +47,7 @@ def checked_block(x: ArrayLike, sample_rate: float) -> NDArray[np.float64]:
     Raises
     ------
     BearingTwinError
-        If x is not one-dimensional or the sample rate is not a positive number.
+        If x is not one-dimensional or the sample rate is outside 1 Hz to 1 GHz.
 
     Examples
     --------
@@ -56,8 +60,8 @@ def checked_block(x: ArrayLike, sample_rate: float) -> NDArray[np.float64]:
     if block.ndim != 1:
         msg = f'x has shape {block.shape}; push one axis as a 1-D array'
         raise BearingTwinError(msg)
-    if not (math.isfinite(sample_rate) and sample_rate > 0.0):
-        msg = f'sample_rate={sample_rate} Hz; a positive number is needed'
+    if not LOWEST_RATE <= sample_rate <= HIGHEST_RATE:
+        msg = f'sample_rate={sample_rate:g} Hz is outside {LOWEST_RATE:g}..{HIGHEST_RATE:g} Hz'
         raise BearingTwinError(msg)
     return block
 
@@ -233,7 +237,7 @@ class StreamingDiagnoser:
         Raises
         ------
         BearingTwinError
-            If x is not one-dimensional or the sample rate is not a positive number.
+            If x is not one-dimensional or the sample rate is outside 1 Hz to 1 GHz.
 
         """
         block = checked_block(x, sample_rate)

@@ -287,3 +287,17 @@ def test_damaged_states_are_refused_and_leave_the_state_alone():
 def test_settings_are_checked(wrong):
     with pytest.raises(BearingTwinError):
         DiagnosisSettings(**wrong)
+
+
+@pytest.mark.parametrize('size', [1e-308, 1e-200, 1e200, 1e308])
+def test_samples_whose_powers_are_no_numbers_are_refused(size):
+    x = size * np.random.default_rng(0).uniform(-1.0, 1.0, 3 * 25_600)
+    for verdict in StreamingDiagnoser(find_bearing('6307')).push(0, x, 25_600.0, 25.0):
+        assert verdict.result == 'insufficient'
+        assert any('constant' in text or 'no sensor' in text for text in verdict.reasons)
+
+
+@pytest.mark.parametrize('rate', [math.nan, 0.0, 1e-9, 1e308])
+def test_rates_at_which_no_window_ends_are_refused(rate):
+    with pytest.raises(BearingTwinError, match='is outside'):
+        StreamingDiagnoser(find_bearing('6307')).push(0, np.ones(1024), rate, 25.0)
