@@ -541,7 +541,7 @@ def test_what_is_no_fit_is_refused_in_words(text, tmp_path, capsys):
 def test_a_forged_fit_is_refused_in_words(tmp_path, capsys):
     """What does not fit together was met while drawing."""
     noise = 0.01 * np.random.default_rng(1).standard_normal(25600)
-    good = fit(noise, 12800.0, BEARING, 25.0, candidates=64, place='none').to_dict()
+    good = fit(noise, 12800.0, BEARING, 25.0, candidates=16, place='none').to_dict()
     saved = tmp_path / 'fit.json'
     for changed in (
         {'weights': math.nan}, {'weights': 1.0}, {'weights': good['weights'][:-1]},
