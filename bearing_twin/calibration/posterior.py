@@ -44,7 +44,7 @@ LIKE = 0.4
 """Share of the candidates without a spacing that is kept where none can be told."""
 SPREAD = 1.15
 """Factor by which what is kept is spread about its median: regression on some fifty candidates
-takes out too much. Fixed on 536 simulated twins (docs/calibration.md), on no real rig."""
+takes out too much. Fixed on 821 simulated twins (docs/calibration.md), on no real rig."""
 _SPACING_SHARE = 0.025
 _SCALES = np.array([1.0, 0.7, 0.4, 0.3, 0.3])
 """Differences that count alike: spacing (over `_SPACING_SHARE` of the widest defect), logarithms
