@@ -23,6 +23,9 @@ import pytest
 
 CONFIG = Path(__file__).resolve().parents[1] / 'config'
 TOPICS = {**OWN_TOPICS, 'diagnostics': 'diagnostic_msgs/msg/DiagnosticArray'}
+PER_FAMILY = [f'{name}[{k}]' for name in ('score', 'modulation_index') for k in range(4)]
+DECIDING = (*PER_FAMILY, 'rms', 'velocity_rms', 'level_over_baseline', 'fault_hz')
+"""Fields of a verdict that decide."""
 ELEMENT = re.compile(r'\[(:|\d+)\]$')
 
 
@@ -56,6 +59,7 @@ def test_foxglove_shows_fields_that_there_are():
         for path in (*panel.get('paths', ()), *filter(None, [panel.get('xAxisPath')]))
     ]
     assert {'/vibration.y[:]', '/envelope_spectrum.values[:]'} <= set(plotted)
+    assert {f'/diagnosis.{field}' for field in DECIDING} <= set(plotted)
     for path in plotted:
         assert_plotted(*path.lstrip('/').split('.'))
     others = [p.get('topicToRender') or p.get('topicPath') for p in panels.values()]
@@ -69,7 +73,7 @@ def test_plotjuggler_shows_fields_that_there_are():
         count = int(splitter.get('count'))
         assert count == len(splitter) == len(splitter.get('sizes').split(';'))
     curves = [curve.get('name') for curve in root.iter('curve')]
-    assert len(curves) > 10
+    assert {f'/diagnosis/{field}' for field in DECIDING} <= set(curves)
     for name in curves:
         assert_plotted(*name.lstrip('/').split('/'))
 
