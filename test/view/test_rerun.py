@@ -21,6 +21,7 @@ from bearing_twin.recording.topics import FEATURES
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.streams.vibration_input import SOURCE_SIMULATED
 from bearing_twin.view.rerun.bearing3d import contact_forces, SLOWED
+from bearing_twin.view.rerun.blueprint import layout
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings
@@ -478,6 +479,19 @@ def test_a_twin_beside_its_machine_is_no_second_bearing(recording, tmp_path):
     assert 'Vibration: /fan/twin' in names
     assert 'All bearings' not in names
     assert 'Verdict' in names
+
+
+def test_the_page_asked_for_is_that_of_a_bearing_that_has_it(recording, tmp_path):
+    with RerunLogger(recording_id='page', rrd=tmp_path / 'page.rrd') as logger:
+        for message in read_messages(recording, topics=['/diagnosis', '/twin_state']):
+            bearing = {'/twin_state': '/fan', '/diagnosis': '/pump'}[message.topic]
+            logger.log(
+                bearing + message.topic, message.type_name, message.decode(), message.log_time
+            )
+    scenes = {namespace: scene for (_, namespace), scene in logger._scenes.items()}
+    for page, bearing in (('Twin', '/fan'), ('Evidence', '/pump')):
+        tabs = layout(scenes, timeline='ros_time', page=page).root_container
+        assert tabs.contents[tabs.active_tab].name == bearing
 
 
 def test_namespaces_are_scenes_of_their_own(recording, tmp_path):

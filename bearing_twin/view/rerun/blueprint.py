@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import cast, TYPE_CHECKING
 
 from bearing_twin.view.rerun.views import (
     bearing_views,
@@ -78,8 +78,9 @@ def layout(
     else:
         wide = [_wide(s, timeline, name=title, page=page) for title, s in shown.items()]
         parts = [*_all_bearings(shown), *wide]
-        # The page is one of the first bearing's.
-        page = str(wide[0].name) if bearings and page not in ('', 'Nodes') else page
+        # The page is one of the first bearing that has it.
+        having = [w for w in wide if page in [v.name for v in cast('list[View]', w.contents)]]
+        page = str(having[0].name) if having else page
     if not side_by_side:
         pages = (_vibration(s, timeline, name=f'Vibration: {t}') for t, s in besides.items())
         parts += [page for page in pages if page is not None]
@@ -138,8 +139,12 @@ def _all_bearings(scenes: Mapping[str, Scene]) -> list[View]:
     if not lanes:
         return []
     views: list[View] = [lanes_view('Verdicts over time', lanes)]
-    views += [rrb.Grid(*cards)] if len(cards) <= MOST_CARDS else []
-    return [rrb.Vertical(*views, name='All bearings')]
+    # Heights in pixels: a lane 40 of them, a row of cards 100.
+    heights = [60 + 40 * len(lanes)]
+    if len(cards) <= MOST_CARDS:
+        views.append(rrb.Grid(*cards, grid_columns=min(4, len(cards))))
+        heights.append(-(-len(cards) // 4) * 100)
+    return [rrb.Vertical(*views, row_shares=heights, name='All bearings')]
 
 
 def _rows(*rows: tuple[float, Sequence[View]], name: str) -> View | None:
