@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The ament linters, where an installed ROS 2 has them; ruff holds their rules elsewhere."""
+"""The ament linters, where they are installed; ruff holds most of their rules elsewhere."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CHECKED = [
         'test',
     )
 ]
-REASON = 'the ament linters are part of an installed ROS 2 only'
+REASON = 'ament_flake8 and ament_pep257 are not installed'
 
 
 def test_flake8():
