@@ -21,6 +21,7 @@ from bearing_twin.diagnosis.averaging import LEAST as LEAST_AVERAGED
 from bearing_twin.diagnosis.baseline import Baseline, Memory, SETTLED
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.dependence import Condition, Law, Z90
+from bearing_twin.diagnosis.gate import FAINTEST, LARGEST
 from bearing_twin.diagnosis.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.onset import Rise, rise_begins, slope
 from bearing_twin.diagnosis.series_result import SeriesPoint, SeriesReport
@@ -311,7 +312,9 @@ class SeriesMonitor:
             return f'fewer than {LEAST} samples'
         if not np.isfinite(x).all():
             return 'NaN or infinite samples'
-        if np.ptp(x) == 0.0:
+        if np.abs(x).max() > LARGEST:
+            return 'samples that no sensor tells'
+        if np.ptp(x) <= FAINTEST:
             return 'a constant signal'
         if shaft_hz <= 0.0:
             return 'the machine stands still'

@@ -8,6 +8,7 @@ import math
 from bearing_twin.bearing import find_bearing
 from bearing_twin.bench.diagnosis import fault_signal, RATE, SHAFT_HZ
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
+from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.errors import BearingTwinError
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -295,6 +296,8 @@ def test_samples_whose_powers_are_no_numbers_are_refused(size):
     for verdict in StreamingDiagnoser(find_bearing('6307')).push(0, x, 25_600.0, 25.0):
         assert verdict.result == 'insufficient'
         assert any('constant' in text or 'no sensor' in text for text in verdict.reasons)
+    series = SeriesMonitor(find_bearing('6307'), DiagnosisSettings(series_cycle=1.0))
+    assert series.add(0.0, x, 25_600.0, 25.0) is None
 
 
 @pytest.mark.parametrize('rate', [math.nan, 0.0, 1e-9, 1e308])
