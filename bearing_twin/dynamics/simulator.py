@@ -133,6 +133,7 @@ class Simulator:
         self.start = (check_temperature(float(temperature)), check_speed(shaft_hz))
         """Temperature and speed to which :meth:`reset` goes back, degC and Hz."""
         self.tick = inner_ring.tick_length(sample_rate)
+        # State and tables, records of `layout` and rows of `coefficients`: read by `fleet_lanes`.
         self.drift = np.zeros((2, coefficients.INPUTS))
         self.fade, self.faded = np.zeros(coefficients.INPUTS), 0
         self.rings = np.full(2, math.nan)
