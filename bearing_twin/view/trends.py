@@ -207,7 +207,7 @@ DIAGNOSIS = (
         _per_family('score'),
         (
             Limit(f'significant above {Z_FAULT:g}', Z_FAULT, f'limit {Z_FAULT:g}'),
-            Limit(f'cage significant above {Z_CAGE:g}', Z_CAGE, f'cage {Z_CAGE:g}', 'remark'),
+            Limit(f'cage significant above {Z_CAGE:g}', Z_CAGE, look='remark'),
         ),
     ),
     Panel(
@@ -216,12 +216,7 @@ DIAGNOSIS = (
         _per_family('modulation_index'),
         (
             Limit(f'fault above {INDEX_FAULT:g}', INDEX_FAULT, f'fault {INDEX_FAULT:g}'),
-            Limit(
-                f'suspect above {INDEX_SUSPECT:g}',
-                INDEX_SUSPECT,
-                f'suspect {INDEX_SUSPECT:g}',
-                'remark',
-            ),
+            Limit(f'suspect above {INDEX_SUSPECT:g}', INDEX_SUSPECT, look='remark'),
         ),
         from_zero=True,
     ),

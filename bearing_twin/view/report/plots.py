@@ -315,7 +315,7 @@ def _deciding(machine: Machine) -> tuple[str, ...]:
 
 def _evidence(machine: Machine) -> tuple[str, Figure] | None:
     panels = [panel for panel in DIAGNOSIS if panel.key in _deciding(machine)]
-    caption = 'What decides, window by window. Dashed: limit'
+    caption = 'What decides, window by window. Dashed: limit; dotted: of suspect, and of the cage'
     return _panels(caption, panels, machine.diagnoses, machine.source.zones)
 
 
@@ -372,7 +372,8 @@ def _panels(
         if panel.band and of.keys() >= set(panel.band):
             axes.fill_between(time, *(of[key] for key in panel.band), color='#bbdefb')
         for limit in zones if panel.key == 'velocity' else panel.limits:
-            axes.axhline(limit.value, color='#616161', linewidth=0.8, dashes=(4, 2))
+            dashes = (1, 2) if limit.look == 'remark' else (4, 2)
+            axes.axhline(limit.value, color='#616161', linewidth=0.8, dashes=dashes)
             axes.annotate(
                 limit.mark, (1.0, limit.value), (0, 1), xycoords=('axes fraction', 'data'),
                 textcoords='offset points', ha='right', color='#616161', fontsize='small',
