@@ -24,8 +24,8 @@ from bearing_twin.view.rerun.calibration import CalibrationPicture
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.picture import Asset
 from bearing_twin.view.rerun.timebase import Timebase
-from block_streams import check_complete, DEEP
 import numpy as np
+from probe import check_complete, DEEP
 import pytest
 
 VALUES = {spec.name: spec.default for spec in SPECS}
@@ -390,24 +390,18 @@ def test_a_worker_ends_with_its_node():
 
 
 @pytest.mark.ros
-def test_a_second_thermometer_of_a_fitted_machine_is_told(ros_domain):
+def test_a_second_thermometer_of_a_fitted_machine_is_told(here):
     from bearing_twin.nodes.calibration import CalibrationNode
     from bearing_twin_msgs.msg import Vibration
-    import rclpy
     from sensor_msgs.msg import Temperature
 
-    rclpy.init(args=['--ros-args', '-p', 'shaft_hz:=25.0'])
-    try:
-        node = CalibrationNode()
-        node.trigger_configure()
-        node._on_vibration(Vibration(sample_rate=RATE, y=[0.0] * 1024), {'publisher_gid': 'v'})
-        node._inputs.take_temperature(Temperature(temperature=40.0), {'publisher_gid': 'a'})
-        assert node.status().message == 'no calibration yet'
-        node._inputs.take_temperature(Temperature(temperature=60.0), {'publisher_gid': 'b'})
-        assert 'only the first is used' in node.status().message
-        node.shut_down()
-    finally:
-        rclpy.shutdown()
+    node = here(CalibrationNode, shaft_hz=25.0)
+    node.trigger_configure()
+    node._on_vibration(Vibration(sample_rate=RATE, y=[0.0] * 1024), {'publisher_gid': 'v'})
+    node._inputs.take_temperature(Temperature(temperature=40.0), {'publisher_gid': 'a'})
+    assert node.status().message == 'no calibration yet'
+    node._inputs.take_temperature(Temperature(temperature=60.0), {'publisher_gid': 'b'})
+    assert 'only the first is used' in node.status().message
 
 
 @pytest.mark.usefixtures('compiled')

@@ -151,119 +151,99 @@ def test_an_absurd_time_ends_no_node(nodes, probe, tmp_path, absurd):
 
 
 @pytest.mark.ros
-def test_work_before_the_first_block_is_no_cycle(ros_domain):
+def test_work_before_the_first_block_is_no_cycle(here):
     specs = (
         *realtime_parameters.SPECS,
         Spec(name='block_size', default=1024, description='Samples.'),
         Spec(name='sample_rate', default=25600.0, description='Rate.'),
     )
-    rclpy.init()
-    try:
-        node = ManagedNode('paced', specs)
-        blocks = []
-        cycle = BlockCycle(
-            node, node.parameters, blocks.append, slots=4, between=lambda phase: None
-        )
-        node.active = True
-        began = time.monotonic()
-        cycle.start()
-        executor = SingleThreadedExecutor()
-        executor.add_node(node)
-        while len(blocks) < 25:
-            executor.spin_once(timeout_sec=0.05)
-        values = cycle.status().values
-        took = time.monotonic() - began
-        cycle.stop()
-    finally:
-        rclpy.shutdown()
+    node = here(lambda: ManagedNode('paced', specs))
+    blocks = []
+    cycle = BlockCycle(node, node.parameters, blocks.append, slots=4, between=lambda phase: None)
+    node.active = True
+    began = time.monotonic()
+    cycle.start()
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    while len(blocks) < 25:
+        executor.spin_once(timeout_sec=0.05)
+    values = cycle.status().values
+    took = time.monotonic() - began
+    cycle.stop()
+    node.active = False
     assert values['periodicity_hz'] < 30.0
     # No cycle is longer than all of it: the first one would be, by the uptime of the machine.
     assert values['periodicity_min_hz'] > 1.0 / took
 
 
 @pytest.mark.ros
-def test_an_estimated_rate_follows_its_source(ros_domain):
-    rclpy.init(args=['--ros-args', '-p', 'source:=imu'])
-    try:
-        node = AdapterNode()
-        node.trigger_configure()
-        now = EPOCH
-        for source, rate, seconds in (('a', 200, 20), ('a', 400, 20), ('a', 100, 20)):
-            for _ in range(rate * seconds):
-                now += NANO // rate
-                message = Imu()
-                message.header.stamp = time_message(now)
-                node._on_imu(message, {'publisher_gid': source})
-            assert node._stamps.rate == pytest.approx(rate, rel=1e-3)
-        # Another one takes over behind a silence of the first.
-        node._sources.timeout = -1.0
-        for _ in range(400):
-            now += NANO // 50
+def test_an_estimated_rate_follows_its_source(here):
+    node = here(AdapterNode, source='imu')
+    node.trigger_configure()
+    now = EPOCH
+    for source, rate, seconds in (('a', 200, 20), ('a', 400, 20), ('a', 100, 20)):
+        for _ in range(rate * seconds):
+            now += NANO // rate
+            message = Imu()
             message.header.stamp = time_message(now)
-            node._on_imu(message, {'publisher_gid': 'b'})
-        assert node._stamps.rate == pytest.approx(50.0, rel=1e-3)
-        assert node._sent <= 20 * (200 + 400 + 100) + 400
-        node.shut_down()
-    finally:
-        rclpy.shutdown()
+            node._on_imu(message, {'publisher_gid': source})
+        assert node._stamps.rate == pytest.approx(rate, rel=1e-3)
+    # Another one takes over behind a silence of the first.
+    node._sources.timeout = -1.0
+    for _ in range(400):
+        now += NANO // 50
+        message.header.stamp = time_message(now)
+        node._on_imu(message, {'publisher_gid': 'b'})
+    assert node._stamps.rate == pytest.approx(50.0, rel=1e-3)
+    assert node._sent <= 20 * (200 + 400 + 100) + 400
 
 
 @pytest.mark.ros
-def test_lost_samples_are_no_other_rate(ros_domain):
-    rclpy.init(args=['--ros-args', '-p', 'source:=imu'])
-    try:
-        node = AdapterNode()
-        node.trigger_configure()
-        rng = random.Random(3)
-        lost, message = 0, Imu()
-        for k in range(400 * 60):
-            if rng.random() < 0.15:
-                # What is lost while the rate is estimated is not counted.
-                lost += node._stamps.rate > 0.0
-                continue
-            message.header.stamp = time_message(EPOCH + k * NANO // 400)
-            node._on_imu(message, {'publisher_gid': 'a'})
-        assert node._stamps.rate == pytest.approx(400.0, rel=1e-3)
-        assert node._restarts == 0
-        # A single loss may pass as jitter.
-        assert node._lost == pytest.approx(lost, rel=0.01)
-        assert 'of 400 samples a second arrive, others are lost' in node._input_status().message
-        node.shut_down()
-    finally:
-        rclpy.shutdown()
+def test_lost_samples_are_no_other_rate(here):
+    node = here(AdapterNode, source='imu')
+    node.trigger_configure()
+    rng = random.Random(3)
+    lost, message = 0, Imu()
+    for k in range(400 * 60):
+        if rng.random() < 0.15:
+            # What is lost while the rate is estimated is not counted.
+            lost += node._stamps.rate > 0.0
+            continue
+        message.header.stamp = time_message(EPOCH + k * NANO // 400)
+        node._on_imu(message, {'publisher_gid': 'a'})
+    assert node._stamps.rate == pytest.approx(400.0, rel=1e-3)
+    assert node._restarts == 0
+    # A single loss may pass as jitter.
+    assert node._lost == pytest.approx(lost, rel=0.01)
+    assert 'of 400 samples a second arrive, others are lost' in node._input_status().message
 
 
 @pytest.mark.ros
-def test_a_pause_of_the_driver_is_a_gap_and_slow_messages_are_none(ros_domain):
-    rclpy.init(args=['--ros-args', '-p', 'sample_rate:=1000.0', '-p', 'block_size:=64'])
-    try:
-        node = AdapterNode()
-        node.trigger_configure()
-        now, number = EPOCH, 0
+def test_a_pause_of_the_driver_is_a_gap_and_slow_messages_are_none(here):
+    node = here(AdapterNode, sample_rate=1000.0, block_size=64)
+    node.trigger_configure()
+    now, number = EPOCH, 0
 
-        def send(samples):
-            nonlocal number
-            number += 1
-            info = {'source_timestamp': now, 'publication_sequence_number': number}
-            node._on_array(Float32MultiArray(data=[0.0] * samples), {'publisher_gid': 'a', **info})
+    def send(samples):
+        nonlocal number
+        number += 1
+        info = {'source_timestamp': now, 'publication_sequence_number': number}
+        node._on_array(Float32MultiArray(data=[0.0] * samples), {'publisher_gid': 'a', **info})
 
-        # Messages of 5 s follow one another without a pause.
-        for _ in range(3):
-            now += 5 * NANO
-            send(5000)
-        assert (node._restarts, node._builder.next_sample) == (0, 15000 // 64 * 64)
-        # The driver sends nothing for 8 s, and numbers its messages as if nothing had been.
-        now += 8 * NANO + NANO // 10
-        send(100)
-        assert node._restarts == 1
-        assert node._builder.next_sample == 64
-        # Messages that are lost on the way are counted, however long they lasted.
-        now, number = now + 5 * NANO, number + 49
-        send(100)
-        assert (node._restarts, node._lost) == (1, 4900)
-        node.shut_down()
-    finally:
-        rclpy.shutdown()
+    # Messages of 5 s follow one another without a pause.
+    for _ in range(3):
+        now += 5 * NANO
+        send(5000)
+    assert (node._restarts, node._builder.next_sample) == (0, 15000 // 64 * 64)
+    # The driver sends nothing for 8 s, and numbers its messages as if nothing had been.
+    now += 8 * NANO + NANO // 10
+    send(100)
+    assert node._restarts == 1
+    assert node._builder.next_sample == 64
+    # Messages that are lost on the way are counted, however long they lasted.
+    now, number = now + 5 * NANO, number + 49
+    send(100)
+    assert (node._restarts, node._lost) == (1, 4900)
 
 
 @pytest.mark.ros
@@ -276,95 +256,75 @@ def test_a_pause_of_the_driver_is_a_gap_and_slow_messages_are_none(ros_domain):
         (60.0, Level.OK, 'fresh'),
     ],
 )
-def test_a_wrong_rate_of_long_messages_is_told(period, level, text, ros_domain):
-    rclpy.init(args=['--ros-args', '-p', 'sample_rate:=1000.0'])
-    try:
-        node = AdapterNode()
-        node.trigger_configure()
-        message = Float32MultiArray(data=[0.0] * 5000)
-        for k in range(20):
-            at = EPOCH + round(k * period * NANO)
-            info = {'source_timestamp': at, 'publication_sequence_number': k + 1}
-            node._on_array(message, {'publisher_gid': 'a', **info})
-        status = node._input_status()
-        assert status.level is level
-        assert text in status.message
-        node.shut_down()
-    finally:
-        rclpy.shutdown()
+def test_a_wrong_rate_of_long_messages_is_told(period, level, text, here):
+    node = here(AdapterNode, sample_rate=1000.0)
+    node.trigger_configure()
+    message = Float32MultiArray(data=[0.0] * 5000)
+    for k in range(20):
+        at = EPOCH + round(k * period * NANO)
+        info = {'source_timestamp': at, 'publication_sequence_number': k + 1}
+        node._on_array(message, {'publisher_gid': 'a', **info})
+    status = node._input_status()
+    assert status.level is level
+    assert text in status.message
 
 
 @pytest.mark.ros
-def test_an_imu_without_acceleration_is_refused(ros_domain):
-    rclpy.init(args=['--ros-args', '-p', 'source:=imu'])
-    try:
-        node = AdapterNode()
-        node.trigger_configure()
-        message = Imu()
-        message.linear_acceleration_covariance[0] = -1.0
-        for k in range(400):
-            message.header.stamp = time_message(EPOCH + k * NANO // 200)
-            node._on_imu(message, {'publisher_gid': 'a'})
-        status = node._input_status()
-        assert status.level is Level.ERROR
-        assert 'measures no acceleration' in status.message
-        assert node._sent == 0
-        node.shut_down()
-    finally:
-        rclpy.shutdown()
+def test_an_imu_without_acceleration_is_refused(here):
+    node = here(AdapterNode, source='imu')
+    node.trigger_configure()
+    message = Imu()
+    message.linear_acceleration_covariance[0] = -1.0
+    for k in range(400):
+        message.header.stamp = time_message(EPOCH + k * NANO // 200)
+        node._on_imu(message, {'publisher_gid': 'a'})
+    status = node._input_status()
+    assert status.level is Level.ERROR
+    assert 'measures no acceleration' in status.message
+    assert node._sent == 0
 
 
 @pytest.mark.ros
 @pytest.mark.parametrize('pace', [0.1, 1.0, 10.0])
-def test_inputs_age_by_the_time_that_the_node_follows(pace, ros_domain):
-    rclpy.init(args=['--ros-args', '-p', 'use_sim_time:=true', '-p', 'joint:=shaft'])
-    try:
-        nodes = [TwinNode(), DiagnosisNode(), CalibrationNode()]
-        executor = SingleThreadedExecutor()
-        for node in nodes:
-            node.trigger_configure()
-            executor.add_node(node)
-        twin, diagnosis, calibration = nodes
-        inputs = [twin._twin, diagnosis._topics._measured, calibration._inputs]
-        clock = rclpy.create_node('clock').create_publisher(Clock, '/clock', 10)
+def test_inputs_age_by_the_time_that_the_node_follows(pace, here):
+    kinds = (TwinNode, DiagnosisNode, CalibrationNode)
+    nodes = [here(kind, use_sim_time=True, joint='shaft') for kind in kinds]
+    executor = SingleThreadedExecutor()
+    for node in nodes:
+        node.trigger_configure()
+        executor.add_node(node)
+    twin, diagnosis, calibration = nodes
+    inputs = [twin._twin, diagnosis._topics._measured, calibration._inputs]
+    clock = rclpy.create_node('clock').create_publisher(Clock, '/clock', 10)
 
-        def go_on(seconds):
-            clock.publish(Clock(clock=time_message(EPOCH + round(seconds * NANO))))
-            end = time.monotonic() + 60.0
-            for node in nodes:
-                while abs(node.get_clock().now().nanoseconds - EPOCH - seconds * NANO) > 1e6:
-                    assert time.monotonic() < end
-                    executor.spin_once(timeout_sec=0.01)
-
+    def go_on(seconds):
+        clock.publish(Clock(clock=time_message(EPOCH + round(seconds * NANO))))
         end = time.monotonic() + 60.0
-        while clock.get_subscription_count() < len(nodes):
-            assert time.monotonic() < end
-            time.sleep(0.02)
-        go_on(0.0)
-        for each in inputs:
-            each.take_temperature(Temperature(temperature=60.0))
-            each.take_joints(JointState(name=['shaft'], velocity=[160.0]))
-        go_on(4.0 * pace)
-        old = f'no velocity for {4.0 * pace:.1f} s' if pace > 1.0 else ''
-        for each in inputs:
-            assert each.temperature.age == pytest.approx(4.0 * pace)
-            assert each.problems()[0].split(':')[0] == old
         for node in nodes:
-            node.shut_down()
-    finally:
-        rclpy.shutdown()
+            while abs(node.get_clock().now().nanoseconds - EPOCH - seconds * NANO) > 1e6:
+                assert time.monotonic() < end
+                executor.spin_once(timeout_sec=0.01)
+
+    end = time.monotonic() + 60.0
+    while clock.get_subscription_count() < len(nodes):
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    go_on(0.0)
+    for each in inputs:
+        each.take_temperature(Temperature(temperature=60.0))
+        each.take_joints(JointState(name=['shaft'], velocity=[160.0]))
+    go_on(4.0 * pace)
+    old = f'no velocity for {4.0 * pace:.1f} s' if pace > 1.0 else ''
+    for each in inputs:
+        assert each.temperature.age == pytest.approx(4.0 * pace)
+        assert each.problems()[0].split(':')[0] == old
 
 
 @pytest.mark.ros
-def test_a_former_life_of_a_node_is_freed(ros_domain):
-    rclpy.init()
-    try:
-        node = TwinNode()
-        node.trigger_configure()
-        former = weakref.ref(node._topics)
-        node.trigger_cleanup()
-        node.trigger_configure()
-        assert former() is None
-        node.shut_down()
-    finally:
-        rclpy.shutdown()
+def test_a_former_life_of_a_node_is_freed(here):
+    node = here(TwinNode)
+    node.trigger_configure()
+    former = weakref.ref(node._topics)
+    node.trigger_cleanup()
+    node.trigger_configure()
+    assert former() is None

@@ -18,9 +18,9 @@ from bearing_twin.diagnosis import streaming
 from bearing_twin.packed import unpack
 from bearing_twin.streams import statefile
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, TwinState, Vibration
-from block_streams import check_complete, DEEP
 from builtin_interfaces.msg import Time
 from numpy.random import default_rng
+from probe import check_complete, DEEP
 import pytest
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile

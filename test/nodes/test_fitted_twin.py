@@ -24,8 +24,7 @@ from bearing_twin.offline.verify import reproduce
 from bearing_twin.ros.health import Level
 from bearing_twin.ros.qos import RESULT
 from bearing_twin_msgs.msg import Calibration
-from block_streams import DEEP
-import rclpy
+from probe import DEEP
 from scipy import signal
 
 RATE, SHAFT = 25600.0, 25.0
@@ -243,22 +242,17 @@ def test_a_change_that_no_step_resolves_is_refused_and_the_twin_goes_on(nodes, p
 
 
 @pytest.mark.ros
-def test_a_twin_waits_for_a_calibration_only_where_somebody_publishes_it(ros_domain):
-    rclpy.init(args=['--ros-args', '-p', 'follow_calibration:=true'])
-    try:
-        node = TwinNode()
-        node.trigger_configure()
-        status = node._calibration.status()
-        assert (status.level, status.message) == (Level.OK, 'runs by its own parameters')
-        node.create_publisher(Calibration, 'calibration', RESULT)
-        end = time.monotonic() + 120.0
-        while node._calibration.status().level != Level.STALE:
-            assert time.monotonic() < end
-            time.sleep(0.02)
-        assert node._calibration.status().message == 'no calibration yet'
-        node.shut_down()
-    finally:
-        rclpy.shutdown()
+def test_a_twin_waits_for_a_calibration_only_where_somebody_publishes_it(here):
+    node = here(TwinNode, follow_calibration=True)
+    node.trigger_configure()
+    status = node._calibration.status()
+    assert (status.level, status.message) == (Level.OK, 'runs by its own parameters')
+    node.create_publisher(Calibration, 'calibration', RESULT)
+    end = time.monotonic() + 120.0
+    while node._calibration.status().level != Level.STALE:
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    assert node._calibration.status().message == 'no calibration yet'
 
 
 @pytest.mark.usefixtures('compiled')

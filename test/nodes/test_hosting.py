@@ -10,6 +10,7 @@ import signal
 import time
 
 import numpy as np
+from probe import block_end, check_complete
 import pytest
 
 pytest.importorskip('rclpy')
@@ -22,7 +23,6 @@ from bearing_twin.streams.pacer import Due
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin_msgs.msg import Diagnosis, TwinState, Vibration
 from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
-from block_streams import block_end, check_complete
 from builtin_interfaces.msg import Time
 import rclpy
 from sensor_msgs.msg import Imu, Temperature

@@ -358,36 +358,32 @@ def test_an_array_that_is_arranged_in_another_way_is_refused(sizes, channels, in
 
 
 @pytest.mark.ros
-def test_why_a_publisher_is_not_heard_is_told(ros_domain):
+def test_why_a_publisher_is_not_heard_is_told(here):
     from bearing_twin.nodes.diagnosis import DiagnosisNode
     from bearing_twin_msgs.msg import Vibration
     import rclpy
     from rclpy.qos import QoSProfile, ReliabilityPolicy
     from std_msgs.msg import Float32MultiArray
 
-    rclpy.init()
-    try:
-        node = DiagnosisNode()
-        node.trigger_configure()
-        node.trigger_activate()
-        assert node._topics.input_status().message == 'no vibration yet'
-        other = rclpy.Context()
-        other.init()
-        for kind, said in (
-            (Vibration, 'set qos_overrides./vibration.subscription.reliability to best_effort'),
-            (Float32MultiArray, 'it is published as std_msgs/msg/Float32MultiArray'),
-        ):
-            # Within one context, the middleware refuses a second type.
-            source = rclpy.create_node('source', context=other)
-            qos = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-            publisher = source.create_publisher(kind, 'vibration', qos)
-            end = time.monotonic() + 60.0
-            while said not in node._topics.input_status().message:
-                assert time.monotonic() < end, node._topics.input_status().message
-                time.sleep(0.05)
-            source.destroy_publisher(publisher)
-            source.destroy_node()
-        node.shut_down()
-        rclpy.shutdown(context=other)
-    finally:
-        rclpy.shutdown()
+    node = here(DiagnosisNode)
+    node.trigger_configure()
+    node.trigger_activate()
+    assert node._topics.input_status().message == 'no vibration yet'
+    other = rclpy.Context()
+    other.init()
+    for kind, said in (
+        (Vibration, 'set qos_overrides./vibration.subscription.reliability to best_effort'),
+        (Float32MultiArray, 'it is published as std_msgs/msg/Float32MultiArray'),
+    ):
+        # Within one context, the middleware refuses a second type.
+        source = rclpy.create_node('source', context=other)
+        qos = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+        publisher = source.create_publisher(kind, 'vibration', qos)
+        end = time.monotonic() + 60.0
+        while said not in node._topics.input_status().message:
+            assert time.monotonic() < end, node._topics.input_status().message
+            time.sleep(0.05)
+        source.destroy_publisher(publisher)
+        source.destroy_node()
+    node.shut_down()
+    rclpy.shutdown(context=other)

@@ -388,7 +388,7 @@ def test_a_configure_that_fails_leaves_no_state_claimed(here, tmp_path, capfd):
 def test_no_block_waits_for_a_disk_that_hangs_while_a_state_is_saved(nodes, probe, tmp_path):
     from bearing_twin_msgs.msg import TwinState, Vibration
     from bearing_twin_msgs.srv import LoadState, SaveState
-    from block_streams import check_complete, DEEP
+    from probe import check_complete, DEEP
     from std_srvs.srv import Trigger
 
     with loop_disk(tmp_path) as disk:

@@ -3,7 +3,6 @@
 """Sources that fall silent, pause, change or start anew, as the nodes that hear them take it."""
 
 import array
-from contextlib import contextmanager
 import math
 
 from bearing_twin.dynamics import preset, Simulator
@@ -15,7 +14,6 @@ pytest.importorskip('rclpy')
 from bearing_twin.nodes.diagnosis import DiagnosisNode
 from bearing_twin.stamps import NANO
 from bearing_twin_msgs.msg import Vibration
-import rclpy
 from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
@@ -24,21 +22,6 @@ pytestmark = pytest.mark.ros
 
 RATE = 25600
 EPOCH = 1_700_000_000
-
-
-@contextmanager
-def at_work(kind, **parameters):
-    """Give a node of this process that is active; it is called, and nothing spins it."""
-    words = [word for name, value in parameters.items() for word in ('-p', f'{name}:={value}')]
-    rclpy.init(args=['--ros-args', *words])
-    try:
-        node = kind()
-        for trigger in (node.trigger_configure, node.trigger_activate):
-            assert trigger() is TransitionCallbackReturn.SUCCESS
-        yield node
-        node.shut_down()
-    finally:
-        rclpy.shutdown()
 
 
 def set_clock(node, seconds):
@@ -55,23 +38,25 @@ def block(begin, samples, **fields):
     )
 
 
-def test_a_speed_that_is_not_told_any_more_names_no_place(ros_domain):
+def test_a_speed_that_is_not_told_any_more_names_no_place(here):
     """At 20 Hz the inner race strikes as often as a ball does at 25.4 Hz."""
     worn = preset('paper', defect='inner', width=1e-3, load=400.0)
-    with at_work(DiagnosisNode, joint='shaft', use_sim_time='true') as node:
-        topics, verdicts = node._topics, []
-        for second in range(24):
-            set_clock(node, second)
-            hertz = 25.4 if second < 10 else 20.0
-            if second < 10:
-                told = JointState(name=['shaft'], velocity=[2.0 * math.pi * hertz])
-                topics._measured.take_joints(told)
-            if second in (0, 10):
-                machine = Simulator(worn, seed=1, shaft_hz=hertz, temperature=40.0)
-            samples = machine.advance(RATE, 40.0, hertz).y
-            topics.take(block(second, samples), math.nan)
-            verdicts.append(topics._latest)
-        assert {each.result for each in verdicts} == {'inner'}
-        assert verdicts[9].shaft_hz == pytest.approx(25.4, rel=2e-3)
-        assert math.isnan(verdicts[-1].shaft_hz)
-        assert 'no velocity for 14.0 s: the last one is too old' in topics.input_status().message
+    node = here(DiagnosisNode, joint='shaft', use_sim_time=True)
+    for trigger in (node.trigger_configure, node.trigger_activate):
+        assert trigger() is TransitionCallbackReturn.SUCCESS
+    topics, verdicts = node._topics, []
+    for second in range(24):
+        set_clock(node, second)
+        hertz = 25.4 if second < 10 else 20.0
+        if second < 10:
+            told = JointState(name=['shaft'], velocity=[2.0 * math.pi * hertz])
+            topics._measured.take_joints(told)
+        if second in (0, 10):
+            machine = Simulator(worn, seed=1, shaft_hz=hertz, temperature=40.0)
+        samples = machine.advance(RATE, 40.0, hertz).y
+        topics.take(block(second, samples), temperature=math.nan)
+        verdicts.append(topics._latest)
+    assert {each.result for each in verdicts} == {'inner'}
+    assert verdicts[9].shaft_hz == pytest.approx(25.4, rel=2e-3)
+    assert math.isnan(verdicts[-1].shaft_hz)
+    assert 'no velocity for 14.0 s: the last one is too old' in topics.input_status().message

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from mcap.writer import Writer
@@ -16,11 +16,11 @@ from bearing_twin.nodes.replay import ReplayNode
 from bearing_twin.ros.entities import entities
 from bearing_twin.ros.health import Health
 from bearing_twin.ros.lifecycle import ManagedNode
-import rclpy
 from rclpy.lifecycle import TransitionCallbackReturn
 from std_msgs.msg import String
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
 pytestmark = pytest.mark.ros
@@ -60,72 +60,53 @@ class Failing(ManagedNode):
         self.torn_down += 1
 
 
-def test_a_refused_configure_leaves_nothing_beside_the_next(ros_domain: int) -> None:
-    rclpy.init()
-    try:
-        node = Failing(BearingTwinError('no'), 'setup', 'setup')
-        before = entities(node)
-        for _ in range(2):
-            assert node.trigger_configure() == FAILURE
-            assert entities(node) == before
-        assert node.trigger_configure() == SUCCESS
-        assert node.count_publishers('/diagnostics') == 1
-        node.shut_down()
-    finally:
-        rclpy.shutdown()
-
-
-def test_what_a_step_made_ends_with_it(ros_domain: int) -> None:
-    rclpy.init()
-    try:
-        node = Failing(BearingTwinError('no'))
-        before = entities(node)
-        node.trigger_configure()
-        inactive = entities(node)
-        node.trigger_activate()
-        assert before < inactive < entities(node)
-        node.trigger_deactivate()
-        assert entities(node) == inactive
-        node.trigger_cleanup()
+def test_a_refused_configure_leaves_nothing_beside_the_next(here: Callable[..., Any]) -> None:
+    node = here(lambda: Failing(BearingTwinError('no'), 'setup', 'setup'))
+    before = entities(node)
+    for _ in range(2):
+        assert node.trigger_configure() == FAILURE
         assert entities(node) == before
-    finally:
-        rclpy.shutdown()
+    assert node.trigger_configure() == SUCCESS
+    assert node.count_publishers('/diagnostics') == 1
 
 
-def test_a_refused_activate_listens_to_nothing(ros_domain: int) -> None:
-    rclpy.init()
-    try:
-        node = Failing(BearingTwinError('no'), 'start')
-        node.trigger_configure()
-        before = entities(node)
-        assert node.trigger_activate() == FAILURE
-        assert entities(node) == before
-        assert not node.out.is_activated
-        assert node.trigger_activate() == SUCCESS
-        assert node.count_subscribers('/in') == 1
-        node.shut_down()
-    finally:
-        rclpy.shutdown()
+def test_what_a_step_made_ends_with_it(here: Callable[..., Any]) -> None:
+    node = here(lambda: Failing(BearingTwinError('no')))
+    before = entities(node)
+    node.trigger_configure()
+    inactive = entities(node)
+    node.trigger_activate()
+    assert before < inactive < entities(node)
+    node.trigger_deactivate()
+    assert entities(node) == inactive
+    node.trigger_cleanup()
+    assert entities(node) == before
 
 
-def test_a_defect_leaves_a_node_that_can_be_configured_anew(ros_domain: int) -> None:
-    rclpy.init()
-    try:
-        node = Failing(KeyError('a defect'), 'start')
-        before = entities(node)
-        node.trigger_configure()
-        node.trigger_activate()
-        assert (node.configured, node.active, node.torn_down) == (False, False, 1)
-        assert entities(node) == before
-        assert node.trigger_configure() == SUCCESS
-        assert node.trigger_activate() == SUCCESS
-        node.shut_down()
-    finally:
-        rclpy.shutdown()
+def test_a_refused_activate_listens_to_nothing(here: Callable[..., Any]) -> None:
+    node = here(lambda: Failing(BearingTwinError('no'), 'start'))
+    node.trigger_configure()
+    before = entities(node)
+    assert node.trigger_activate() == FAILURE
+    assert entities(node) == before
+    assert not node.out.is_activated
+    assert node.trigger_activate() == SUCCESS
+    assert node.count_subscribers('/in') == 1
+
+
+def test_a_defect_leaves_a_node_that_can_be_configured_anew(here: Callable[..., Any]) -> None:
+    node = here(lambda: Failing(KeyError('a defect'), 'start'))
+    before = entities(node)
+    node.trigger_configure()
+    node.trigger_activate()
+    assert (node.configured, node.active, node.torn_down) == (False, False, 1)
+    assert entities(node) == before
+    assert node.trigger_configure() == SUCCESS
+    assert node.trigger_activate() == SUCCESS
 
 
 def test_a_topic_whose_name_ros_does_not_have_costs_only_itself(
-    ros_domain: int, tmp_path: Path
+    here: Callable[..., Any], tmp_path: Path
 ) -> None:
     path = tmp_path / 'a.mcap'
     with path.open('wb') as file:
@@ -136,12 +117,7 @@ def test_a_topic_whose_name_ros_does_not_have_costs_only_itself(
             channel = writer.register_channel(topic, 'cdr', schema)
             writer.add_message(channel, 1, b'\0\1\0\0\2\0\0\0a\0', 1)
         writer.finish()
-    rclpy.init(args=['--ros-args', '-p', f'recording:={path}'])
-    try:
-        node = ReplayNode()
-        assert node.trigger_configure() == SUCCESS
-        assert list(node._topics) == ['/ok']
-        assert len(node._left_out) == 4
-        node.shut_down()
-    finally:
-        rclpy.shutdown()
+    node = here(ReplayNode, recording=str(path))
+    assert node.trigger_configure() == SUCCESS
+    assert list(node._topics) == ['/ok']
+    assert len(node._left_out) == 4

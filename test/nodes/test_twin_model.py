@@ -187,8 +187,7 @@ def test_what_does_not_fit_is_refused_with_value_limit_and_remedy(given, said):
 
 def test_an_own_machine_offline_twice_gives_the_same_bytes_and_is_re_run(tmp_path):
     source = tmp_path / 'schedule.mcap'
-    times, temperatures = paper_schedule(5.0)
-    write_temperature_recording(source, times, temperatures, source='test')
+    write_temperature_recording(source, *paper_schedule(5.0), source='test')
     diagnosis = {'bearing': '', 'geometry': OWN['geometry'], 'window': 2.0}
     for name in ('once', 'again'):
         twin = OWN | {'checkpoint_period': 1.0}
@@ -281,8 +280,7 @@ def test_an_offline_run_takes_one_of_several_temperatures(tmp_path):
 
 def test_an_offline_run_says_once_where_a_limit_is_passed_and_records_it(tmp_path):
     source = tmp_path / 'schedule.mcap'
-    times, temperatures = paper_schedule(5.0)
-    write_temperature_recording(source, times, temperatures, source='test')
+    write_temperature_recording(source, *paper_schedule(5.0), source='test')
     report = run_offline(source, tmp_path / 'out', twin={'bearing': '6203', 'load': 5000.0})
     assert [text for text in report.warnings if 'half the dynamic rating' in text]
     assert [text for text in report.warnings if 'static rating of 4.8 kN' in text]

@@ -8,13 +8,13 @@ import signal
 import time
 
 import numpy as np
+from probe import block_end, check_complete, DEEP
 import pytest
 
 pytest.importorskip('rclpy')
 
 from bearing_twin_msgs.msg import TwinState, Vibration
 from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
-from block_streams import block_end, check_complete, DEEP
 from builtin_interfaces.msg import Time
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Temperature

@@ -32,6 +32,7 @@ from rosbags.rosbag2 import Reader
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Temperature
 from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
 import yaml
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def test_what_arrives_is_what_is_written(ros_domain: int, tmp_path: Path) -> Non
         nodes.start('recorder', {'output': str(bag), 'max_bag_duration': 1.0})
         source.wait_for_recorder()
         source.publish_until(lambda: len(list(bag.glob('*.mcap'))) >= 3)
-        assert source.call('/recorder/split').success
+        assert source.call(Trigger, '/recorder/split').success
         source.publish_for(0.5)
         source.settle()
         assert nodes.end('recorder', by=signal.SIGTERM) == 0
@@ -163,7 +164,7 @@ def test_topics_regex_and_exclude(ros_domain: int, tmp_path: Path) -> None:
 
 
 def messages_written(source: Source) -> int:
-    return int(source.values(RECORDING)['messages_written'])
+    return int(source.statuses[RECORDING].values['messages_written'])
 
 
 def longest_wait(source: Source) -> float:
@@ -225,9 +226,9 @@ def test_what_is_sent_while_it_is_not_active_is_not_lost(ros_domain: int, tmp_pa
         nodes.start('recorder', {'output': str(tmp_path / 'bag')})
         source.wait_for_recorder()
         source.publish_until_told(RECORDING)
-        source.change('/recorder', 'deactivate')
+        assert source.change_state('/recorder', 'deactivate')
         source.publish_for(1.0)
-        source.change('/recorder', 'activate')
+        assert source.change_state('/recorder', 'activate')
         source.wait_for_recorder()
         for _ in range(2):
             told = source.publish_until_told(RECORDING)
@@ -249,7 +250,7 @@ def test_a_recorder_that_stood_still_counts_what_it_missed(
         source.publish_for(30.0)
         os.kill(nodes.pid('recorder'), signal.SIGCONT)
         source.publish_until(
-            lambda: source.values(RECORDING).get('messages_lost_on_the_way', '0') != '0'
+            lambda: source.statuses[RECORDING].values.get('messages_lost_on_the_way', '0') != '0'
         )
         source.settle()
         told = int(source.publish_until_told(RECORDING)['messages_lost_on_the_way'])
@@ -355,7 +356,7 @@ def test_nothing_is_overwritten_and_unfinished_ones_are_offered(
 
         source.publish_until(records)
         for transition in ('deactivate', 'cleanup', 'configure', 'activate'):
-            source.change('/recorder', transition)
+            assert source.change_state('/recorder', transition)
         source.statuses.clear()
         source.publish_until(records)
         assert nodes.end('again') == 0
@@ -378,7 +379,7 @@ def test_snapshot_on_request(ros_domain: int, tmp_path: Path) -> None:
         fill(source)
         assert not bag.exists()
         asked = time.time_ns()
-        assert source.call('/recorder/snapshot').success
+        assert source.call(Trigger, '/recorder/snapshot').success
         answered = time.time_ns()
         waits = [longest_wait(source) for _ in range(2)]
         source.settle()
@@ -499,7 +500,7 @@ def test_topics_of_other_kinds_are_recorded_as_they_are_offered(
             temperature.publish(Temperature(temperature=44.0))
             spectrum.publish(Float64(data=3.0))
             two.publish(Float64(data=4.0))
-            said = source.values(RECORDING)
+            said = source.statuses[RECORDING].values
             return '/two: ' in said.get('why_left_out', '') and on_disk(bag).topics.keys() >= {
                 '/temperature',
                 '/spectrum',
@@ -509,8 +510,7 @@ def test_topics_of_other_kinds_are_recorded_as_they_are_offered(
         assert nodes.end('recorder') == 0
         status = source.statuses[RECORDING]
     assert status.level == b'\x01'
-    [why] = [v.value for v in status.values if v.key == 'why_left_out']
-    assert 'are published' in why
+    assert 'are published' in status.values['why_left_out']
     found = {m.topic: m for m in read_messages(bag)}
     assert found['/temperature'].decode().temperature == 44.0
     assert 'best_effort' in found['/temperature'].channel.qos

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.recording.reader import read_messages
 import pytest
@@ -21,10 +21,12 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float64, String
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from rclpy.node import Node
+
+    Maker = Callable[..., Any]
 
 pytestmark = pytest.mark.ros
 
@@ -38,38 +40,42 @@ def until(happened: Callable[[], bool]) -> None:
         time.sleep(0.02)
 
 
-def node_of_its_own(name: str) -> Node:
-    context = rclpy.Context()
-    context.init()
-    return rclpy.create_node(name, context=context)
+@pytest.fixture
+def elsewhere(ros_domain: int) -> Iterator[Maker]:
+    """Return a maker of nodes in contexts of their own: one context refuses a second type."""
+    made = []
+
+    def make(name: str) -> Node:
+        context = rclpy.Context()
+        context.init()
+        made.append(rclpy.create_node(name, context=context))
+        return made[-1]
+
+    yield make
+    for node in made:
+        node.context.shutdown()
 
 
-def test_a_changed_topic_costs_nothing_of_what_came_before(
-    ros_domain: int, tmp_path: Path
-) -> None:
+def test_a_changed_topic_costs_nothing_of_what_came_before(here: Maker, tmp_path: Path) -> None:
     bag = tmp_path / 'bag'
-    rclpy.init(args=['--ros-args', '-p', f'output:={bag}', '-p', 'topics:=[level]'])
-    try:
-        recorder = RecorderNode()
-        recorder.trigger_configure()
-        source = rclpy.create_node('source')
-        depth = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        latched = source.create_publisher(Float64, 'level', depth)
-        until(lambda: recorder.count_publishers('/level') == 1)
-        recorder.trigger_activate()
-        until(lambda: latched.get_subscription_count() == 1)
-        for k in range(SENT):
-            latched.publish(Float64(data=float(k)))
-        # All of it is with the recorder's middleware, and nobody has looked.
-        assert latched.wait_for_all_acked(rclpy.duration.Duration(seconds=60))
-        time.sleep(0.5)
-        best_effort = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
-        source.create_publisher(Float64, 'level', best_effort)
-        until(lambda: recorder.count_publishers('/level') == 2)
-        recorder._topics.discover()
-        recorder.shut_down()
-    finally:
-        rclpy.shutdown()
+    recorder = here(RecorderNode, output=str(bag), topics=['level'])
+    recorder.trigger_configure()
+    source = rclpy.create_node('source')
+    depth = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    latched = source.create_publisher(Float64, 'level', depth)
+    until(lambda: recorder.count_publishers('/level') == 1)
+    recorder.trigger_activate()
+    until(lambda: latched.get_subscription_count() == 1)
+    for k in range(SENT):
+        latched.publish(Float64(data=float(k)))
+    # All of it is with the recorder's middleware, and nobody has looked.
+    assert latched.wait_for_all_acked(rclpy.duration.Duration(seconds=60))
+    time.sleep(0.5)
+    best_effort = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+    source.create_publisher(Float64, 'level', best_effort)
+    until(lambda: recorder.count_publishers('/level') == 2)
+    recorder._topics.discover()
+    recorder.shut_down()
     found = [m.decode().data for m in read_messages(bag, topics=['/level'])]
     assert found[:SENT] == list(range(SENT))
 
@@ -84,43 +90,34 @@ def test_the_regex_of_a_machine_follows_the_namespace_of_the_recorder(namespace:
 
 
 def test_a_second_type_for_a_moment_ends_no_recording(
-    ros_domain: int, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    here: Maker, elsewhere: Maker, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     bag = tmp_path / 'bag'
     beside = 'std_msgs/msg/String beside std_msgs/msg/Float64'
-    rclpy.init(args=['--ros-args', '-p', f'output:={bag}', '-p', 'topics:=[level, text]'])
-    try:
-        recorder = RecorderNode()
-        recorder.trigger_configure()
-        # Within one context, the middleware refuses a second type.
-        source, other = (node_of_its_own(name) for name in ('source', 'other'))
-        level = source.create_publisher(Float64, 'level', 10)
-        first = source.create_publisher(Float64, 'text', 10)
-        other.create_publisher(String, 'text', 10)
-        until(lambda: recorder.count_publishers('/level') == 1)
-        until(lambda: recorder.count_publishers('/text') == 2)
-        recorder.trigger_activate()
-        topics = recorder._topics
-        assert (len(topics), topics.left_out.keys()) == (1, {'/text'})
-        stray = other.create_publisher(String, 'level', 10)
-        until(lambda: recorder.count_publishers('/level') == 2)
-        topics.discover()
-        assert topics.left_out['/level'] == beside
-        until(lambda: level.get_subscription_count() == 1)
-        level.publish(Float64(data=1.0))
-        assert level.wait_for_all_acked(rclpy.duration.Duration(seconds=60))
-        other.destroy_publisher(stray)
-        source.destroy_publisher(first)
-        until(
-            lambda: recorder.count_publishers('/level') == recorder.count_publishers('/text') == 1
-        )
-        topics.discover()
-        assert (len(topics), topics.left_out) == (2, {})
-        recorder.shut_down()
-    finally:
-        rclpy.shutdown()
-        for node in (source, other):
-            node.context.shutdown()
+    recorder = here(RecorderNode, output=str(bag), topics=['level', 'text'])
+    recorder.trigger_configure()
+    source, other = (elsewhere(name) for name in ('source', 'other'))
+    level = source.create_publisher(Float64, 'level', 10)
+    first = source.create_publisher(Float64, 'text', 10)
+    other.create_publisher(String, 'text', 10)
+    until(lambda: recorder.count_publishers('/level') == 1)
+    until(lambda: recorder.count_publishers('/text') == 2)
+    recorder.trigger_activate()
+    topics = recorder._topics
+    assert (len(topics), topics.left_out.keys()) == (1, {'/text'})
+    stray = other.create_publisher(String, 'level', 10)
+    until(lambda: recorder.count_publishers('/level') == 2)
+    topics.discover()
+    assert topics.left_out['/level'] == beside
+    until(lambda: level.get_subscription_count() == 1)
+    level.publish(Float64(data=1.0))
+    assert level.wait_for_all_acked(rclpy.duration.Duration(seconds=60))
+    other.destroy_publisher(stray)
+    source.destroy_publisher(first)
+    until(lambda: recorder.count_publishers('/level') == recorder.count_publishers('/text') == 1)
+    topics.discover()
+    assert (len(topics), topics.left_out) == (2, {})
+    recorder.shut_down()
     assert [m.decode().data for m in read_messages(bag, topics=['/level'])] == [1.0]
     said = capfd.readouterr().err
     assert '/text is not recorded: ' in said
@@ -129,60 +126,53 @@ def test_a_second_type_for_a_moment_ends_no_recording(
 
 
 def test_topics_that_nobody_publishes_any_more_are_let_go(
-    ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    here: Maker, elsewhere: Maker, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(rawsubscriptions, 'MOST_SILENT', 3)
     bag = tmp_path / 'bag'
-    rclpy.init(args=['--ros-args', '-p', f'output:={bag}', '-p', 'regex:=/(passing|odd).*'])
-    try:
-        recorder = RecorderNode()
-        recorder.trigger_configure()
-        recorder.trigger_activate()
-        source = node_of_its_own('source')
-        other = node_of_its_own('other')
-        topics = recorder._topics
+    recorder = here(RecorderNode, output=str(bag), regex='/(passing|odd).*')
+    recorder.trigger_configure()
+    recorder.trigger_activate()
+    source, other = (elsewhere(name) for name in ('source', 'other'))
+    topics = recorder._topics
 
-        def pass_by(names: list[str]) -> None:
-            """Publish on topics, and leave."""
-            passing = [source.create_publisher(Float64, name, 10) for name in names]
-            # A topic of two types is left out, and told.
-            passing += [node.create_publisher(kind, 'odd_' + names[0], 10)
-                        for node, kind in ((source, Float64), (other, String))]  # fmt: skip
-            until(lambda: recorder.count_publishers('/odd_' + names[0]) == 2)
-            until(lambda: all(recorder.count_publishers('/' + name) for name in names))
-            topics.discover()
-            for publisher in passing[: len(names)]:
-                until(lambda publisher=publisher: publisher.get_subscription_count() == 1)
-                publisher.publish(Float64(data=1.0))
-                assert publisher.wait_for_all_acked(rclpy.duration.Duration(seconds=60))
-            for publisher in passing:
-                (other if publisher is passing[-1] else source).destroy_publisher(publisher)
-            until(lambda: not any(recorder.count_publishers('/' + name) for name in names))
-            until(lambda: not recorder.count_publishers('/odd_' + names[0]))
-            topics.discover()
+    def pass_by(names: list[str]) -> None:
+        """Publish on topics, and leave."""
+        passing = [source.create_publisher(Float64, name, 10) for name in names]
+        # A topic of two types is left out, and told.
+        passing += [node.create_publisher(kind, 'odd_' + names[0], 10)
+                    for node, kind in ((source, Float64), (other, String))]  # fmt: skip
+        until(lambda: recorder.count_publishers('/odd_' + names[0]) == 2)
+        until(lambda: all(recorder.count_publishers('/' + name) for name in names))
+        topics.discover()
+        for publisher in passing[: len(names)]:
+            until(lambda publisher=publisher: publisher.get_subscription_count() == 1)
+            publisher.publish(Float64(data=1.0))
+            assert publisher.wait_for_all_acked(rclpy.duration.Duration(seconds=60))
+        for publisher in passing:
+            (other if publisher is passing[-1] else source).destroy_publisher(publisher)
+        until(lambda: not any(recorder.count_publishers('/' + name) for name in names))
+        until(lambda: not recorder.count_publishers('/odd_' + names[0]))
+        topics.discover()
 
-        for turn in range(3):
-            pass_by([f'passing_{turn}_{k}' for k in range(4)])
-            assert len(topics) + len(topics.left_out) == 3
-        pass_by(['passing_0_0'])
-        recorder.shut_down()
-    finally:
-        rclpy.shutdown()
-        for node in (source, other):
-            node.context.shutdown()
+    for turn in range(3):
+        pass_by([f'passing_{turn}_{k}' for k in range(4)])
+        assert len(topics) + len(topics.left_out) == 3
+    pass_by(['passing_0_0'])
+    recorder.shut_down()
     found = [m.topic for m in read_messages(bag, topics=['/passing_0_0', '/passing_2_3'])]
     assert found == ['/passing_0_0', '/passing_2_3', '/passing_0_0']
 
 
 def test_a_topic_that_is_remapped_away_is_left_out_and_told(
-    ros_domain: int, tmp_path: Path
+    elsewhere: Maker, tmp_path: Path
 ) -> None:
     bag = tmp_path / 'bag'
     rclpy.init(args=['--ros-args', '-p', f'output:={bag}', '-r', 'level:=/fan/level'])
     try:
         recorder = RecorderNode()
         recorder.trigger_configure()
-        source = node_of_its_own('source')
+        source = elsewhere('source')
         level = source.create_publisher(Float64, 'level', 10)
         fan = source.create_publisher(Float64, '/fan/level', 10)
         until(
@@ -205,19 +195,15 @@ def test_a_topic_that_is_remapped_away_is_left_out_and_told(
     assert found == [('/fan/level', float(k)) for k in range(SENT)]
 
 
-def test_what_waits_for_a_clock_is_bounded_by_memory(ros_domain: int, tmp_path: Path) -> None:
-    words = [f'output:={tmp_path / "bag"}', 'use_sim_time:=true', 'max_cache_size:=1']
-    rclpy.init(args=['--ros-args', *(part for word in words for part in ('-p', word))])
-    try:
-        recorder = RecorderNode()
-        recorder.trigger_configure()
-        info: dict = dict.fromkeys(
-            ('received_timestamp', 'source_timestamp', 'publication_sequence_number'), 0
-        )
-        for _ in range(20):
-            recorder._on_message('/x', 'std_msgs/msg/String', bytes(300_000), info)
-        # Three of them are less than 1 MiB.
-        assert (len(recorder._early), recorder._lost) == (3, 17)
-        recorder.shut_down()
-    finally:
-        rclpy.shutdown()
+def test_what_waits_for_a_clock_is_bounded_by_memory(here: Maker, tmp_path: Path) -> None:
+    recorder = here(
+        RecorderNode, output=str(tmp_path / 'bag'), use_sim_time=True, max_cache_size=1
+    )
+    recorder.trigger_configure()
+    info: dict = dict.fromkeys(
+        ('received_timestamp', 'source_timestamp', 'publication_sequence_number'), 0
+    )
+    for _ in range(20):
+        recorder._on_message('/x', 'std_msgs/msg/String', bytes(300_000), info)
+    # Three of them are less than 1 MiB.
+    assert (len(recorder._early), recorder._lost) == (3, 17)

@@ -9,18 +9,19 @@ import os
 import subprocess
 import sys
 import time
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.nodes.replay import ReplayNode
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.ros.launching import NodeProcesses
 import pytest
-import rclpy
 from recorder_process import Source, TIMEOUT
 from recording_samples import PERIOD, TEMPERATURE, temperature_cdr, write_blocks
+from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
 pytestmark = pytest.mark.ros
@@ -46,8 +47,8 @@ def test_replayed_and_recorded_again_the_bytes_are_the_same(
         }
         nodes.start('replay', parameters)
         # It waits for those who listen to what it replays, and not for those of its clock.
-        source.wait_until(lambda: source.node.count_subscribers('/clock') > 0)
-        assert source.call('/replay/resume').success
+        source.until(lambda: source.node.count_subscribers('/clock') > 0, 'who tells the time')
+        assert source.call(Trigger, '/replay/resume').success
         assert nodes.wait('replay', TIMEOUT) == 0
         assert nodes.end('recorder') == 0
     again = list(read_messages(tmp_path / 'again', topics=['/line3/vibration']))
@@ -67,11 +68,11 @@ def test_paused_stepped_resumed(ros_domain: int, tmp_path: Path) -> None:
     write_blocks(tmp_path / 'run', 25)
     with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('replay', {'recording': str(tmp_path / 'run'), 'start_paused': True})
-        step = source.call('/replay/step')
+        step = source.call(Trigger, '/replay/step')
         assert step.success
         assert '/vibration' in step.message
-        assert '/temperature' in source.call('/replay/step').message
-        assert source.call('/replay/resume').success
+        assert '/temperature' in source.call(Trigger, '/replay/step').message
+        assert source.call(Trigger, '/replay/resume').success
         assert nodes.wait('replay', TIMEOUT) == 0
     log = (tmp_path / 'logs' / 'replay.log').read_text()
     assert '50 messages' in log
@@ -117,32 +118,29 @@ def test_command_line(ros_domain: int, tmp_path: Path) -> None:
 
 
 def test_recorded_time_stands_while_nothing_plays_and_a_pause_costs_nothing(
-    ros_domain: int, tmp_path: Path
+    here: Callable[..., Any], tmp_path: Path
 ) -> None:
     write_blocks(tmp_path / 'run', 5)
-    words = ['-p', f'recording:={tmp_path / "run"}', '-p', 'clock_rate:=100.0']
-    words += ['-p', 'start_paused:=true', '-p', 'wait_for_subscribers:=0.0']
-    rclpy.init(args=['--ros-args', *words])
-    try:
-        replay = ReplayNode()
-        replay.trigger_configure()
-        player = replay._player
-        replay._set_paused(paused=False)
-        for rate in (2.0, 3.0):
-            replay.apply({'rate': rate})
-            time.sleep(0.05)
-        assert player.position == player.start
-        replay._set_paused(paused=True)
-        looked = []
-        due = player.due
-        player.due = lambda now: looked.append(now) or due(now)
-        replay.trigger_activate()
-        time.sleep(1.0)
-        replay.shut_down()
-        # Twice a second, and not whenever it can.
-        assert len(looked) < 20
-    finally:
-        rclpy.shutdown()
+    replay = here(
+        ReplayNode, recording=str(tmp_path / 'run'), clock_rate=100.0, start_paused=True,
+        wait_for_subscribers=0.0,
+    )  # fmt: skip
+    replay.trigger_configure()
+    player = replay._player
+    replay._set_paused(paused=False)
+    for rate in (2.0, 3.0):
+        replay.apply({'rate': rate})
+        time.sleep(0.05)
+    assert player.position == player.start
+    replay._set_paused(paused=True)
+    looked = []
+    due = player.due
+    player.due = lambda now: looked.append(now) or due(now)
+    replay.trigger_activate()
+    time.sleep(1.0)
+    replay.shut_down()
+    # Twice a second, and not whenever it can.
+    assert len(looked) < 20
 
 
 def test_what_subscribers_would_misread_is_left_out(ros_domain: int, tmp_path: Path) -> None:
