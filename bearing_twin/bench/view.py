@@ -35,8 +35,7 @@ def measure() -> dict[str, float]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         source = folder / 'schedule.mcap'
-        times, temperatures = paper_schedule()
-        write_temperature_recording(source, times, temperatures, source='bench')
+        write_temperature_recording(source, *paper_schedule(), source='bench')
         report = run_offline(source, folder / 'run', twin={'defect': 'inner'})
         messages = list(read_messages(folder / 'run'))
         files = [_draw(messages, folder / f'{run}.rrd') for run in range(RUNS + 1)]

@@ -38,9 +38,7 @@ def undated(start: int) -> bool:
     return START <= start < START + 60 * NANO
 
 
-def paper_schedule(
-    duration: float = 40.0, rate: float = 10.0
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def paper_schedule(duration: float = 40.0) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """
     Return times (s) and temperatures (degC): 20 to 110 degC in proportion to time.
 
@@ -48,13 +46,11 @@ def paper_schedule(
     ----------
     duration
         Time from 20 to 110 degC, s.
-    rate
-        Readings per second.
 
     Returns
     -------
     times, temperatures
-        Shape ``(round(duration * rate) + 1,)``.
+        Ten readings a second, shape ``(round(10 * duration) + 1,)``.
 
     Raises
     ------
@@ -62,10 +58,10 @@ def paper_schedule(
         If there would be fewer than two readings, or more than a million.
 
     """
-    if not 1.0 <= duration * rate <= 1e6:
-        msg = f'a schedule of {duration:g} s: give {1.0 / rate:g} to {1e6 / rate:g} s'
+    if not 0.1 <= duration <= 1e5:
+        msg = f'a schedule of {duration:g} s: give 0.1 to 100000 s'
         raise BearingTwinError(msg)
-    times = np.arange(round(duration * rate) + 1) / rate
+    times = np.arange(round(duration * 10.0) + 1) / 10.0
     return times, 20.0 + 90.0 * times / times[-1]
 
 

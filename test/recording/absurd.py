@@ -187,8 +187,7 @@ def run_worker(count: int, seed: int, folder: Path) -> dict[str, Any]:
     path, out = folder / 'absurd.mcap', folder / 'out'
     out.mkdir()
     # The twin is compiled at its first block, which may take a minute.
-    times, temperatures = paper_schedule(1.0)
-    write_temperature_recording(folder / 'warm.mcap', times, temperatures, source='test')
+    write_temperature_recording(folder / 'warm.mcap', *paper_schedule(1.0), source='test')
     with contextlib.redirect_stdout(StringIO()):
         main(['replay', '--offline', str(folder / 'warm.mcap'), '-o', str(folder / 'warm')])
     signal.signal(signal.SIGALRM, _too_long)

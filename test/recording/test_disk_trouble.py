@@ -207,9 +207,8 @@ def test_place_that_cannot_be_written_is_refused_at_once(tmp_path: Path) -> None
 def test_a_result_on_a_full_disk_is_whole_or_absent(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    times, temperatures = paper_schedule(8.0)
     schedule = tmp_path / 'schedule.mcap'
-    write_temperature_recording(schedule, times, temperatures, source='test')
+    write_temperature_recording(schedule, *paper_schedule(8.0), source='test')
     page, run = tmp_path / 'page.html', tmp_path / 'run'
     page.write_text('a page of before')
     with file_size_limit(20_000):

@@ -29,18 +29,20 @@ from bearing_twin.offline.verify import reproduce
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
-from bearing_twin.recording.schema import canonical_cdr, MessageSchema
+from bearing_twin.recording.schema import canonical_cdr
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.ros.launching import NodeProcesses
 from bearing_twin.ros.qos import RESULT, STREAM
 from bearing_twin.stamps import samples_ns
 from bearing_twin.streams.vibration_input import read_vibration
 from bearing_twin_msgs.msg import Diagnosis, Vibration
+from copies import put
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 from recorder_process import Source, TIMEOUT
 from recording_samples import store
+from std_srvs.srv import Trigger
 import yaml
 
 if TYPE_CHECKING:
@@ -54,8 +56,7 @@ COMPARED = ('/vibration', '/diagnosis', '/twin_state', '/envelope_spectrum', '/f
 def schedule(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Twelve seconds from 20 to 110 degC."""
     path = tmp_path_factory.mktemp('schedule') / 'schedule.mcap'
-    times, temperatures = paper_schedule(12.0)
-    write_temperature_recording(path, times, temperatures, source='test')
+    write_temperature_recording(path, *paper_schedule(12.0), source='test')
     return path
 
 
@@ -113,22 +114,13 @@ def test_verify_agrees(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert 'identical to the byte: /diagnosis, /vibration\n' in capsys.readouterr().out
 
 
-def put(writer: RecordingWriter, message: Any, topic: str, cdr: bytes) -> None:
-    """Write a recorded message on another topic or with other bytes."""
-    c = message.channel
-    writer.write(
-        topic, c.type_name, cdr, log_time=message.log_time, publish_time=message.publish_time,
-        schema=MessageSchema(c.type_name, c.schema, c.type_hash),
-    )  # fmt: skip
-
-
 def rewritten(source: Path, target: Path, change: Callable[[Any, bytes], bytes | None]) -> Path:
     """Copy a recording; ``change`` gives each message its bytes, None leaves it out."""
     with RecordingWriter(target) as writer:
         for m in read_messages(source):
             cdr = change(m, m.cdr)
             if cdr is not None:
-                put(writer, m, m.topic, cdr)
+                put(writer, m, cdr=cdr)
     return target
 
 
@@ -289,9 +281,9 @@ def test_a_twin_whose_vibration_was_renamed_beside_a_sensor(
         for m in read_messages(run):
             if m.topic == '/vibration':
                 put(writer, m, '/fan/vibration', changed(m, source=Vibration.SOURCE_MEASURED))
-                put(writer, m, name, m.cdr)
+                put(writer, m, name)
             elif not m.topic.startswith('/diagnosis'):
-                put(writer, m, f'/fan{m.topic}', m.cdr)
+                put(writer, m, f'/fan{m.topic}')
     result = reproduce(target)
     assert result.identical, result
     assert result.topics[name].identical == 12 * 25
@@ -311,7 +303,7 @@ def test_a_renamed_twin_without_its_first_block_takes_no_other_twins(
                     first = False
                     continue
                 name = m.topic.replace('/vibration', '/twin/vibration')
-                put(writer, m, f'{machine}{name}', m.cdr)
+                put(writer, m, f'{machine}{name}')
     result = reproduce(target)
     assert result.topics['/m1/twin/vibration'].identical == 12 * 25
     # The next checkpoint is that of block 250.
@@ -387,8 +379,7 @@ def test_an_interrupted_run_is_a_sound_recording(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     source, target = tmp_path / 'long.mcap', tmp_path / 'cut'
-    times, temperatures = paper_schedule(3600.0)
-    write_temperature_recording(source, times, temperatures, source='test')
+    write_temperature_recording(source, *paper_schedule(3600.0), source='test')
 
     def interrupt() -> None:
         while not target.exists() or sum(p.stat().st_size for p in target.iterdir()) < 1e6:
@@ -432,12 +423,12 @@ def test_a_live_run_is_reproduced_offline(ros_domain: int, tmp_path: Path, sched
         nodes.start('twin', {'bearing': '6307', 'wait_for_subscribers': 2, **own, **deep})
         source.wait_for('twin: real time')
         # Blocks before the recorder had found the twin are lost; a reset gives a checkpoint now.
-        assert source.call('/twin/reset').success
+        assert source.call(Trigger, '/twin/reset').success
         verdicts: list[Diagnosis] = []
         source.node.create_subscription(Diagnosis, 'diagnosis', verdicts.append, RESULT)
         nodes.start('replay', {'recording': str(schedule), 'wait_for_subscribers': TIMEOUT})
         assert nodes.wait('replay', TIMEOUT) == 0
-        source.wait_until(lambda: len(verdicts) > 10, 'verdicts')
+        source.until(lambda: len(verdicts) > 10, 'verdicts')
         for name in ('twin', 'diagnosis', 'recorder'):
             assert nodes.end(name) == 0
     result = reproduce(tmp_path / 'bag')
@@ -481,11 +472,11 @@ def test_a_fleet_is_reproduced_offline(ros_domain: int, tmp_path: Path) -> None:
         source.wait_for('p1/recorder: recording')
         blocks: list[Vibration] = []
         source.node.create_subscription(Vibration, '/p1/fan/vibration', blocks.append, STREAM)
-        source.wait_until(lambda: len(blocks) > 100, 'blocks')
-        assert source.call('/p1/fleet/reset').success
-        assert source.call('/p1/pump/left/twin/reset').success
+        source.until(lambda: len(blocks) > 100, 'blocks')
+        assert source.call(Trigger, '/p1/fleet/reset').success
+        assert source.call(Trigger, '/p1/pump/left/twin/reset').success
         until = len(blocks) + 200
-        source.wait_until(lambda: len(blocks) > until, 'blocks after the reset')
+        source.until(lambda: len(blocks) > until, 'blocks after the reset')
         assert nodes.end('fleet') == 0
         assert nodes.end('recorder') == 0
     result = reproduce(bag)

@@ -18,6 +18,7 @@ from bearing_twin.view.report.appendix import off_default
 from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.page import report_page
 from bearing_twin.view.report.plots import appended_figures, figures
+from copies import put
 import numpy as np
 import pytest
 import yaml
@@ -86,13 +87,7 @@ def rewritten(source, target, *, rename=lambda topic: [topic], metadata=None, un
             writer.metadata(name, values)
         for message in read_messages(source, end=until):
             for topic in rename(message.topic):
-                writer.write(
-                    topic,
-                    message.type_name,
-                    message.cdr,
-                    log_time=message.log_time,
-                    publish_time=message.publish_time,
-                )
+                put(writer, message, topic)
     return target
 
 
@@ -290,10 +285,7 @@ def test_a_page_says_what_a_fleet_simulated(recording, tmp_path, base):
                 made.configuration = yaml.safe_dump({'fleet': healthy, 'p1': values})
                 topics, cdr = [f'{base}/fleet/checkpoint'], serialize_message(made)
             for topic in topics:
-                writer.write(
-                    topic, message.type_name, cdr,
-                    log_time=message.log_time, publish_time=message.publish_time,
-                )  # fmt: skip
+                put(writer, message, topic, cdr)
     machines = machines_of(tmp_path / 'fleet')
     text = f'simulated by {base}/fleet, preset incipient, '
     assert machines[f'{base}/p1'].source.text.startswith(f'{text}inner race')
@@ -351,10 +343,7 @@ def test_verdicts_that_cannot_be_read_are_not_passed_over(recording, tmp_path):
     with RecordingWriter(target) as writer:
         for message in read_messages(recording, topics=['/vibration', '/diagnosis']):
             cdr = message.cdr[:40] if message.topic == '/diagnosis' else message.cdr
-            writer.write(
-                message.topic, message.type_name, cdr,
-                log_time=message.log_time, publish_time=message.publish_time,
-            )  # fmt: skip
+            put(writer, message, cdr=cdr)
     (machine,) = machines_of(target).values()
     assert machine.unread['/diagnosis'][0] == 40
     text = report_page(target)
@@ -368,13 +357,7 @@ def test_vibration_without_a_verdict_makes_no_statement(recording, tmp_path):
     only = tmp_path / 'only'
     with RecordingWriter(only) as writer:
         for message in read_messages(recording, topics=['/vibration']):
-            writer.write(
-                message.topic,
-                message.type_name,
-                message.cdr,
-                log_time=message.log_time,
-                publish_time=message.publish_time,
-            )
+            put(writer, message)
     text = report_page(only)
     assert 'No diagnosis recorded' in text
     assert 'Healthy' not in text

@@ -13,6 +13,7 @@ from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.view.report.page import report_page
 from bearing_twin.view.report.pdf import browse, BROWSERS, pdf_of
+from copies import put
 import pytest
 
 SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
@@ -103,10 +104,7 @@ def test_a_fleet_prints_all_machines_on_a_sheet_and_the_two_most_urgent(recordin
     with RecordingWriter(tmp_path / 'fleet') as writer:
         for message in read_messages(recording, end=begin + 12_000_000_000):
             for name in 'abcdefgh':
-                writer.write(
-                    f'/line1/{name}{message.topic}', message.type_name, message.cdr,
-                    log_time=message.log_time, publish_time=message.publish_time,
-                )  # fmt: skip
+                put(writer, message, f'/line1/{name}{message.topic}')
     page = report_page(tmp_path / 'fleet')
     main = re.sub(r'<section class="appendix">.*</section>', '', page, flags=re.DOTALL)
     assert sheets(pdf_of(main)) == 1 + 2 * 2
