@@ -18,7 +18,7 @@ YOUNG_STEEL = 208e9
 """Young's modulus of bearing steel at 20 degC, Pa."""
 POISSON_STEEL = 0.3
 """Poisson's ratio of bearing steel."""
-CONFORMITY_INNER, CONFORMITY_OUTER = 0.515, 0.525
+CONFORMITY = {'inner': 0.515, 'outer': 0.525}
 """Groove radius over ball diameter."""
 
 
@@ -44,12 +44,7 @@ def elliptic_integrals(m: float) -> tuple[float, float]:
 
 
 def contact_stiffness(
-    bearing: Bearing,
-    race: str,
-    *,
-    conformity: float,
-    young: float = YOUNG_STEEL,
-    poisson: float = POISSON_STEEL,
+    bearing: Bearing, race: str, *, conformity: float | None = None, young: float = YOUNG_STEEL
 ) -> float:
     """
     Load-deflection factor of one ball on one race, N/m^1.5.
@@ -61,9 +56,9 @@ def contact_stiffness(
     race
         ``'inner'`` or ``'outer'``.
     conformity
-        Groove radius over ball diameter, above 0.5.
-    young, poisson
-        Elastic constants, the same for ball and race, Pa and dimensionless.
+        Groove radius over ball diameter, above 0.5; None: `CONFORMITY` of the race.
+    young
+        Young's modulus of ball and race, Pa.
 
     Notes
     -----
@@ -80,7 +75,7 @@ def contact_stiffness(
     """
     rho_sum, ellipticity, k, e = _ellipse(bearing, race, conformity)
     approach = 2.0 * k / math.pi * (math.pi / (2.0 * ellipticity**2 * e)) ** (1.0 / 3.0)
-    reduced = young / (1.0 - poisson**2)
+    reduced = young / (1.0 - POISSON_STEEL**2)
     unit_load = (3.0 / (rho_sum * reduced)) ** (2.0 / 3.0) * rho_sum / 2.0
     return float((approach * unit_load) ** -1.5)
 
@@ -108,8 +103,6 @@ def contact_pressure(
     4.2
 
     """
-    if conformity is None:
-        conformity = {'inner': CONFORMITY_INNER, 'outer': CONFORMITY_OUTER}[race]
     rho_sum, ellipticity, _, e = _ellipse(bearing, race, conformity)
     reduced = YOUNG_STEEL / (1.0 - POISSON_STEEL**2)
     long = (2.0 * ellipticity**2 * e / math.pi * 3.0 * force / (rho_sum * reduced)) ** (1.0 / 3.0)
@@ -117,8 +110,11 @@ def contact_pressure(
 
 
 @functools.lru_cache(maxsize=256)
-def _ellipse(bearing: Bearing, race: str, conformity: float) -> tuple[float, float, float, float]:
+def _ellipse(
+    bearing: Bearing, race: str, conformity: float | None
+) -> tuple[float, float, float, float]:
     """Sum of the curvatures, 1/m, ratio of the half axes of the contact, and its K and E."""
+    conformity = CONFORMITY[race] if conformity is None else conformity
     if not 0.5 < conformity < 1.0:
         msg = f'{conformity=} of the {race} race is outside 0.5..1; typical values are 0.515..0.53'
         raise BearingTwinError(msg)
@@ -142,14 +138,7 @@ def _ellipse(bearing: Bearing, race: str, conformity: float) -> tuple[float, flo
     return rho_sum, ellipticity, *elliptic_integrals(1.0 - 1.0 / ellipticity**2)
 
 
-def load_deflection_factor(
-    bearing: Bearing,
-    *,
-    conformity_inner: float = CONFORMITY_INNER,
-    conformity_outer: float = CONFORMITY_OUTER,
-    young: float = YOUNG_STEEL,
-    poisson: float = POISSON_STEEL,
-) -> float:
+def load_deflection_factor(bearing: Bearing, *, young: float = YOUNG_STEEL) -> float:
     """
     Load-deflection factor K_b of a ball between both races, N/m^1.5.
 
@@ -163,10 +152,7 @@ def load_deflection_factor(
     1.228e+10
 
     """
-    inner, outer = (
-        contact_stiffness(bearing, race, conformity=f, young=young, poisson=poisson)
-        for race, f in (('inner', conformity_inner), ('outer', conformity_outer))
-    )
+    inner, outer = (contact_stiffness(bearing, race, young=young) for race in ('inner', 'outer'))
     return float((inner ** (-2.0 / 3.0) + outer ** (-2.0 / 3.0)) ** -1.5)
 
 
