@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from mcap.writer import Writer
+from copies import raw_recording
 import pytest
 
 pytest.importorskip('rclpy')
@@ -109,14 +109,11 @@ def test_a_topic_whose_name_ros_does_not_have_costs_only_itself(
     here: Callable[..., Any], tmp_path: Path
 ) -> None:
     path = tmp_path / 'a.mcap'
-    with path.open('wb') as file:
-        writer = Writer(file)
-        writer.start(profile='ros2')
+    with raw_recording(path) as writer:
         schema = writer.register_schema('std_msgs/msg/String', 'ros2msg', b'string data')
         for topic in ('/ok', '/bad name', '/1x', '/a//b', '/end/'):
             channel = writer.register_channel(topic, 'cdr', schema)
             writer.add_message(channel, 1, b'\0\1\0\0\2\0\0\0a\0', 1)
-        writer.finish()
     node = here(ReplayNode, recording=str(path))
     assert node.trigger_configure() == SUCCESS
     assert list(node._topics) == ['/ok']

@@ -20,6 +20,7 @@ from bearing_twin.recording.mcapfile import MAGIC
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.summary import summary_place
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from copies import raw_recording
 from mcap.opcode import Opcode
 from mcap.writer import CompressionType, IndexType, Writer
 import pytest
@@ -85,39 +86,30 @@ def one_large(path: Path) -> None:
 
 def chunk(path: Path, compression: CompressionType) -> None:
     """Return a chunk of 400 MiB of zeros in some kB."""
-    with path.open('wb') as file:
-        writer = Writer(file, compression=compression, chunk_size=2**31)
-        writer.start('ros2')
+    with raw_recording(path, compression=compression, chunk_size=2**31) as writer:
         schema = writer.register_schema('std_msgs/msg/String', 'ros2msg', b'string data')
         channel = writer.register_channel('/t', 'cdr', schema)
         writer.add_message(channel, 5, bytes(400 * MIB), 5)
-        writer.finish()
 
 
 def many_messages(path: Path) -> None:
     """400 000 messages of no content in one chunk of some kB."""
-    with path.open('wb') as file:
-        writer = Writer(file, chunk_size=2**30, index_types=IndexType.CHUNK)
-        writer.start(profile='ros2')
+    with raw_recording(path, chunk_size=2**30, index_types=IndexType.CHUNK) as writer:
         schema = writer.register_schema('std_msgs/msg/Empty', 'ros2msg', b'')
         channel = writer.register_channel('/x', 'cdr', schema)
         for _ in range(400_000):
             writer.add_message(channel, 0, b'', 0)
-        writer.finish()
 
 
 def many_entries(path: Path) -> None:
     """Name one chunk in 20 000 entries of the index."""
-    with path.open('wb') as file:
-        writer = Writer(file)
-        writer.start(profile='ros2')
+    with raw_recording(path) as writer:
         schema = writer.register_schema('std_msgs/msg/Empty', 'ros2msg', b'')
         channel = writer.register_channel('/x', 'cdr', schema)
         for _ in range(10_000):
             writer.add_message(channel, 0, bytes(100), 0)
         writer.flush()
         writer._Writer__chunk_indices *= 20_000
-        writer.finish()
 
 
 def test_slow_topics_may_have_a_chunk_for_each_message(

@@ -15,8 +15,8 @@ from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import recover
 from bearing_twin.recording.writer import WriterOptions
+from copies import raw_recording
 from fuzzing import clean, fuzz, KINDS, mutate
-from mcap.writer import Writer
 import pytest
 from recording_samples import write_blocks
 
@@ -112,9 +112,7 @@ def test_a_type_that_holds_itself_is_not_given_to_rerun(tmp_path: Path) -> None:
     path, picture = tmp_path / 'a.mcap', tmp_path / 'a.rrd'
     itself = ('a/msg/B', b'a/B b\n' + b'=' * 80 + b'\nMSG: a/B\na/B b\n')
     number = ('std_msgs/msg/Float64', b'float64 data')
-    with path.open('wb') as file:
-        writer = Writer(file)
-        writer.start(profile='ros2')
+    with raw_recording(path) as writer:
         for topic, (name, text) in (
             ('/itself', itself),
             ('/t', number),
@@ -125,7 +123,6 @@ def test_a_type_that_holds_itself_is_not_given_to_rerun(tmp_path: Path) -> None:
             channel = writer.register_channel(topic, 'cdr', schema)
             for k in range(5):
                 writer.add_message(channel, k, b'\0\1\0\0' + bytes(8), k)
-        writer.finish()
     # In a process of its own: it ended in a stack overflow of Rerun's.
     words = [sys.executable, '-m', 'bearing_twin', 'view', str(path), '--save', str(picture)]
     ran = subprocess.run(words, capture_output=True, text=True, check=False)

@@ -26,6 +26,7 @@ from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover, RecoveryReport
 from bearing_twin.recording.schema import MessageSchema
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from copies import raw_recording
 from mcap.reader import make_reader
 from mcap.records import Channel
 from mcap.writer import Writer
@@ -457,9 +458,7 @@ def test_messages_without_chunks_are_read_alike_whatever_their_length(
     tmp_path: Path, body: bytes
 ) -> None:
     path, expected = tmp_path / 'plain.mcap', []
-    with path.open('wb') as file:
-        writer = Writer(file, use_chunking=False)
-        writer.start(profile='ros2')
+    with raw_recording(path, use_chunking=False) as writer:
         schema = writer.register_schema('std_msgs/msg/Empty', 'ros2msg', b'')
         channels = [writer.register_channel(f'/x{k}', 'cdr', schema) for k in range(3)]
         for k in range(3000):
@@ -469,7 +468,6 @@ def test_messages_without_chunks_are_read_alike_whatever_their_length(
             if k % 1000 == 500:
                 # A run ends at whatever is no message.
                 writer.add_metadata(f'm{k}', {})
-        writer.finish()
     for recover_it in (False, True):
         found = read_messages(path, recover=recover_it)
         assert [(m.topic, m.log_time, m.cdr) for m in found] == expected
@@ -485,16 +483,13 @@ def test_messages_without_chunks_are_read_alike_whatever_their_length(
 
 def test_messages_of_another_encoding_cost_only_themselves(tmp_path: Path) -> None:
     path = tmp_path / 'a.mcap'
-    with path.open('wb') as file:
-        writer = Writer(file)
-        writer.start(profile='ros2')
+    with raw_recording(path) as writer:
         schema = writer.register_schema('std_msgs/msg/Float64', 'ros2msg', b'float64 data')
         ours = writer.register_channel('/t', 'cdr', schema)
         other = writer.register_channel('/status', 'json', 0)
         for k in range(5):
             writer.add_message(ours, k, b'\0\1\0\0' + bytes(8), k)
             writer.add_message(other, k, b'{}', k)
-        writer.finish()
     report = recover(path, tmp_path / 'saved')
     assert report.topics == {'/t': 5}
     assert report.lost_messages == 5

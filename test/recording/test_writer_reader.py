@@ -13,8 +13,8 @@ from bearing_twin.recording import reader, writer
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.writer import RecordingWriter, whole_recording, WriterOptions
+from copies import raw_recording
 from mcap.reader import make_reader
-from mcap.writer import Writer
 from mcap_ros2.reader import read_ros2_messages
 import numpy as np
 import pytest
@@ -155,16 +155,15 @@ def test_messages_out_of_order_come_in_order(tmp_path: Path) -> None:
 
 def test_files_without_chunks_and_without_summary_are_read(tmp_path: Path) -> None:
     path = tmp_path / 'plain.mcap'
-    with path.open('wb') as file:
-        writer = Writer(file, use_chunking=False, use_statistics=False, use_summary_offsets=False)
-        writer.start(profile='ros2')
+    with raw_recording(
+        path, use_chunking=False, use_statistics=False, use_summary_offsets=False
+    ) as writer:
         schema = writer.register_schema(TEMPERATURE, 'ros2msg', b'float64 temperature\n')
         channel = writer.register_channel('/t', 'cdr', schema)
         for time in range(5):
             data = struct.pack('<4xd', float(time))
             data = b'\x00\x01\x00\x00' + data[4:]
             writer.add_message(channel, time, data, time)
-        writer.finish()
     messages = list(read_messages(path))
     assert [m.decode().temperature for m in messages] == [0.0, 1.0, 2.0, 3.0, 4.0]
     assert recording_info(path).count == 5

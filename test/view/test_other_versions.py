@@ -11,7 +11,7 @@ from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.recording.schema import message_schema, store_from_text
 from bearing_twin.view import trends
-from mcap.writer import Writer
+from copies import raw_recording
 import numpy as np
 import pytest
 
@@ -34,9 +34,7 @@ def record(path, schema, count=50):
     time_type, header_type = (
         types.types[name] for name in ('builtin_interfaces/msg/Time', 'std_msgs/msg/Header')
     )
-    with path.open('wb') as file:
-        writer = Writer(file)
-        writer.start(profile='ros2')
+    with raw_recording(path) as writer:
         channel = writer.register_channel(
             '/twin_state', 'cdr', writer.register_schema(STATE, 'ros2msg', schema.encode())
         )
@@ -57,7 +55,6 @@ def record(path, schema, count=50):
             values = {name: values[name] for name in fields}
             cdr = bytes(types.serialize_cdr(types.types[STATE](**values), STATE))
             writer.add_message(channel, time, cdr, time)
-        writer.finish()
     return path
 
 
@@ -99,9 +96,7 @@ LATER = {
 
 def older(recording, target):
     """Write a recording again as an older version would have."""
-    with target.open('wb') as file:
-        writer = Writer(file)
-        writer.start(profile='ros2')
+    with raw_recording(target) as writer:
         channels = {}
         for message in read_messages(recording):
             name = message.channel.type_name
@@ -116,7 +111,6 @@ def older(recording, target):
             writer.add_message(
                 channels[message.topic], message.log_time, cdr, message.publish_time
             )
-        writer.finish()
     return target
 
 

@@ -34,7 +34,7 @@ from bearing_twin.view.rerun.timebase import Timebase
 from bearing_twin.view.rerun.viewer import live_url, LOOPBACK
 from bearing_twin.view.rerun.waveform import extremes
 from bearing_twin.view.spectrum import ENVELOPE
-from mcap.writer import Writer
+from copies import raw_recording
 import numpy as np
 import pytest
 import rerun as rr
@@ -315,14 +315,11 @@ def test_defects_are_drawn_where_their_text_says(tmp_path):
 
 def test_topics_in_other_encodings_are_left_to_rerun(tmp_path):
     path, rrd = tmp_path / 'a.mcap', tmp_path / 'a.rrd'
-    with path.open('wb') as file:
-        writer = Writer(file)
-        writer.start(profile='')
+    with raw_recording(path, profile='') as writer:
         schema = writer.register_schema('Log', 'jsonschema', b'{"type": "object"}')
         channel = writer.register_channel('/levels', 'json', schema)
         for k in range(5):
             writer.add_message(channel, SECOND + k, b'{"level": 1}', SECOND + k)
-        writer.finish()
     assert draw_recordings([path], rrd).keys() == {'/levels'}
     drawn = [c for c in RrdReader(rrd).stream() if c.entity_path == '/levels']
     assert 5 in [chunk.num_rows for chunk in drawn]
@@ -335,15 +332,12 @@ def test_protobuf_of_others_is_a_table_and_no_complaint(tmp_path):
     motor = b'\x0a\x05Motor\x12' + bytes([len(field)]) + field
     file_descriptor = b'\x0a\x07m.proto\x22' + bytes([len(motor)]) + motor + b'\x62\x06proto3'
     schema_text = b'\x0a' + bytes([len(file_descriptor)]) + file_descriptor
-    with path.open('wb') as file:
-        writer = Writer(file)
-        writer.start(profile='')
+    with raw_recording(path, profile='') as writer:
         schema = writer.register_schema('Motor', 'protobuf', schema_text)
         channel = writer.register_channel('/motor', 'protobuf', schema)
         for k in range(5):
             message = b'\x09' + struct.pack('<d', 1500.0 + k)
             writer.add_message(channel, SECOND + k, message, SECOND + k)
-        writer.finish()
     assert draw_recordings([path], rrd) == {}
     chunks = [c for c in RrdReader(rrd).stream() if c.entity_path == '/motor']
     rows = [row for c in chunks if c.num_rows == 5 for row in c.to_record_batch().to_pylist()]
