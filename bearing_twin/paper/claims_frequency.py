@@ -38,7 +38,7 @@ def _formula_claims() -> list[Claim]:
     quoted = settings.F_IN['fig4']
     real = find_bearing('6307-catalogue')
     real_f = equations.inner_frequency(real, shaft)
-    claims = [
+    return [
         Claim(
             id='f-in-formula',
             where='section 2, equation 9, figure 4',
@@ -66,8 +66,6 @@ def _formula_claims() -> list[Claim]:
                 'printed digits differ by 10 % of the shift attributed to temperature.'
             ),
         ),
-    ]
-    claims.append(
         Claim(
             id='symbols-d-and-D',
             where='equation 1; equations 9 to 12',
@@ -82,9 +80,7 @@ def _formula_claims() -> list[Claim]:
                 f'Rule: f_in within one bin ({BIN:.2f} Hz) of the quoted value. Reading taken: d '
                 'is the ball, D the pitch diameter, in equation 1 too.'
             ),
-        )
-    )
-    claims.append(
+        ),
         Claim(
             id='geometry-6307',
             where='section 2',
@@ -97,9 +93,8 @@ def _formula_claims() -> list[Claim]:
                 f'f_in within one bin. It gives {real_f:.3f} Hz. 57.5 mm is the mean of bore and '
                 'outside diameter, (35 + 80)/2.'
             ),
-        )
-    )
-    return claims
+        ),
+    ]
 
 
 def _place_claims(study: Study) -> list[Claim]:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import settings
 from bearing_twin.paper.claims import Claim, percents
-from bearing_twin.paper.claims_trend import formula_change, own_ratio, PATHS, RESOLUTION
-from bearing_twin.paper.space import SPACE, STATES
+from bearing_twin.paper.claims_trend import formula_change, own_ratio, RESOLUTION
+from bearing_twin.paper.space import PATHS, SPACE, STATES
 from bearing_twin.paper.study import LITERATURE_DEPTHS, LITERATURE_LOADS, LITERATURE_WIDTHS
 from bearing_twin.paper.verdicts import same_direction, share
 import numpy as np

@@ -14,7 +14,7 @@ from bearing_twin.dynamics.stability import steps, system_matrices
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims import Claim, percents
 from bearing_twin.paper.claims_trend import COLD, HOT
-from bearing_twin.paper.dimensions import derived, dimension, is_homogeneous
+from bearing_twin.paper.dimensions import derived, dimension
 from bearing_twin.paper.verdicts import same_direction, within
 import numpy as np
 import numpy.typing as npt
@@ -177,7 +177,7 @@ def _dimension_claims() -> list[Claim]:
         """Whether C_d in ``unit`` can stand in the bracket of equation 8."""
         depth = (0.1 * abs(y), unit)
         quantities = {'y': (y, 'm'), 'clearance': (p.clearance, 'm'), 'depth': depth}
-        return is_homogeneous(bracket, quantities)
+        return derived(bracket, quantities) is not None
 
     acceleration = derived(
         newton,

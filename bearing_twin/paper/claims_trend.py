@@ -10,12 +10,8 @@ from typing import TYPE_CHECKING
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims import Claim, percent, percents
-from bearing_twin.paper.space import SPACE
-from bearing_twin.paper.study import (
-    SMALL_DELTA_MU,
-    STARTS,
-    WINDOW_WIDTH,
-)
+from bearing_twin.paper.space import PATHS, SPACE
+from bearing_twin.paper.study import SMALL_DELTA_MU, STARTS, WINDOW_WIDTH
 from bearing_twin.paper.verdicts import same_direction
 import numpy as np
 
@@ -37,7 +33,6 @@ _FIGURES = {
     'all': ('figure 27', 'figures 28 and 29'),
 }
 _WORD = {-1: 'decreases', 1: 'increases'}
-PATHS = {'ball': 'path of a ball', 'rect': "equation 8's window"}
 
 
 def formula_change(
@@ -54,7 +49,7 @@ def formula_change(
     return after / before - 1.0 if before > 0.0 else float('nan')
 
 
-def falling_window(step: float = 0.001) -> tuple[float, float]:
+def falling_window() -> tuple[float, float]:
     """
     Smallest and largest C_d0/approach at which the formula gives all four stated trends.
 
@@ -65,7 +60,7 @@ def falling_window(step: float = 0.001) -> tuple[float, float]:
         for factor in settings.FACTORS
         for t in settings.TEMPERATURE_NODES
     )
-    ratios = np.arange(step, 1.0 / highest, step)
+    ratios = np.arange(0.001, 1.0 / highest, 0.001)
     good = [
         ratio
         for ratio in ratios
@@ -149,18 +144,12 @@ def _by_simulation(study: Study, factor: settings.Factor) -> Claim:
     )
 
 
-def _shares(study: Study, factor: settings.Factor) -> dict[str, float]:
+def _share_text(study: Study, factor: settings.Factor) -> str:
     """Share of `SPACE` in which the trend of a factor holds, by path over the spall."""
     falls = study.grid.small if factor in ('expansion', 'hardness') else study.grid.large
-    return {
-        PATHS[profile]: float(np.mean(part < 0.0))
-        for profile, part in zip(SPACE.profiles, falls, strict=True)
-    }
-
-
-def _share_text(study: Study, factor: settings.Factor) -> str:
     return ', '.join(
-        f'{100.0 * share:.0f} % ({path})' for path, share in _shares(study, factor).items()
+        f'{100.0 * np.mean(part < 0.0):.0f} % ({PATHS[profile]})'
+        for profile, part in zip(SPACE.profiles, falls, strict=True)
     )
 
 

@@ -78,10 +78,3 @@ def derived(
         return None
     kilogram, metre, second, ampere = (round(value, 9) + 0.0 for value in found[0])
     return kilogram, metre, second, ampere
-
-
-def is_homogeneous(
-    term: Callable[..., float], quantities: Mapping[str, tuple[float, str]]
-) -> bool:
-    """Whether the value of ``term`` scales as one dimension when units change."""
-    return derived(term, quantities) is not None

@@ -103,12 +103,12 @@ def cage_frequency(bearing: Bearing, shaft_hz: float) -> float:
     return 0.5 * shaft_hz * (1.0 - bearing.gamma)
 
 
-def expansion_term(temperature: float, unit: float = 1e-5) -> float:
-    """``alpha(T) (T - T0)`` of equation 14, literally, with table 1 in ``unit`` 1/K."""
-    return gcr15.alpha(temperature) / 1e-5 * unit * (temperature - 20.0)
+def expansion_term(temperature: float) -> float:
+    """``alpha(T) (T - T0)`` of equation 14, literally, with table 1 in 10^-5/K."""
+    return gcr15.alpha(temperature) * (temperature - 20.0)
 
 
-def alpha_strain(temperature: float, unit: float = 1e-5) -> float:
+def alpha_strain(temperature: float) -> float:
     """
     Strain that follows from equation 13 with an instantaneous coefficient: integral of alpha.
 
@@ -117,7 +117,7 @@ def alpha_strain(temperature: float, unit: float = 1e-5) -> float:
     nodes = gcr15.TEMPERATURES[temperature > gcr15.TEMPERATURES]
     t = np.append(nodes, temperature)
     values = np.interp(t, gcr15.TEMPERATURES, gcr15.EXPANSION_TABLE)
-    return float(0.5 * (values[1:] + values[:-1]) @ np.diff(t)) * unit
+    return float(0.5 * (values[1:] + values[:-1]) @ np.diff(t)) * 1e-5
 
 
 @functools.cache

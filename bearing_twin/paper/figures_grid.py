@@ -7,15 +7,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearing_twin.paper.figures_style import label, new_figure
-from bearing_twin.paper.space import SPACE
+from bearing_twin.paper.space import PATHS, SPACE
 import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.paper.study import Study
     from matplotlib.figure import Figure
-
-
-_PATHS = {'ball': 'path of a ball', 'rect': "equation 8's window"}
 
 
 def grid_map(study: Study) -> Figure:
@@ -34,7 +31,7 @@ def grid_map(study: Study) -> Figure:
                 column, row, f'{value:.0f}', ha='center', va='center', fontsize=8,
                 color='white' if abs(value - 50.0) > 35.0 else 'black',
             )  # fmt: skip
-        label(axes, _PATHS[profile], 'width of the spall / mm', 'load W / N')
+        label(axes, PATHS[profile], 'width of the spall / mm', 'load W / N')
         axes.grid(visible=False)
         axes.set_xticks(range(len(SPACE.widths)), [f'{1e3 * w:g}' for w in SPACE.widths])
         axes.set_yticks(range(len(SPACE.loads)), [f'{w:g}' for w in SPACE.loads])

@@ -36,24 +36,20 @@ def envelope_spectrum(acceleration: FloatArray, rate: float) -> tuple[FloatArray
     return spectrum(np.abs(hilbert(acceleration - acceleration.mean())), rate)
 
 
-def line_contrast(
-    frequency: FloatArray, values: FloatArray, line: float, highest: float = 300.0
-) -> float:
-    """Height of a line over the median of the spectrum from 5 Hz to ``highest``, dimensionless."""
+def line_contrast(frequency: FloatArray, values: FloatArray, line: float) -> float:
+    """Height of a line over the median of the spectrum from 5 to 300 Hz, dimensionless."""
     step = frequency[1]
     here = np.abs(frequency - line) <= 1.5 * step
-    floor = np.median(values[(frequency >= 5.0) & (frequency <= highest)])
+    floor = np.median(values[(frequency >= 5.0) & (frequency <= 300.0)])
     return float(values[here].max() / floor)
 
 
-def line_frequency(
-    acceleration: FloatArray, rate: float, near: float, *, harmonics: int = 3, reach: float = 2.5
-) -> float:
+def line_frequency(acceleration: FloatArray, rate: float, near: float) -> float:
     """
-    Frequency of an envelope line, Hz, from its first harmonics, interpolated between bins.
+    Frequency of an envelope line, Hz, from its first three harmonics, interpolated between bins.
 
-    The envelope is padded eightfold; the maximum within ``reach`` (Hz) of each harmonic is refined
-    by a parabola through the logarithms and weighted by (order x amplitude)^2. Notable: with a
+    The envelope is padded eightfold; the maximum within 2.5 Hz of each harmonic is refined by
+    a parabola through the logarithms and weighted by (order x amplitude)^2. Notable: with a
     load zone the line has neighbours at 2 f_in - 5 f_r and 5 f_r, 0.66 Hz away for the paper's
     bearing. Records shorter than about 5 s do not separate them and are off by up to 0.1 Hz.
     """
@@ -63,8 +59,8 @@ def line_frequency(
     values = np.abs(np.fft.rfft(windowed, size))
     step = rate / size
     total = weighted = 0.0
-    for order in range(1, harmonics + 1):
-        low, high = (int((order * near + side) / step) for side in (-reach, reach))
+    for order in (1, 2, 3):
+        low, high = (int((order * near + side) / step) for side in (-2.5, 2.5))
         top = low + int(values[low:high].argmax())
         left, middle, right = np.log(values[top - 1 : top + 2])
         offset = 0.5 * (left - right) / (left - 2.0 * middle + right)

@@ -8,10 +8,15 @@ import json
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.paper.claims_frequency import frequency_claims
+from bearing_twin.paper.claims_general import general_claims
+from bearing_twin.paper.claims_material import material_claims
+from bearing_twin.paper.claims_model import model_claims
+from bearing_twin.paper.claims_peaks import peak_claims
+from bearing_twin.paper.claims_shift import shift_claims
+from bearing_twin.paper.claims_trend import trend_claims
 from bearing_twin.paper.figures import FIGURES
 from bearing_twin.paper.figures_style import save
-from bearing_twin.paper.judge import judge
-from bearing_twin.paper.output import prepare_folder
 from bearing_twin.paper.report import figure_name, render_report
 from bearing_twin.paper.study import run_study
 from tqdm import tqdm
@@ -23,6 +28,37 @@ if TYPE_CHECKING:
     from bearing_twin.paper.study import Study
 
 
+MARKER = '.bearing-twin-paper'
+"""File by which a folder that this command wrote is known."""
+
+
+def prepare_folder(folder: Path) -> None:
+    """
+    Create ``folder``, or accept it if it is empty or was written by this command.
+
+    Raises
+    ------
+    BearingTwinError
+        If it is a file, holds anything else, or cannot be written.
+
+    """
+    try:
+        if folder.is_file():
+            msg = f'{folder} is a file; give a folder with --out'
+            raise BearingTwinError(msg)
+        if folder.exists() and any(folder.iterdir()) and not (folder / MARKER).exists():
+            msg = (
+                f'{folder} is not empty and was not written by this command; give a new folder '
+                'with --out, or empty it'
+            )
+            raise BearingTwinError(msg)
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / MARKER).write_text('Files here are rewritten by bearing-twin paper.\n', 'utf-8')
+    except OSError as error:
+        msg = f'cannot write {folder}: {error.strerror}; give another folder with --out'
+        raise BearingTwinError(msg) from error
+
+
 def recompute(folder: Path, *, processes: int) -> list[Claim]:
     """Recompute the paper into ``folder`` and return the claims."""
     prepare_folder(folder)
@@ -32,6 +68,19 @@ def recompute(folder: Path, *, processes: int) -> list[Claim]:
     except OSError as error:
         msg = f'cannot write {error.filename or folder}: {error.strerror}; free it, or use --out'
         raise BearingTwinError(msg) from error
+
+
+def judge(study: Study) -> list[Claim]:
+    """Return every claim with its verdict, in the order of the report."""
+    return [
+        *frequency_claims(study),
+        *shift_claims(study),
+        *peak_claims(study),
+        *trend_claims(study),
+        *general_claims(study),
+        *material_claims(),
+        *model_claims(study),
+    ]
 
 
 def write_results(folder: Path, study: Study) -> list[Claim]:

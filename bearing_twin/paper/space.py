@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 RATE = 25600.0
+PATHS = {'ball': 'path of a ball', 'rect': "equation 8's window"}
 STATES: tuple[tuple[settings.Factor, float], ...] = (
     ('friction', settings.TEMPERATURE_NODES[0]),
     ('expansion', settings.TEMPERATURE_NODES[-1]),

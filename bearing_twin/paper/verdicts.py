@@ -51,17 +51,17 @@ def all_settings(holds: Mapping[str, bool]) -> Verdict:
     return UNDER_SETTINGS if any(holds.values()) else CONTRADICTED
 
 
-def share(fraction: float, *, tolerance: float = 0.05) -> Verdict:
+def share(fraction: float) -> Verdict:
     """
     Judge a general statement by the fraction of a grid of settings in which it holds.
 
-    Reproduced from ``1 - tolerance`` on, contradicted up to ``tolerance``.
+    Reproduced from 0.95 on, contradicted up to 0.05.
     """
     if math.isnan(fraction):
         return NOT_CHECKABLE
-    if fraction >= 1.0 - tolerance:
+    if fraction >= 0.95:
         return REPRODUCED
-    return CONTRADICTED if fraction <= tolerance else UNDER_SETTINGS
+    return CONTRADICTED if fraction <= 0.05 else UNDER_SETTINGS
 
 
 def same_direction(stated: int, change: float, resolution: float) -> bool:

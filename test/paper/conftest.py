@@ -6,9 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bearing_twin.paper.judge import judge
-from bearing_twin.paper.output import prepare_folder
-from bearing_twin.paper.recompute import write_results
+from bearing_twin.paper.recompute import judge, prepare_folder, write_results
 from bearing_twin.paper.study import run_study, Study
 import pytest
 
