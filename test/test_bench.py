@@ -2,7 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the benchmarks claim, from runs given by hand."""
 
+import argparse
+import json
+
+from bearing_twin.bench import kernel, live
 from bearing_twin.bench.live import FleetRun, Search
+from bearing_twin.cli import bench
 from bearing_twin.errors import BearingTwinError
 import pytest
 
@@ -41,3 +46,16 @@ def test_no_more_is_claimed_than_twice_what_kept_time():
 def test_a_machine_on_which_16_bearings_are_late_proves_nothing():
     with pytest.raises(BearingTwinError, match='2 blocks were late'):
         Search().add(FleetRun(16, 0.1, 2, 0))
+
+
+def test_what_was_measured_is_printed_though_another_bench_fails(monkeypatch, capsys):
+    def fails():
+        raise BearingTwinError('of 16 bearings 3 blocks were late')
+
+    monkeypatch.setattr(live, 'measure', fails)
+    monkeypatch.setattr(kernel, 'measure', lambda: {'kernel_rtf': 200.0})
+    asked = argparse.Namespace(names=['live', 'kernel'], live=False, calibrate=False, json=True)
+    assert bench.run(asked) == 1
+    told = capsys.readouterr()
+    assert json.loads(told.out)['kernel_rtf'] == 200.0
+    assert 'bench live: of 16 bearings' in told.err

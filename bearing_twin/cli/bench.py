@@ -66,10 +66,16 @@ def run(args: argparse.Namespace) -> int:
         msg = f'--seconds {args.seconds:g} is too short to measure a live run: at least 5'
         raise BearingTwinError(msg)
     figures: dict[str, float] = {}
+    failed = 0
     names = args.names or ([] if live else list(BENCHES))
     for done, name in enumerate(names, start=1):
         _say(args, f'{by_level(name, "bold")} ({done} of {len(names)}): {BENCHES[name]} ...')
-        figures |= importlib.import_module(f'bearing_twin.bench.{name}').measure()
+        try:
+            figures |= importlib.import_module(f'bearing_twin.bench.{name}').measure()
+        except BearingTwinError as error:
+            # What the others measured is not lost.
+            failed = 1
+            print(f'bearing-twin bench {name}: {error}', file=sys.stderr, flush=True)
     if live:
         _say(args, f'live run of {args.seconds:g} s ...')
         from bearing_twin.bench.end_to_end import live_run
@@ -81,14 +87,14 @@ def run(args: argparse.Namespace) -> int:
         )
     if args.json:
         print(json.dumps({**figures, **_machine()}))
-        return 0
+        return failed
     width = max(map(len, figures), default=0)
     print(f'{"figure":<{width}} {"value":>11} {"unit":<9}{"target":<9} meaning')
     for name, value in figures.items():
         unit, meaning, target = FIGURES.get(name, Figure('', ''))
         print(f'{name:<{width}} {value:11.5g} {unit:<9}{target:<9} {meaning}'.rstrip())
     print(', '.join(f'{key} {value}' for key, value in _machine().items()))
-    return 0
+    return failed
 
 
 def _say(args: argparse.Namespace, text: str) -> None:

@@ -449,7 +449,7 @@ def _slipping_race(e: Evidence) -> Verdict | None:
     if turns == (leading.place == 'inner'):
         return None
     text = (
-        f'it needs a slip of {leading.slip:.1%}, and its shaft sidebands of '
+        f'it needs a slip of {100.0 * leading.slip:.1f} %, and its shaft sidebands of '
         f'{leading.shaft_sideband_ratio:.2f} of its height are those of a part that '
         f'{"turns" if turns else "stands still"}: check bearing and speed'
     )
@@ -476,9 +476,9 @@ def _contested_comb(e: Evidence) -> Verdict | None:
         if e.leading not in pair:
             continue
         text = (
-            f'{one.place} with a slip of {one.slip:.1%} and {other.place} with {other.slip:.1%} '
-            f'coincide at {one.order:.3f} orders, and sidebands do not tell them apart: an exact '
-            'shaft speed may part them'
+            f'{one.place} with a slip of {100.0 * one.slip:.1f} % and {other.place} with '
+            f'{100.0 * other.slip:.1f} % coincide at {one.order:.3f} orders, and sidebands do not '
+            'tell them apart: an exact shaft speed may part them'
         )
         strong = any(c.index >= INDEX_FAULT for c in (e.leading, *_certain(e)))
         level = 'fault' if strong else 'suspect'
@@ -547,8 +547,8 @@ def _fault(e: Evidence) -> Verdict | None:
     if e.leading.slip <= UNLIKELY_SLIP:
         return verdict
     text = (
-        f'it needs a slip of {e.leading.slip:.1%}: no alarm, as a bearing under load slips by '
-        'less; check bearing and speed'
+        f'it needs a slip of {100.0 * e.leading.slip:.1f} %: no alarm, as a bearing under load '
+        'slips by less; check bearing and speed'
     )
     return replace(verdict, level='suspect', reasons=(*verdict.reasons, text))
 

@@ -495,9 +495,8 @@ class SeriesMonitor:
             count, hertz = self._kept.memory.most()
             at = '' if math.isnan(hertz) else f' at one speed (most: {count} at {hertz:.4g} Hz)'
             reasons.append(
-                f'no baseline: {len(self._kept.points)} snapshots, not '
-                f'{self._settings.baseline_windows} (what the settings ask for) in a row{at} '
-                f'{SETTLED.format(most=SUSPECT_DB)}'
+                f'no baseline: it takes {self._settings.baseline_windows} snapshots in a row{at} '
+                f'{SETTLED.format(most=SUSPECT_DB)}; so far {len(self._kept.points)} were judged'
             )
         if self.lost:
             reasons.append(f'not known: the last {self._kept.unjudged} snapshots were not judged')

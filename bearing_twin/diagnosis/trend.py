@@ -25,8 +25,8 @@ _SAME_RATE = 0.05
 _DOUBTFUL = 0.1
 """Share of doubtful windows above which the baseline says that it was learnt beside them."""
 _NOT_YET = (
-    'no baseline: {doubtful} windows were suspect or faulty and {count} healthy, not {wanted} in '
-    f'a row {SETTLED}; what combs and the ISO zone say holds without it'
+    f'no baseline: it takes {{wanted}} healthy windows in a row {SETTLED}; so far {{count}} were '
+    'healthy and {doubtful} suspect or faulty; what combs and the ISO zone say holds without it'
 )
 _LEARNT_IN_DOUBT = (
     'the baseline was learnt from {wanted} healthy windows among {doubtful} that were suspect or '

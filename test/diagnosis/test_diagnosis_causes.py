@@ -264,7 +264,7 @@ def test_another_bearing_is_said_and_no_fault_is_named(rng):
 
 @pytest.mark.parametrize(
     ('off', 'faults', 'why'),
-    [(0.95, (), '25.3 Hz (outer) would fit'), (1.05, ('outer',), 'it needs a slip of 3.2%')],
+    [(0.95, (), '25.3 Hz (outer) would fit'), (1.05, ('outer',), 'it needs a slip of 3.2 %')],
 )
 def test_another_speed_is_said_and_no_other_fault_is_named(rng, off, faults, why):
     bearing = find_bearing('6205')

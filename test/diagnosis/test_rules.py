@@ -323,7 +323,7 @@ def test_a_name_that_needs_an_unlikely_slip_is_no_alarm():
     steady = {'slip': 0.028, 'shaft_sideband_ratio': 0.1}
     said = decide(Evidence.of(comb('outer', **steady)))
     assert (said.result, said.level) == ('outer', 'suspect')
-    assert 'slip of 2.8%' in said.reasons[-1]
+    assert 'slip of 2.8 %' in said.reasons[-1]
     sure = decide(Evidence.of(comb('outer', **steady | {'slip': 0.024})))
     assert (sure.result, sure.level) == ('outer', 'fault')
     assert said.confidence < sure.confidence
