@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 from bearing_twin.bearing import FaultFrequencies, PLACES, TITLES
@@ -13,6 +14,7 @@ from bearing_twin.view.verdict import facts, measured, reasons
 
 CARD = 'card'
 """Key of an answer's rows for a person, which no program needs."""
+_COLUMNS = 80
 _ORDERS = {family.key: family.label for family in FAMILIES}
 
 
@@ -42,7 +44,7 @@ def page(answer: dict[str, Any]) -> str:
     widest = max(len(name) for name, _ in rows)
     lines = [
         by_level(answer['source'], 'bold'),
-        *(f'{name:<{widest}}  {text}' for name, text in rows),
+        *(part for name, text in rows for part in _wrapped(f'{name:<{widest}}', text)),
         *_table(answer),
     ]
     evidence = answer['evidence']
@@ -51,6 +53,17 @@ def page(answer: dict[str, Any]) -> str:
     for hertz, height in zip(evidence['line_hz'], evidence['line_level'], strict=True):
         lines.append(f'line of the envelope at {hertz:.2f} Hz, {height:.3g} x floor')
     return '\n'.join(lines)
+
+
+def _wrapped(name: str, text: str) -> list[str]:
+    return textwrap.wrap(
+        text,
+        _COLUMNS,
+        initial_indent=f'{name}  ',
+        subsequent_indent=' ' * (len(name) + 2),
+        break_long_words=False,
+        break_on_hyphens=False,
+    ) or [name]
 
 
 def _verdict(answer: dict[str, Any]) -> str:
