@@ -148,6 +148,17 @@ def test_page_for_a_person(good, capsys, monkeypatch):
     assert '\x1b' not in text
 
 
+def test_healthy_without_zone_or_baseline_says_what_is_not_judged(tmp_path, capsys):
+    noise = np.random.default_rng(1).normal(size=round(5 * RATE))
+    np.savez(tmp_path / 'sound.npz', x=noise, fs=RATE, shaft_hz=SHAFT_HZ)
+    asked = ['diagnose', str(tmp_path / 'sound.npz'), '--bearing', '6307']
+    assert main(asked) == 0
+    text = capsys.readouterr().out
+    assert 'healthy [ok]' in text and 'Not judged' in text and 'wear without impacts' in text
+    main([*asked, '--unit', 'm/s^2', '--power-group', '2', '--mounting', 'rigid'])
+    assert 'Not judged' not in capsys.readouterr().out
+
+
 def test_speed_in_turns_a_minute(good, tmp_path, capsys):
     bare = tmp_path / 'bare.npz'
     np.savez(bare, x=fault_signal(4.0), fs=RATE)
