@@ -207,7 +207,7 @@ DIAGNOSIS = (
         _per_family('score'),
         (
             Limit(f'significant above {Z_FAULT:g}', Z_FAULT, f'limit {Z_FAULT:g}'),
-            Limit(f'cage significant above {Z_CAGE:g}', Z_CAGE, look='remark'),
+            Limit(f'cage significant above {Z_CAGE:g}', Z_CAGE, look='violet'),
         ),
     ),
     Panel(

@@ -372,7 +372,7 @@ def _panels(
         if panel.band and of.keys() >= set(panel.band):
             axes.fill_between(time, *(of[key] for key in panel.band), color='#bbdefb')
         for limit in zones if panel.key == 'velocity' else panel.limits:
-            dashes = (1, 2) if limit.look == 'remark' else (4, 2)
+            dashes = (4, 2) if limit.look == 'limit' else (1, 2)
             axes.axhline(limit.value, color='#616161', linewidth=0.8, dashes=dashes)
             axes.annotate(
                 limit.mark, (1.0, limit.value), (0, 1), xycoords=('axes fraction', 'data'),
