@@ -91,6 +91,12 @@ def over_floor(
                 above[k] = left if left > zero else zero
 
 
+@compiled(fast=FAST)
+def _nearest_row(bins: float, rows: int) -> int:
+    """Return the row of an order in bins; those beyond the ends are the first and the last."""
+    return min(max(int(np.rint(bins)) - 1, 0), rows - 1)
+
+
 @compiled(fast=FAST, borrows=True)
 def _add_harmonics(
     logs: NDArray[np.float32],
@@ -105,7 +111,7 @@ def _add_harmonics(
     neutral = np.float32(NEUTRAL)
     out[:] = np.float32(0.0)
     for harmonic in range(1, harmonics + 1):
-        at = min(max(int(np.rint(harmonic * order / step)) - 1, 0), rows - 1)
+        at = _nearest_row(harmonic * order / step, rows)
         row = logs[at]
         if hidden[at]:
             for c in range(columns):
@@ -217,7 +223,7 @@ def line_heights(
 
     """
     for n in range(len(orders)):
-        at = min(max(int(np.rint(orders[n] * (1.0 / step))) - 1, 0), len(logs) - 1)
+        at = _nearest_row(orders[n] * (1.0 / step), len(logs))
         total = np.float32(0.0)
         for c in columns:
             total += logs[at, c]
@@ -256,7 +262,7 @@ def three_bins(
     last = len(excess) - 1
     for n in range(lines):
         out = power[n]
-        middle = min(max(int(np.rint(orders[n] * (1.0 / step))) - 1, 0), last)
+        middle = _nearest_row(orders[n] * (1.0 / step), len(excess))
         for beside in range(-1, 2):
             at = min(max(middle + beside, 0), last)
             if hidden[at]:
