@@ -52,11 +52,11 @@ FIGURES = {
     'live_bearings_per_core': Figure(
         'bearings', 'twins published over DDS and recorded, twice those run at most'
     ),
-    'live_bearings_run': Figure('bearings', 'most run at once, no block late or missing'),
-    'live_bearings_late': Figure('bearings', 'fewest run of which some were; 0: none', '0'),
+    'live_bearings_run': Figure('bearings', 'largest fleet without a late or missing block'),
+    'live_bearings_late': Figure('bearings', 'smallest fleet with one; 0: no fleet had', '0'),
     'live_bearings_per_core_with_diagnosis': Figure('bearings', 'the same with a diagnosis each'),
-    'live_bearings_run_with_diagnosis': Figure('bearings', 'run, no block or verdict late'),
-    'live_bearings_late_with_diagnosis': Figure('bearings', 'run, some were late; 0: none', '0'),
+    'live_bearings_run_with_diagnosis': Figure('bearings', 'the same, verdicts too'),
+    'live_bearings_late_with_diagnosis': Figure('bearings', 'smallest other fleet; 0: none', '0'),
     'live_bearings_per_core_without_dds': Figure('bearings', 'equations of motion alone'),
     'live_ratio': Figure('', 'bearings over DDS to those without', '> 0.5'),
     'live_ratio_with_diagnosis': Figure('', 'bearings with a diagnosis to equations alone'),

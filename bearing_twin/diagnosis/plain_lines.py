@@ -32,7 +32,7 @@ _OTHERS = 2
 """Highest lines that do not count: those of a gear may lie on a harmonic or two."""
 
 _FEWEST = 3
-"""Lines besides these without which nothing is said."""
+"""Fewest lines besides those: with fewer nothing is said."""
 
 
 def low_lines(
