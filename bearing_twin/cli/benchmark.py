@@ -136,8 +136,13 @@ def read_cases(folder: Path) -> list[Case]:
         records = [r for r in index['records'] if r.get('label') in (*PLACES, 'healthy')]
         return [_case(folder, record, bearings, unknown) for record in records]
     except (
-        *(OSError, ValueError, KeyError, TypeError),
-        *(AttributeError, OverflowError, RecursionError),
+        OSError,
+        ValueError,
+        KeyError,
+        TypeError,
+        AttributeError,
+        OverflowError,
+        RecursionError,
     ) as error:
         msg = f'{folder / "index.json"} cannot be used ({error}); see the module for its form'
         raise BearingTwinError(msg) from error

@@ -276,7 +276,9 @@ def _from_summary(file: BinaryIO, size: int, info: RecordingInfo) -> bool:
     metadata: dict[int, None] = {}
     wanted = (
         *DEFINITIONS,
-        *(Opcode.STATISTICS, Opcode.ATTACHMENT_INDEX, Opcode.METADATA_INDEX),
+        Opcode.STATISTICS,
+        Opcode.ATTACHMENT_INDEX,
+        Opcode.METADATA_INDEX,
     )
     try:
         for raw, data in summary_records(file, size, wanted):
