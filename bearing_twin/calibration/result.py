@@ -215,8 +215,12 @@ class Calibration:
                 cost_s=float(values['cost_s']),
             )
         except (
-            *(KeyError, TypeError, ValueError, IndexError),
-            *(AttributeError, OverflowError),
+            KeyError,
+            TypeError,
+            ValueError,
+            IndexError,
+            AttributeError,
+            OverflowError,
         ) as error:
             msg = f'this is no calibration of this version ({error!r:.200}); fit the machine again'
             raise BearingTwinError(msg) from None

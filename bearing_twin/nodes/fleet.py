@@ -268,7 +268,7 @@ class FleetNode(ManagedNode):
     def _inputs(self) -> list[TwinInputs]:
         """Return temperature and speed of each twin for the block to be computed now."""
         channels = [member.channel for member in self._twins if member.channel]
-        return [TwinInputs(c.gate.at(c.clock()), c.shaft.at(c.clock())) for c in channels]
+        return [TwinInputs(c.temperature, c.shaft_hz()) for c in channels]
 
     def _advance(self, inputs: list[TwinInputs]) -> FleetBlock:
         assert self._fleet is not None
