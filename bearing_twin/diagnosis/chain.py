@@ -350,11 +350,13 @@ class Analysis:
         given = ShaftSpeed(given_hz, max(speed.uncertainty, apart), 0.0, speed.tolerance)
         at_given = accumulate([each.at_given_speed() for each in windows])
         at_this, gap = evidence(at_given, given), speed.shaft_hz / given_hz
-        if not any(_mistaken(at_given, comb, gap) for comb in at_this.candidates.values()):
+        least = _CLEARER * verdict.weight
+        clear = (comb for comb in at_this.candidates.values() if comb.weight > least)
+        if not any(_mistaken(at_given, comb, gap) for comb in clear):
             return verdict, speed
         other = decide(at_this)
         sure = other.level == 'fault' and other.result in PLACES
-        clearer = sure and other.weight > _CLEARER * verdict.weight
+        clearer = sure and other.weight > least
         if clearer and other.strongest and _mistaken(at_given, other.strongest, gap):
             return other, given
         return verdict, speed
