@@ -205,11 +205,10 @@ class CombScores:
             spectra.quiet,
             grid,
             spectra.step,
-            HARMONICS,
             self.center,
             self.inverse,
             self.whitenings,
-            np.empty_like(self.center),
+            np.empty((2, len(self.center)), np.float32),
             best,
         )
         best -= self.best_center
@@ -242,7 +241,8 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
     >>> rng = np.random.default_rng(0)
     >>> power = rng.exponential(size=(2000, 3))
     >>> power[np.rint(3.07 * np.arange(1, 5) / 0.01).astype(int) - 1] *= 20.0
-    >>> spectra = OrderSpectra(0.01, np.log1p(power), np.zeros((2000, 1)), np.zeros(1))
+    >>> logs = np.log1p(power).astype(np.float32)
+    >>> spectra = OrderSpectra(0.01, logs, np.zeros((2000, 1)), np.zeros(1))
     >>> scores = comb_scores(spectra, 5.0, 3)
     >>> round(float(scores.grid[scores.z.argmax()]), 2), bool(scores.z.max() > 5.5)
     (3.07, True)

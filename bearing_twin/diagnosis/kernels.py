@@ -159,43 +159,54 @@ def best_bands(
     hidden: NDArray[np.bool_],
     orders: NDArray[np.float64],
     step: float,
-    harmonics: int,
     center: NDArray[np.float32],
     inverse: NDArray[np.float32],
     whitenings: int,
-    sums: NDArray[np.float32],
+    room: NDArray[np.float32],
     best: NDArray[np.float64],
 ) -> None:
     """
-    Write the mean over whitenings of each comb's best standardised band.
+    Write the mean over whitenings of each comb's best standardised band; combs have 4 harmonics.
 
     Parameters
     ----------
-    logs, hidden, orders, step, harmonics
+    logs, hidden, orders, step
         See :func:`comb_sums`; columns are bands, whitening by whitening.
     center, inverse
         (C,) median, and one over the spread, of each column.
     whitenings
         Number of whitenings.
-    sums
-        (C,) room to work in.
+    room
+        (2, C) to work in.
     best
         (G,), written.
 
     """
-    bands = logs.shape[1] // whitenings
+    rows, columns = logs.shape
+    bands = columns // whitenings
+    scores, silent = room[0], room[1]
+    silent[:] = np.float32(NEUTRAL)
     for g in range(len(orders)):
-        _add_harmonics(logs, hidden, orders[g], step, harmonics, sums)
-        total = 0.0
-        for whitening in range(whitenings):
-            first = whitening * bands
-            part = sums[first : first + bands]
-            middle, scale = center[first : first + bands], inverse[first : first + bands]
-            highest = (part[0] - middle[0]) * scale[0]
-            for c in range(bands):
-                score = (part[c] - middle[c]) * scale[c]
-                highest = score if score > highest else highest
-            total += highest
+        order = orders[g] / step
+        at1, at2 = _nearest_row(order, rows), _nearest_row(2.0 * order, rows)
+        at3, at4 = _nearest_row(3.0 * order, rows), _nearest_row(4.0 * order, rows)
+        row1 = silent if hidden[at1] else logs[at1]
+        row2 = silent if hidden[at2] else logs[at2]
+        row3 = silent if hidden[at3] else logs[at3]
+        row4 = silent if hidden[at4] else logs[at4]
+        for c in range(columns):
+            scores[c] = (row1[c] + row2[c] + row3[c] + row4[c] - center[c]) * inverse[c]
+        total = np.float32(0.0)
+        for first in range(0, columns, bands):
+            # Four at a time, which do not wait for one another.
+            high1 = high2 = high3 = high4 = scores[first]
+            end = first + bands
+            for c in range(first, end - 3, 4):
+                high1, high2 = max(high1, scores[c]), max(high2, scores[c + 1])
+                high3, high4 = max(high3, scores[c + 2]), max(high4, scores[c + 3])
+            for c in range(max(end - 3, first), end):
+                high1 = max(high1, scores[c])
+            total += max(max(high1, high2), max(high3, high4))
         best[g] = total / whitenings
 
 

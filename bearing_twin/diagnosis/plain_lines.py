@@ -73,12 +73,12 @@ def low_lines(
     logs[1:-1] = np.maximum(np.maximum(logs[:-2], logs[2:]), logs[1:-1])
 
     def rows(hertz: NDArray[np.float64]) -> NDArray[np.intp]:
-        at = np.rint(numbers[:, None] * hertz / bin_hz).astype(np.intp) - 1
+        at = np.rint(hertz[:, None] * numbers / bin_hz).astype(np.intp) - 1
         return np.minimum(at, len(power) - 2)
 
     def scores(hertz: NDArray[np.float64]) -> NDArray[np.float32]:
-        lines = np.sort(logs[rows(hertz)], axis=0)[:-_OTHERS]
-        return np.asarray(lines.mean(axis=0))
+        lines = np.sort(logs[rows(hertz)])[:, :-_OTHERS]
+        return np.asarray(lines.mean(axis=1))
 
     step = 0.5 * bin_hz / numbers[-1]
     near = np.arange((1.0 - UNLIKELY_SLIP) * outer_hz, (1.0 - SLIP[0]) * outer_hz, step)
@@ -92,7 +92,7 @@ def low_lines(
     lines = numbers * near[best]
     of_others = np.array([shaft_hz, *MAINS_HZ])[:, None]
     away = np.abs(lines - of_others * np.rint(lines / of_others)).min(axis=0)
-    at = rows(near[best : best + 1])[away > 1.5 * bin_hz, 0]
+    at = rows(near[best : best + 1])[0, away > 1.5 * bin_hz]
     if len(at) < _OTHERS + _FEWEST:
         return 0.0
     above = np.maximum(power - floor, 0.0)

@@ -86,11 +86,11 @@ def refine_shaft_hz(
     both = direct + np.float32(2.0) * indirect[: len(direct)]
 
     def comb(hertz: NDArray[np.floating]) -> NDArray[np.float64]:
-        index = np.rint(np.arange(1, _HARMONICS + 1)[:, None] * hertz / bin_hz).astype(np.intp) - 1
+        index = np.rint(hertz[:, None] * np.arange(1, _HARMONICS + 1) / bin_hz).astype(np.intp) - 1
         lines = np.take(both, index, mode='clip').astype(np.float64)
         # A fault order near an integer fakes one harmonic and its double; the shaft has more.
-        lines.sort(axis=0)
-        return np.asarray(lines[:-2].sum(axis=0))
+        lines.sort()
+        return np.asarray(lines[:, :-2].sum(axis=1))
 
     null = comb(beside)
     center = float(np.median(null))
