@@ -27,7 +27,6 @@ WHITENINGS = ('capped', 'cepstral')
 
 _TINY = 1e-30
 _CAP, _CAP_TURNS = 4.0, 50.0
-_AT_ONCE = 9
 
 
 def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
@@ -192,49 +191,58 @@ class EnvelopeSpectra:
 
 
 def envelope_spectra(
-    envelopes: Iterable[NDArray[np.float32]], rate: float, *, max_hz: float, floor_width: int
+    envelopes: Iterable[NDArray[np.float32]],
+    rate: float,
+    *,
+    bands: int,
+    max_hz: float,
+    floor_width: int,
 ) -> EnvelopeSpectra:
     """
     Spectra of squared envelopes up to ``max_hz``.
 
-    A Hann window keeps the leakage of strong lines off the floor.
+    A Hann window keeps the leakage of strong lines off the floor. Bands that come a few at a time
+    stay in the cache from one step to the next.
 
     Parameters
     ----------
     envelopes
-        (B, N) squared envelopes of each whitening.
+        Squared envelopes, (n, N) of a few bands at a time, whitening by whitening.
     rate
         Points a second.
+    bands
+        Bands of a whitening, B.
     max_hz
         Highest envelope frequency wanted.
     floor_width
         Bins in a block of the floor.
 
     >>> envelopes = np.random.default_rng(0).exponential(size=(2, 4, 1280)).astype(np.float32)
-    >>> found = envelope_spectra(envelopes, 1280.0, max_hz=500.0, floor_width=64)
+    >>> found = envelope_spectra(envelopes, 1280.0, bands=4, max_hz=500.0, floor_width=64)
     >>> found.logs.shape, found.power.shape, found.bin_hz
     ((500, 8), (4, 500), 1.0)
 
     """
-    for number, part in enumerate(envelopes):
-        bands, points = part.shape
-        if not number:
+    begin, kept_levels = 0, []
+    for part in envelopes:
+        rows, points = part.shape
+        if not begin:
             bin_hz = rate / points
             count = min(max(int(max_hz / bin_hz), 16), points // 2 - 1)
             logs = np.empty((count, len(WHITENINGS) * bands), np.float32)
             excess = np.empty((count, bands), np.float32)
-        power = np.empty((bands, count), np.float32)
-        # A few rows at a time: they stay in the cache from one step to the next.
-        for begin in range(0, bands, _AT_ONCE):
-            some = slice(begin, begin + _AT_ONCE)
-            line_power(fft.rfft(part[some], axis=-1), power[some])
+            kept = np.empty((bands, count), np.float32)
+        power = np.empty((rows, count), np.float32)
+        line_power(fft.rfft(part, axis=-1), power)
         # Under a Hann window every other bin tells as much.
         levels, first, hop = floor_levels(power[:, ::2], floor_width // 2)
         first, hop = 2.0 * first, 2 * hop
         ratio, above = np.empty_like(power), np.empty_like(power)
         over_floor(power, levels, first, hop, ratio, above)
-        logs[:, number * bands : (number + 1) * bands] = np.log(ratio, out=ratio).T
-        if not number:
-            excess[:] = above.T
-            kept = power, levels, first, hop
-    return EnvelopeSpectra(bin_hz, logs, excess, *kept)
+        logs[:, begin : begin + rows] = np.log(ratio, out=ratio).T
+        mine = max(min(bands - begin, rows), 0)
+        excess[:, begin : begin + mine] = above[:mine].T
+        kept[begin : begin + mine] = power[:mine]
+        kept_levels.append(levels[:mine])
+        begin += rows
+    return EnvelopeSpectra(bin_hz, logs, excess, kept, np.concatenate(kept_levels), first, hop)

@@ -12,7 +12,7 @@ from bearing_twin.diagnosis.comb import order_spectra, OrderSpectra
 from bearing_twin.diagnosis.demodulation import highest_order
 from bearing_twin.diagnosis.severity import Levels, measure_severity
 from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample, ShaftSpeed
-from bearing_twin.diagnosis.spectra import envelope_spectra, WHITENINGS
+from bearing_twin.diagnosis.spectra import envelope_spectra
 import numpy as np
 from scipy import fft
 
@@ -26,6 +26,10 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.shaft import Turning
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
+
+
+_AT_ONCE = 8
+"""Bands that are transformed together: four stay in one register, and eight in the cache."""
 
 
 @dataclass(frozen=True)
@@ -90,11 +94,12 @@ def analyse_window(
     (50.0, 1.0)
 
     """
-    lap = layout.lap // layout.step
+    lap, bands = layout.lap // layout.step, layout.tree.bands
     slow = _joined([segment.slow for segment in segments], lap)
+    rows = [segment.envelopes.reshape(-1, lap + layout.hop // layout.step) for segment in segments]
     envelopes = (
-        _joined([segment.envelopes[number] for segment in segments], lap)
-        for number in range(len(WHITENINGS))
+        _joined([part[begin : begin + _AT_ONCE] for part in rows], lap)
+        for begin in range(0, len(rows[0]), _AT_ONCE)
     )
     shaft_hz = turning.mean_hz
     if turning.varies:
@@ -105,13 +110,13 @@ def analyse_window(
     spectra = envelope_spectra(
         envelopes,
         rate,
+        bands=len(bands),
         max_hz=highest_order(bearing) * shaft_hz,
         floor_width=max(int(4.0 * shaft_hz / bin_hz), 32),
     )
     low = fft.rfft(slow)
     power = low.real**2 + low.imag**2
     speed = refine_shaft_hz(power, bin_hz, spectra, shaft_hz, settings.speed_tolerance)
-    bands = layout.tree.bands
     lines = sum(segment.lines for segment in segments) / len(segments)
     return Window(
         order_spectra(spectra, bands, speed.shaft_hz, shaft_hz),

@@ -29,7 +29,11 @@ def _envelope_spectra(whitened, tree, *, max_hz, floor_width):
     points = 2 * (tree.levels[0][0])
     envelopes = squared_envelopes(whitened, tree, points)
     return envelope_spectra(
-        envelopes, points * tree.bin_hz, max_hz=max_hz, floor_width=floor_width
+        envelopes,
+        points * tree.bin_hz,
+        bands=len(tree.bands),
+        max_hz=max_hz,
+        floor_width=floor_width,
     )
 
 
@@ -155,7 +159,11 @@ def test_points_of_an_envelope_do_not_change_its_spectrum(rng, points):
     tree = band_tree(12_800, 1.0, depth=3, narrowest_hz=700.0)
     few, many = (
         envelope_spectra(
-            squared_envelopes(white, tree, count), float(count), max_hz=500.0, floor_width=64
+            squared_envelopes(white, tree, count),
+            float(count),
+            bands=len(tree.bands),
+            max_hz=500.0,
+            floor_width=64,
         )
         for count in (points, 25_600)
     )
