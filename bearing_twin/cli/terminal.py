@@ -121,9 +121,11 @@ def shown(text: object, keep: str = '') -> str:
     '\\x1b[31mred'
 
     """
+    said = str(text)
+    if said.isprintable():
+        return said
     return ''.join(
-        c if c.isprintable() or c in keep else c.encode('unicode_escape').decode()
-        for c in str(text)
+        c if c.isprintable() or c in keep else c.encode('unicode_escape').decode() for c in said
     )
 
 

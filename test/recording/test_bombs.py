@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 import struct
 import subprocess
@@ -16,7 +17,7 @@ import zlib
 from bearing_twin.cli import main
 from bearing_twin.recording import chunks
 from bearing_twin.recording.health import examine
-from bearing_twin.recording.mcapfile import MAGIC
+from bearing_twin.recording.mcapfile import MAGIC, record_at
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.summary import summary_place
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
@@ -90,6 +91,15 @@ def chunk(path: Path, compression: CompressionType) -> None:
         schema = writer.register_schema('std_msgs/msg/String', 'ros2msg', b'string data')
         channel = writer.register_channel('/t', 'cdr', schema)
         writer.add_message(channel, 5, bytes(400 * MIB), 5)
+
+
+def modest(path: Path) -> None:
+    """Return a chunk that is said to unpack to 1000 bytes, in a frame that says 400 MiB."""
+    head = struct.pack('<QQQII', 0, 0, 1000, 0, 4)
+    data = zstandard.compress(bytes(400 * MIB))
+    content = head + b'zstd' + struct.pack('<Q', len(data)) + data
+    records = ((Opcode.HEADER, bytes(8)), (Opcode.CHUNK, content), (Opcode.FOOTER, bytes(20)))
+    path.write_bytes(MAGIC + b''.join(itertools.starmap(record, records)) + MAGIC)
 
 
 def many_messages(path: Path) -> None:
@@ -171,6 +181,7 @@ def test_a_file_without_end_is_read_once(
         ('a.npz', one_large, 'would need 4000000000 bytes'),
         ('z.mcap', lambda p: chunk(p, CompressionType.ZSTD), 'limit 134217728'),
         ('l.mcap', lambda p: chunk(p, CompressionType.LZ4), 'limit 134217728'),
+        ('m.mcap', modest, 'it states more than 1000 bytes'),
         ('a.csv', lambda p: p.write_text(','.join(['1'] * 1_000_000)), 'no line of numbers'),
         (
             'a.wav',
@@ -237,6 +248,20 @@ def test_chunks_of_a_small_file_cost_what_its_size_allows(
     health = examine(path)[1]
     assert len(health.damage) < 4
     assert any('nothing is read from' in text and reason in text for text in health.damage)
+
+
+def test_what_takes_new_memory_counts_more(tmp_path: Path) -> None:
+    """Chunks of 17 MiB took three times as long for each byte as chunks of 16 MiB."""
+    told = {}
+    for size in (16, 17):
+        path = tmp_path / f'{size}.mcap'
+        path.write_bytes(packed(record(Opcode.MESSAGE, bytes(size * MIB - 9))))
+        with path.open('rb') as file:
+            one = chunks.Chunks(file, path.stat().st_size)
+            before = one._unpacked
+            one.unpack(record_at(file, 0, path.stat().st_size))
+            told[size] = (before - one._unpacked) / (size * MIB)
+    assert told == {16: 1.0, 17: 4.0}
 
 
 def test_many_arrays_that_are_large_together(
