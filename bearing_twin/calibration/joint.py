@@ -164,21 +164,17 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     of = [each for each, width, own in zip(found, widths, alone, strict=True)
           if own and width.identifiable]  # fmt: skip
     of = of or (found if not telling else [])
+    # As far as what each says of itself, which allows for what the model gets wrong.
+    said = [each.quantities[WIDTH] for each in of] or telling
+    low, high = min(width.q05 for width in said), max(width.q95 for width in said)
+    median = float(np.median([width.median for width in said]))
     if of:
         values = np.concatenate([each.candidates[WIDTH] for each in of])
         weights = np.concatenate([each.weights / len(of) for each in of])
-        low, median, high = map(float, weighted_quantile(values, weights, (0.05, 0.5, 0.95)))
-        # No higher than what each says of itself, which allows for what the model gets wrong.
-        low = min(low, *(each.quantities[WIDTH].q05 for each in of))
-    else:
-        low = min(width.q05 for width in telling)
-        median = float(np.median([width.median for width in telling]))
-        high = max(width.q95 for width in telling)
+        median = float(weighted_quantile(values, weights, (0.5,))[0])
     why = f'{len(telling)} of {len(found)} records tell it'
     if not telling:
         low, why = 0.0, found[0].quantities[WIDTH].why
-        # What each says of itself may be wider than any candidate: so is what they say together.
-        high = max(high, *(width.q95 for width in widths))
     width = Estimate(
         q05=low, median=median, q95=high, unit='mm', identifiable=bool(telling), why=why
     )
