@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.calibration.cloud import unknowns
 from bearing_twin.calibration.healthy import (
-    LOSS_DB,
+    LOSSES_DB,
+    LOUDER_DB,
     SLIPPED,
     smallest_shown,
     SPEED_ERROR,
-    UNKNOWN_DB,
 )
 from bearing_twin.calibration.passage import (
     contact_speed,
@@ -22,7 +22,7 @@ from bearing_twin.calibration.passage import (
     path_curvature,
     widest,
 )
-from bearing_twin.calibration.path import LINE_DAMPING, noise_floor
+from bearing_twin.calibration.path import noise_floor
 from bearing_twin.calibration.posterior import resolved, weighted_quantile
 from bearing_twin.calibration.refusals import Kind, Refusal
 from bearing_twin.calibration.result import Estimate
@@ -82,26 +82,20 @@ def of_path(
         ),
         'noise_floor': Estimate(
             q05=low, median=middle, q95=high, unit=f'{unit}/sqrt(Hz)',
-            identifiable=True, why='from the quietest twentieth of the spectrum in eight parts',
+            identifiable=True, why='from the quietest bands of the spectrum in eight parts',
         ),
     }  # fmt: skip
-    told = [mode for mode in modes if mode.damping[1] >= LINE_DAMPING]
-    # A train of pairs of impacts is no noise: it has peaks of its own.
-    sure = situation.place not in ('inner', 'outer')
-    for number, mode in enumerate(told, start=1):
+    for number, mode in enumerate(modes, start=1):
         why = (
-            f'found in {100.0 * mode.found:.0f} % of the parts of the record, '
-            f'{100.0 * mode.share:.0f} % of the power'
+            f'{100.0 * mode.share:.0f} % of the power rings there; whether path or rotor, or two '
+            'that are close, the record does not tell'
         )
-        if not sure:
-            why += '; between the impacts of a defect intervals held too seldom to be told'
-        for name, at, of in (
-            (f'resonance_{number}_hz', mode.hz, 'Hz'),
-            (f'resonance_{number}_damping', mode.damping, ''),
+        for name, value, most, of in (
+            (f'resonance_{number}_hz', mode.hz, rate / 2.0, 'Hz'),
+            (f'resonance_{number}_damping', mode.damping, 1.0, ''),
         ):
-            low, high = (at[0], at[2]) if sure and mode.told else (0.0, rate / 2.0 if of else 1.0)
             quantities[name] = Estimate(
-                q05=low, median=at[1], q95=high, unit=of, identifiable=sure and mode.told, why=why
+                q05=0.0, median=value, q95=most, unit=of, identifiable=False, why=why
             )
     return quantities
 
@@ -270,17 +264,22 @@ def without_defect(
             return width, f'no width: {refusal.why}'
         return width, f'{situation.place} defect, at most {highest:.1f} mm wide'
     known = math.isfinite(acceleration_factor(unit))
-    largest = smallest_shown(x, situation, scale, LOSS_DB if known else UNKNOWN_DB, seed)
+    largest, lost_db = smallest_shown(x, situation, scale, 0.0 if known else LOUDER_DB, seed)
     statement = f'no defect above {largest:.2g} mm'
-    why = f'{statement}: wider ones, added to this record, show in four of five simulated machines'
+    why = f'{statement}: of 128 wider ones on each race, added to this record, 95 % show'
+    if lost_db < LOSSES_DB[0]:
+        most = f'at most {lost_db:.0f} dB are' if lost_db else 'nothing is'
+        statement += f', if {most} lost on the way to the sensor'
+        why = f'{statement}: {why.partition(": ")[2]}'
     if not math.isfinite(largest):
         largest = 1e3 * contact_speed(situation.bearing, 'outer', situation.shaft_hz)
         largest /= fault_frequencies(situation.bearing, situation.shaft_hz).impacts('outer')
         statement = 'a defect of any width may not show'
-        why = f'{statement}: of those up to {highest:.2g} mm, added to this record, none is'
-        why += ' sure to'
+        why = f'{statement}: of those up to {1e3 * widest(situation.bearing):.2g} mm, added to '
+        why += 'this record, none is sure to'
     if not known:
-        why += '; the unit is not known: a machine up to 20 dB louder than the twin is supposed'
+        why += '; the unit is not known: give it. A machine up to 20 dB louder than the twin is '
+        why += 'supposed'
     width = Estimate(q05=0.0, median=0.0, q95=largest, unit='mm', identifiable=False, why=why)
     return width, statement
 

@@ -117,7 +117,7 @@ def fit(
     >>> healthy = 0.01 * np.random.default_rng(1).standard_normal(25600)
     >>> found = fit(healthy, 12800.0, find_bearing('6205'), 25.0, unit='m/s^2', place='none')
     >>> found.statement
-    'no defect above 0.2 mm'
+    'no defect above 0.1 mm'
     >>> found.quantities['noise_floor'].identifiable
     True
 

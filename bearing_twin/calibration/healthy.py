@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 import math
-from typing import TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.calibration.cloud import unknowns, vibrations
@@ -20,7 +20,7 @@ from bearing_twin.calibration.summaries import squared_envelope
 from bearing_twin.diagnosis.thresholds import INDEX_SUSPECT
 import numpy as np
 import numpy.typing as npt
-from scipy import fft, signal
+from scipy import fft, ndimage, signal
 
 if TYPE_CHECKING:
     from bearing_twin.calibration.cloud import Situation
@@ -28,20 +28,20 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 
-WIDTHS_MM = (0.1, 0.2, 0.3, 0.5, 0.8, 1.2, 1.8, 2.6)
-"""Widths tried, mm."""
-SHOWN_SHARE = 0.8
-"""Least share of the candidates of a width that has to show."""
+SHOWN_SHARE = 0.95
+"""Least share of the candidates with a wider defect that has to show."""
+SHOWN_NEAR, _NEAR = 0.8, 16
+"""Least share of so many whose defect is barely wider."""
 LOUDER = 2.0
 """RMS over that of the record from which on nobody calls the bearing healthy: 6 dB."""
-LOSS_DB = 20.0
+LOSSES_DB = 20.0, 10.0, 0.0
 """Most that is supposed to be lost between the twin's housing, which is one rigid mass, and the
-sensor: joints and distance take 10 dB and more each."""
-UNKNOWN_DB = 2.0 * LOSS_DB
-"""The same where the unit is not known and the record is brought to the level of the healthy twin:
-the healthy machine of CWRU is 17 dB louder than that."""
-_EACH = 16
-"""Candidates of each width: a group of lanes of the fleet."""
+sensor: joints and distance take 10 dB and more each. Less only where no defect shows else."""
+LOUDER_DB = 20.0
+"""Most that a machine of unknown unit is supposed to be louder than the healthy twin, to whose
+level it is brought: the healthy machine of CWRU is 17 dB louder."""
+_EACH = 128
+"""Candidates on each race: a batch of the cloud."""
 _SECONDS, _TURNS, _MOST_SECONDS = 1.2, 12.0, 4.0
 """Of the record that is looked at: so many shaft turns, as far as the memory of a small computer
 holds 128 candidates."""
@@ -190,11 +190,20 @@ def order_of_the_shaft(x: FloatArray, situation: Situation) -> int:
     return order if line < ABOVE_ORDERS * power.max(initial=0.0, where=beside) else 0
 
 
+class Shown(NamedTuple):
+    """The smallest defect that a record would have shown."""
+
+    width_mm: float
+    """NaN if none would."""
+    loss_db: float
+    """Most that is supposed to be lost between housing and sensor."""
+
+
 def smallest_shown(
-    measured: FloatArray, situation: Situation, factor: float, loss_db: float, seed: int
-) -> float:
+    measured: FloatArray, situation: Situation, factor: float, louder_db: float, seed: int
+) -> Shown:
     """
-    Return the width, mm, from which on a record would have shown a race defect; NaN if none.
+    Return the width of which all wider race defects but one in twenty would have shown.
 
     Parameters
     ----------
@@ -204,8 +213,8 @@ def smallest_shown(
         Of the machine.
     factor
         From the record's unit to m/s^2.
-    loss_db
-        Most that is lost between housing and sensor, dB.
+    louder_db
+        Most that the record is louder than that, dB.
     seed
         Of all draws.
 
@@ -217,33 +226,46 @@ def smallest_shown(
     >>> machine = example('none')
     >>> quiet = 0.01 * np.random.default_rng(1).standard_normal(12800)
     >>> smallest_shown(quiet, machine, 1.0, 0.0, 0)
-    0.1
+    Shown(width_mm=0.1, loss_db=20.0)
 
     """
     rng = np.random.default_rng([seed, 2])
     seconds = min(max(_SECONDS, _TURNS / situation.shaft_hz), _MOST_SECONDS)
     n = min(len(measured), int(seconds * situation.sample_rate))
     background = measured[:n] - measured[:n].mean()
-    shares = np.ones(len(WIDTHS_MM))
+    rates = fault_frequencies(situation.bearing, situation.shaft_hz, situation.slip)
+    limits = np.zeros(len(LOSSES_DB))
     for place in ('inner', 'outer'):
         there = replace(situation, place=place)
         prior = unknowns(there)
-        fits = [width for width in WIDTHS_MM if width <= prior['defect_width_mm'].high]
-        drawn = {k: u.place(rng.random(_EACH * len(fits))) for k, u in prior.items()}
-        drawn['defect_width_mm'] = np.repeat(fits, _EACH)
-        drawn['noise_ratio'] = np.zeros(_EACH * len(fits))
-        rates = fault_frequencies(situation.bearing, situation.shaft_hz, situation.slip)
-        losses = iter(10.0 ** (-loss_db / 20.0 * rng.random(_EACH * len(fits))))
-        found = []
-        for batch in vibrations(there, drawn, n / situation.sample_rate, seed):
-            for x in batch:
-                y = background[: len(x)] + next(losses) / factor * x[:n]
+        drawn = {name: about.place(rng.random(_EACH)) for name, about in prior.items()}
+        # As many from one width to twice as from there to twice that.
+        about = replace(prior['defect_width_mm'], logarithmic=True)
+        drawn['defect_width_mm'] = about.place(np.arange(_EACH) / _EACH)
+        drawn['noise_ratio'] = np.zeros(_EACH)
+        candidates = (
+            x for batch in vibrations(there, drawn, n / situation.sample_rate, seed) for x in batch
+        )
+        seen = np.zeros((_EACH, len(LOSSES_DB)), dtype=bool)
+        for one, (x, share) in enumerate(zip(candidates, rng.random(_EACH), strict=True)):
+            for at, loss_db in enumerate(LOSSES_DB):
+                y = background[: len(x)] + x[:n] / factor * 10.0 ** (
+                    -share * (loss_db + louder_db) / 20.0
+                )
                 louder = y.std() > LOUDER * background.std()
-                found.append(louder or shown(y, situation.sample_rate, rates.impacts(place)))
-        each = np.reshape(found, (len(fits), _EACH)).mean(axis=1)
-        shares[: len(fits)] = np.minimum(shares[: len(fits)], each)
-        shares[len(fits) :] = np.minimum(shares[len(fits) :], each[-1])
-    # From the widest down, for as long as enough candidates show.
-    enough = np.minimum.accumulate((shares >= SHOWN_SHARE)[::-1])[::-1]
-    first = int(np.argmax(enough))
-    return WIDTHS_MM[first] if enough.any() else math.nan
+                if louder or shown(y, situation.sample_rate, rates.impacts(place)):
+                    # And all the more where less is lost.
+                    seen[one, at:] = True
+                    break
+        # Of n candidates that are as wide or wider, k show: k + 1/2 of n + 1 are expected to.
+        wider = np.arange(_EACH, 0, -1)
+        share_seen = (seen[::-1].cumsum(axis=0)[::-1] + 0.5) / (wider[:, None] + 1.0)
+        near = ndimage.uniform_filter1d(
+            seen.astype(np.float64), _NEAR, axis=0, origin=-_NEAR // 2, mode='nearest'
+        )
+        enough = (share_seen >= SHOWN_SHARE) & (near >= SHOWN_NEAR)
+        first = np.argmax(enough, axis=0)
+        width = np.where(enough.any(axis=0), drawn['defect_width_mm'][first], math.nan)
+        limits = np.maximum(limits, width)
+    told = int(np.argmax(np.isfinite(limits)))
+    return Shown(float(limits[told]), LOSSES_DB[told])

@@ -139,7 +139,7 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     >>> noise = 0.01 * np.random.default_rng(1).standard_normal(25600)
     >>> healthy = fit(noise, 12800.0, find_bearing('6205'), 25.0, unit='m/s^2', place='none')
     >>> joined([healthy, healthy])[2]
-    'no defect above 0.2 mm'
+    'no defect above 0.1 mm'
 
     """
     places = sorted({each.defect for each in found})

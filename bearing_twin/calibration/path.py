@@ -11,8 +11,9 @@ were.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import itertools
 import math
+from typing import NamedTuple
 
 from bearing_twin.calibration.summaries import HIGH_SHARE, levinson, TAPERED
 from bearing_twin.dynamics.sensor_path import SensorPath
@@ -27,38 +28,32 @@ REACH_S = 5e-3
 """Reach of the linear predictions: resolves resonances 200 Hz apart."""
 MODES_REACH_S = 2.5e-3
 """Half the reach of the autocorrelation whose decays are read."""
-_STUDENT = 1.895
-"""95 % of Student's distribution for a mean of eight."""
+STUDENT = 1.895
+"""95 % of Student's distribution of seven degrees of freedom."""
 _MOST_POLES = 24
 _LEAST_STRENGTH = 0.01
 """Of a singular value, over the greatest, that counts."""
 SEGMENTS = 8
-"""Parts of a record whose resonances are compared."""
+"""Parts of a record whose noise floors are compared."""
 MOST_MODES = 4
 _SHARE_OF_POWER = 0.05
 """Least share of a resonance in the power of the signal."""
-FOUND = 0.75
-"""Least share of the parts of a record in which a resonance has to be found."""
 LINE_DAMPING = 0.002
 """Damping below which a pole is a line of the mains or of a drive, not a resonance."""
 _QUIETEST = 0.05
+_BAND_S = 5e-3
+"""Length of the segments of a noise floor's spectrum: bands of 200 Hz, so wide that chance hardly
+chooses among them."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Resonance:
-    """A resonance of the path: 5 %, median and 95 % of its frequency and damping ratio."""
+class Resonance(NamedTuple):
+    """A resonance of a record."""
 
-    hz: tuple[float, float, float]
-    damping: tuple[float, float, float]
+    hz: float
+    damping: float
+    """Damping ratio."""
     share: float
     """Of the power of the vibration."""
-    found: float
-    """Share of the parts of the record in which it is found."""
-
-    @property
-    def told(self) -> bool:
-        """Whether enough parts of the record agree on it."""
-        return self.found >= FOUND and math.isfinite(self.hz[2])
 
 
 def _power(x: FloatArray) -> FloatArray:
@@ -118,12 +113,60 @@ def identify(
     )
 
 
+def noise_floor(x: FloatArray, sample_rate: float) -> tuple[float, float, float]:
+    """
+    5 %, median and 95 % of the density of the quietest twentieth of a spectrum, per root Hz.
+
+    The quietest bands of all parts of the record but one are measured in that one: its own would
+    be the luckiest. Chance still chooses, in half of the record about twice as much as in all of
+    it, which is taken off. Without each part once (a jackknife), it scatters as it is uncertain.
+
+    Parameters
+    ----------
+    x
+        Samples, shape (n,).
+    sample_rate
+        Hz.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(1).standard_normal(25600)
+    >>> [round(value, 3) for value in noise_floor(noise, 12800.0)]
+    [0.011, 0.012, 0.013]
+
+    """
+    length = max(64, int(_BAND_S * sample_rate))
+    density = np.array(
+        [
+            signal.welch(part, sample_rate, nperseg=min(len(part), length))[1]
+            for part in np.array_split(x, SEGMENTS)
+        ]
+    )
+    # The mean that is taken off each segment takes from the lowest lines too.
+    density = density[:, 4 : int(HIGH_SHARE * density.shape[1])]
+    halves = itertools.combinations(range(SEGMENTS), SEGMENTS // 2)
+    by_chance = np.mean([_quietest(density[list(half)]) for half in halves]) - _quietest(density)
+    middle = max(_quietest(density) - float(by_chance), 0.0)
+    without = np.array([_quietest(np.delete(density, part, axis=0)) for part in range(SEGMENTS)])
+    half = STUDENT * math.sqrt((SEGMENTS - 1.0) * without.var())
+    low, high = max(middle - half, 0.0), middle + half
+    return math.sqrt(low), math.sqrt(middle), math.sqrt(high)
+
+
+def _quietest(density: FloatArray) -> float:
+    """Mean density of each part in the bands that are quietest in the others, shape (parts, n)."""
+    others = density.sum(axis=0) - density
+    quiet = others <= np.quantile(others, _QUIETEST, axis=1, keepdims=True)
+    return float(np.mean([part[where].mean() for part, where in zip(density, quiet, strict=True)]))
+
+
 def resonances(x: FloatArray, sample_rate: float) -> list[Resonance]:
     """
-    Return the resonances of a path, strongest first: frequency, damping and their scatter.
+    Return the resonances of a record, strongest first.
 
-    The resonances of the whole record are looked for again in each of `SEGMENTS` parts, whose
-    scatter over the root of their number is the uncertainty.
+    Covariance-driven stochastic subspace identification (Peeters and De Roeck, Mech. Syst. Signal
+    Process. 1999, 13, 855): the autocorrelation of what resonances make of noise is a sum of their
+    free decays. Lag zero, which has the noise of the sensor, is left out.
 
     Parameters
     ----------
@@ -141,81 +184,11 @@ def resonances(x: FloatArray, sample_rate: float) -> list[Resonance]:
     >>> pole = np.exp(2 * np.pi * 3000 / 25600 * (-0.03 + 1j))
     >>> denominator = np.poly([pole, pole.conjugate()]).real
     >>> found = resonances(signal.lfilter([1.0], denominator, rng.standard_normal(102400)), 25600)
-    >>> round(found[0].hz[1], -2), round(found[0].damping[1], 2)
+    >>> round(found[0].hz, -2), round(found[0].damping, 2)
     (3000.0, 0.03)
 
     """
     order = max(8, round(MODES_REACH_S * sample_rate))
-    parts = np.array_split(x, SEGMENTS) if len(x) >= 8 * SEGMENTS * order else []
-    whole = _modes(x, sample_rate, order)
-    others = [_modes(part, sample_rate, order) for part in parts]
-    found = []
-    for hz, damping, share in whole[:MOST_MODES]:
-        near = []
-        for modes in others:
-            close = [mode for mode in modes if abs(mode[0] - hz) < 0.1 * hz]
-            if close:
-                near.append(min(close, key=lambda mode: abs(mode[0] - hz)))
-        spread = np.std([mode[:2] for mode in near], axis=0, ddof=1) if len(near) > 2 else None
-        half = _STUDENT * spread / math.sqrt(len(near)) if spread is not None else (math.inf,) * 2
-        found.append(
-            Resonance(
-                hz=(float(hz - half[0]), hz, float(hz + half[0])),
-                damping=(max(float(damping - half[1]), 0.0), damping, float(damping + half[1])),
-                share=share,
-                found=len(near) / SEGMENTS,
-            )
-        )
-    return found
-
-
-def noise_floor(x: FloatArray, sample_rate: float) -> tuple[float, float, float]:
-    """
-    5 %, median and 95 % of the density of the quietest twentieth of a spectrum, per root Hz.
-
-    The quietest frequencies of one half of the record are measured in the other: those of the same
-    half would be the luckiest.
-
-    Parameters
-    ----------
-    x
-        Samples, shape (n,).
-    sample_rate
-        Hz.
-
-    Examples
-    --------
-    >>> noise = np.random.default_rng(1).standard_normal(25600)
-    >>> [round(value, 3) for value in noise_floor(noise, 12800.0)]
-    [0.012, 0.012, 0.013]
-
-    """
-    parts = np.array_split(x, SEGMENTS)
-    length = max(64, int(0.02 * sample_rate))
-    density = np.array(
-        [signal.welch(part, sample_rate, nperseg=min(len(part), length))[1] for part in parts]
-    )
-    # The mean that is taken off each segment takes from the lowest lines too.
-    density = density[:, 4 : int(HIGH_SHARE * density.shape[1])]
-    floors = np.empty(SEGMENTS)
-    for first in (0, 1):
-        others = density[1 - first :: 2].mean(axis=0)
-        quietest = others <= np.quantile(others, _QUIETEST)
-        floors[first::2] = np.sqrt(density[first::2, quietest].mean(axis=1))
-    middle = float(floors.mean())
-    # The two choices of frequencies are common to four parts each.
-    half_width = _STUDENT * float(floors.std(ddof=1)) / math.sqrt(SEGMENTS - 2)
-    return max(middle - half_width, 0.0), middle, middle + half_width
-
-
-def _modes(x: FloatArray, sample_rate: float, order: int) -> list[tuple[float, float, float]]:
-    """
-    Frequency, damping and share of the power of each resonance, strongest first.
-
-    Covariance-driven stochastic subspace identification (Peeters and De Roeck, Mech. Syst. Signal
-    Process. 1999, 13, 855): the autocorrelation of what resonances make of noise is a sum of their
-    free decays. Lag zero, which has the noise of the sensor, is left out.
-    """
     correlation = fft.irfft(_power(x))[: 2 * order + 1]
     hankel = linalg.hankel(correlation[1 : order + 1], correlation[order : 2 * order])
     left, strength, _ = linalg.svd(hankel)
@@ -232,6 +205,9 @@ def _modes(x: FloatArray, sample_rate: float, order: int) -> list[tuple[float, f
     damping = -log.real / np.abs(log)
     hz = np.abs(log) * sample_rate / (2.0 * math.pi)
     share = 2.0 * amplitudes.real / correlation[0]
-    keep = (damping < 0.15) & (share > _SHARE_OF_POWER) & (hz < 0.43 * sample_rate)
-    by_share = np.argsort(-share)
-    return [(float(hz[i]), float(damping[i]), float(share[i])) for i in by_share if keep[i]]
+    keep = (
+        (damping < 0.15) & (damping >= LINE_DAMPING) & (share > _SHARE_OF_POWER)
+        & (hz < 0.43 * sample_rate)
+    )  # fmt: skip
+    strongest = [at for at in np.argsort(-share) if keep[at]][:MOST_MODES]
+    return [Resonance(float(hz[i]), float(damping[i]), float(share[i])) for i in strongest]
