@@ -25,7 +25,7 @@ from bearing_twin.calibration.estimates import (
     supposed,
     without_defect,
 )
-from bearing_twin.calibration.impacts import impacts_of
+from bearing_twin.calibration.impacts import gear, impacts_of
 from bearing_twin.calibration.passage import load_range
 from bearing_twin.calibration.path import identify, REACH_S, resonances
 from bearing_twin.calibration.refusals import (
@@ -242,11 +242,14 @@ def _fitted(
     measured = whole.summary(situation.longest)
     modes = resonances(x, situation.sample_rate)
     defective = situation.place in ('inner', 'outer')
+    seen = None
     if defective:
         refusal = no_impacts(x, situation) if named else None
-        refusal = refusal or too_wide(whole, situation, measured)
+        turning = gear(x, situation.sample_rate, measured)
+        refusal = refusal or turning or too_wide(whole, situation, measured)
         refusal = refusal or unresolved(whole, measured, situation)
         left, refusal = _defect(x, measured, situation, candidates, seed, refusal)
+        seen = None if turning else impacts_of(whole, measured, situation)
     else:
         left = posterior.supposed(situation, seed)
     values, weights = left.values, left.weights
@@ -287,7 +290,7 @@ def _fitted(
         candidates=values,
         weights=weights,
         sensor_unit=unit,
-        impacts=impacts_of(whole, measured, situation) if defective else None,
+        impacts=seen,
         cost_s=time.process_time() - start,
     )
 

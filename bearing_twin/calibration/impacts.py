@@ -13,13 +13,18 @@ import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.calibration.refusals import Kind, Refusal
-from bearing_twin.calibration.summaries import ELSEWHERE
+from bearing_twin.calibration.summaries import ELSEWHERE, HIGH_SHARE
+import numpy as np
+from scipy import ndimage, signal
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from bearing_twin.calibration.cloud import Situation
     from bearing_twin.calibration.summaries import Correlation, Summary
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
 
 
 SAME_TIME, OTHER_SPEED = 0.03, 1.08
@@ -29,6 +34,15 @@ LOCATED = 0.5
 impact: the impacts of entry and exit differ in shape, and the top is that of one on the other."""
 APART = 3.0
 """Least change that ringing would make from speed to speed, over what both are located to."""
+
+
+_TEETH, _OVER_FLOOR, _OVER_BESIDE = 3, 100.0, 3.0
+"""Harmonics of a time that have to stand out as lines of the spectrum, and how far, over the floor
+and over all that lies between two of them. Noise reaches 100 times the floor once in e^100 lines.
+The lines of a bearing lie beside as well, and its balls do not keep time: of 145 pairs of
+impacts that were simulated with and without echoes not one has a single such line, of 30 beside a
+gear each has three or more."""
+_MOST_HARMONICS, _PARTS = 8, 16
 
 
 class Impacts(NamedTuple):
@@ -72,6 +86,73 @@ class Impacts(NamedTuple):
         """Whether ringing would be seen not to follow the speed from one record to the other."""
         faster = abs(math.log(self.shaft_hz / other.shaft_hz))
         return self.place == other.place and faster > APART * self.located(other)
+
+
+def gear(x: FloatArray, sample_rate: float, measured: Summary) -> Refusal | None:
+    """
+    Return why the time between two impacts is that of the teeth of a gear; None if it is not.
+
+    The whitening of a gear's vibration leaves an echo of each other impact after the time of a
+    tooth, which passes for a second impact. The lines of the gear are in the spectrum itself.
+
+    Parameters
+    ----------
+    x
+        Samples, shape (n,).
+    sample_rate
+        Hz.
+    measured
+        Its summary.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bearing_twin.calibration.summaries import summarise
+    >>> rng = np.random.default_rng(1)
+    >>> x = 1e-3 * rng.standard_normal(51200)
+    >>> entry = np.cumsum(143 + rng.integers(-2, 3, size=300))
+    >>> x[entry] += 1.0
+    >>> x[entry + 20] -= 0.7
+    >>> measured = summarise(x, 12800.0, 4e-3)
+    >>> gear(x, 12800.0, measured) is None
+    True
+    >>> x[::20] += 0.3
+    >>> gear(x, 12800.0, measured).why[:38]
+    'the vibration repeats each 1.56 ms all'
+
+    """
+    if not measured.seen:
+        return None
+    # The speed of a machine moves within the record, which makes broad what is a line in a part.
+    if max(_teeth(x, sample_rate, measured, parts) for parts in (1, _PARTS)) < _TEETH:
+        return None
+    return Refusal(
+        Kind.SEVERAL_SPACINGS,
+        f'the vibration repeats each {1e3 * measured.spacing:.2f} ms all the time: the teeth of a '
+        'gear, or another part that turns',
+    )
+
+
+def _teeth(x: FloatArray, sample_rate: float, measured: Summary, parts: int) -> int:
+    """Lines at the harmonics of the time between two impacts, in the mean spectrum of parts."""
+    length = len(x) // parts
+    power = signal.welch(x, sample_rate, nperseg=length)[1]
+    step, own = sample_rate / length, 1.0 / measured.spacing
+    within = LOCATED * measured.lobe / measured.spacing
+    most = min(_MOST_HARMONICS, int(0.5 * HIGH_SHARE * sample_rate / (own * (1.0 + within))))
+    if most < _TEETH:
+        return 0
+    # The main lobe of a line is two bins to either side: no line lies between two frequencies.
+    tried = own * np.exp(np.arange(-within, within, step / (most * own)))
+    at = np.round(np.multiply.outer(tried, np.arange(1, most + 1)) / step).astype(int)
+    lines = ndimage.maximum_filter1d(power, 3)[at]
+    best = int(np.argmax(np.median(lines, axis=1)))
+    teeth, reach = 0, int(0.45 * own / step)
+    for line, centre in zip(lines[best], at[best], strict=True):
+        around = power[centre - reach : centre + reach + 1]
+        beside = np.delete(around, slice(reach - 3, reach + 4)).max(initial=0.0)
+        teeth += line > _OVER_FLOOR * np.median(around) and line > _OVER_BESIDE * beside
+    return int(teeth)
 
 
 def impacts_of(whole: Correlation, measured: Summary, situation: Situation) -> Impacts | None:

@@ -12,6 +12,7 @@ from bearing_twin.calibration.healthy import (
     COMB_OVER_FLOOR,
     line_over_floor,
     order_of_the_shaft,
+    SLIPPED,
 )
 from bearing_twin.calibration.passage import widest
 from bearing_twin.calibration.summaries import ELSEWHERE, RIVAL
@@ -30,6 +31,11 @@ NARROWED = 0.5
 """A quantity is identifiable where its 90 % interval is at most this share of the prior's."""
 ALIKE = 2.0
 """Most that the candidates kept may be farther from the machine than from each other."""
+NEXT_BALL = 1.1
+"""Most that the exit of a ball and the entry of the next repeat as clearly as its own entry and
+exit. Of 96 twins with both impacts one is above 1 (1.02) and one above 1.1, whose spacing was not
+that of the defect; trains of narrow defects reach 0.75, 39 of defects wider than half of the way
+to the next ball begin at 1.4."""
 PERIODS = 2.0
 """Least periods of the resonance it excites that a passage has to last."""
 
@@ -136,11 +142,19 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
     farther = whole.summary(0.45 / situation.strikes)
     # Of noise alone, the longer the lags the likelier a peak; but never one so much clearer.
     clear = farther.prominence > measured.prominence and farther.rival <= RIVAL
-    if not (clear and farther.spacing > situation.longest):
+    apart = farther.spacing if clear and farther.spacing > situation.longest else 0.0
+    if not apart and measured.seen:
+        # Balls do not keep time: two impacts of one repeat more clearly than one of each of two.
+        own, reach = measured.spacing, measured.lobe
+        next_ball = whole.highest(1.0 / situation.strikes, SLIPPED / situation.strikes)[0]
+        over_own = whole.highest(next_ball - own, reach)[1] / whole.highest(own, reach)[1]
+        if over_own > NEXT_BALL:
+            apart = next_ball - own
+    if not apart:
         return None
     return Refusal(
         Kind.TOO_WIDE,
-        f'the clearest two impacts are {1e3 * farther.spacing * situation.speed:.1f} mm apart on '
+        f'the clearest two impacts are {1e3 * apart * situation.speed:.1f} mm apart on '
         f'the race, and the widest defect that is simulated has '
         f'{1e3 * widest(situation.bearing):.1f} mm: the defect may be wider',
     )

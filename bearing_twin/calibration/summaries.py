@@ -59,6 +59,25 @@ class Correlation:
     """Hz."""
     impulsiveness: float
 
+    def highest(self, lag: float, reach: float) -> tuple[float, float]:
+        """
+        Return where the autocorrelation is highest near a lag, and how far over what is about it.
+
+        Parameters
+        ----------
+        lag
+            s.
+        reach
+            Farthest from it, s; what is about it is six times as far.
+
+        """
+        at, near = lag * self.rate, max(2.0, reach * self.rate)
+        first = max(1, int(at - near))
+        values = self.values[first : int(at + near) + 2]
+        about = self.values[max(1, int(at - 6.0 * near)) : int(at + 6.0 * near) + 2]
+        highest = int(np.argmax(values))
+        return (first + highest) / self.rate, float(values[highest] - np.median(about))
+
     def summary(self, longest: float) -> Summary:
         """
         Summarise the lags of a passage.

@@ -13,7 +13,7 @@ from bearing_twin.calibration.cloud import parameters, Situation, unknowns, vibr
 from bearing_twin.calibration.estimates import of_defect, taken_off
 from bearing_twin.calibration.fit import fitted_vibration
 from bearing_twin.calibration.healthy import shown, smallest_shown
-from bearing_twin.calibration.impacts import follows_speed, Impacts, impacts_of
+from bearing_twin.calibration.impacts import follows_speed, gear, Impacts, impacts_of
 from bearing_twin.calibration.joint import compared, joined
 from bearing_twin.calibration.passage import (
     contact_speed,
@@ -622,6 +622,35 @@ def test_impacts_that_go_on_after_twice_the_time_are_no_passage():
         whole = correlate(x + 0.02 * x.std() * rng.standard_normal(len(x)), RATE)
         refusal = unresolved(whole, whole.summary(machine.longest), machine)
         assert (refusal and refusal.kind) is kind
+
+
+def test_the_echo_of_a_gear_in_the_whitening_is_no_passage():
+    """Teeth closer than its reach: each impact of the bearing leaves another after their time."""
+    rng = np.random.default_rng(2)
+    machine = Situation(bearing=BEARING, place='outer', shaft_hz=24.0, sample_rate=RATE)
+    train = np.zeros(4 * int(RATE))
+    at = np.cumsum(1.0 + 0.005 * rng.standard_normal(300)) / machine.strikes * RATE
+    train[np.round(at).astype(int)] = 1.0
+    teeth = np.round(np.arange(0.0, 4.0, 1.0 / (41 * 24.0)) * RATE).astype(int)
+    for mesh, turns in ((0.0, False), (0.5, True)):
+        x = train.copy()
+        x[teeth] += mesh
+        x = ring(x)
+        x += 0.02 * x.std() * rng.standard_normal(len(x))
+        assert (gear(x, RATE, summarise(x, RATE, machine.longest)) is not None) is turns
+    found = fit(x, RATE, BEARING, 24.0, place='outer', candidates=64)
+    assert found.refusal is Kind.SEVERAL_SPACINGS and found.impacts is None
+    assert 'the teeth of a gear' in found.quantities['defect_width_mm'].why
+
+
+@pytest.mark.parametrize(('place', 'width'), [('outer', 13.5e-3), ('inner', 8.5e-3)])
+def test_a_defect_wider_than_half_way_to_the_next_ball_is_not_told_as_the_rest_of_the_way(
+    place, width
+):
+    found = fit(impact_train(width, place, 12.0), RATE, BEARING, 12.0, place=place, candidates=64)
+    told = found.quantities['defect_width_mm']
+    assert found.refusal is Kind.TOO_WIDE and not told.identifiable
+    assert f'{1e3 * width:.1f} mm apart' in told.why and told.q95 > 1e3 * width
 
 
 def test_what_if_of_a_healthy_machine_changes_its_level_as_machines_do_with_speed():
