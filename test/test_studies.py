@@ -121,7 +121,7 @@ def test_calibration_goes_on_where_it_was_and_prints_its_tables(tmp_path, monkey
     ]  # fmt: skip
     calibration.print_tables(lines)
     said = capsys.readouterr().out
-    assert '| noise floor | 3 |' in said and '| frequency of a resonance |' in said
+    assert '| all | 3 |' in said and '| strongest resonance |' in said
     out.write_text('{')
     with pytest.raises(BearingTwinError, match='no file of this study'):
         calibration.main([str(out), '0'])

@@ -41,9 +41,11 @@ BINS = 10
 SPEEDS = 'at several speeds: '
 SIMULATED: dict[str, Callable[[int], list[Row]]] = {
     'twins': machines.fit_twin,
-    'impacts at the edges': functools.partial(machines.fit_impacts, on_path=False),
-    "impacts of a ball's path": functools.partial(machines.fit_impacts, on_path=True),
+    'impacts at the edges': functools.partial(machines.fit_impacts, kind='edges'),
+    "impacts of a ball's path": functools.partial(machines.fit_impacts, kind='path'),
+    'impacts of a defect too wide': functools.partial(machines.fit_impacts, kind='wide'),
     'paths': machines.fit_path,
+    'healthy': machines.look_at_healthy,
     **{SPEEDS + kind: functools.partial(look_at_speeds, kind) for kind in KINDS},
 }
 
@@ -142,7 +144,7 @@ def print_tables(lines: Iterable[Row]) -> None:
     fits = [
         name
         for name in ('HIT-SM', 'CWRU', *SIMULATED)
-        if name in groups and name != 'paths' and not name.startswith(SPEEDS)
+        if name in groups and name not in ('paths', 'healthy') and not name.startswith(SPEEDS)
     ]
     print_table(
         ('width of a race defect', 'machines', 'told', 'in 90 %, told', 'in 90 %, all',
@@ -155,11 +157,29 @@ def print_tables(lines: Iterable[Row]) -> None:
             for name in fits for s in (summary(groups[name]),)
         ),
     )  # fmt: skip
-    for name, column in (('paths', 'quantity of the path'), ('what if', 'predicted')):
-        print()
-        print_table(
-            (column, 'compared', 'in 90 %', 'median error'), _quantities(groups.get(name, []))
-        )
+    paths = groups.get('paths', [])
+    print()
+    print_table(
+        ('noise floor', 'compared', 'in 90 %', 'median error', 'ranks in ten bins',
+         'p of uniform ranks'),
+        _floors([row for row in paths if 'quantity' in row]),
+    )  # fmt: skip
+    print()
+    print_table(
+        ('strongest resonance', 'found', 'within the width of one of the path'),
+        _resonances([row for row in paths if 'resonance' in row]),
+    )
+    print()
+    print_table(
+        ('most that is lost, dB', 'healthy machines', 'limit, mm: median', 'most',
+         'wider defects added', 'shown', 'named by the diagnosis', 'called healthy'),
+        _healthy(groups.get('healthy', [])),
+    )  # fmt: skip
+    print()
+    print_table(
+        ('predicted', 'compared', 'in 90 %', 'median error'),
+        _quantities(groups.get('what if', [])),
+    )
     print()
     print_table(
         ('machines at two or three speeds', 'compared', 'passage proved', 'in 90 %',
@@ -184,6 +204,34 @@ def print_tables(lines: Iterable[Row]) -> None:
                 for row in groups.get(name, [])
             ),
         )  # fmt: skip
+
+
+def _floors(rows: list[Row]) -> Iterator[tuple[object, ...]]:
+    """Yield how often the intervals of noise floors hold, and where the truth lies in them."""
+    for name, compared, held, error in _quantities(
+        rows + [row | {'quantity': 'all'} for row in rows]
+    ):
+        ranks = [row['rank'] for row in rows if name in ('all', row['quantity'])]
+        counts = np.histogram(ranks, bins=BINS, range=(0.0, 1.0))[0]
+        yield (name, compared, held, error, ', '.join(map(str, counts)),
+               f'{stats.chisquare(counts).pvalue:.3f}')  # fmt: skip
+
+
+def _resonances(rows: Sequence[Row]) -> Iterator[tuple[object, ...]]:
+    for kind in sorted({row['resonance'] for row in rows}):
+        own = [row['own'] for row in rows if row['resonance'] == kind]
+        yield kind, len(own), sum(own)
+
+
+def _healthy(rows: Sequence[Row]) -> Iterator[tuple[object, ...]]:
+    """Yield how many defects wider than the limit of a healthy machine are seen."""
+    limited = [row for row in rows if math.isfinite(row['limit'])]
+    for loss_db in sorted({row['loss_db'] for row in limited}, reverse=True):
+        of = [row for row in limited if row['loss_db'] == loss_db]
+        limits = [row['limit'] for row in of]
+        counts = (sum(row[name] for row in of) for name in ('added', 'shown', 'told', 'healthy'))
+        yield f'{loss_db:.0f}', len(of), f'{np.median(limits):.2f}', f'{max(limits):.1f}', *counts
+    yield 'no limit', len(rows) - len(limited), *[''] * 6
 
 
 def _quantities(rows: Sequence[Row]) -> Iterator[tuple[object, ...]]:

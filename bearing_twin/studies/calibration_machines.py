@@ -10,13 +10,23 @@ random. And the records of two real rigs.
 
 from __future__ import annotations
 
+from dataclasses import replace
 import json
 import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import find_bearing
 from bearing_twin.calibration import fit
-from bearing_twin.calibration.cloud import Situation, unknowns, vibrations
+from bearing_twin.calibration.cloud import (
+    LONGEST_BLOCK,
+    parameters,
+    SETTLE_S,
+    Situation,
+    TEMPERATURE,
+    unknowns,
+    vibrations,
+)
+from bearing_twin.calibration.healthy import LOUDER, shown, smallest_shown
 from bearing_twin.calibration.passage import (
     impact_spacing,
     interference,
@@ -24,12 +34,14 @@ from bearing_twin.calibration.passage import (
     path_curvature,
     widest,
 )
-from bearing_twin.calibration.path import noise_floor, resonances
+from bearing_twin.calibration.path import noise_floor, resonances, STUDENT
 from bearing_twin.calibration.posterior import weighted_quantile
 from bearing_twin.calibration.whatif import expect, features
+from bearing_twin.diagnosis import diagnose_record
+from bearing_twin.dynamics import Fleet
 from bearing_twin.recording.foreign import read_signal
 import numpy as np
-from scipy import signal
+from scipy import signal, stats
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -39,26 +51,42 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-BEARINGS = ('6203', '6204', '6205', '6206', '6208', '6305', '6308', '6310', '6313', '6220')
-RATES = (12000.0, 20000.0, 25600.0, 51200.0, 64000.0, 100000.0)
-RESONANCES_HZ = 2000.0, 12000.0
+BEARINGS = ('6001', '6203', '6204', '6205', '6206', '6208', '6210', '6305', '6308', '6310', '6313',
+            '6220')  # fmt: skip
+RATES = (10e3, 12.8e3, 16e3, 20e3, 25.6e3, 32e3, 40e3, 48e3, 51.2e3, 64e3)
+SPEEDS_HZ = 5.0, 60.0
+RESONANCES_HZ = 1000.0, 12000.0
+CLOSE_SHARE, CLOSE = 0.4, (0.02, 0.15)
+"""Share of the machines with two resonances close to each other, and how close, relatively."""
+LENGTHS_S, TURNS = (1.0, 2.0, 3.0, 5.0), 22.0
+"""Lengths of records, and the shaft turns that each has at least."""
 SECONDS = 3.0
+"""Length of a record where several are compared."""
+HUM_SHARE = 0.5
+"""Share of the machines whose record has the mains in it, up to five times as strong."""
+WAVINESS = 1e-5, 2.5e-4
+"""Range of the waviness of twins of known noise floor, m/s: see `dynamics.waviness`."""
+LONG = 20
+"""Records in the one that tells the true noise floor."""
+ADDED = 8
+"""Defects that are added to a healthy machine."""
 UNITS = {'hitsm': '', 'cwru': 'g'}
 """Of the records, which do not say it."""
 RACES_MM = {'inner': 15.55, 'outer': 23.5}
 """Radii of the races of HIT-SM, over which its slots are given in degrees."""
 
 
-def drawn_machine(number: int, key: int) -> tuple[np.random.Generator, Situation]:
-    """Bearing, rate, speed and place of a number."""
-    rng = np.random.default_rng([2030, key, number])
+def drawn_machine(number: int, key: int) -> tuple[np.random.Generator, Situation, float]:
+    """Bearing, rate, speed and place of a number, and the length of its record, s."""
+    rng = np.random.default_rng([2052, key, number])
+    low, high = SPEEDS_HZ
     situation = Situation(
         bearing=find_bearing(str(rng.choice(BEARINGS))),
         place=str(rng.choice(('inner', 'outer'))),
-        shaft_hz=float(rng.uniform(8.0, 35.0)),
+        shaft_hz=float(low * (high / low) ** rng.random()),
         sample_rate=float(rng.choice(RATES)),
     )
-    return rng, situation
+    return rng, situation, max(float(rng.choice(LENGTHS_S)), TURNS / situation.shaft_hz)
 
 
 def drawn_modes(
@@ -67,11 +95,23 @@ def drawn_modes(
 ) -> list[tuple[float, ...]]:  # fmt: skip
     """Draw resonances: frequency, Hz, damping ratio and height of each."""
     highest = min(RESONANCES_HZ[1], 0.4 * rate)
-    modes = [
-        (rng.uniform(lowest, highest), rng.uniform(0.01, most_damped))
-        for _ in range(rng.integers(count[0], count[1] + 1))
-    ]
-    return [(*mode, rng.uniform(0.3, 1.0)) for mode in modes]
+    hertz = [rng.uniform(lowest, highest) for _ in range(rng.integers(count[0], count[1] + 1))]
+    if rng.random() < CLOSE_SHARE:
+        hertz.append(
+            min(hertz[0] * (1.0 + rng.choice((-1.0, 1.0)) * rng.uniform(*CLOSE)), highest)
+        )
+    return [(hz, rng.uniform(0.01, most_damped), rng.uniform(0.3, 1.0)) for hz in hertz]
+
+
+def with_hum(x: NDArray[np.float64], rate: float, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Add the mains and seven harmonics to half of the records."""
+    if rng.random() > HUM_SHARE:
+        return x
+    order = np.arange(1, 9)
+    turns = np.outer(order, rng.choice((50.0, 60.0)) * np.arange(len(x)) / rate)
+    heights = rng.uniform(0.0, 1.0, len(order)) / np.sqrt(order)
+    hum = heights @ np.cos(2.0 * np.pi * (turns + rng.random((len(order), 1))))
+    return np.asarray(x + 10.0 ** rng.uniform(-1.0, 0.7) * x.std() / hum.std() * hum)
 
 
 def ring(
@@ -113,84 +153,146 @@ def row_of(found: Calibration, width: float) -> dict[str, Any]:
 
 def fit_twin(number: int) -> list[dict[str, Any]]:
     """Fit a record of a twin whose unknowns come from the prior, by `fit` as it is used."""
-    rng, situation = drawn_machine(number, 0)
+    rng, situation, seconds = drawn_machine(number, 0)
     truth = {name: u.place(rng.random(1)) for name, u in unknowns(situation).items()}
-    x = next(vibrations(situation, truth, SECONDS, number + 1))[0]
-    x = ring(x, situation.sample_rate, drawn_modes(situation.sample_rate, rng)) * _gain(rng)
-    found = fit(
-        x, situation.sample_rate, situation.bearing, situation.shaft_hz, place=situation.place,
-        seed=number + 2,
-    )  # fmt: skip
-    return [row_of(found, float(truth['defect_width_mm'][0]))]
+    x = next(vibrations(situation, truth, seconds, number + 1))[0]
+    return [_fitted_row(x, situation, rng, number, float(truth['defect_width_mm'][0]))]
 
 
-def fit_impacts(number: int, *, on_path: bool) -> list[dict[str, Any]]:
-    """Fit pairs of impacts as far apart as the defect is wide, or as the path of a ball makes."""
-    rng, situation = drawn_machine(number, 2 if on_path else 1)
-    rate, bearing, place = situation.sample_rate, situation.bearing, situation.place
+def fit_impacts(number: int, kind: str) -> list[dict[str, Any]]:
+    """
+    Fit pairs of impacts: as far apart as the defect is wide, or as the path of a ball makes them.
+
+    Of kind 'wide' they are farther apart than half of the way to the next ball.
+    """
+    kinds = ('edges', 'path', 'wide')
+    rng, situation, seconds = drawn_machine(number, 1 + kinds.index(kind))
+    bearing, place = situation.bearing, situation.place
     width = float(rng.uniform(0.2e-3, widest(bearing)))
+    if kind == 'wide':
+        width = float(rng.uniform(0.55, 0.93)) * situation.speed / situation.strikes
     low, high = load_range(bearing)
-    sinking = interference(bearing, low * (high / low) ** rng.random()) if on_path else 0.0
+    sinking = interference(bearing, low * (high / low) ** rng.random()) if kind == 'path' else 0.0
     apart = impact_spacing(width, sinking, path_curvature(bearing, place)) / situation.speed
-    x = train(situation, rng, [apart], (rng.uniform(0.4, 1.0), -1.0))
+    x = train(situation, rng, [apart], (rng.uniform(0.4, 1.0), -1.0), seconds)
+    noise = 10.0 ** rng.uniform(-2.0, -0.5)
+    return [_fitted_row(x, situation, rng, number, 1e3 * width, noise)]
+
+
+def _fitted_row(
+    x: NDArray[np.float64], machine: Situation, rng: np.random.Generator, seed: int, width: float,
+    noise: float = 0.0,
+) -> dict[str, Any]:  # fmt: skip
+    """Fit what a sensor makes of a vibration, whose noise is given over the RMS; ``width`` mm."""
+    rate = machine.sample_rate
     y = ring(x, rate, drawn_modes(rate, rng)) * _gain(rng)
-    y += 10.0 ** rng.uniform(-2.0, -0.5) * y.std() * rng.standard_normal(len(y))
-    found = fit(y, rate, bearing, situation.shaft_hz, place=place, seed=number + 1)
-    return [row_of(found, 1e3 * width)]
+    y += noise * y.std() * rng.standard_normal(len(y))
+    y = with_hum(y, rate, rng)
+    found = fit(y, rate, machine.bearing, machine.shaft_hz, place=machine.place, seed=seed + 2)
+    return row_of(found, width)
 
 
 def train(
     machine: Situation, rng: np.random.Generator, apart_s: Sequence[float],
-    shares: Sequence[float],
+    shares: Sequence[float], seconds: float = SECONDS,
 ) -> NDArray[np.float64]:  # fmt: skip
     """Impacts of passages, and others some time after each, with their shares of its height."""
     rate, strikes = machine.sample_rate, machine.strikes
-    count = int(1.2 * strikes * SECONDS)
+    count = int(1.2 * strikes * seconds) + 2
     entries = np.cumsum(1.0 + 0.005 * rng.standard_normal(count)) / strikes
     heights = 1.0 + 0.3 * rng.standard_normal(count)
     if machine.place == 'inner':
         heights *= np.maximum(np.cos(2.0 * np.pi * machine.shaft_hz * entries), 0.0)
-    x = np.zeros(int(SECONDS * rate))
+    x = np.zeros(int(seconds * rate))
     for after, share in zip((0.0, *apart_s), shares, strict=True):
         at = np.round((entries + after) * rate).astype(int)
         np.add.at(x, at[at < len(x)], share * heights[at < len(x)])
     return x
 
 
+def _wavy_twin(
+    machine: Situation, rng: np.random.Generator, n: int, seed: int
+) -> NDArray[np.float64]:
+    """Acceleration of a twin with wavy surfaces, m/s^2, shape (n,)."""
+    values = {name: float(u.place(rng.random())) for name, u in unknowns(machine).items()}
+    low, high = WAVINESS
+    twin = replace(parameters(machine, values), waviness=low * (high / low) ** rng.random())
+    rate, hz = machine.sample_rate, machine.shaft_hz
+    fleet = Fleet([twin], sample_rate=rate, seeds=[seed], temperatures=TEMPERATURE, shaft_hz=hz)
+    parts = [int(SETTLE_S * rate), *np.diff([*range(0, n, LONGEST_BLOCK), n])]
+    x = [fleet.advance(int(part), TEMPERATURE, hz).y[0].astype(np.float64) for part in parts]
+    vibration = np.concatenate(x[1:])
+    return np.asarray(vibration - vibration.mean())
+
+
 def fit_path(number: int) -> list[dict[str, Any]]:
     """
-    Find resonances and floor of the path of a healthy machine: noise that rings, and white noise.
+    Find the noise floor of a machine, and which of its resonances belong to the path.
 
-    The true floor is that of a minute of the machine.
+    In turns: noise that rings, a healthy twin with wavy surfaces, such a twin with a defect. The
+    true floor is that of a record twenty times as long.
     """
-    rng, situation = drawn_machine(number, 3)
-    rate = situation.sample_rate
-    n = int(SECONDS * rate)
+    rng, machine, seconds = drawn_machine(number, 4)
+    kind = ('noise', 'healthy twin', 'twin with a defect')[number % 3]
+    rate, n = machine.sample_rate, int(seconds * machine.sample_rate)
     modes = drawn_modes(rate, rng)
-    y = ring(rng.standard_normal(20 * n), rate, modes) * _gain(rng)
+    if kind == 'noise':
+        x = rng.standard_normal(LONG * n)
+    else:
+        place = machine.place if kind.endswith('defect') else 'none'
+        x = _wavy_twin(replace(machine, place=place), rng, LONG * n, number + 1)
+    y = ring(x, rate, modes) * _gain(rng)
     y += 10.0 ** rng.uniform(-3.0, -1.0) * y.std() * rng.standard_normal(len(y))
+    y = with_hum(y, rate, rng)
     low, middle, high = noise_floor(y[:n], rate)
-    found = [
+    truth = noise_floor(y, rate)[1]
+    z = STUDENT * (truth**2 - middle**2) / (high**2 - middle**2)
+    rows: list[dict[str, Any]] = [
+        {'quantity': f'noise floor, {kind}', 'truth': truth, 'q05': low, 'median': middle,
+         'q95': high, 'rank': float(stats.t.cdf(z, 7))}
+    ]  # fmt: skip
+    rows += [
         {
-            'quantity': 'noise floor',
-            'truth': noise_floor(y, rate)[1],
-            'q05': low,
-            'median': middle,
-            'q95': high,
+            'resonance': kind,
+            'own': any(abs(mode.hz / hz - 1.0) < damping for hz, damping, _ in modes),
         }
+        for mode in resonances(y[:n], rate)[:1]
     ]
-    for mode in resonances(y[:n], rate):
-        near = min(modes, key=lambda each: abs(each[0] - mode.hz[1]))
-        if mode.told:
-            for quantity, truth, told in (
-                ('frequency of a resonance', near[0], mode.hz),
-                ('damping of a resonance', near[1], mode.damping),
-            ):
-                found.append(
-                    {'quantity': quantity, 'truth': truth,
-                     'q05': told[0], 'median': told[1], 'q95': told[2]}
-                )  # fmt: skip
-    return found
+    return rows
+
+
+def look_at_healthy(number: int) -> list[dict[str, Any]]:
+    """
+    Say the smallest defect that a healthy twin would have shown, and add wider ones to it.
+
+    They are added to what the same machine does later, and looked for as the limit is worked out,
+    and by the diagnosis.
+    """
+    rng, machine, seconds = drawn_machine(number, 5)
+    machine = replace(machine, place='none')
+    rate, n = machine.sample_rate, int(seconds * machine.sample_rate)
+    y = _wavy_twin(machine, rng, 2 * n, number + 1)
+    y += 10.0 ** rng.uniform(-1.5, 0.5) * y.std() * rng.standard_normal(len(y))
+    y = with_hum(y, rate, rng)
+    limit, loss_db = smallest_shown(y[:n], machine, 1.0, 0.0, number)
+    row = {'limit': limit, 'loss_db': loss_db, 'added': 0, 'shown': 0, 'told': 0, 'healthy': 0}
+    if not math.isfinite(limit):
+        return [row]
+    for at in range(ADDED):
+        there = replace(machine, place=('inner', 'outer')[at % 2])
+        prior = unknowns(there)
+        drawn = {name: u.place(rng.random(1)) for name, u in prior.items()}
+        width = replace(prior['defect_width_mm'], low=limit).place(rng.random(1))
+        drawn |= {'defect_width_mm': width, 'noise_ratio': np.zeros(1)}
+        x = next(vibrations(there, drawn, seconds, number + at))[0][:n]
+        z = y[n : n + len(x)] + 10.0 ** (-loss_db * rng.random() / 20.0) * x
+        loud = z.std() > LOUDER * y[n:].std()
+        said = diagnose_record(z, rate, machine.bearing, machine.shaft_hz, unit='m/s^2')
+        row['added'] += 1
+        row['shown'] += bool(loud or shown(z, rate, there.strikes))
+        row['told'] += said.result == there.place or there.place in said.faults
+        row['healthy'] += said.result == 'healthy'
+    return [row]
 
 
 def fit_record(path: Path, rpm: float, width: float) -> list[dict[str, Any]]:

@@ -14,7 +14,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.calibration.cloud import unknowns, vibrations
-from bearing_twin.calibration.impacts import follows_speed, impacts_of
+from bearing_twin.calibration.impacts import follows_speed, gear, impacts_of
 from bearing_twin.calibration.joint import passage_width
 from bearing_twin.calibration.passage import (
     impact_spacing,
@@ -58,7 +58,7 @@ FASTER = 1.3, 2.0
 
 def look_at_speeds(kind: str, number: int) -> list[dict[str, Any]]:
     """Compare the impacts of a machine at two or three speeds; no record is fitted."""
-    rng, machine = drawn_machine(number, 30 + KINDS.index(kind))
+    rng, machine, _ = drawn_machine(number, 30 + KINDS.index(kind))
     soft = 'soft' in kind
     if soft:
         machine = replace(machine, slip=rng.uniform(0.0, 0.02))
@@ -114,8 +114,10 @@ def look_at_speeds(kind: str, number: int) -> list[dict[str, Any]]:
         # The slip is not known.
         here = replace(here, slip=0.0)
         whole = correlate(x, rate)
-        impacts = impacts_of(whole, whole.summary(here.longest), here)
-        if impacts is not None and no_impacts(x, here) is None:
+        measured = whole.summary(here.longest)
+        impacts = impacts_of(whole, measured, here)
+        turning = no_impacts(x, here) or gear(x, rate, measured)
+        if impacts is not None and turning is None:
             seen.append(impacts)
     groups = [
         (each, *follows_speed(each, [other for other in seen if other is not each]))
