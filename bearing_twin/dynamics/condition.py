@@ -102,6 +102,7 @@ class Condition:
 def condition(
     parameters: TwinParameters,
     law: FloatArray,
+    values: FloatArray,
     at: tuple[float, float, float],
     inputs: FloatArray,
     states: Records,
@@ -110,6 +111,7 @@ def condition(
     """
     Put together the condition from the state of motion.
 
+    ``values`` are those of `coefficients.evaluate` with the outer ring's temperature for both;
     ``at`` are the temperatures of outer and inner ring, degC, and the shaft speed, Hz; ``inputs``
     those of the equations, which follow a quick change of these within a tick of `inner_ring`.
 
@@ -118,8 +120,9 @@ def condition(
     1.011
 
     """
-    values = np.empty(coefficients.CONDITION_SIZE)
-    coefficients.evaluate(law, *at, values)
+    values = values.copy()
+    if parameters.thermal_mode == 'physical':
+        coefficients.evaluate(law, *at, values)
     skids, held = coefficients.skids(law, values), float(values[coefficients.CLEARANCE])
     values[: coefficients.INPUTS] = inputs
     # As plain numbers at once: each look into an array takes longer.

@@ -220,8 +220,8 @@ class Fleet:
         )
         at = self._temperatures[index], inner, self._shaft_hz[index]
         return condition(
-            p, lanes.law[index], at, self._inputs(index), lanes.motion(index, self.next_sample),
-            lanes.tables(index),
+            p, lanes.law[index], lanes.values[index], at, self._inputs(index),
+            lanes.motion(index, self.next_sample), lanes.tables(index),
         )  # fmt: skip
 
     def _inputs(self, index: int | slice) -> FloatArray:

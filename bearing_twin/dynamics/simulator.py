@@ -272,8 +272,9 @@ class Simulator:
         """Return what works out the present condition, whatever becomes of the state."""
         inner = inner_ring.temperature(self.rings, self.next_sample % self.tick, self.tick)
         return functools.partial(
-            _condition, self._parameters, self.law, (self._temperature, inner, self._shaft_hz),
-            self.inputs(), self.state.tobytes(), self.tables,
+            _condition, self._parameters, self.law, self.values,
+            (self._temperature, inner, self._shaft_hz), self.inputs(), self.state.tobytes(),
+            self.tables,
         )  # fmt: skip
 
     def save(self) -> bytes:
@@ -462,6 +463,7 @@ class Simulator:
 def _condition(
     parameters: TwinParameters,
     law: FloatArray,
+    values: FloatArray,
     at: tuple[float, float, float],
     inputs: FloatArray,
     state: bytes,
@@ -471,7 +473,9 @@ def _condition(
     # Looked up with room of its own: the simulator may run meanwhile.
     found = tables.surfaces
     tables = tables._replace(surfaces=found._replace(room=found.room.copy()))
-    return condition(parameters, law, at, inputs, np.frombuffer(state, STATE).copy(), tables)
+    # Bytes are copied sooner than records.
+    states = np.frombuffer(bytearray(state), STATE)
+    return condition(parameters, law, values, at, inputs, states, tables)
 
 
 def _checked(seed: int) -> int:
