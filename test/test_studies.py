@@ -49,7 +49,10 @@ def test_a_study_without_a_place_to_write_ends_before_it_begins(study, tmp_path,
 
 
 def test_what_is_not_rated_are_rules():
-    assert set(reliability.UNRATED) - {rule.name for rule in RULES} == {'record_gate'}
+    assert set(reliability.UNRATED) - {rule.name for rule in RULES} == {
+        'record_gate',
+        'another_speed',
+    }
 
 
 def test_half_of_the_machines_are_sound_whatever_the_diagnosis_is_given():

@@ -16,9 +16,9 @@ from bearing_twin.diagnosis.gate import SHAFT_TURNS
 from bearing_twin.diagnosis.level import raised, staged, UNKNOWN
 from bearing_twin.diagnosis.rules import FAINT
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.shaft import Turning
+from bearing_twin.diagnosis.shaft import other_shafts_hz, Turning
 from bearing_twin.diagnosis.spectra import floor_levels
-from bearing_twin.diagnosis.thresholds import INDEX_FAULT
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT, RIVAL
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
@@ -154,7 +154,37 @@ def diagnose_record(
 
         turns = len(signal) / sample_rate * float(speeds)
         found = _moving(found, turns, parts) or found
+    if speeds.size == 1 and analysis.window is not None:
+        power, bin_hz = analysis.window.low, 1.0 / analysis.window.seconds
+        for hertz in other_shafts_hz(power, bin_hz, float(speeds), settings.speed_tolerance):
+            turns_so = turning._replace(shaft_hz=np.array([hertz]))
+            said = Excerpt.of(signal, turns_so, *fixed, **known).analyse().alone
+            found = _at_another_speed(found, said, hertz) or found
     return staged(raised(found))
+
+
+def _at_another_speed(given: Diagnosis, said: Diagnosis, hertz: float) -> Diagnosis | None:
+    """
+    Answer where the lines of a shaft show at another speed, and a fault at that; None elsewhere.
+
+    The comb that a fault has at the given speed counts where it is the clearer one.
+    """
+    if said.level != 'fault' or said.result not in PLACES or said.faults == given.faults:
+        return None
+    alarm = given.level == 'fault'
+    clearest = max((given.score[place] for place in given.faults), default=0.0)
+    if alarm and clearest > RIVAL * said.score[said.result]:
+        return None
+    text = (
+        f'no lines of a shaft show at {given.shaft_hz_given:.4g} Hz, but at {hertz:.4g} Hz, and '
+        f'at that speed it is a fault of the {said.result}: check the speed'
+    )
+    result = 'ambiguous' if alarm else 'suspect'
+    return replace(
+        given, result=result, rule='another_speed', level='fault' if alarm else 'suspect',
+        faults=(said.result, *given.faults) if alarm else (), fault_code=FAULT_CODES[result],
+        confidence=UNKNOWN, reasons=(*given.reasons, text),
+    )  # fmt: skip
 
 
 def _smeared(analysis: Analysis) -> bool:

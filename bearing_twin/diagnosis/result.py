@@ -84,7 +84,7 @@ class Diagnosis:
     result: str
     rule: str
     """Name of the rule of :data:`bearing_twin.diagnosis.rules.RULES` that decided; 'record_gate'
-    where the window was refused."""
+    where the window was refused, 'another_speed' where a record's shaft shows at another one."""
     level: str
     faults: tuple[str, ...] = ()
     fault_code: str

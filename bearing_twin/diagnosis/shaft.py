@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.diagnosis.spectra import local_floor
+from bearing_twin.diagnosis.thresholds import Z_ELSEWHERE
 import numpy as np
 
 if TYPE_CHECKING:
@@ -21,6 +22,9 @@ SHAFT_FOUND = 5.0
 _HARMONICS = 6
 _MARGIN = 3.0
 _STEADY = 0.005
+_FACTOR = 4.0
+"""Most by which a given speed is thought to be wrong: motors have 2, 4, 6 or 8 poles."""
+_OTHERS = 2
 
 
 class ShaftSpeed(NamedTuple):
@@ -84,18 +88,7 @@ def refine_shaft_hz(
     indirect = envelopes.logs[:last].mean(axis=1)
 
     both = direct + np.float32(2.0) * indirect[: len(direct)]
-
-    def comb(hertz: NDArray[np.floating]) -> NDArray[np.float64]:
-        index = np.rint(hertz[:, None] * np.arange(1, _HARMONICS + 1) / bin_hz).astype(np.intp) - 1
-        lines = np.take(both, index, mode='clip').astype(np.float64)
-        # A fault order near an integer fakes one harmonic and its double; the shaft has more.
-        lines.sort()
-        return np.asarray(lines[:, :-2].sum(axis=1))
-
-    null = comb(beside)
-    center = float(np.median(null))
-    spread = max(float(np.quantile(null, 0.8413)) - center, 1e-3)
-    scores = (comb(near) - center) / spread
+    scores = _standardised(_comb(both, bin_hz, near), _comb(both, bin_hz, beside))
     best = float(scores.max())
     if best < SHAFT_FOUND:
         return ShaftSpeed(given_hz, tolerance, best, tolerance)
@@ -111,6 +104,68 @@ def refine_shaft_hz(
     # Where the speed moves, the lines smear, and other speeds are about as clear.
     spread = float(np.abs(near[scores >= best / 1.5] / shaft_hz - 1.0).max())
     return ShaftSpeed(shaft_hz, min(uncertainty, tolerance), best, tolerance, spread)
+
+
+def _comb(logs: NDArray[np.float32], bin_hz: float, hertz: NDArray[np.floating]) -> NDArray[Any]:
+    """Sum over the harmonics of each fundamental, without the two highest."""
+    index = np.rint(hertz[:, None] * np.arange(1, _HARMONICS + 1) / bin_hz).astype(np.intp) - 1
+    lines = np.take(logs, index, mode='clip').astype(np.float64)
+    # A fault order near an integer fakes one harmonic and its double; the shaft has more.
+    lines.sort()
+    return np.asarray(lines[:, :-2].sum(axis=1))
+
+
+def _standardised(scores: NDArray[Any], null: NDArray[Any]) -> NDArray[Any]:
+    """Scores in upper standard deviations over the median of a null."""
+    center = float(np.median(null))
+    return np.asarray((scores - center) / max(float(np.quantile(null, 0.8413)) - center, 1e-3))
+
+
+def other_shafts_hz(
+    power: NDArray[np.float32], bin_hz: float, given_hz: float, tolerance: float
+) -> list[float]:
+    """
+    Look for a shaft at any other speed, where no lines of it show at the given one.
+
+    A given speed may be that of another shaft, or of a motor with another number of poles.
+
+    Parameters
+    ----------
+    power, bin_hz, given_hz, tolerance
+        As in :func:`refine_shaft_hz`; power up to ``24 given_hz``.
+
+    Returns
+    -------
+    At most two speeds from a quarter to four times the given one, Hz, whose harmonics chance does
+    not make: the clearest, and the clearest beside its lines, as it may be that of a belt or of
+    the impacts themselves. None where lines of the given speed show.
+
+    >>> power = np.ones(8001, np.float32)
+    >>> power[101 * np.arange(1, 7)] = 1e4
+    >>> [round(hertz, 1) for hertz in other_shafts_hz(power, 0.25, 40.0, 0.02)]
+    [25.2]
+    >>> other_shafts_hz(power, 0.25, 25.0, 0.02)
+    []
+
+    """
+    low = power[1 : int(_HARMONICS * _FACTOR * given_hz / bin_hz) + 2]
+    logs = np.log1p(low / local_floor(low, max(int(2.0 * given_hz / bin_hz), 32)))
+    grid = np.arange(given_hz / _FACTOR, _FACTOR * given_hz, bin_hz / (2.0 * _HARMONICS))
+    given = np.abs(grid / given_hz - 1.0) <= tolerance + bin_hz / given_hz
+    found: list[float] = []
+    while len(found) < _OTHERS:
+        scores = _comb(logs, bin_hz, grid)
+        scores = _standardised(scores, scores)
+        best = int(np.argmax(scores))
+        if scores[best] < Z_ELSEWHERE or scores[given].max() >= SHAFT_FOUND:
+            break
+        # The harmonics are bins: equal scores in a row have their middle as the best estimate.
+        row = grid[(scores >= scores[best] - 1e-9) & (np.abs(grid - grid[best]) < bin_hz)]
+        found.append(float(np.median(row)))
+        lines = np.arange(found[-1], len(logs) * bin_hz, found[-1]) / bin_hz
+        near = np.rint(lines).astype(np.intp)[:, None] + np.arange(-3, 2)
+        logs[np.clip(near, 0, len(logs) - 1)] = 0.0
+    return found
 
 
 class Turning(NamedTuple):

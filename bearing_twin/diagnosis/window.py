@@ -47,6 +47,8 @@ class Window:
     kurtosis: float
     """Of half of the segments at least, without single shocks."""
     seconds: float
+    low: NDArray[np.float32]
+    """Power spectrum of the low-passed signal, bin k at k / seconds."""
 
     @property
     def revolutions(self) -> float:
@@ -134,6 +136,7 @@ def analyse_window(
         ),
         statistics.median_low(segment.kurtosis for segment in segments),
         1.0 / bin_hz,
+        power,
     )
 
 

@@ -53,8 +53,8 @@ FIRST, FRESH = 1_600_000, 2_400_000
 STRIKING = ('impacts', 'impulses', 'pulses')
 """Machines around a bearing that strike themselves."""
 
-UNRATED = ('record_gate', 'two_faint_places')
-"""Rules that answer *insufficient* whatever the confidence."""
+UNRATED = ('record_gate', 'another_speed', 'two_faint_places')
+"""Rules whose answers do not have the confidence of their kind."""
 
 BINS = 10
 """Equal ranges of confidence in which answers are counted together."""

@@ -3,6 +3,7 @@
 """Rules that keep one cause from being called by another's name."""
 
 from itertools import product
+import re
 
 from bearing_twin.bearing import fault_orders, find_bearing, own_bearing, PLACES
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings
@@ -320,6 +321,26 @@ def test_an_outer_race_that_rings_where_the_compliance_shows_is_no_health(rng, n
     said = diagnose_record(_ringing(rng, times, natural_hz), RATE, bearing, 100.0)
     assert said.result != 'healthy'
     assert not any('fit no part of' in reason for reason in said.reasons)
+
+
+@pytest.mark.parametrize(
+    ('factor', 'result', 'level'),
+    [(0.75, 'suspect', 'suspect'), (1.2, 'suspect', 'suspect'), (1.5, 'ambiguous', 'fault')],
+)
+def test_a_shaft_that_shows_at_another_speed_is_said(rng, factor, result, level):
+    """At a speed 1.5 times too high an inner race of a 6205 strikes as its outer race would."""
+    bearing, t = find_bearing('6205'), np.arange(N) / RATE
+    times = np.arange(0.0, SECONDS, 1.0 / (fault_orders(bearing, 0.005).bpfi * SHAFT_HZ))
+    lines = sum(np.cos(2.0 * np.pi * k * SHAFT_HZ * t + k) / k for k in range(1, 5))
+    x = _ringing(rng, times, 3000.0, 1.5) + lines
+    said = diagnose_record(x, RATE, bearing, factor * SHAFT_HZ)
+    assert (said.result, said.level) == (result, level)
+    found = re.search(
+        r'but at (.*) Hz, and at that speed it is a fault of the inner', said.reasons[-1]
+    )
+    assert found and float(found[1]) == pytest.approx(SHAFT_HZ, rel=0.002)
+    # Lines of the given speed leave nothing to ask.
+    assert diagnose_record(x, RATE, bearing, SHAFT_HZ).faults == ('inner',)
 
 
 def test_pulsation_of_blades_is_no_alarm(rng):
