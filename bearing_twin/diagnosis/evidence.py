@@ -1,6 +1,23 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Evidence: the named quantities that the rules of the diagnosis rest on."""
+"""
+Evidence: the named quantities that the rules of the diagnosis rest on.
+
+Lists of combs, each from the one before. A rule on a comb that leads asks `leading` and what is
+beside it; one on what is heard at all asks `heard` or `faint`.
+
+==================  ==============================================================================
+`candidates`        best comb of each place, however weak
+`significant`       those that are not chance, not too weak for a remark, and not of sound parts
+`own`               those that neither the shaft nor an extraneous series explains
+`claims.kept`       of `significant`, one for each range of orders that two places share
+`load_zone.kept`    of these races and balls, those that are no shaft sideband of the inner race
+`remaining`         the same; `significant` where none is its own
+`nameable`          of these, those that are in `own`
+`leading`           the one that explains most; `same_lines` explain as much
+`others`            of `nameable`, what is still a comb without the lines of `leading`
+==================  ==============================================================================
+"""
 
 from __future__ import annotations
 
@@ -160,9 +177,9 @@ class Evidence:
         return self._combs.orders.ftf / self.step
 
     @_measured(undisturbed=True)
-    def steady(self) -> bool:
+    def speed_known(self) -> bool:
         """Whether the shaft speed is known well enough to compare slips and place sidebands."""
-        return self._combs.steady
+        return self._combs.speed_known
 
     @_measured(undisturbed=0.005)
     def step(self) -> float:

@@ -4,7 +4,8 @@
 From evidence to a verdict: the first rule of an ordered table that applies.
 
 A rule is a function of the evidence that returns a verdict, or None where it does not apply. The
-rules are asked in the order of this file. A new rule touches:
+rules are asked in the order of this file: what strikes with the cage, where no comb remains, where
+one leads. A new rule touches:
 
 - this file: the function, at its place in the order, and what `Rule` asks about its answer;
 - ``evidence.py``: a property for each new quantity, with its value where nothing disturbs the
@@ -12,12 +13,14 @@ rules are asked in the order of this file. A new rule touches:
 - ``thresholds.py`` and the table of thresholds in ``docs/diagnosis_why.md``;
 - ``CASES`` in ``test/diagnosis/test_rules.py``: evidence that reaches the rule;
 - the table of rules: ``python docs/rules.py docs/diagnosis.md``;
-- the share of right answers, where it changes many: ``studies.reliability``.
+- the share of right answers, where it changes many: ``studies.reliability``. Without it the rule
+  has no weight of its own: its answers are as sure as others of their kind.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import wraps
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.diagnosis.confidence import confidence, LEAST_CONFIDENCE, Trust
@@ -65,9 +68,11 @@ class Rule(NamedTuple):
     why: str
     apply: Callable[[Evidence], Verdict | None]
     faint: bool
-    """Whether parts of a record are looked at, where a fault may show better than in the whole."""
+    """Whether a second look at parts of the record may change the answer. Set it where the rule
+    answers without an alarm although a weak comb is there."""
     nothing_shows: bool
-    """Whether it says that no fault shows, and not that the machine is healthy: a trend learns."""
+    """Whether the level of the record may go into the baseline although the answer is not healthy.
+    Set it where a window shows no fault, but cannot call the machine healthy."""
     at_most: float
     """Confidence that its answers cannot pass."""
 
@@ -95,6 +100,16 @@ def _rule(
         return apply
 
     return append
+
+
+def _where_no_comb_remains(apply: _Apply) -> _Apply:
+    """Ask a rule only where no comb is left to lead: `Evidence.leading` does not exist there."""
+
+    @wraps(apply)
+    def asked(e: Evidence) -> Verdict | None:
+        return None if e.remaining else apply(e)
+
+    return asked
 
 
 @_rule(
@@ -149,9 +164,10 @@ def _cage_impacts(e: Evidence) -> Verdict | None:
 
 
 @_rule('suspect', 'Impacts once a cage turn that modulate the envelope little are no alarm.')
+@_where_no_comb_remains
 def _weak_cage(e: Evidence) -> Verdict | None:
     cage = e.candidates['cage']
-    if e.remaining or cage not in e.own or e.impacts.get('cage', 0.0) < IMPACTS:
+    if cage not in e.own or e.impacts.get('cage', 0.0) < IMPACTS:
         return None
     return _say(e, _NO_ALARM, about=cage)
 
@@ -177,8 +193,9 @@ def _load_zone_modulated(e: Evidence) -> Verdict | None:
     'Lines at a fault order on a multiple of the shaft belong to either.',
     at_most=EVEN,
 )
+@_where_no_comb_remains
 def _masked_candidate(e: Evidence) -> Verdict | None:
-    if e.remaining or not e.masked_candidates:
+    if not e.masked_candidates:
         return None
     first = e.masked_candidates[0]
     text = (
@@ -192,18 +209,20 @@ def _masked_candidate(e: Evidence) -> Verdict | None:
 
 
 @_rule('suspect', 'What rings low only may be an outer race, or its variable compliance.')
+@_where_no_comb_remains
 def _low_bands(e: Evidence) -> Verdict | None:
     outer = e.candidates['outer']
     shown = outer.z >= Z_FAULT and outer.harmonics >= 2 and e.outer_index >= INDEX_FAULT
-    if e.remaining or not shown or e.impacts.get('outer', 0.0) < IMPACTS:
+    if not shown or e.impacts.get('outer', 0.0) < IMPACTS:
         return None
     return _say(e, _rings_low(e), about=outer)
 
 
 @_rule('suspect', 'Impacts repeat at an order that no part of this bearing makes.')
+@_where_no_comb_remains
 def _impacts_elsewhere(e: Evidence) -> Verdict | None:
     comb = e.elsewhere
-    if e.remaining or comb.z < Z_ELSEWHERE or comb.index < INDEX_FAULT:
+    if comb.z < Z_ELSEWHERE or comb.index < INDEX_FAULT:
         return None
     if e.impacts['elsewhere'] < IMPACTS:
         return None
@@ -211,8 +230,9 @@ def _impacts_elsewhere(e: Evidence) -> Verdict | None:
 
 
 @_rule('insufficient', "A dead sensor has no comb either: its noise is the converter's rounding.")
+@_where_no_comb_remains
 def _few_steps(e: Evidence) -> Verdict | None:
-    if e.remaining or e.steps >= CONVERTER_STEPS:
+    if e.steps >= CONVERTER_STEPS:
         return None
     text = (
         f'the RMS is {e.steps:.2g} steps of the converter ({CONVERTER_STEPS:g} are needed to call '
@@ -222,8 +242,9 @@ def _few_steps(e: Evidence) -> Verdict | None:
 
 
 @_rule('suspect', 'No load modulates noise so much: impacts or bursts, whatever their period.')
+@_where_no_comb_remains
 def _bursts(e: Evidence) -> Verdict | None:
-    if e.remaining or e.kurtosis <= KURTOSIS:
+    if e.kurtosis <= KURTOSIS:
         return None
     text = (
         f'impacts or bursts without a period of this bearing: kurtosis {e.kurtosis:.1f} without '
@@ -238,9 +259,10 @@ def _bursts(e: Evidence) -> Verdict | None:
     'Of machines with impacts so regular, however faint, two of three are damaged.',
     faint=True,
 )
+@_where_no_comb_remains
 def _mostly_damaged(e: Evidence) -> Verdict | None:
     comb = highest_comb(e.heard)
-    if e.remaining or comb is None or comb.z < Z_FAULT or e.impacts.get(comb.place, 0.0) < IMPACTS:
+    if comb is None or comb.z < Z_FAULT or e.impacts.get(comb.place, 0.0) < IMPACTS:
         return None
     sound = confidence('healthy', _trust(e, comb))
     # A factor 2 in power tells two claims apart.
@@ -259,8 +281,9 @@ def _mostly_damaged(e: Evidence) -> Verdict | None:
     faint=True,
     nothing_shows=True,
 )
+@_where_no_comb_remains
 def _two_faint_places(e: Evidence) -> Verdict | None:
-    if e.remaining or len(e.faint) < 2:
+    if len(e.faint) < 2:
         return None
     text = (
         'too weak for a fault, but two places of one bearing are not chance: compare with an '
@@ -275,9 +298,8 @@ def _two_faint_places(e: Evidence) -> Verdict | None:
     faint=True,
     nothing_shows=True,
 )
+@_where_no_comb_remains
 def _uncertain_health(e: Evidence) -> Verdict | None:
-    if e.remaining:
-        return None
     trust = _trust(e, highest_comb(e.heard))
     sound = confidence('healthy', trust)
     if sound >= LEAST_CONFIDENCE:
@@ -296,8 +318,9 @@ def _uncertain_health(e: Evidence) -> Verdict | None:
     'A short window shows strong faults only, so it cannot call a bearing healthy.',
     nothing_shows=True,
 )
+@_where_no_comb_remains
 def _few_shaft_turns(e: Evidence) -> Verdict | None:
-    if e.remaining or e.turns >= HEALTHY_TURNS:
+    if e.turns >= HEALTHY_TURNS:
         return None
     text = (
         f'{e.turns:.0f} shaft turns show strong faults only, and no such one is there: '
@@ -311,10 +334,11 @@ def _few_shaft_turns(e: Evidence) -> Verdict | None:
     'Impacts hardly show that come faster than their ringing dies away.',
     nothing_shows=True,
 )
+@_where_no_comb_remains
 def _run_together(e: Evidence) -> Verdict | None:
     highest_hz = highest_fault_order(e.bearing) * e.shaft_hz
     shown_hz = fastest_impacts_hz(e.sample_rate)
-    if e.remaining or highest_hz <= shown_hz:
+    if highest_hz <= shown_hz:
         return None
     text = (
         f'a fault would strike up to {highest_hz:.0f} times a second, and at this sample rate '
@@ -326,8 +350,9 @@ def _run_together(e: Evidence) -> Verdict | None:
 
 
 @_rule('insufficient', 'What rings low has steady lines and modulates little.', nothing_shows=True)
+@_where_no_comb_remains
 def _low_lines(e: Evidence) -> Verdict | None:
-    if e.remaining or e.low_lines < LOW_LINES:
+    if e.low_lines < LOW_LINES:
         return None
     text = (
         f'{100.0 * e.low_lines:.0f} % of the power from the 4th to the 12th multiple of the outer '
@@ -338,9 +363,8 @@ def _low_lines(e: Evidence) -> Verdict | None:
 
 
 @_rule('healthy', 'No comb is both significant and strong.', faint=True)
+@_where_no_comb_remains
 def _no_comb(e: Evidence) -> Verdict | None:
-    if e.remaining:
-        return None
     text = f'no fault comb above z {Z_FAULT:g} with modulation index {INDEX_SUSPECT:g}'
     heard = (f'{c}: too weak for a remark alone; compare with an earlier record' for c in e.faint)
     return _say(e, text, *heard, level='ok')
@@ -593,7 +617,7 @@ def _trust(e: Evidence, comb: Candidate | None, rule: Rule | None = None) -> Tru
     z, index, slip = (comb.z, comb.index, comb.slip) if comb else (0.0, 0.0, 0.0)
     return Trust(
         z, index, slip, strongest.z, strongest.index, e.impacts.get(strongest.place, 0.0),
-        e.turns, e.steady, *((rule.name, rule.at_most) if rule else ()),
+        e.turns, e.speed_known, *((rule.name, rule.at_most) if rule else ()),
     )  # fmt: skip
 
 
@@ -607,12 +631,12 @@ _GIVE_SPEED = (
 
 def _certain(e: Evidence) -> tuple[Candidate, ...]:
     """Other combs that are faults of their own."""
-    return tuple(c for c in e.others if c.index >= INDEX_FAULT and e.steady)
+    return tuple(c for c in e.others if c.index >= INDEX_FAULT and e.speed_known)
 
 
 def _doubtful(e: Evidence) -> tuple[Candidate, ...]:
     """Other combs that would be faults if the speed were known exactly."""
-    return tuple(c for c in e.others if c.index >= INDEX_FAULT and not e.steady)
+    return tuple(c for c in e.others if c.index >= INDEX_FAULT and not e.speed_known)
 
 
 def _in_order(e: Evidence) -> tuple[Candidate, ...]:

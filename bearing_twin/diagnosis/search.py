@@ -304,7 +304,7 @@ class CombSearch:
         return math.sqrt(power / max(own, 1e-30))
 
     @property
-    def steady(self) -> bool:
+    def speed_known(self) -> bool:
         """Whether the shaft speed is known well enough to compare slips and place sidebands."""
         return self._uncertainty <= STEADY
 
@@ -338,7 +338,7 @@ class CombSearch:
             order, gap = 0.5 * order, self.cage_sideband(candidate)[0]
         elif candidate.place == 'cage':
             reach = 0
-        elif not self.steady:
+        elif not self.speed_known:
             gap = self._highest_sideband(candidate, 1.0, 1.0)[0]
         sides = gap * np.arange(-reach, reach + 1)
         lines = order * np.arange(1, int(self.top / order) + 2)[:, None] + sides
@@ -507,6 +507,6 @@ class CombSearch:
 
     def joint_slips(self, primary: Candidate) -> tuple[float, float]:
         """Slip that another fault of the same bearing may have, given the primary one's."""
-        if not self.steady or primary.place == 'cage':
+        if not self.speed_known or primary.place == 'cage':
             return SLIP
         return primary.slip - JOINT_SLIP, primary.slip + JOINT_SLIP

@@ -179,7 +179,7 @@ CASES = {
         ('outer', 'ball'),
     ),
     'uncertain_second': (
-        Evidence.of(INNER, OUTER, others=(OUTER,), steady=False),
+        Evidence.of(INNER, OUTER, others=(OUTER,), speed_known=False),
         'ambiguous',
         'fault',
         ('inner', 'outer'),
@@ -265,7 +265,7 @@ def test_two_faults_are_named_and_their_order_is_that_of_their_weight():
 
 def test_a_doubtful_second_fault_that_is_much_weaker_leaves_the_first():
     weaker = comb('outer', z=6.0)
-    said = decide(Evidence.of(INNER, weaker, others=(weaker,), steady=False))
+    said = decide(Evidence.of(INNER, weaker, others=(weaker,), speed_known=False))
     assert said.faults == ('inner',)
     assert 'give a measured speed' in said.reasons[-1]
 
@@ -397,11 +397,11 @@ def test_what_has_sidebands_of_its_own_place_is_no_blade():
 def test_a_second_place_does_not_take_the_alarm_of_the_first_away():
     """At a nameplate speed the second is not sure; that one of the two is damaged is."""
     outer, inner = comb('outer', z=20.4, index=0.49), comb('inner', z=9.3, index=0.63)
-    said = decide(Evidence.of(outer, inner, others=(inner,), steady=False))
+    said = decide(Evidence.of(outer, inner, others=(inner,), speed_known=False))
     assert (said.rule, said.result, said.level) == ('uncertain_second', 'ambiguous', 'fault')
     assert said.faults == ('outer', 'inner')
     faint = comb('inner', z=9.3, index=0.4)
-    assert decide(Evidence.of(outer, faint, others=(faint,), steady=False)).level == 'suspect'
+    assert decide(Evidence.of(outer, faint, others=(faint,), speed_known=False)).level == 'suspect'
 
 
 def test_healthy_says_which_comb_it_heard():
