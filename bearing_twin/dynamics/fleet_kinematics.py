@@ -28,7 +28,6 @@ from bearing_twin.dynamics.vector import (
     floor,
     L,
     load,
-    load_words,
     magnitude,
     sines,
     splat,
@@ -121,7 +120,7 @@ def grid_point(group, inputs, growth, index, within, steps, h):
     taken at the middle of the ``steps`` up to the next grid point.
     """
     g = group
-    store(g.walk, 0, normal_pairs(index, WALK, load_words(g.seed))[0])
+    store(g.walk, 0, normal_pairs(index, WALK, load(g.seed, 0))[0])
     for i in range(L):
         cage, shaft, spin = g.cage[i], g.shaft[i], g.spin[i]
         n_balls = g.n_balls[i] * 1.0

@@ -11,6 +11,7 @@ in any lane are passed over: mostly the half on the side away from the load.
 
 from __future__ import annotations
 
+from collections import namedtuple
 import math
 from typing import Any, NamedTuple
 
@@ -28,17 +29,14 @@ _F = np.float32
 _ZERO = _F(0.0)
 
 
-class _Machine(NamedTuple):
-    """What `model.ring_motion` takes of `layout.MACHINE`, in lanes."""
-
-    inner_light: Any
-    inner_stiffness: Any
-    inner_damping: Any
-    outer_light: Any
-    outer_stiffness_x: Any
-    outer_stiffness_y: Any
-    outer_damping_x: Any
-    outer_damping_y: Any
+_Machine = namedtuple(
+    '_Machine',
+    'inner_light inner_stiffness inner_damping outer_light outer_stiffness_x outer_stiffness_y '
+    'outer_damping_x outer_damping_y',
+)
+"""What `model.ring_motion` takes of `layout.MACHINE`, in lanes."""
+_Drive = namedtuple('_Drive', 'foot_x foot_y pull_x pull_y pull_rate_x pull_rate_y')
+"""What it takes of `layout.STEP`, in lanes."""
 
 
 class _Waves(NamedTuple):
@@ -62,17 +60,6 @@ class Surfaces(NamedTuple):
     begins: Any
     starts: Any
     waves: Any
-
-
-class _Drive(NamedTuple):
-    """What `model.ring_motion` takes of `layout.STEP`, in lanes."""
-
-    foot_x: Any
-    foot_y: Any
-    pull_x: Any
-    pull_y: Any
-    pull_rate_x: Any
-    pull_rate_y: Any
 
 
 @compiled(inline=True, fast=FAST)
@@ -101,8 +88,7 @@ def _drive(group, now, c, s):
     """Unbalance and foot of the spring at step ``now``, with the shaft at (c, s)."""
     omega, pull = load(group.omega, 0), load(group.pull, 0)
     px, py = pull * c, pull * s
-    feet = _at(group.foot_x, now), _at(group.foot_y, now)
-    return _Drive(feet[0], feet[1], px, py, -omega * py, omega * px)
+    return _Drive(_at(group.foot_x, now), _at(group.foot_y, now), px, py, -omega * py, omega * px)
 
 
 @compiled(inline=True, fast=FAST)
@@ -212,12 +198,8 @@ def advance(group, slots, surfaces, first, count, oversample, h, raw, begin, str
     if any_of(magnitude(load(g.turning, 0)) > _F(0.5 * math.pi / (CHUNK * oversample * h))):
         few = n_balls
     tables, begins, starts, waves = surfaces
-    first_step, last_step, most_slots = (
-        first * oversample,
-        (first + count) * oversample,
-        waves.shape[1],
-    )
-    rows, known = waves.reshape(-1), n_balls
+    first_step, last_step = first * oversample, (first + count) * oversample
+    rows, known, most_slots = waves.reshape(-1), n_balls, waves.shape[1]
     if g.wavy:
         known = few
         look_up_waves(tables, begins, starts, h, first_step, last_step, (0, few), waves)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.random import NOISE, normal_pairs
-from bearing_twin.dynamics.vector import L, load, load_words, splat, store
+from bearing_twin.dynamics.vector import L, load, splat, store
 import numpy as np
 
 TAPS = 11
@@ -53,7 +53,7 @@ def _some_taps(tile, raw, begin, taps, first, rows):
 
 @compiled(fast=FAST, borrows=True)
 def _noise(tile, group, first, count):
-    strength, seeds = load(group.noise, 0), load_words(group.seed)
+    strength, seeds = load(group.noise, 0), load(group.seed, 0)
     for k in range(count):
         x, y = normal_pairs(first + k, NOISE, seeds)
         store(tile, 2 * k, strength * x)

@@ -56,28 +56,12 @@ def taylor(h, q, v, a, j, s):
 def correct(h, q, v, a, j, a1, j1):
     """Hermite's corrector: positions and velocities at the end."""
     half, twelfth = 0.5 * h, h * h / 12.0
-    v1 = (
-        v[0] + half * (a[0] + a1[0]) + twelfth * (j[0] - j1[0]),
-        v[1] + half * (a[1] + a1[1]) + twelfth * (j[1] - j1[1]),
-        v[2] + half * (a[2] + a1[2]) + twelfth * (j[2] - j1[2]),
-        v[3] + half * (a[3] + a1[3]) + twelfth * (j[3] - j1[3]),
-    )
-    q1 = (
-        q[0] + half * (v[0] + v1[0]) + twelfth * (a[0] - a1[0]),
-        q[1] + half * (v[1] + v1[1]) + twelfth * (a[1] - a1[1]),
-        q[2] + half * (v[2] + v1[2]) + twelfth * (a[2] - a1[2]),
-        q[3] + half * (v[3] + v1[3]) + twelfth * (a[3] - a1[3]),
-    )
-    return q1, v1
+    v1 = sum3(v, half, sum2(1.0, a, a1), twelfth, sum2(-1.0, j, j1))
+    return sum3(q, half, sum2(1.0, v, v1), twelfth, sum2(-1.0, a, a1)), v1
 
 
 @compiled(inline=True, fast=FAST)
 def snap(h, a, j, a1, j1):
     """Second derivative, at the end, of the cubic through accelerations and jerks."""
-    six, two, four = 6.0 / (h * h), 2.0 / h, 4.0 / h
-    return (
-        six * (a[0] - a1[0]) + two * j[0] + four * j1[0],
-        six * (a[1] - a1[1]) + two * j[1] + four * j1[1],
-        six * (a[2] - a1[2]) + two * j[2] + four * j1[2],
-        six * (a[3] - a1[3]) + two * j[3] + four * j1[3],
-    )
+    fallen = sum2(-1.0, a, a1)
+    return sum3(sum2(6.0 / (h * h), ZERO, fallen), 2.0 / h, j, 4.0 / h, j1)

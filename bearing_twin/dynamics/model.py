@@ -165,32 +165,22 @@ def ring_motion(
     masses, stiffness and damping as `layout.MACHINE`; ``drive`` the unbalance and the foot of the
     shaft's spring as `layout.STEP`.
     """
-    m = machine
+    m, d = machine, drive
+    k, c = m.inner_stiffness, m.inner_damping
+    k_x, c_x, k_y, c_y = (
+        m.outer_stiffness_x, m.outer_damping_x, m.outer_stiffness_y, m.outer_damping_y,
+    )  # fmt: skip
     return (
         (
-            (
-                drive.pull_x
-                - force[0]
-                - m.inner_stiffness * (q[0] - drive.foot_x)
-                - m.inner_damping * v[0]
-            )
-            * m.inner_light,
-            (
-                drive.pull_y
-                - force[1]
-                - m.inner_stiffness * (q[1] - drive.foot_y)
-                - m.inner_damping * v[1]
-            )
-            * m.inner_light,
-            (force[0] - m.outer_stiffness_x * q[2] - m.outer_damping_x * v[2]) * m.outer_light,
-            (force[1] - m.outer_stiffness_y * q[3] - m.outer_damping_y * v[3]) * m.outer_light,
+            (d.pull_x - force[0] - k * (q[0] - d.foot_x) - c * v[0]) * m.inner_light,
+            (d.pull_y - force[1] - k * (q[1] - d.foot_y) - c * v[1]) * m.inner_light,
+            (force[0] - k_x * q[2] - c_x * v[2]) * m.outer_light,
+            (force[1] - k_y * q[3] - c_y * v[3]) * m.outer_light,
         ),
         (
-            (drive.pull_rate_x - rate[0] - m.inner_stiffness * v[0] - m.inner_damping * a[0])
-            * m.inner_light,
-            (drive.pull_rate_y - rate[1] - m.inner_stiffness * v[1] - m.inner_damping * a[1])
-            * m.inner_light,
-            (rate[0] - m.outer_stiffness_x * v[2] - m.outer_damping_x * a[2]) * m.outer_light,
-            (rate[1] - m.outer_stiffness_y * v[3] - m.outer_damping_y * a[3]) * m.outer_light,
+            (d.pull_rate_x - rate[0] - k * v[0] - c * a[0]) * m.inner_light,
+            (d.pull_rate_y - rate[1] - k * v[1] - c * a[1]) * m.inner_light,
+            (rate[0] - k_x * v[2] - c_x * a[2]) * m.outer_light,
+            (rate[1] - k_y * v[3] - c_y * a[3]) * m.outer_light,
         ),
     )

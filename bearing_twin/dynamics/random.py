@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 
 from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.vector import chosen, has_bit, real, root, sines, splat_words, split
+from bearing_twin.dynamics.vector import chosen, has_bit, real, root, sines, splat, split
 import numpy as np
 
 NOISE, WALK, SURFACE = 0, 1, 2
@@ -117,8 +117,8 @@ def normal_pair(index, stream, seed):
 def normal_pairs(index, stream, seeds):
     """As `normal_pair` for sixteen seeds, `vector.WORDS`."""
     k = np.uint64(index)
-    low = splat_words(k & _LOW)
-    high = splat_words((k >> _SHIFT) | (np.uint64(stream) << _STREAM))
+    low = splat(k & _LOW)
+    high = splat((k >> _SHIFT) | (np.uint64(stream) << _STREAM))
     a, b = philox(low, high, seeds & _LOW)
     exponent, rest = split((real(a >> _EIGHT) + _F(0.5)) * _F(2.0**-24))
     radius = root(_F(-2.0) * _log_of(exponent, rest))

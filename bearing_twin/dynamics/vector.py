@@ -45,40 +45,18 @@ _LONG = ir.IntType(64)
 _LONGS = ir.VectorType(_LONG, L)
 
 
-class _Floats(types.Type):
-    def __init__(self) -> None:
-        super().__init__(name=f'Floats{L}')
+class _Lanes(types.Type):
+    """Sixteen of a kind, of which there are `_LANES`."""
 
 
-class _Mask(types.Type):
-    def __init__(self) -> None:
-        super().__init__(name=f'Mask{L}')
+FLOATS, MASK, WORDS = (_Lanes(f'{name}{L}') for name in ('Floats', 'Mask', 'Words'))
+_LANES = {FLOATS: _VECTOR, MASK: _BITS, WORDS: _LONGS}
 
 
-class _Words(types.Type):
-    def __init__(self) -> None:
-        super().__init__(name=f'Words{L}')
-
-
-FLOATS, MASK, WORDS = _Floats(), _Mask(), _Words()
-
-
-@register_model(_Floats)
-class _FloatsModel(models.PrimitiveModel):
+@register_model(_Lanes)
+class _LanesModel(models.PrimitiveModel):
     def __init__(self, manager, kind) -> None:
-        super().__init__(manager, kind, _VECTOR)
-
-
-@register_model(_Mask)
-class _MaskModel(models.PrimitiveModel):
-    def __init__(self, manager, kind) -> None:
-        super().__init__(manager, kind, _BITS)
-
-
-@register_model(_Words)
-class _WordsModel(models.PrimitiveModel):
-    def __init__(self, manager, kind) -> None:
-        super().__init__(manager, kind, _LONGS)
+        super().__init__(manager, kind, _LANES[kind])
 
 
 def aligned(shape: tuple[int, ...], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
@@ -129,36 +107,24 @@ def _define(function, result, build, pairs=_PAIRS) -> None:
         lower_builtin(function, *pair)(code)
 
 
-def _integer(name):
-    return lambda builder, a, b: getattr(builder, name)(a, b)
-
-
-def _arithmetic(name):
-    return lambda builder, a, b: getattr(builder, name)(a, b, flags=_FLAGS)
+def _calls(name, **options):
+    return lambda builder, a, b: getattr(builder, name)(a, b, **options)
 
 
 def _comparison(sign):
     return lambda builder, a, b: builder.fcmp_ordered(sign, a, b)
 
 
-for _operators, _name in (
-    ((operator.add, operator.iadd), 'fadd'),
-    ((operator.sub, operator.isub), 'fsub'),
-    ((operator.mul, operator.imul), 'fmul'),
-    ((operator.truediv, operator.itruediv), 'fdiv'),
-):
-    for _operator in _operators:
-        _define(_operator, FLOATS, _arithmetic(_name))
+for _names, _name in (
+    ('add iadd', 'fadd'), ('sub isub', 'fsub'), ('mul imul', 'fmul'), ('truediv itruediv', 'fdiv')
+):  # fmt: skip
+    for _each in _names.split():
+        _define(getattr(operator, _each), FLOATS, _calls(_name, flags=_FLAGS))
 for _operator, _name in ((operator.gt, '>'), (operator.ge, '>='), (operator.eq, '==')):
     _define(_operator, MASK, _comparison(_name))
-for _operator, _name in (
-    (operator.add, 'add'),
-    (operator.mul, 'mul'),
-    (operator.and_, 'and_'),
-    (operator.xor, 'xor'),
-    (operator.rshift, 'lshr'),
-):
-    _define(_operator, WORDS, _integer(_name), _WORD_PAIRS)
+for _name in ('add', 'mul', 'and_', 'xor'):
+    _define(getattr(operator, _name), WORDS, _calls(_name), _WORD_PAIRS)
+_define(operator.rshift, WORDS, _calls('lshr'), _WORD_PAIRS)
 
 
 _declare(operator.and_, signature(MASK, MASK, MASK))
@@ -175,23 +141,25 @@ def _negative(context, builder, sig, args):
     return builder.fsub(ir.Constant(_VECTOR, [-0.0] * L), args[0], flags=_FLAGS)
 
 
-def _place(context, builder, array, kind, row, length=L):
+def _place(context, builder, array, kind, row, vector=_VECTOR):
     """Pointer to a row of ``array``."""
     data = context.make_array(kind)(context, builder, array).data
-    index = builder.mul(row, ir.Constant(row.type, length))
-    return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
+    index = builder.mul(row, ir.Constant(row.type, L))
+    return builder.bitcast(builder.gep(data, [index]), vector.as_pointer())
 
 
 @_intrinsic
 def load(typing, array, row):
-    """Sixteen numbers of a flat float32 array, from ``16 row`` on."""
+    """Sixteen numbers of a flat float32 or uint64 array, from ``16 row`` on."""
+    lanes = FLOATS if array.dtype is types.float32 else WORDS
 
     def code(context, builder, sig, args):
-        value = builder.load(_place(context, builder, args[0], sig.args[0], args[1]))
-        value.align = 4
+        place = _place(context, builder, args[0], sig.args[0], args[1], _LANES[lanes])
+        value = builder.load(place)
+        value.align = array.dtype.bitwidth // 8
         return value
 
-    return FLOATS(array, types.intp), code
+    return lanes(array, types.intp), code
 
 
 @_intrinsic
@@ -205,9 +173,7 @@ def load_fours(typing, array, begins, row, pair, ahead):
 
     def code(context, builder, sig, args):
         data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        first = context.make_array(sig.args[1])(context, builder, args[1]).data
-        first = builder.gep(first, [builder.mul(args[2], ir.Constant(args[2].type, L))])
-        firsts = builder.load(builder.bitcast(first, _LONGS.as_pointer()))
+        firsts = builder.load(_place(context, builder, args[1], sig.args[1], args[2], _LONGS))
         firsts.align = 8
         fetch = cgutils.get_or_insert_function(
             builder.module,
@@ -266,12 +232,12 @@ def store(typing, array, row, value):
 
 @_intrinsic
 def splat(typing, scalar):
-    """Sixteen times the same number."""
+    """Sixteen times the same float32 or uint64."""
 
     def code(context, builder, sig, args):
-        return _same(builder, args[0], types.float32)
+        return _same(builder, args[0], scalar)
 
-    return FLOATS(types.float32), code
+    return (WORDS if scalar == types.uint64 else FLOATS)(scalar), code
 
 
 @_intrinsic
@@ -304,36 +270,26 @@ def any_of(typing, mask):
     return types.boolean(mask), code
 
 
-def _function(name, value):
-    """Code that calls a function of LLVM's on lanes or on a number."""
-    lanes = value is FLOATS
-    kind, suffix = (_VECTOR, f'v{L}f32') if lanes else (ir.DoubleType(), 'f64')
+def _function(name):
+    """Give compiled code a function of LLVM's, of lanes or of a number."""
 
-    def code(context, builder, sig, args):
-        function = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(kind, [kind]), f'{name}.{suffix}'
-        )
-        return builder.call(function, args, fastmath=_FLAGS if lanes else ())
+    def declared(typing, value):
+        lanes = value is FLOATS
+        kind, suffix = (_VECTOR, f'v{L}f32') if lanes else (ir.DoubleType(), 'f64')
 
-    return (FLOATS(FLOATS) if lanes else types.float64(types.float64)), code
+        def code(context, builder, sig, args):
+            function = cgutils.get_or_insert_function(
+                builder.module, ir.FunctionType(kind, [kind]), f'llvm.{name}.{suffix}'
+            )
+            return builder.call(function, args, fastmath=_FLAGS if lanes else ())
 
+        return (FLOATS(FLOATS) if lanes else types.float64(types.float64)), code
 
-@_intrinsic
-def root(typing, value):
-    """Square root of lanes or of a number."""
-    return _function('llvm.sqrt', value)
+    return _intrinsic(declared)
 
 
-@_intrinsic
-def magnitude(typing, value):
-    """Magnitude of lanes or of a number."""
-    return _function('llvm.fabs', value)
-
-
-@_intrinsic
-def floor(typing, value):
-    """Greatest integer that is not above, of lanes or of a number."""
-    return _function('llvm.floor', value)
+root, magnitude, floor = (_function(name) for name in ('sqrt', 'fabs', 'floor'))
+"""Square root, magnitude, and greatest integer that is not above."""
 
 
 @compiled(inline=True, fast=FAST)
@@ -373,29 +329,6 @@ def _cosine_sine(angle):
         return 1.0 - 2.0 * (s * s), 2.0 * (s * c)
 
     return of_lanes if angle is FLOATS else of_number
-
-
-@_intrinsic
-def load_words(typing, array):
-    """Sixteen numbers of a uint64 array."""
-
-    def code(context, builder, sig, args):
-        data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        value = builder.load(builder.bitcast(data, _LONGS.as_pointer()))
-        value.align = 8
-        return value
-
-    return WORDS(array), code
-
-
-@_intrinsic
-def splat_words(typing, scalar):
-    """Sixteen times the same integer."""
-
-    def code(context, builder, sig, args):
-        return _same(builder, args[0], types.uint64)
-
-    return WORDS(types.uint64), code
 
 
 @_intrinsic
