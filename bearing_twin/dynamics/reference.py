@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 Records = npt.NDArray[np.void]
 
+_RATE = 25600.0
+"""Output rate, Hz."""
 _LARGEST_STEP = 1e-4
 """An adaptive solver that steps over a spall never sees it, s."""
 _POSITIONS = 8
@@ -106,7 +108,6 @@ def solve(
     *,
     temperature: float = 20.0,
     shaft_hz: float = 25.4,
-    sample_rate: float = 25600.0,
     seed: int = 0,
     method: str = 'DOP853',
     rtol: float = 1e-8,
@@ -121,8 +122,8 @@ def solve(
         Those of the twin; its jitter and noise are left out.
     samples
         Output samples.
-    temperature, shaft_hz, sample_rate
-        degC, Hz and Hz, all constant.
+    temperature, shaft_hz
+        degC and Hz, both constant.
     seed
         Of the surfaces.
     method, rtol
@@ -152,10 +153,10 @@ def solve(
             for d in p.defects
         ]
     ).reshape(-1, 6)
-    factor = filters.oversampling(sample_rate)
-    before = CHUNK * math.ceil(RUN_IN * sample_rate / CHUNK) * factor if shaft_hz else 0
-    times = np.arange(1 - before, samples * factor + 1) / (sample_rate * factor)
-    first = -before / (sample_rate * factor)
+    factor = filters.oversampling(_RATE)
+    before = CHUNK * math.ceil(RUN_IN * _RATE / CHUNK) * factor if shaft_hz else 0
+    times = np.arange(1 - before, samples * factor + 1) / (_RATE * factor)
+    first = -before / (_RATE * factor)
     begin = np.zeros(12)
     begin[:4] = _at_rest(constants, defects, surfaces, first)
     tolerance = rtol * np.repeat([1e-5, 1e-2, 1e2], 4)

@@ -162,15 +162,13 @@ class Simulator:
         """Delay of the published signal against the condition, s."""
         return filters.delay(self.sample_rate)
 
-    def reset(self, seed: int | None = None) -> None:
+    def reset(self) -> None:
         """
-        Start again at sample 0; keep the seed if None.
+        Start again at sample 0.
 
         The bearing has then turned for `RUN_IN` seconds from static equilibrium, with the balls
         sunk into the defects under them, so that the start itself is no impact.
         """
-        if seed is not None:
-            self._reseed(_checked(seed))
         self.next_sample = 0
         self._temperature, self._shaft_hz = self.start
         self.history = np.zeros((2, len(self._taps) - self._oversample))

@@ -23,7 +23,7 @@ from bearing_twin.offline.output import Output, output
 from bearing_twin.recording.catalogue import known_fields
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.reader import read_messages, recording_info
-from bearing_twin.recording.writer import RecordingWriter, whole_recording, WriterOptions
+from bearing_twin.recording.writer import RecordingWriter, whole_recording
 from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.streams.ahead import ahead
 from bearing_twin.streams.pacer import Due
@@ -89,7 +89,6 @@ def run_offline(
     twin: Mapping[str, Any] | None = None,
     diagnosis: Mapping[str, Any] | None = None,
     temperature: str = '',
-    options: WriterOptions | None = None,
     progress: Callable[[float], None] | None = None,
     stop: Callable[[], bool] = lambda: False,
 ) -> OfflineReport:
@@ -113,8 +112,6 @@ def run_offline(
         Parameters of the nodes that differ from their defaults.
     temperature
         Topic of the temperature; '': the only one.
-    options
-        How the new recording is written.
     progress
         Called with the part done, 0..1, about once per recorded second.
     stop
@@ -143,7 +140,7 @@ def run_offline(
     report = OfflineReport(target, info.duration)
     threads = workers()
     with (
-        whole_recording(target, options) as writer,
+        whole_recording(target) as writer,
         ThreadPoolExecutor(threads, thread_name_prefix='analysis') as pool,
     ):
         writer.metadata('bearing_twin.source', {'source': source.name, 'mode': 'offline'})

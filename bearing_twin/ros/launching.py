@@ -145,18 +145,18 @@ class NodeProcesses:
         """Return the process id."""
         return self._processes[name].pid
 
-    def end(self, name: str, *, by: signal.Signals = signal.SIGINT, timeout: float = 60.0) -> int:
+    def end(self, name: str, *, by: signal.Signals = signal.SIGINT) -> int:
         """
         End a process as a user would; return its exit status.
 
-        One that has not ended after ``timeout`` (s) is killed: a recorder writes the end of its
+        One that has not ended after a minute is killed: a recorder writes the end of its
         recording, which a slow disk may take long for.
         """
         process = self._processes.pop(name)
         if process.poll() is None:
             process.send_signal(by)
             try:
-                process.wait(timeout)
+                process.wait(60.0)
             except subprocess.TimeoutExpired:
                 process.kill()
         return process.wait()

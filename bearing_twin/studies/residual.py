@@ -105,13 +105,13 @@ def residual_of(rng: np.random.Generator, twin: NDArray[np.float64]) -> Residual
     return residual
 
 
-def seen_after(change: str, decisions: int = 60, seed: int = 0) -> tuple[int, str]:
-    """Decisions until a change is an alarm (-1: none is), and where it shows."""
-    rng = np.random.default_rng(seed)
+def seen_after(change: str) -> tuple[int, str]:
+    """Decisions until a change is an alarm (-1: none of 60 is), and where it shows."""
+    rng = np.random.default_rng(0)
     twin = _healthy(rng)
     residual = residual_of(rng, twin)
     names, own = spectral_levels(twin, RATE, MACHINE_HZ)
-    for decision in range(1, decisions + 1):
+    for decision in range(1, 61):
         x = CHANGES[change](_healthy(rng), decision)
         found = residual.judge(names, spectral_levels(x, RATE, MACHINE_HZ)[1] - own)
         if found.alarm:

@@ -101,22 +101,20 @@ def print_prior() -> None:
     )  # fmt: skip
 
 
-def print_coverage(machines: int = 200) -> None:
+def print_coverage() -> None:
     """Print how often the interval of a learnt slope holds the true one."""
     rng = np.random.default_rng(0)
     print_table(
         ('temperature', 'memory, rows', 'interval holds', 'known', 'holds where known'),
-        (_coverage(rng, shape, memory, machines)
+        (_coverage(rng, shape, memory)
          for shape, memory in product(('one warm-up', 'days'), (1, 10, 40))),
     )  # fmt: skip
 
 
-def _coverage(
-    rng: np.random.Generator, shape: str, memory: int, machines: int
-) -> tuple[object, ...]:
+def _coverage(rng: np.random.Generator, shape: str, memory: int) -> tuple[object, ...]:
     count, held = 240, []
     time = np.arange(count)
-    for _ in range(machines):
+    for _ in range(200):
         noise = with_memory(rng.standard_normal(2 * count), memory)
         heat = 90.0 - 50.0 * np.exp(-time / 40.0)
         if shape == 'days':

@@ -53,10 +53,10 @@ def pretty(unit: str) -> str:
     return str(unit).replace('^2', '²') or 'unit unknown'
 
 
-def number(value: float, unit: str = '', otherwise: str = 'not known') -> str:
+def number(value: float, unit: str = '') -> str:
     """Return a value with its unit; never 'nan'."""
     if not math.isfinite(value):
-        return otherwise
+        return 'not known'
     digits = '.3g' if abs(value) < 100.0 else '.0f' if abs(value) < 1e6 else '.4g'
     return f'{value:{digits}} {unit}'.strip()
 

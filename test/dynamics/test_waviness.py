@@ -98,7 +98,7 @@ def test_a_standing_shaft_with_wavy_surfaces_is_silent():
     assert np.abs(simulator.advance(2560, 20.0, 0.0).y).max() < 1e-5
 
 
-def test_reset_with_another_seed_and_a_loaded_state_bring_their_surfaces():
+def test_a_loaded_state_brings_its_surfaces():
     p = preset('paper', noise=0.0)
     one = Simulator(p, seed=1)
     expected = one.advance(1000, 20.0, 25.4).y
@@ -107,7 +107,7 @@ def test_reset_with_another_seed_and_a_loaded_state_bring_their_surfaces():
     other = Simulator(p, seed=2)
     other.load(saved)
     assert np.array_equal(other.advance(1000, 20.0, 25.4).y, following)
-    other.reset(1)
+    other.reset()
     assert np.array_equal(other.advance(1000, 20.0, 25.4).y, expected)
 
 

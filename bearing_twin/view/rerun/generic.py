@@ -94,8 +94,8 @@ def _numeric(value: Any) -> np.ndarray[Any, Any] | None:
     return array.ravel() if array.size else None
 
 
-def _thinned(values: np.ndarray[Any, Any], most: int = 2048) -> np.ndarray[Any, Any]:
-    step = -(-values.size // most)
+def _thinned(values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    step = -(-values.size // 2048)
     return np.asarray(np.nan_to_num(values[::step]))
 
 

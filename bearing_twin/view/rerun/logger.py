@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
-    from bearing_twin.bearing.geometry import Bearing
     from bearing_twin.view.rerun.outlet import Mark
 
 
@@ -67,8 +66,6 @@ class RerunLogger:
         Address and port of a server for live viewers.
     memory_limit
         Most memory of the server; the oldest is dropped.
-    bearing
-        Geometry to draw, where the messages name none of the catalogue.
     full_samples
         Draw every sample of the vibration instead of a part of each second and its envelope.
     sides
@@ -96,7 +93,6 @@ class RerunLogger:
         rrd: Path | None = None,
         serve: tuple[str, int] | None = None,
         memory_limit: str = '256MB',
-        bearing: Bearing | None = None,
         full_samples: bool = False,
         sides: Mapping[str, int] | None = None,
         timeline: str = 'ros_time',
@@ -126,7 +122,7 @@ class RerunLogger:
         if serve is not None:
             sink = rr.GrpcServerSink(*serve, server_memory_limit=memory_limit)
             self._served = ServedOutlet(Outlet(recording_id, sink, place=f'port {serve[1]}'))
-        self._bearing, self._full, self._page = bearing, full_samples, page
+        self._full, self._page = full_samples, page
         self._scales = scales or Scales()
         self._timebases = {'': Timebase(timeline)}
         if sides:
@@ -256,7 +252,6 @@ class RerunLogger:
             root = f'/{side}{namespace}' if side else namespace
             asset = Asset(
                 namespace,
-                self._bearing,
                 narrow=len(self._timebases) > 1,
                 full=self._full,
                 sources=self._sources[side],

@@ -20,7 +20,6 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from bearing_twin.bearing.geometry import Bearing
     from bearing_twin.view.rerun.canvas import Canvas
     from bearing_twin.view.trends import Panel
 
@@ -36,8 +35,6 @@ class Asset:
 
     namespace: str = ''
     """'' at the top."""
-    bearing: Bearing | None = None
-    """Geometry, where the messages name none of the catalogue."""
     narrow: bool = False
     """Whether it stands beside another recording."""
     full: bool = False

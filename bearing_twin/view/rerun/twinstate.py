@@ -55,7 +55,7 @@ class TwinPicture(Picture):
         if self._solid is None and name != self._unknown:
             try:
                 check_pose(message)
-                bearing = self.asset.bearing or find_bearing(name)
+                bearing = find_bearing(name)
             except BearingTwinError as error:
                 self._unknown = name
                 self.canvas.once('bearing', rr.TextDocument(str(error)))
