@@ -50,7 +50,7 @@ def _parameters(t: Threshold) -> tuple[Spec, Spec]:
 
 
 SPECS = (
-    fixed('catch_up_blocks', 25, 'Most blocks published at once after being late; older ones are '
+    fixed('catch_up_blocks', 25, 'Most blocks published at once after a delay; older ones are '
           'dropped.', '', 1, 100),
     fixed('late_after', 0.02, 'Lateness above which a block counts as late.', 's', 0.001, 10.0),
     *(spec for threshold in THRESHOLDS for spec in _parameters(threshold)),

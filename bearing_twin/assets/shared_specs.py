@@ -21,7 +21,7 @@ GEOMETRY = parameter(
 )
 
 HARDWARE_ID = fixed(
-    'hardware_id', '', "Asset that /diagnostics speaks of; '' for the node's namespace."
+    'hardware_id', '', "Asset named on /diagnostics; '': the namespace of the node."
 )
 
 JOINT = fixed('joint', '', "Joint of joint_states that turns with the shaft; '' for none.")
@@ -31,16 +31,15 @@ STATE_DIRECTORY = fixed(
 )
 
 STATE_OWNER = fixed(
-    'state_owner', '', 'Full name of the node that learnt the state, where this node had another '
-    'name then.',
+    'state_owner', '', 'Full name under which the node learnt the state, if it was another.',
 )  # fmt: skip
 
 STATE_RATE = fixed(
-    'state_rate', 0.0, 'States a second of each twin, besides one at once where an input, a '
-    'parameter or a counter has changed; 0: one a block.', 'Hz', 0.0, 1000.0,
+    'state_rate', 0.0, 'Rate of twin_state of each twin; a change of an input, a parameter or a '
+    'counter is published at once besides. 0: one a block.', 'Hz', 0.0, 1000.0,
 )  # fmt: skip
 
 SUBSCRIBERS = fixed(
-    'wait_for_subscribers', 0, 'Subscribers of vibration for which the first block waits, for '
-    '10 s at most.', '', 0, 100,
+    'wait_for_subscribers', 0, 'Subscribers of vibration for which the first block waits, at most '
+    '10 s.', '', 0, 100,
 )  # fmt: skip

@@ -81,11 +81,12 @@ _NETWORK = _group('network', ThermalNetwork)
 SPECS = (
     fixed('bearing', '6307', "Bearing of the catalogue (6307: the paper's); '' to use geometry."),
     replace(GEOMETRY, running=False, implied=True),
-    parameter('preset', 'paper', 'Named and cited set of masses, dampings, load and defect size. '
-              'In the mode paper, at 22 to 29 Hz, hotter impacts are weaker with paper, as in the '
-              'paper; with all others stronger, the reverse of it.', choices=tuple(PRESETS)),
-    parameter('defect', 'none', "none, inner, outer, ball, cage; several: 'inner+ball'; with "
-              'sizes and places of their own: '
+    parameter('preset', 'paper', 'Set of masses, dampings, load and defect size from the '
+              'literature. In the thermal mode paper, at 22 to 29 Hz, heat weakens the impacts '
+              'with the preset paper, as in the paper, and strengthens them with all others.',
+              choices=tuple(PRESETS)),
+    parameter('defect', 'none', 'Place of the defect: none, inner, outer, ball or cage. Several '
+              'are joined by +, each with its own sizes if given: '
               "'inner:width=0.001,angle=1.57+ball:ball=3,profile=rect'."),
     field_spec(Defect, 'width', name='defect_width', absent=(0.0, 'from the preset')),
     field_spec(Defect, 'depth', name='defect_depth', absent=(0.0, 'from the preset')),
@@ -95,13 +96,13 @@ SPECS = (
           '', 0, 2**31 - 1),
     fixed('sample_rate', 25600.0, 'Rate of the published samples.', 'Hz', 5000.0, 51200.0),
     fixed('block_size', 1024, 'Samples per published block.', '', 64, 8192),
-    parameter('shaft_hz', 25.4, 'Shaft speed while no joint tells it. A joint is taken up to the '
-              'same limit.', 'Hz', 0.0, FASTEST_LIVE_SHAFT),
+    parameter('shaft_hz', 25.4, 'Shaft speed while no joint gives it. The limit holds for a joint '
+              'too.', 'Hz', 0.0, FASTEST_LIVE_SHAFT),
     JOINT,
-    fixed('start_temperature', 20.0, 'Temperature used until the first measurement, which in the '
-          'mode physical is taken as one that the machine has had for long.',
+    fixed('start_temperature', 20.0, 'Temperature used until the first measurement. The thermal '
+          'mode physical starts in the steady state of the first measurement.',
           'degC', TABLE_LOW, TABLE_HIGH),
-    parameter('temperature_timeout', 5.0, 'Age above which a temperature is stale: the last valid '
+    parameter('temperature_timeout', 5.0, 'Age above which a temperature is stale. The last valid '
               'one is then held.', 's', 0.1, 3600.0),
     fixed('frame_id', 'bearing_housing', 'Frame of the sensor, in every header.'),
     HARDWARE_ID,
@@ -114,10 +115,10 @@ SPECS = (
 )  # fmt: skip
 
 FITTED = (
-    parameter('calibration', '', "What 'bearing-twin fit --json' wrote, as a file in the state "
-              "folder: the twin takes path of the sensor, load, slip and defect from it; '' for "
-              'none.', implied=True),
-    fixed('follow_calibration', False, 'Take each calibration of the topic calibration.',
+    parameter('calibration', '', "File in the state folder, written by 'bearing-twin fit --json'. "
+              'The twin takes sensor path, load, slip and defect from it. None: empty.',
+              implied=True),
+    fixed('follow_calibration', False, 'Take over each calibration of the topic calibration.',
           implied=True),
 )  # fmt: skip
 """Parameters of a twin of its own that its machine is fitted to; a fleet has none."""

@@ -127,7 +127,7 @@ class Defect:
     ball: int = 0
     profile: Profile = quantity(
         'ball',
-        'Path of a ball over the defect: geometric, or one of the literature.',
+        'Path of a ball through the defect: from the geometry (ball), or of the literature.',
         choices=PROFILES,
     )
 
@@ -213,37 +213,39 @@ class TwinParameters:
     bearing: Bearing
     thermal_mode: ThermalMode = quantity(
         'paper',
-        'Temperature law: paper (beta0 of tables 1-3; the preset decides whether impacts fall or '
-        'rise) or physical (ring temperatures and clearance; impacts fall once the rings have '
-        'settled, where the inner one is the hotter).',
+        'Temperature law. paper: beta0 of tables 1-3; whether impacts weaken depends on the '
+        'preset. physical: ring temperatures and clearance; impacts weaken once the rings '
+        'have settled with the inner one hotter.',
         choices=THERMAL_MODES,
     )
     defects: tuple[Defect, ...] = ()
-    load: float = quantity(500.0, 'Radial load that the bearing carries.', 'N', 10.0, 50e3)
+    load: float = quantity(500.0, 'Radial load on the bearing.', 'N', 10.0, 50e3)
     load_angle: float = quantity(
         DOWN,
-        'Direction in which the load acts on the shaft, from +x; the default is downwards.',
+        'Direction of the load on the shaft, from +x. The default is downwards.',
         unit='rad',
         low=-2.0 * math.pi,
         high=2.0 * math.pi,
     )
     clearance: float = quantity(
         5e-6,
-        'Radial clearance, half the internal one, at one ring temperature; -5 to 50 um for a '
-        'pitch diameter of 57.5 mm (6307), in proportion to it for others.',
+        'Radial clearance (half the radial internal clearance) with both rings at the same '
+        'temperature: -5 to 50 um for a pitch diameter of 57.5 mm (6307), others in proportion.',
         unit='m',
         low=-50e-6,
         high=500e-6,
     )
     hertz_stiffness: float | None = quantity(
         None,
-        'K_b0, radial force over deformation^1.5.',
+        'Hertz coefficient K_b0: radial force over deformation^1.5.',
         unit='N/m^1.5',
         low=1e8,
         high=1e12,
         special=(None, 'from the geometry'),
     )
-    contact_damping: float = quantity(300.0, 'Damping of a loaded ball.', 'N s/m', 0.0, 1500.0)
+    contact_damping: float = quantity(
+        300.0, 'Contact damping of a loaded ball.', 'N s/m', 0.0, 1500.0
+    )
     inner_mass: float = quantity(6.2638, 'Mass of rotor and shaft.', 'kg', 0.1, 500.0)
     inner_stiffness: float = quantity(7.42e7, 'Stiffness of the shaft.', 'N/m', 1e5, 1e10)
     inner_damping: float = quantity(1376.8, 'Damping of the shaft.', 'N s/m', 0.0, 1e6)
@@ -272,27 +274,27 @@ class TwinParameters:
     )
     unbalance: float = quantity(
         0.0,
-        "Unbalance, mass times eccentricity; at most 1 mm of the rotor's mass.",
+        'Unbalance: mass times eccentricity, at most 1 mm times the mass of the rotor.',
         unit='kg m',
         low=0.0,
         high=2.5e-2,
     )
     slip_model: SlipModel | None = quantity(
         None,
-        'Cage slip: none, constant, in proportion to the friction of table 3, or traction: the '
-        'drag of the oil (Palmgren) against the traction of the loaded balls (EHL film).',
+        'Cage slip: none, constant, mu_proportional (to the friction of table 3), or traction '
+        '(drag of the oil by Palmgren against the traction of the loaded balls in an EHL film).',
         choices=SLIP_MODELS,
-        special=(None, 'mu_proportional in the mode paper, traction in the mode physical'),
+        special=(None, 'mu_proportional with thermal mode paper, traction with physical'),
     )
     slip: float = quantity(
         0.000965,
-        "Cage slip, 'constant' or, where mu is that of 20 degC, 'mu_proportional'.",
+        'Cage slip of the slip models constant and, at 20 degC, mu_proportional.',
         low=0.0,
         high=0.05,
     )
     start_angle: float = quantity(
         DOWN,
-        "Angle of ball 0 and of the shaft's mark at sample 0, from +x.",
+        'Angle of ball 0 and of the mark of the shaft at sample 0, from +x.',
         unit='rad',
         low=-2.0 * math.pi,
         high=2.0 * math.pi,
@@ -300,7 +302,7 @@ class TwinParameters:
     )
     jitter: float = quantity(
         0.005,
-        'Standard deviation of the angle between two impacts over the ball spacing.',
+        'Standard deviation of the angle between two impacts, as a fraction of the ball spacing.',
         low=0.0,
         high=0.05,
     )
@@ -308,21 +310,21 @@ class TwinParameters:
     # good sensor alone has 0.003 (IEPE) to 0.1 (MEMS), but no machine is as quiet.
     noise: float = quantity(
         0.5,
-        'White noise of the rest of the machine and of the sensor, standard deviation.',
+        'Standard deviation of the white noise of sensor and rest of the machine.',
         'm/s^2',
         0.0,
         100.0,
     )
     resonance_hz: float = quantity(
-        6000.0, "Sensor's resonance.", 'Hz', 500.0, 11000.0, special=(0.0, 'none')
+        6000.0, 'Resonance frequency of the sensor.', 'Hz', 500.0, 11000.0, special=(0.0, 'none')
     )
     resonance_damping: float = quantity(
-        0.04, "Damping ratio of the sensor's resonance.", '', 0.005, 0.7
+        0.04, 'Damping ratio of the resonance of the sensor.', '', 0.005, 0.7
     )
     waviness: float = quantity(
         50e-6,
-        'Waviness of races and balls: RMS velocity in each band of the ISO 15242 test. The '
-        'default is a choice for a bearing of ordinary quality, no class of a standard.',
+        'Waviness of races and balls: RMS velocity in each band of the vibration test of ISO '
+        '15242. The default is chosen for a bearing of ordinary quality; no standard sets it.',
         unit='m/s',
         low=1e-6,
         high=1e-3,

@@ -183,10 +183,18 @@ class Beta0:
     delta_mu: float = quantity(
         0.02, 'Weight of friction in beta0, which must stay in 0.5..1.5.', '', 0.0, 2.0
     )
-    reference_temperature: float = quantity(20.0, 'T0 of beta0.', 'degC', TABLE_LOW, TABLE_HIGH)
-    reference_hardness: float = quantity(63.6, 'H0 of beta0.', 'HRC', 1.0, 100.0)
+    reference_temperature: float = quantity(
+        20.0, 'Reference temperature T0 of beta0.', 'degC', TABLE_LOW, TABLE_HIGH
+    )
+    reference_hardness: float = quantity(
+        63.6, 'Reference hardness H0 of beta0.', 'HRC', 1.0, 100.0
+    )
     reference_friction: float = quantity(
-        0.0150, 'mu0 of beta0 and of slip in proportion to mu.', '', 1e-4, 10.0
+        0.0150,
+        'Reference friction mu0 of beta0 and of the slip model mu_proportional.',
+        '',
+        1e-4,
+        10.0,
     )
 
     def __post_init__(self) -> None:

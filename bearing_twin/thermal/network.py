@@ -171,7 +171,7 @@ class ThermalNetwork:
     )
     shaft_ratio: float = quantity(
         1.1,
-        'Thermal mode physical: rise of the shaft over ambient by that of the outer ring.',
+        'Thermal mode physical: rise of the shaft over ambient divided by that of the outer ring.',
         low=0.0,
         high=2.0,
     )
