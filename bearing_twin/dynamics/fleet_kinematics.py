@@ -8,15 +8,7 @@ from __future__ import annotations
 
 import math
 
-from bearing_twin.dynamics.coefficients import (
-    CLEARANCE,
-    DEPTH,
-    FOOT_X,
-    FOOT_Y,
-    K_B,
-    SHAFT_HZ,
-    SLIP,
-)
+from bearing_twin.dynamics.coefficients import INPUTS, SHAFT_HZ, SLIP
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.fleet_layout import WAVE_STEPS
 from bearing_twin.dynamics.layout import SPIN_TURNS
@@ -136,11 +128,8 @@ def grid_point(group, inputs, growth, index, within, steps, h):
         rolling = g.spin_order[i] / g.ftf_order[i] * turning
         g.turning[i], g.omega[i] = _TWO_PI * turning, _TWO_PI * hz
         g.pull[i] = g.unbalance[i] * (_TWO_PI * hz) ** 2
-        g.k_b[0, i], g.k_b[1, i] = inputs[K_B, i], growth[K_B, i]
-        g.depth[0, i], g.depth[1, i] = inputs[DEPTH, i], growth[DEPTH, i]
-        g.gap[0, i], g.gap[1, i] = inputs[CLEARANCE, i], growth[CLEARANCE, i]
-        g.foot_x[0, i], g.foot_x[1, i] = inputs[FOOT_X, i], growth[FOOT_X, i]
-        g.foot_y[0, i], g.foot_y[1, i] = inputs[FOOT_Y, i], growth[FOOT_Y, i]
+        for q in range(INPUTS):
+            g.inputs[q, 0, i], g.inputs[q, 1, i] = inputs[q, i], growth[q, i]
         g.turned[0, i], g.turned[1, i] = _small_sines(_TWO_PI * h * turning)
         g.turned[2, i], g.turned[3, i] = _small_sines(_TWO_PI * h * hz)
         for k in range(g.spalls_in):

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from bearing_twin.dynamics.coefficients import INPUTS
 from bearing_twin.dynamics.parameters import MAX_DEFECTS
 from bearing_twin.dynamics.vector import L
 import numpy as np
@@ -69,7 +70,7 @@ GROUP = np.dtype(
         *_lanes('highest'),
         # Prescribed from a grid point to the next: inputs and their growth per step; directions
         # turned by a step; speeds (rad/s), unbalance (N), random number of the cage's walk.
-        *_rows('k_b depth gap foot_x foot_y', 2),
+        ('inputs', _F, (INPUTS, 2, L)),
         *_rows('turned', 4),
         *_lanes('turning omega pull walk'),
         ('spalls', SPALL, MAX_SPALLS),

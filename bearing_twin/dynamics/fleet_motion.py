@@ -15,6 +15,7 @@ from collections import namedtuple
 import math
 from typing import Any, NamedTuple
 
+from bearing_twin.dynamics.coefficients import CLEARANCE, DEPTH, FOOT_X, FOOT_Y, K_B
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.fleet_kinematics import look_up_waves, open_gap
 from bearing_twin.dynamics.fleet_layout import BALL_COS, BALL_ROWS, BALL_SIN, NUMBER, WAVE_STEPS
@@ -88,13 +89,15 @@ def _drive(group, now, c, s):
     """Unbalance and foot of the spring at step ``now``, with the shaft at (c, s)."""
     omega, pull = load(group.omega, 0), load(group.pull, 0)
     px, py = pull * c, pull * s
-    return _Drive(_at(group.foot_x, now), _at(group.foot_y, now), px, py, -omega * py, omega * px)
+    return _Drive(
+        _at(group, FOOT_X, now), _at(group, FOOT_Y, now), px, py, -omega * py, omega * px
+    )
 
 
 @compiled(inline=True, fast=FAST)
-def _at(ramp, now):
+def _at(group, which, now):
     """Return an input ``now`` steps after the grid point."""
-    return load(ramp, 0) + now * load(ramp, 1)
+    return load(group.inputs, 2 * which) + now * load(group.inputs, 2 * which + 1)
 
 
 @compiled(inline=True, fast=FAST)
@@ -215,9 +218,9 @@ def advance(group, slots, surfaces, first, count, oversample, h, raw, begin, str
             cs, ss = cs * csd - ss * ssd, ss * csd + cs * ssd
             parted = False
             for k in range(g.spalls_in):
-                parted |= open_gap(g, g.spalls[k], now, _at(g.depth, now))
+                parted |= open_gap(g, g.spalls[k], now, _at(g, DEPTH, now))
             further, faster, ahead = taylor(h, q, v, a, j, ZERO)
-            gap = _at(g.gap, now)
+            gap = _at(g, CLEARANCE, now)
             enough = _few_are_enough(
                 g, slots, few, c, s, further[0] - further[2], further[1] - further[3],
                 gap - load(g.highest, 0),
@@ -233,7 +236,7 @@ def advance(group, slots, surfaces, first, count, oversample, h, raw, begin, str
                 _F(number - WAVE_STEPS * before) / _F(WAVE_STEPS), _F(WAVE_STEPS) * h,
             )  # fmt: skip
             force, rate = _contact(
-                g, slots, passing, parted, few if enough else n_balls, c, s, gap, _at(g.k_b, now),
+                g, slots, passing, parted, few if enough else n_balls, c, s, gap, _at(g, K_B, now),
                 further, faster, ahead,
             )  # fmt: skip
             a1, j1 = ring_motion(
