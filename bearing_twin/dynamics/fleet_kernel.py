@@ -22,7 +22,6 @@ from bearing_twin.dynamics.fleet_kinematics import grid_point, place_waves, wrap
 from bearing_twin.dynamics.fleet_layout import WAVE_STEPS
 from bearing_twin.dynamics.fleet_motion import advance, Surfaces
 from bearing_twin.dynamics.fleet_signal import copy, decimate, hand_out
-from bearing_twin.dynamics.kernel import growth_of, input_at
 from bearing_twin.dynamics.layout import CHUNK
 from bearing_twin.dynamics.vector import L
 import numpy as np
@@ -52,12 +51,17 @@ def _inputs(ramp, drift, fade, faded, lane, n, at, first, since_tick, oversample
     ``lane`` is its first bearing, ``first`` the index of the block's first sample.
     """
     inputs, growth = np.empty((INPUTS, L)), np.empty((INPUTS, L))
-    for i in range(L):
-        k = lane + i
-        left = min(first + at - faded[k], 0)
-        for q in range(INPUTS):
-            inputs[q, i] = input_at(ramp[:, k], drift[k], fade[k], n, q, at, since_tick, left)
-            growth[q, i] = growth_of(ramp[:, k], drift[k], fade[k], n, q, left) / oversample
+    for q in range(INPUTS):
+        for i in range(L):
+            begin, change = ramp[0, lane + i, q], drift[lane + i, 1, q]
+            slope = (ramp[1, lane + i, q] - begin) / n
+            inputs[q, i] = begin + slope * at
+            inputs[q, i] += drift[lane + i, 0, q] + change * (since_tick + at)
+            left = first + at - faded[lane + i]
+            if left < 0:
+                inputs[q, i] += fade[lane + i, q] * left
+                change += fade[lane + i, q]
+            growth[q, i] = (slope + change) / oversample
     return inputs, growth
 
 
