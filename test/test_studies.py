@@ -15,6 +15,7 @@ from bearing_twin.studies import (
     detection_power,
     generalisation,
     impact_machines,
+    low_ringing,
     reliability,
     twin_machines,
 )
@@ -46,6 +47,24 @@ def test_a_study_without_a_place_to_write_ends_before_it_begins(study, tmp_path,
             study.main(words)
         assert ended.value.code == 2
     assert 'is no folder' in capsys.readouterr().err
+
+
+def test_low_lines_hold_more_of_an_outer_race_that_rings_low(capsys):
+    x, rate, bearing, shaft_hz = low_ringing.record(3, damaged=True)
+    again = low_ringing.record(3, damaged=True)
+    assert np.array_equal(x, again[0])
+    assert (rate, bearing, shaft_hz) == again[1:]
+    low_ringing.main(['8'])
+    sound, damaged = (line.split('|') for line in capsys.readouterr().out.splitlines()[2:])
+    least = 4 + low_ringing.SHARES.index(0.2)
+    assert int(sound[least]) / int(sound[3]) < int(damaged[least]) / int(damaged[3])
+
+
+def test_the_weights_in_use_can_be_checked_without_a_fit(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(reliability, 'fit', None)
+    answers = tmp_path / 'answers.jsonl'
+    reliability.main([str(answers), '--shipped', '--fresh', '0', '8', '--jobs', '1'])
+    assert '| **all** |' in capsys.readouterr().out
 
 
 def test_what_is_not_rated_are_rules():

@@ -73,7 +73,14 @@ class Trust:
 
 
 @functools.cache
-def _table() -> dict[str, dict[str, float]]:
+def shipped_weights() -> dict[str, dict[str, float]]:
+    """
+    Weights of the terms for each kind of answer, as :mod:`bearing_twin.studies.reliability` fits.
+
+    >>> sorted(shipped_weights()) == sorted(KINDS)
+    True
+
+    """
     text = resources.files('bearing_twin.diagnosis').joinpath('reliability.json')
     table: dict[str, dict[str, float]] = json.loads(text.read_text('utf-8'))['weights']
     return table
@@ -106,7 +113,7 @@ def confidence(kind: str, trust: Trust) -> float:
     True
 
     """
-    return share_right(_table()[kind], trust)
+    return share_right(shipped_weights()[kind], trust)
 
 
 def share_right(weights: dict[str, float], trust: Trust) -> float:

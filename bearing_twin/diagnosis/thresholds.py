@@ -69,9 +69,8 @@ CARRIER = 12.0
 """Multiples of the outer race's frequency above which its carriers count."""
 
 LOW_LINES = 1.0 / 3.0
-"""Share of the power at low multiples of the outer race from which its lines there are more than
-the variable compliance of a quiet machine: half as much as all else, the 1/3 by which an envelope
-of the index ``INDEX_FAULT`` swells."""
+"""Share of the power at low multiples of the outer race in its lines there: the least from which
+more bearings are damaged than sound, of those that are else healthy (studies.low_ringing)."""
 
 RIVAL = 1.4
 """Two faults that explain each other away are told apart from this ratio of evidence on."""

@@ -4,15 +4,16 @@
 How often the answers of the diagnosis are right: what its confidence rests on.
 
 ``python -m bearing_twin.studies.reliability ANSWERS.jsonl [TWINS IMPACTS] [--fresh TWINS IMPACTS]
-[--weights JSON] [--picture PNG]`` diagnoses machines drawn at random with both models of
-:mod:`bearing_twin.studies.generalisation`, as many sound as damaged ones, and every fourth machine
-with impacts again, whose diagnosis is given another bearing or a speed 3 to 5 % off. A fifth of
-the damaged bearings are worn out, and the surfaces of all twins and of half of the others have
-waves. Each answer is added to ANSWERS.jsonl, and a run goes on where the one before ended: delete
-the file after a change of the rules. The study fits the weights that the diagnosis reads as
+[--weights JSON | --shipped] [--picture PNG]`` diagnoses machines drawn at random with both models
+of :mod:`bearing_twin.studies.generalisation`, as many sound as damaged ones, and every fourth
+machine with impacts again, whose diagnosis is given another bearing or a speed 3 to 5 % off. A
+fifth of the damaged bearings are worn out, and the surfaces of all twins and of half of the others
+have waves. Each answer is added to ANSWERS.jsonl, and a run goes on where the one before ended:
+delete the file after a change of the rules. The study fits the weights that the diagnosis reads as
 ``bearing_twin/diagnosis/reliability.json`` (logistic regression, one for each kind of answer).
-With fresh draws, which no weight has seen, it prints, and draws, how far the confidence holds. No
-real record takes part. A twin takes 0.35 s of one processor, a machine with impacts 0.08 s: the
+With fresh draws, which no weight has seen, it prints, and draws, how far the confidence holds.
+With ``--shipped`` it fits none and does so for the weights in use. No real record takes part. A
+twin takes 0.35 s of one processor, a machine with impacts 0.08 s: the
 default takes some fifteen minutes of one processor.
 """
 
@@ -27,7 +28,7 @@ from pathlib import Path
 import sys
 from typing import Any, NamedTuple, TYPE_CHECKING, TypeAlias
 
-from bearing_twin.diagnosis.confidence import KINDS, share_right, Trust
+from bearing_twin.diagnosis.confidence import KINDS, share_right, shipped_weights, Trust
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies import impact_machines, twin_machines
@@ -332,13 +333,20 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument('twins', type=int, nargs='?', default=400)
     parser.add_argument('impacts', type=int, nargs='?', default=3000)
     parser.add_argument('--fresh', type=int, nargs=2, default=(400, 3000))
-    parser.add_argument('--weights', type=Path, help='JSON file to write: the weights')
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument('--weights', type=Path, help='JSON file to write: the weights')
+    which.add_argument(
+        '--shipped', action='store_true', help='check the weights in use, without fitting any'
+    )
     parser.add_argument('--picture', type=Path, help='PNG file to write: the reliability diagram')
     parser.add_argument('--jobs', type=int, default=len(os.sched_getaffinity(0)))
     args = parser.parse_args(argv)
     keep_freed_memory()
-    drawn = tasks(args.twins, args.impacts, FIRST)
-    weights = fit(_answers(args.output, drawn, args.jobs))
+    if args.shipped:
+        weights = shipped_weights()
+    else:
+        drawn = tasks(args.twins, args.impacts, FIRST)
+        weights = fit(_answers(args.output, drawn, args.jobs))
     if args.weights:
         about = 'written by python -m bearing_twin.studies.reliability'
         write_table(args.weights, {'about': about, 'weights': weights})
