@@ -14,7 +14,7 @@ from bearing_twin.calibration.joint import compared
 from bearing_twin.calibration.residual import spectral_levels
 from bearing_twin.dynamics.sensor_path import band_levels
 import numpy as np
-from scipy import signal
+import scipy
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
@@ -117,6 +117,6 @@ def beside(
     turn = slow[length : 2 * length]
     turn = turn - turn.mean()
     # The twin turns at an angle of its own: shown where it is most like the machine.
-    alike = signal.correlate(np.abs(shown), np.abs(turn), 'valid')
+    alike = scipy.signal.correlate(np.abs(shown), np.abs(turn), 'valid')
     first = int(np.argmax(alike))
     return band_levels(shown, rate), np.array([turn, shown[first : first + len(turn)]])

@@ -48,7 +48,7 @@ from bearing_twin.dynamics.sensor_path import band_levels, distance
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
+import scipy
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
@@ -224,7 +224,7 @@ def decimated(x: FloatArray, sample_rate: float) -> tuple[FloatArray, float]:
     factor = math.ceil(sample_rate / HIGHEST_RATE)
     if factor == 1:
         return x, sample_rate
-    return np.asarray(signal.decimate(x, factor, ftype='fir')), sample_rate / factor
+    return np.asarray(scipy.signal.decimate(x, factor, ftype='fir')), sample_rate / factor
 
 
 def _fitted(

@@ -20,7 +20,8 @@ from bearing_twin.calibration.summaries import squared_envelope
 from bearing_twin.diagnosis.thresholds import INDEX_SUSPECT
 import numpy as np
 import numpy.typing as npt
-from scipy import fft, ndimage, signal
+import scipy
+from scipy import fft
 
 if TYPE_CHECKING:
     from bearing_twin.calibration.cloud import Situation
@@ -171,7 +172,7 @@ def order_of_the_shaft(x: FloatArray, situation: Situation) -> int:
 
     """
     envelope, rate = squared_envelope(x, situation.sample_rate)
-    windowed = signal.windows.hann(len(envelope), sym=False) * (envelope - envelope.mean())
+    windowed = scipy.signal.windows.hann(len(envelope), sym=False) * (envelope - envelope.mean())
     power = np.abs(fft.rfft(windowed)) ** 2
     step = rate / len(envelope)
     hertz = np.arange(len(power)) * step
@@ -260,7 +261,7 @@ def smallest_shown(
         # Of n candidates that are as wide or wider, k show: k + 1/2 of n + 1 are expected to.
         wider = np.arange(_EACH, 0, -1)
         share_seen = (seen[::-1].cumsum(axis=0)[::-1] + 0.5) / (wider[:, None] + 1.0)
-        near = ndimage.uniform_filter1d(
+        near = scipy.ndimage.uniform_filter1d(
             seen.astype(np.float64), _NEAR, axis=0, origin=-_NEAR // 2, mode='nearest'
         )
         enough = (share_seen >= SHOWN_SHARE) & (near >= SHOWN_NEAR)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from bearing_twin.calibration.refusals import Kind, Refusal
 from bearing_twin.calibration.summaries import ELSEWHERE, HIGH_SHARE
 import numpy as np
-from scipy import ndimage, signal
+import scipy
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -136,7 +136,7 @@ def gear(x: FloatArray, sample_rate: float, measured: Summary) -> Refusal | None
 def _teeth(x: FloatArray, sample_rate: float, measured: Summary, parts: int) -> int:
     """Lines at the harmonics of the time between two impacts, in the mean spectrum of parts."""
     length = len(x) // parts
-    power = signal.welch(x, sample_rate, nperseg=length)[1]
+    power = scipy.signal.welch(x, sample_rate, nperseg=length)[1]
     step, own = sample_rate / length, 1.0 / measured.spacing
     within = LOCATED * measured.lobe / measured.spacing
     most = min(_MOST_HARMONICS, int(0.5 * HIGH_SHARE * sample_rate / (own * (1.0 + within))))
@@ -145,7 +145,7 @@ def _teeth(x: FloatArray, sample_rate: float, measured: Summary, parts: int) -> 
     # The main lobe of a line is two bins to either side: no line lies between two frequencies.
     tried = own * np.exp(np.arange(-within, within, step / (most * own)))
     at = np.round(np.multiply.outer(tried, np.arange(1, most + 1)) / step).astype(int)
-    lines = ndimage.maximum_filter1d(power, 3)[at]
+    lines = scipy.ndimage.maximum_filter1d(power, 3)[at]
     best = int(np.argmax(np.median(lines, axis=1)))
     teeth, reach = 0, int(0.45 * own / step)
     for line, centre in zip(lines[best], at[best], strict=True):

@@ -20,7 +20,8 @@ from bearing_twin.dynamics.sensor_path import SensorPath
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
-from scipy import fft, linalg, signal
+import scipy
+from scipy import fft
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -58,7 +59,7 @@ class Resonance(NamedTuple):
 
 def _power(x: FloatArray) -> FloatArray:
     """Power spectrum of a signal that is faded at its ends, zero padded to twice its length."""
-    window = signal.windows.tukey(len(x), TAPERED)
+    window = scipy.signal.windows.tukey(len(x), TAPERED)
     size = fft.next_fast_len(2 * len(x), real=True)
     return np.asarray(np.abs(fft.rfft(window * (x - x.mean()), size)) ** 2 / (window @ window))
 
@@ -138,7 +139,7 @@ def noise_floor(x: FloatArray, sample_rate: float) -> tuple[float, float, float]
     length = max(64, int(_BAND_S * sample_rate))
     density = np.array(
         [
-            signal.welch(part, sample_rate, nperseg=min(len(part), length))[1]
+            scipy.signal.welch(part, sample_rate, nperseg=min(len(part), length))[1]
             for part in np.array_split(x, SEGMENTS)
         ]
     )
@@ -190,15 +191,15 @@ def resonances(x: FloatArray, sample_rate: float) -> list[Resonance]:
     """
     order = max(8, round(MODES_REACH_S * sample_rate))
     correlation = fft.irfft(_power(x))[: 2 * order + 1]
-    hankel = linalg.hankel(correlation[1 : order + 1], correlation[order : 2 * order])
-    left, strength, _ = linalg.svd(hankel)
+    hankel = scipy.linalg.hankel(correlation[1 : order + 1], correlation[order : 2 * order])
+    left, strength, _ = scipy.linalg.svd(hankel)
     rank = min(_MOST_POLES, int((strength > _LEAST_STRENGTH * strength[0]).sum()))
     if strength[0] <= 0.0 or rank < 2:
         return []
-    shift = linalg.lstsq(left[:-1, :rank], left[1:, :rank])[0]
-    poles = linalg.eigvals(shift)
+    shift = scipy.linalg.lstsq(left[:-1, :rank], left[1:, :rank])[0]
+    poles = scipy.linalg.eigvals(shift)
     lags = np.arange(1, 2 * order + 1)
-    amplitudes = linalg.lstsq(poles[None, :] ** lags[:, None], correlation[1:])[0]
+    amplitudes = scipy.linalg.lstsq(poles[None, :] ** lags[:, None], correlation[1:])[0]
     upper = (poles.imag > 1e-9) & (np.abs(poles) < 1.0)
     poles, amplitudes = poles[upper], amplitudes[upper]
     log = np.log(poles)

@@ -19,7 +19,7 @@ from bearing_twin.diagnosis.dependence import lag_one
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
+import scipy
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -99,7 +99,7 @@ def spectral_levels(
             'finite samples of one axis'
         )
         raise BearingTwinError(msg)
-    hertz, power = signal.welch(
+    hertz, power = scipy.signal.welch(
         values, sample_rate, 'hann', nperseg=round(LEAST_S * sample_rate), detrend='constant'
     )
     power = np.maximum(power, 1e-30)

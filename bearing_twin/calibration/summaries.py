@@ -16,7 +16,8 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-from scipy import fft, linalg, ndimage, signal
+import scipy
+from scipy import fft
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -91,7 +92,7 @@ class Correlation:
         rate = self.rate
         last = min(int(longest * rate) + 1, len(self.values) // 4)
         near, beyond = self.values[:last], self.values[last : 2 * last]
-        beyond = beyond - ndimage.uniform_filter1d(beyond, max(3, len(beyond) // 16))
+        beyond = beyond - scipy.ndimage.uniform_filter1d(beyond, max(3, len(beyond) // 16))
         scatter = 1.4826 * float(np.median(np.abs(beyond)))
         half_at = int(np.argmax(near < 0.5)) or 1
         above, below = near[half_at - 1], near[half_at]
@@ -155,7 +156,7 @@ def levinson(power: FloatArray, order: int) -> tuple[FloatArray, float]:
     Examples
     --------
     >>> rng = np.random.default_rng(1)
-    >>> x = signal.lfilter([1.0], [1.0, -0.5], rng.standard_normal(20000))
+    >>> x = scipy.signal.lfilter([1.0], [1.0, -0.5], rng.standard_normal(20000))
     >>> levinson(np.abs(fft.rfft(x)) ** 2 / len(x), 2)[0].round(1) + 0.0
     array([ 1. , -0.5,  0. ])
 
@@ -165,7 +166,7 @@ def levinson(power: FloatArray, order: int) -> tuple[FloatArray, float]:
     correlation[0] *= 1.0 + 1e-6
     if correlation[0] <= 0.0:
         return np.eye(1, order + 1)[0], 0.0
-    solved = linalg.solve_toeplitz(correlation[:order], correlation[1 : order + 1])
+    solved = scipy.linalg.solve_toeplitz(correlation[:order], correlation[1 : order + 1])
     error = float(correlation[0] - solved @ correlation[1 : order + 1])
     return np.concatenate(([1.0], -solved)), error
 
@@ -183,7 +184,7 @@ def squared_envelope(x: FloatArray, sample_rate: float) -> tuple[FloatArray, flo
     """
     x = x - x.mean()
     # Not circular: the jump from the end of a record to its start would be the greatest impact.
-    whitened = signal.oaconvolve(x, _prediction(x, sample_rate, MEMORY_S), 'valid')
+    whitened = scipy.signal.oaconvolve(x, _prediction(x, sample_rate, MEMORY_S), 'valid')
     n = fft.prev_fast_len(len(whitened), real=True)
     spectrum = fft.rfft(whitened[:n])
     half = 0.5 * sample_rate
@@ -191,14 +192,14 @@ def squared_envelope(x: FloatArray, sample_rate: float) -> tuple[FloatArray, flo
     # A one-sided band gives the analytic signal; room for twice the band holds its square.
     size = fft.next_fast_len(2 * (high - low))
     # The taper lowers the sides of an impact's own peak.
-    taper = signal.windows.tukey(high - low, 0.5)
+    taper = scipy.signal.windows.tukey(high - low, 0.5)
     envelope = np.abs(fft.ifft(taper * spectrum[low:high], size)) ** 2
     return envelope, size * sample_rate / n
 
 
 def _prediction(x: FloatArray, sample_rate: float, reach: float) -> FloatArray:
     """Error filter of a linear prediction that reaches over some seconds."""
-    tapered = signal.windows.tukey(len(x), TAPERED) * x
+    tapered = scipy.signal.windows.tukey(len(x), TAPERED) * x
     power = np.abs(fft.rfft(tapered, fft.next_fast_len(len(x), real=True))) ** 2
     return levinson(power, max(8, round(reach * sample_rate)))[0]
 
@@ -230,14 +231,14 @@ def fastest_resonance(x: FloatArray, sample_rate: float, spacing: float) -> floa
     >>> impacts[230:25030:700] -= 0.7
     >>> pole = np.exp(2 * np.pi * 3000 / 25600 * (-0.03 + 1j))
     >>> denominator = np.poly([pole, pole.conjugate()]).real
-    >>> rung = signal.lfilter([1.0], denominator, impacts)
+    >>> rung = scipy.signal.lfilter([1.0], denominator, impacts)
     >>> round(fastest_resonance(rung, 25600.0, 30 / 25600), -2)
     3000.0
 
     """
     error = _prediction(np.diff(x), sample_rate, min(MEMORY_S, _WITHIN * spacing))
     decibels = -20.0 * np.log10(np.abs(fft.rfft(error, _FREQUENCIES)))
-    hertz = sample_rate / _FREQUENCIES * signal.find_peaks(decibels, prominence=RINGS_DB)[0]
+    hertz = sample_rate / _FREQUENCIES * scipy.signal.find_peaks(decibels, prominence=RINGS_DB)[0]
     low, high = 0.5 * LOW_SHARE * sample_rate, 0.5 * HIGH_SHARE * sample_rate
     return max((float(at) for at in hertz if low < at < high), default=math.nan)
 
@@ -294,7 +295,7 @@ def summarise(x: FloatArray, sample_rate: float, longest: float) -> Summary:
     >>> impacts = 1e-3 * rng.standard_normal(25600)
     >>> impacts[200:25000:700] += 1.0
     >>> impacts[251:25051:700] -= 0.7
-    >>> ringing = signal.lfilter([1.0], [1.0, -1.45, 0.96], impacts)
+    >>> ringing = scipy.signal.lfilter([1.0], [1.0, -1.45, 0.96], impacts)
     >>> round(1e3 * summarise(ringing, 25600.0, 4e-3).spacing, 2)
     1.99
 
@@ -306,7 +307,7 @@ def _peak(
     correlation: FloatArray, scatter: float, rate: float, shortest: float
 ) -> tuple[float, float, float, tuple[float, ...]]:
     """Lag and prominence of the clearest peak from a lag on, of its rival over it, and rivals."""
-    peaks, found = signal.find_peaks(correlation, prominence=FAINTEST / 4.0)
+    peaks, found = scipy.signal.find_peaks(correlation, prominence=FAINTEST / 4.0)
     prominences = np.where(peaks > shortest * rate, found['prominences'], 0.0)
     if not (prominences >= max(SIGNIFICANT * scatter, FAINTEST)).any():
         return math.nan, 0.0, 0.0, ()
