@@ -10,7 +10,7 @@ from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.parameters import MAX_DEFECTS, PROFILES
 from bearing_twin.dynamics.random import NOISE, normal_pair, normal_pairs
 from bearing_twin.dynamics.successor import successor
-from bearing_twin.dynamics.vector import load_words, store
+from bearing_twin.dynamics.vector import load, store
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def drawn(index, keys, out):
     """Fill the first two rows of ``out`` lane by lane, the others at once."""
     for i in range(16):
         out[i], out[16 + i] = normal_pair(index, NOISE, keys[i])
-    x, y = normal_pairs(index, NOISE, load_words(keys))
+    x, y = normal_pairs(index, NOISE, load(keys, 0))
     store(out, 2, x)
     store(out, 3, y)
 
