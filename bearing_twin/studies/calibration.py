@@ -191,6 +191,11 @@ def print_tables(lines: Iterable[Row]) -> None:
         ('sample rate, kHz', 'fits', 'processor time, s: median', 'most'),
         _costs([row for name in fits for row in groups[name]]),
     )
+    slots = [row for row in groups.get('HIT-SM', []) if math.isfinite(row['width'])]
+    speeds = sorted({row['name'].rpartition('_')[2] for row in slots}, key=int)
+    print()
+    heading = ('slot of HIT-SM, mm', *(f'{speed} 1/min' for speed in speeds))
+    print_table(heading, _by_slot(slots, speeds))
     for name in ('HIT-SM', 'CWRU'):
         print()
         print_table(
@@ -203,6 +208,19 @@ def print_tables(lines: Iterable[Row]) -> None:
                  row['why'])
                 for row in groups.get(name, [])
             ),
+        )  # fmt: skip
+
+
+def _by_slot(rows: Iterable[Row], speeds: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    """Yield what is told of each slot, from the slowest speed to the fastest."""
+    named = {row['name']: row for row in rows}
+    for slot in sorted({name.rpartition('_')[0] for name in named}):
+        of = [named[f'{slot}_{speed}'] for speed in speeds if f'{slot}_{speed}' in named]
+        said = (f'{row["median"]:.2f} ({row["q05"]:.2f} to {row["q95"]:.2f})' for row in of)
+        yield (
+            f'{of[0]["place"]} {of[0]["width"]:.2f}',
+            *(each if row['identifiable'] else f'not told, {each}'
+              for row, each in zip(of, said, strict=True)),
         )  # fmt: skip
 
 
