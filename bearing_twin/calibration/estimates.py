@@ -154,8 +154,8 @@ def of_defect(
                 )
             elif refusal.kind in (Kind.ONE_IMPACT, Kind.TOO_WIDE):
                 # A ball is always in a defect that is wider than the distance of two balls.
-                high, why = 1e3 * situation.speed / situation.strikes, refusal.why
-                low = 0.0 if refusal.kind is Kind.ONE_IMPACT else low
+                low, high = 0.0, 1e3 * situation.speed / situation.strikes
+                why = refusal.why
             elif refusal.kind is Kind.NO_IMPACTS:
                 low, high, why = 0.0, about.high, refusal.why
             elif refusal.kind is Kind.MANY_WIDTHS:
@@ -268,8 +268,7 @@ def without_defect(
     statement = f'no defect above {largest:.2g} mm'
     why = f'{statement}: of 128 wider ones on each race, added to this record, 95 % show'
     if lost_db < LOSSES_DB[0]:
-        most = f'at most {lost_db:.0f} dB are' if lost_db else 'nothing is'
-        statement += f', if {most} lost on the way to the sensor'
+        statement += f', if at most {lost_db:.0f} dB are lost on the way to the sensor'
         why = f'{statement}: {why.partition(": ")[2]}'
     if not math.isfinite(largest):
         largest = 1e3 * contact_speed(situation.bearing, 'outer', situation.shaft_hz)

@@ -35,7 +35,7 @@ SHOWN_NEAR, _NEAR = 0.8, 16
 """Least share of so many whose defect is barely wider."""
 LOUDER = 2.0
 """RMS over that of the record from which on nobody calls the bearing healthy: 6 dB."""
-LOSSES_DB = 20.0, 10.0, 0.0
+LOSSES_DB = 20.0, 10.0
 """Most that is supposed to be lost between the twin's housing, which is one rigid mass, and the
 sensor: joints and distance take 10 dB and more each. Less only where no defect shows else."""
 LOUDER_DB = 20.0

@@ -143,7 +143,7 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
     # Of noise alone, the longer the lags the likelier a peak; but never one so much clearer.
     clear = farther.prominence > measured.prominence and farther.rival <= RIVAL
     apart = farther.spacing if clear and farther.spacing > situation.longest else 0.0
-    if not apart and measured.seen:
+    if not apart and measured.seen and measured.spacing >= posterior.resolved(measured):
         # Balls do not keep time: two impacts of one repeat more clearly than one of each of two.
         own, reach = measured.spacing, measured.lobe
         next_ball = whole.highest(1.0 / situation.strikes, SLIPPED / situation.strikes)[0]
