@@ -171,10 +171,7 @@ class Probe:
         for _ in range(2):
             # It stood still, too, while it waited for a node that was held up.
             self.statuses.pop(name, None)
-            self.until(
-                lambda: 'stands still' in self.status(name)[1],
-                'the standing clock',
-            )
+            self.until(lambda: 'stands still' in self.status(name)[1], 'the standing clock')
         self.spin(0.5)
 
     def set_parameters(self, node, **values):

@@ -11,11 +11,7 @@ from bearing_twin.diagnosis.report import insufficient
 from bearing_twin.diagnosis.trend import Source, Trend
 from bearing_twin.dynamics.condition import Condition
 from bearing_twin.recording import topics
-from bearing_twin.streams.vibration_input import (
-    SOURCE_MEASURED,
-    SOURCE_SIMULATED,
-    SOURCE_UNKNOWN,
-)
+from bearing_twin.streams.vibration_input import SOURCE_MEASURED, SOURCE_SIMULATED, SOURCE_UNKNOWN
 import pytest
 
 pytest.importorskip('bearing_twin_msgs', reason='the message package is not built')

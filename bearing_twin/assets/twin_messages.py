@@ -30,13 +30,7 @@ OF_CONDITION = tuple(
 """Numbers of a `TwinState` that a `Condition` has under the same names."""
 STAMP = ('header.stamp.sec', 'header.stamp.nanosec')
 TEMPERATURE = ('status', 'measured', 'used', 'age')
-REALTIME = (
-    'blocks_published',
-    'blocks_late',
-    'blocks_dropped',
-    'lateness',
-    'execution_time',
-)
+REALTIME = ('blocks_published', 'blocks_late', 'blocks_dropped', 'lateness', 'execution_time')
 ACCELERATION = 'm/s^2'
 """Unit of a twin that has no machine whose sensor has another one."""
 _condition = attrgetter(*OF_CONDITION)

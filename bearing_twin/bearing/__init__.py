@@ -24,11 +24,7 @@ from bearing_twin.bearing.hertz import (
     radial_factor,
     YOUNG_STEEL,
 )
-from bearing_twin.bearing.ratings import (
-    basic_dynamic_rating,
-    basic_static_rating,
-    static_factor,
-)
+from bearing_twin.bearing.ratings import basic_dynamic_rating, basic_static_rating, static_factor
 from bearing_twin.bearing.vocabulary import (
     FAULT_CODES,
     LEVELS,

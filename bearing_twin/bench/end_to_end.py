@@ -33,10 +33,7 @@ NODES = ('twin', 'diagnosis', 'recorder')
 
 
 def live_run(
-    seconds: float,
-    *,
-    calibrate: bool = False,
-    progress: Callable[[float], None] | None = None,
+    seconds: float, *, calibrate: bool = False, progress: Callable[[float], None] | None = None
 ) -> dict[str, float]:
     """
     Run twin, diagnosis and recorder (MCAP and Rerun, served and filed) for one bearing.

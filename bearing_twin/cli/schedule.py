@@ -8,11 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.cli.terminal import refuse_given
-from bearing_twin.recording.schedule import (
-    load_trend,
-    paper_schedule,
-    write_temperature_recording,
-)
+from bearing_twin.recording.schedule import load_trend, paper_schedule, write_temperature_recording
 
 if TYPE_CHECKING:
     import argparse
@@ -21,11 +17,7 @@ if TYPE_CHECKING:
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
     parser.add_argument(
-        '-o',
-        '--output',
-        type=Path,
-        required=True,
-        help='recording to make; never overwritten',
+        '-o', '--output', type=Path, required=True, help='recording to make; never overwritten'
     )
     parser.add_argument(
         '--from-npz',

@@ -59,12 +59,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--at', type=float, metavar='SECONDS', help='moment of the picture (default: the end)'
     )
-    parser.add_argument(
-        '--page',
-        default='',
-        choices=PAGES,
-        help='page in front',
-    )
+    parser.add_argument('--page', default='', choices=PAGES, help='page in front')
     parser.add_argument(
         '--size', default='1800x1100', help='of the picture, WIDTHxHEIGHT (default 1800x1100)'
     )

@@ -202,10 +202,7 @@ def _slip(law: FloatArray, values: FloatArray) -> float:
     if hz == 0.0:
         return 0.0
     rpm, nu, race = 60.0 * hz, values[VISCOSITY], law[D_PITCH] * (1.0 - law[GAMMA])
-    braked, metallic = (
-        _drag(rpm, nu, law[D_MEAN], race),
-        _metallic_share(rpm, nu, law[D_MEAN]),
-    )
+    braked, metallic = (_drag(rpm, nu, law[D_MEAN], race), _metallic_share(rpm, nu, law[D_MEAN]))
     rolling = 0.5 * math.pi * hz * race * (1.0 + law[GAMMA])
     # Force, mean pressure and film of the loaded balls, of the mean of two cage positions.
     pressed, loaded = np.empty((2 * n, 3)), 0

@@ -14,12 +14,7 @@ from bearing_twin.quantity import check_fields, check_range, check_whole, quanti
 from bearing_twin.thermal.friction import SERIES
 from bearing_twin.thermal.gcr15 import Beta0, FRICTION_TABLE, TABLE_HIGH, TABLE_LOW
 from bearing_twin.thermal.lubricant import Lubricant
-from bearing_twin.thermal.network import (
-    clearance_change,
-    clearance_limits,
-    Scaled,
-    ThermalNetwork,
-)
+from bearing_twin.thermal.network import clearance_change, clearance_limits, Scaled, ThermalNetwork
 
 Profile = Literal['ball', 'rect', 'halfsine', 'smooth']
 ThermalMode = Literal['paper', 'physical']

@@ -201,9 +201,7 @@ class DiagnosisCheck:
             with contextlib.suppress(BearingTwinError):
                 # The node refuses such a block as well.
                 run.take(
-                    read_vibration(block, values['axis']),
-                    temperature=math.nan,
-                    joint_hz=speed,
+                    read_vibration(block, values['axis']), temperature=math.nan, joint_hz=speed
                 )
         run.load(state)
         return run

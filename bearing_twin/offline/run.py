@@ -368,10 +368,5 @@ class _DiagnosisSide:
 
     def _write(self, made: Output, time: int) -> None:
         self._writer.write(
-            made.topic,
-            made.type_name,
-            made.cdr,
-            log_time=time,
-            publish_time=time,
-            qos=self._qos,
+            made.topic, made.type_name, made.cdr, log_time=time, publish_time=time, qos=self._qos
         )

@@ -77,12 +77,7 @@ def trend_claims(study: Study) -> list[Claim]:
     claims = []
     for factor in settings.FACTORS:
         claims += [_by_formula(factor), _by_simulation(study, factor), _at_peaks(study, factor)]
-    return [
-        *claims,
-        *_strongest(study),
-        _single_curves(),
-        _hardness_force(),
-    ]
+    return [*claims, *_strongest(study), _single_curves(), _hardness_force()]
 
 
 def _text(factor: settings.Factor) -> str:

@@ -56,10 +56,7 @@ def _train(
     if kind != 'two edges':
         return places, heights
     second = rng.uniform(0.5, 0.8) * (1.0 + 0.25 * rng.standard_normal(count))
-    return (
-        np.concatenate((places, places + 0.5 / per_turn)),
-        np.concatenate((heights, second)),
-    )
+    return (np.concatenate((places, places + 0.5 / per_turn)), np.concatenate((heights, second)))
 
 
 def measured(kind: str, number: int) -> tuple[float, bool] | None:

@@ -39,12 +39,7 @@ def relative(got, expected):
         quiet(defect='inner+outer+ball+cage', unbalance=1e-3),
         quiet('sawalhi2008', resonance_hz=0.0),
         quiet('mishra2017', bearing='6205', thermal_mode='physical'),
-        quiet(
-            defect='inner+outer',
-            load_angle=0.7,
-            outer_stiffness_x=4e6,
-            outer_damping_x=900.0,
-        ),
+        quiet(defect='inner+outer', load_angle=0.7, outer_stiffness_x=4e6, outer_damping_x=900.0),
     ],
     ids=['inner', 'outer', 'ball', 'all', 'no sensor', 'physical', 'aslant'],
 )

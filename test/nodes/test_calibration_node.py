@@ -437,6 +437,5 @@ def test_a_hidden_twin_with_a_defect_is_fitted_while_no_block_is_lost(nodes, pro
     check_complete(states, blocks)
     assert verdicts
     probe.until(
-        lambda: 'not ok' in probe.status('calibration: residual')[1],
-        'the status of the residual',
+        lambda: 'not ok' in probe.status('calibration: residual')[1], 'the status of the residual'
     )

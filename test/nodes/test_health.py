@@ -41,9 +41,7 @@ def test_trouble_with_the_temperature_is_logged_once_and_so_is_its_end(nodes, pr
 
         code = str(int(TemperatureStatus[status]))
         probe.until(
-            lambda: probe.status(INPUT)[2].get('temperature_status') == code,
-            status,
-            every=send,
+            lambda: probe.status(INPUT)[2].get('temperature_status') == code, status, every=send
         )
 
     expect('OK', 40.0)

@@ -236,11 +236,7 @@ def test_a_file_of_assets_takes_nested_tables(tmp_path):
             twin: {defect: inner, beta0: {delta_h: 0.2}, lubricant: {viscosity_40: 4.6e-05}}
         """)
     [pump] = read_assets(str(path), [])
-    assert pump.twin == {
-        'defect': 'inner',
-        'beta0.delta_h': 0.2,
-        'lubricant.viscosity_40': 46e-6,
-    }
+    assert pump.twin == {'defect': 'inner', 'beta0.delta_h': 0.2, 'lubricant.viscosity_40': 46e-6}
 
 
 @pytest.mark.parametrize(
