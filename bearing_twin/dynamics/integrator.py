@@ -176,18 +176,13 @@ def integrate(state, bearing, steps, gaps, resonator, first, scratch, acc_x, acc
             smooth = found == loaded
         if smooth:
             # Jerks times h: the sensor takes the cubic through all four.
-            bx, by, ex, ey = h * j[2], h * j[3], h * j1[2], h * j1[3]
+            x = a[2], h * j[2], a1[2], h * j1[2]
+            y = a[3], h * j[3], a1[3], h * j1[3]
             for k in range(reads):
-                acc_x[i * reads + k] = _weigh(resonator, k + 2, zx, wx, a[2], bx, a1[2], ex)
-                acc_y[i * reads + k] = _weigh(resonator, k + 2, zy, wy, a[3], by, a1[3], ey)
-            zx, wx = (
-                _weigh(resonator, 0, zx, wx, a[2], bx, a1[2], ex),
-                _weigh(resonator, 1, zx, wx, a[2], bx, a1[2], ex),
-            )
-            zy, wy = (
-                _weigh(resonator, 0, zy, wy, a[3], by, a1[3], ey),
-                _weigh(resonator, 1, zy, wy, a[3], by, a1[3], ey),
-            )
+                acc_x[i * reads + k] = _weigh(resonator[k + 2], zx, wx, x)
+                acc_y[i * reads + k] = _weigh(resonator[k + 2], zy, wy, y)
+            zx, wx = _weigh(resonator[0], zx, wx, x), _weigh(resonator[1], zx, wx, x)
+            zy, wy = _weigh(resonator[0], zy, wy, y), _weigh(resonator[1], zy, wy, y)
             v = sum3(v0, h / 2.0, a1, -h2 / 12.0, j1)
             q = sum3(q0, h2 / 6.0, a1, -h3 / 24.0, j1)
             further = sum3(
@@ -235,12 +230,10 @@ def _keep(state, q, v, a, j, sensor, loaded, near, further, faster, ahead):
 
 
 @compiled(inline=True, fast=FAST)
-def _weigh(resonator, i, z, w, a, j, a1, j1):
-    return (
-        (resonator[i, 0] * z + resonator[i, 1] * w)
-        + (resonator[i, 2] * a + resonator[i, 3] * j)
-        + (resonator[i, 4] * a1 + resonator[i, 5] * j1)
-    )
+def _weigh(row, z, w, housing):
+    """One row of `filters.resonator`; ``housing`` is a, h a', and both at the end of the step."""
+    a, j, a1, j1 = housing
+    return (row[0] * z + row[1] * w) + (row[2] * a + row[3] * j) + (row[4] * a1 + row[5] * j1)
 
 
 @compiled(fast=_IN_ORDER, borrows=True)

@@ -127,7 +127,7 @@ def advance(
         walk = machines[_LONG].jitter * normal_pair((first + done) // CHUNK, WALK, seed)[0]
         at = done - within
         left = min(float(first + at - faded), 0.0)
-        hz = _input(ramp, drift, fade, n, SHAFT_HZ, at, since_tick, left)
+        hz = input_at(ramp, drift, fade, n, SHAFT_HZ, at, since_tick, left)
         kind = _SHORT if machines[_LONG].stiff != 0 or hz > FAST_HZ else _LONG
         machine = machines[kind]
         if state.next_step != machine.step:
@@ -160,20 +160,22 @@ def _inputs(ramp, drift, fade, n, steps, at, since_tick, left):
     """
     inputs, growth = np.empty(INPUTS), np.empty(INPUTS)
     for i in range(INPUTS):
-        inputs[i] = _input(ramp, drift, fade, n, i, at, since_tick, left)
-        growth[i] = _growth(ramp, drift, fade, n, i, left) / steps
+        inputs[i] = input_at(ramp, drift, fade, n, i, at, since_tick, left)
+        growth[i] = growth_of(ramp, drift, fade, n, i, left) / steps
     return _as_inputs(inputs), _as_inputs(growth)
 
 
 @compiled(inline=True, fast=FAST)
-def _input(ramp, drift, fade, n, i, at, since_tick, left):
+def input_at(ramp, drift, fade, n, i, at, since_tick, left):
+    """Input ``i`` at a grid point, see `advance`; a fade ends after minus ``left`` samples."""
     slope = (ramp[1, i] - ramp[0, i]) / n
     added = drift[0, i] + drift[1, i] * (since_tick + at)
     return ramp[0, i] + slope * at + (added + fade[i] * left)
 
 
 @compiled(inline=True, fast=FAST)
-def _growth(ramp, drift, fade, n, i, left):
+def growth_of(ramp, drift, fade, n, i, left):
+    """Growth of input ``i`` per output sample."""
     grown = (ramp[1, i] - ramp[0, i]) / n + drift[1, i]
     return grown + fade[i] if left < 0.0 else grown
 
@@ -213,9 +215,11 @@ def _add_noise(level, seed, first, out):
 
 
 @compiled(inline=True, fast=FAST)
-def _instant(state, bearing, here, gaps):
-    """Fill a step and its gaps for the present phases and inputs, without the cage's walk."""
-    machine, inputs = bearing.machine, bearing.inputs
+def _instant(state, tables, values):
+    """Return a step and its gaps for the present phases and inputs, without the cage's walk."""
+    machine, inputs = tables.machines[_LONG], _as_inputs(values)
+    bearing = _bearing(tables, machine, inputs, Inputs(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    steps, gaps = np.empty(1, STEP), np.zeros((1, 4, tables.balls.shape[1]))
     hz = inputs.shaft_hz
     carried = hz * (1.0 - inputs.slip)
     turning = machine.ftf_order * carried
@@ -225,14 +229,8 @@ def _instant(state, bearing, here, gaps):
     place_balls(bearing, inputs.clearance, c, s, phases, rates, gaps, 0)
     open_gaps(bearing, phases, rates, inputs.depth, gaps, 0)
     shaft = (state.shaft_cos, state.shaft_sin)
-    drive(here, machine, inputs, bearing.growth, 0.0, turning, shaft)
-
-
-@compiled(inline=True)
-def _held(tables, values):
-    """Put together a bearing whose inputs do not change."""
-    none = Inputs(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    return _bearing(tables, tables.machines[_LONG], _as_inputs(values), none)
+    drive(steps[0], machine, inputs, bearing.growth, 0.0, turning, shaft)
+    return steps[0], gaps
 
 
 @compiled(inline=True)
@@ -254,14 +252,12 @@ def settle(states: Records, tables: Tables, values: FloatArray) -> None:
     """
     state, machine = states[0], tables.machines[_LONG]
     wrap_phases(state)
-    steps, gaps = np.empty(1, STEP), np.zeros((1, 4, tables.balls.shape[1]))
-    bearing = _held(tables, values)
-    _instant(state, bearing, steps[0], gaps)
-    foot_x, foot_y, inner = steps[0].foot_x, steps[0].foot_y, machine.inner_stiffness
+    step, gaps = _instant(state, tables, values)
+    foot_x, foot_y, inner = step.foot_x, step.foot_y, machine.inner_stiffness
     outer_x, outer_y = machine.outer_stiffness_x, machine.outer_stiffness_y
     compliance = 1.0 / inner + 1.0 / outer_x, 0.0, 1.0 / inner + 1.0 / outer_y
     foot = foot_x, foot_y
-    _, _, fx, fy = equilibrium(foot, bearing.inputs.k_b, compliance, gaps[0], foot)
+    _, _, fx, fy = equilibrium(foot, step.k_b, compliance, gaps[0], foot)
     state.q[0], state.q[1] = foot_x - fx / inner, foot_y - fy / inner
     state.q[2], state.q[3] = fx / outer_x, fy / outer_y
 
@@ -276,15 +272,14 @@ def start(states: Records, tables: Tables, values: FloatArray) -> None:
     """
     state, machine = states[0], tables.machines[_LONG]
     wrap_phases(state)
-    steps, gaps = np.empty(1, STEP), np.zeros((1, 4, tables.balls.shape[1]))
-    _instant(state, _held(tables, values), steps[0], gaps)
+    step, gaps = _instant(state, tables, values)
     q = (state.q[0], state.q[1], state.q[2], state.q[3])
     v = (state.v[0], state.v[1], state.v[2], state.v[3])
     a = (0.0, 0.0, 0.0, 0.0)
     j = a
     loaded, near = 0, FAR
     for _ in range(2):  # the jerk of the contact damping takes the acceleration found first
-        a, j, loaded, near = ring_rates(steps[0], gaps, 0, q, v, a, machine)
+        a, j, loaded, near = ring_rates(step, gaps, 0, q, v, a, machine)
     for i in range(4):
         state.a[i], state.j[i] = a[i], j[i]
     state.loaded, state.near = loaded, near
@@ -296,8 +291,7 @@ def start(states: Records, tables: Tables, values: FloatArray) -> None:
 def ball_forces(states: Records, tables: Tables, values: FloatArray) -> npt.NDArray[np.float32]:
     """Contact force of each ball, N, float32[n_balls], at the present state and inputs."""
     state, machine = states[0], tables.machines[_LONG]
-    steps, gaps = np.empty(1, STEP), np.zeros((1, 4, tables.balls.shape[1]))
-    _instant(state, _held(tables, values), steps[0], gaps)
+    _, gaps = _instant(state, tables, values)
     forces = np.zeros(machine.n_balls, dtype=np.float32)
     x, y = state.q[0] - state.q[2], state.q[1] - state.q[3]
     vx, vy = state.v[0] - state.v[2], state.v[1] - state.v[3]

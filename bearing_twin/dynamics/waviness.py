@@ -256,10 +256,8 @@ def look_up(surfaces, n_balls, phases, rates, room):
     inner_from = splat(_F(inner_part * inner_cells + inner_node))
     ball_from = splat(_F(ball_node))
     outer_turn, inner_turn = splat(_F(surfaces.outer)), splat(_F(surfaces.inner))
-    outer_rate, inner_rate = (
-        _F(rates[0] * surfaces.outer),
-        _F((rates[0] - rates[1]) * surfaces.inner),
-    )
+    outer_rate = _F(rates[0] * surfaces.outer)
+    inner_rate = _F((rates[0] - rates[1]) * surfaces.inner)
     ball_rate = _F(rates[2] / SPIN_TURNS * surfaces.ball)
     rows = room.shape[0] // (2 * L)
     for row in range(rows):
