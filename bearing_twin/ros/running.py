@@ -22,6 +22,7 @@ from bearing_twin.ros.lifecycle import refuses
 from bearing_twin.view.rerun.ending import leave
 import rclpy
 from rclpy.executors import ExternalShutdownException
+from rclpy.impl.implementation_singleton import rclpy_implementation
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from rclpy.executors import Executor
 
 
+RCLError: type[Exception] = rclpy_implementation.RCLError
 SLOW = 2.0
 """Time after which a node says why its preparation takes long, s."""
 THREAD = 'compiler'
@@ -135,11 +137,16 @@ def _work(node: ManagedNode) -> None:
         _prepare(node, executor)
         node.bring_up()
         executor.spin()
-    except Exception:
-        if node.context.ok():
-            raise
-        # INT and TERM end the context at once, under the hands of a callback that publishes.
-        raise ExternalShutdownException from None
+    except Exception as error:
+        if not node.context.ok():
+            # INT and TERM end the context at once, under the hands of a callback that publishes.
+            raise ExternalShutdownException from None
+        if isinstance(error, RCLError):
+            # Fast DDS 3.2 sends nothing at such a time and stands still for good: only a new
+            # process can work on.
+            msg = f'nothing can be sent ({error}); is the system clock beyond 2038?'
+            raise BearingTwinError(msg) from None
+        raise
 
 
 def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:

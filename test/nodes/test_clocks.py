@@ -3,6 +3,8 @@
 """Clocks that are set, and stamps that make no sense, end no node and fill no memory."""
 
 import random
+import subprocess
+import sys
 import time
 import tracemalloc
 import weakref
@@ -328,3 +330,27 @@ def test_a_former_life_of_a_node_is_freed(here):
     node.trigger_cleanup()
     node.trigger_configure()
     assert former() is None
+
+
+MUTE = """
+import sys
+from bearing_twin.nodes.adapter import NODE
+from bearing_twin.ros import running
+from bearing_twin.ros.health import Health
+def fail(*_):
+    raise running.RCLError('Failed to publish: cannot publish data')
+Health.publish = fail
+sys.exit(running.run(NODE, ['--ros-args', '-p', 'sample_rate:=1000.0']))
+"""
+
+
+@pytest.mark.ros
+def test_a_node_that_can_send_nothing_says_so_and_ends(ros_domain):
+    """As Fast DDS does beyond 2038, and for good: only a new process can work on."""
+    ran = subprocess.run(
+        [sys.executable, '-c', MUTE], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert ran.returncode == 1
+    assert 'adapter: nothing can be sent (Failed to publish' in ran.stderr
+    assert 'is the system clock beyond 2038?' in ran.stderr
+    assert 'Traceback' not in ran.stderr
