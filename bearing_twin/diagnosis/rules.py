@@ -453,9 +453,8 @@ def _elsewhere_explains(e: Evidence) -> Verdict | None:
 
 @_rule('suspect', 'A ball passes the load zone with the cage, so its comb has cage sidebands.')
 def _ball_without_cage_sidebands(e: Evidence) -> Verdict | None:
-    # Few cage turns resolve the sidebands badly: within 3 dB neither are the higher ones.
-    resolved = e.cage_turns >= CAGE_TURNS
-    least = max(SWAY, e.turning_sideband_ratio / (1.0 if resolved else RIVAL))
+    # A short window resolves the sidebands badly: within 3 dB neither are the higher ones.
+    least = max(SWAY, e.turning_sideband_ratio / (RIVAL if e.turns < HEALTHY_TURNS else 1.0))
     if e.leading.place != 'ball' or e.cage_sideband_ratio >= least:
         return None
     text = (

@@ -334,8 +334,8 @@ def test_a_name_that_needs_an_unlikely_slip_is_no_alarm():
 def test_a_ball_needs_higher_sidebands_of_the_cage_than_of_the_shaft():
     said = decide(Evidence.of(BALL, cage_sideband_ratio=0.4, turning_sideband_ratio=0.5))
     assert said.rule == 'ball_without_cage_sidebands'
-    # In a window of few cage turns neither is the higher one within 3 dB.
-    short = {'cage_sideband_ratio': 0.4, 'cage_turns': 12.0}
+    # In a short window neither is the higher one within 3 dB.
+    short = {'cage_sideband_ratio': 0.4, 'turns': 30.0}
     assert decide(Evidence.of(BALL, **short, turning_sideband_ratio=0.5)).result == 'ball'
     said = decide(Evidence.of(BALL, **short, turning_sideband_ratio=0.6))
     assert said.rule == 'ball_without_cage_sidebands'
