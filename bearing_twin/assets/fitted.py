@@ -234,7 +234,7 @@ class Sensor:
         """
         values = np.frombuffer(data, dtype='<f8') if len(data) % 8 == 0 else np.zeros(0)
         if len(values) != 2 * len(self._axes[0].memory) or not np.isfinite(values).all():
-            msg = 'saved state of a sensor is not one; start without it'
+            msg = 'saved state of a sensor is invalid; start without it'
             raise BearingTwinError(msg)
         for axis, memory in zip(self._axes, np.split(values, 2), strict=True):
             axis.memory[:] = memory

@@ -51,7 +51,7 @@ from one record to another that it is compared with. The lines of the shaft then
 within 0.1 % and nine tenths of its prominence; 10 % makes it up to 1.5 % too short."""
 SPEEDS = 32
 """Speeds at which a machine is known: in steps of 4 %, all from one to three and a half times."""
-_NOT_SAVED = 'saved residual is not one; use what was saved'
+_NOT_SAVED = 'saved residual is invalid; use what save() returned'
 
 
 def spectral_levels(

@@ -47,9 +47,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--out', type=Path, default=Path('runs'), help='folder for the run (default ./runs)'
     )
-    parser.add_argument(
-        '--domain-id', type=int, help='ROS domain (default: one in which nobody is)'
-    )
+    parser.add_argument('--domain-id', type=int, help='ROS domain (default: an unused one)')
     parser.add_argument('--no-rerun', action='store_true', help='write no Rerun recording')
     parser.add_argument('--json', action='store_true', help='print the result as JSON')
 

@@ -51,7 +51,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         'message (in x), or blocks as the diagnosis takes them',
     )
     parser.add_argument(
-        '--rate', '--sample-rate', type=float, metavar='HZ', help='sample rate; else what it says'
+        '--rate', '--sample-rate', type=float, metavar='HZ', help='sample rate, if not in the file'
     )
     parser.add_argument('--topic', help='default: samples, imu or vibration')
     parser.add_argument('--loop', action='store_true', help='start again at the end')
@@ -61,7 +61,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--block', type=int, default=1024, metavar='N', help='samples a message (default 1024)'
     )
-    parser.add_argument('--unit', choices=UNITS, help='of vibration; else what it says')
+    parser.add_argument('--unit', choices=UNITS, help='unit of the vibration, if not in the file')
     parser.add_argument('--frame-id', default='accelerometer', help='default accelerometer')
 
 
@@ -103,7 +103,7 @@ def _play(signal: Signal, args: argparse.Namespace) -> int:
         said = time.monotonic() + LISTENER_WAIT
         while not publisher.get_subscription_count() and rclpy.ok():
             if time.monotonic() > said:
-                print(f'waiting: nobody listens to {publisher.topic_name} yet', flush=True)
+                print(f'waiting: {publisher.topic_name} has no subscriber yet', flush=True)
                 said = math.inf
             time.sleep(0.02)
         rounds = ', again and again until Ctrl-C' if args.loop else ''

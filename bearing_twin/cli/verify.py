@@ -54,8 +54,8 @@ def _summary(result: Reproduction) -> str:
         return 'NOT identical'
     if result.uncompared:
         return (
-            f'NOT compared: {", ".join(result.uncompared)}; no checkpoint to begin with was '
-            'recorded, or not what it was made of'
+            f'NOT compared: {", ".join(result.uncompared)}; the checkpoint to begin from, '
+            'or the inputs after it, were not recorded'
         )
     skipped = sum(agreement.skipped for agreement in agreements)
     missing = sum(agreement.missing for agreement in agreements)

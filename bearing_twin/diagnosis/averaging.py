@@ -96,7 +96,7 @@ class AveragedEnvelope:
         fits = power.shape == self.power.shape and power.dtype == self.power.dtype
         known = count >= 0 and 0.0 <= turns < math.inf and (turns > 0.0 or count == 0)
         if not (fits and known and np.isfinite(power).all() and (power >= 0.0).all()):
-            msg = f'saved average of {count} snapshots is none; use what save() returned'
+            msg = f'saved average of {count} snapshots is invalid; use what save() returned'
             raise BearingTwinError(msg)
         self.count, self.turns, self.power = count, turns, power
 

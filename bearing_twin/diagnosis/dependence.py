@@ -328,7 +328,7 @@ class HealthyRecord:
         sound = self.span >= 1 and min(self.passed, self.fitted) >= 0
         sound &= len({len(row) for row in self.rows}) < 2
         if not (sound and all(row[2:] and np.isfinite(row[2:]).all() for row in self.rows)):
-            msg = 'saved record of a healthy machine is not one; use what save() returned'
+            msg = 'saved record of a healthy machine is invalid; use what save() returned'
             raise BearingTwinError(msg)
 
     @property

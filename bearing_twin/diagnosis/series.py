@@ -90,7 +90,7 @@ class _Kept:
     def __post_init__(self) -> None:
         """Refuse, of a saved series, a level that none is."""
         if self.held not in LEVELS:
-            msg = f'the saved level {self.held!r:.60} is none; use what save() returned'
+            msg = f'saved level {self.held!r:.60} is invalid; use what save() returned'
             raise BearingTwinError(msg)
 
 

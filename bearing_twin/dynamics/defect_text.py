@@ -123,8 +123,8 @@ def _values(place: str, given: str) -> dict[str, Any]:
         key, _, value = (part.strip() for part in word.partition('='))
         if key not in _KEYS or key in values:
             msg = (
-                f'{place} defect: {word.strip()!r} gives none of {", ".join(_KEYS)} once; write '
-                f"'{place}:width=0.001,angle=1.57'"
+                f'{place} defect: {word.strip()!r} is not one of {", ".join(_KEYS)}, each once; '
+                f"write '{place}:width=0.001,angle=1.57'"
             )
             raise BearingTwinError(msg)
         try:

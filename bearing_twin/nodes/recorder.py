@@ -265,7 +265,7 @@ class RecorderNode(ManagedNode):
             )
         texts = [
             'waiting for the first time on /clock' if self._early else '',
-            'none of the chosen topics is there' if self.active and not self._topics else '',
+            'none of the chosen topics exists' if self.active and not self._topics else '',
             f'{len(left_out)} topics are not recorded, or not in each type' if left_out else '',
             f'{lost} messages were lost on the way' if lost else '',
             f'{writer.lost} messages were lost by the disk' if writer.lost else '',

@@ -63,8 +63,8 @@ class WriterOptions:
     """Most bytes that wait in memory while the disk takes none."""
     sync_period: float = quantity(
         5.0,
-        'Time after which the disk is told to keep what it was given, without waiting for it: '
-        'what power loss can cost, besides flush_period',
+        'Interval of synchronising the files with the disk, in the background. A loss of power '
+        'costs at most this and flush_period',
         's',
         0.0,
         3600.0,

@@ -154,8 +154,8 @@ def test_defects_of_their_own_sizes_and_places():
     ('given', 'said'),
     [
         ({'defect': 'moon:width=0.001'}, "'moon'; choose none or one of inner"),
-        ({'defect': 'inner:size=0.001'}, "'size=0.001' gives none of width, depth"),
-        ({'defect': 'inner:width=1e-3,width=2e-3'}, 'gives none of .* once'),
+        ({'defect': 'inner:size=0.001'}, "'size=0.001' is not one of width, depth"),
+        ({'defect': 'inner:width=1e-3,width=2e-3'}, 'is not one of .* each once'),
         ({'defect': 'inner:width=1mm'}, r"width='1mm' is not a number \(in m"),
         ({'defect': 'ball:ball=1.5'}, "ball='1.5' is not a whole number"),
         ({'defect': 'ball:ball=8'}, 'balls 0..7'),

@@ -37,7 +37,7 @@ PATHS = ('output', 'rerun_file', 'state_directory', 'recording', 'assets_file', 
 TERMS = (
     (
         'BPFO, BPFI',
-        'ball pass frequency of the outer and inner race: how often a defect is struck',
+        'ball pass frequency of the outer and inner race: how often balls roll over a defect',
     ),
     ('BSF', 'ball spin frequency; a defect of a ball strikes both races, so at 2 x BSF'),
     ('FTF', 'fundamental train frequency: the speed of the cage'),

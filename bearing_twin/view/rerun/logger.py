@@ -235,7 +235,7 @@ class RerunLogger:
         finally:
             if self._served is not None and not self._served.close():
                 logging.getLogger(__name__).warning(
-                    'a viewer does not read; what it has not seen is dropped'
+                    'a viewer does not read; its unread data are dropped'
                 )
 
     def __enter__(self) -> RerunLogger:
