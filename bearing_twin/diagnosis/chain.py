@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 import itertools
 import math
 import threading
@@ -47,10 +47,23 @@ if TYPE_CHECKING:
 
 
 _CLEARER = 1.1
+_KEPT_BYTES = 1 << 21
+"""More than any array of a window of 8 s at 25.6 kHz has."""
 _NO_ZONE = (
     f'no zone of ISO 20816-3: below {60.0 * SLOW_HZ:g} 1/min its velocity is that from 2 Hz on, '
     'and this one is from 10 Hz on'
 )
+
+
+@cache
+def _keep_memory() -> None:
+    """
+    Have the C library keep the memory of a window for the next.
+
+    Glibc takes an array larger than any that it has seen freed from the system, page by page, and
+    gives it back (``M_MMAP_THRESHOLD``), which took up to a third of the time of a verdict.
+    """
+    np.empty(_KEPT_BYTES, np.uint8)
 
 
 class Stretch:
@@ -202,6 +215,7 @@ class Excerpt:
 
     def analyse(self) -> Analysis:
         """Analyse the samples: most of the work of a verdict, and a function of them alone."""
+        _keep_memory()
         rate, bearing = self.sample_rate, self.bearing
         turning = self.turning
         mean_hz = turning.mean_hz

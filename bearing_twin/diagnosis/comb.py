@@ -9,6 +9,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.kernels import best_bands, comb_sums, three_bins
+from bearing_twin.diagnosis.spectra import quantiles
 import numpy as np
 
 if TYPE_CHECKING:
@@ -251,25 +252,11 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
     step = spectra.step / HARMONICS
     grid = np.arange(_LOWEST_ORDER, highest_order, step)
     # Neighbours share bins: every fourth tells the distribution as well.
-    center, upper = _quantiles(_sums(spectra, grid[::4]).T)
+    center, upper = quantiles(_sums(spectra, grid[::4]).T)
     inverse = np.float32(1.0) / np.maximum(upper - center, np.float32(1e-3))
     plain = CombScores(grid, grid, center, inverse, 0.0, 1.0, whitenings)
     best = plain.score(spectra, grid)
-    best_center, best_upper = (float(q) for q in _quantiles(best))
+    best_center, best_upper = (float(q) for q in quantiles(best))
     best_spread = max(best_upper - best_center, 1e-3)
     z = (best - best_center) / best_spread
     return replace(plain, z=z, best_center=best_center, best_spread=best_spread)
-
-
-def _quantiles(
-    values: NDArray[np.floating],
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Median and 84 % quantile along the last axis."""
-    middle, upper = values.shape[-1] // 2, int(0.8413 * values.shape[-1])
-    ordered = np.array(values, order='C')
-    # One at a time: numpy has no fast way for two.
-    ordered.partition(middle, axis=-1)
-    center = ordered[..., middle].copy()
-    above = ordered[..., middle:]
-    above.partition(upper - middle, axis=-1)
-    return center, above[..., upper - middle]

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.spectra import local_floor
+from bearing_twin.diagnosis.spectra import local_floor, quantiles
 from bearing_twin.diagnosis.thresholds import (
     CARRIER,
     MAINS_HZ,
@@ -84,7 +84,7 @@ def low_lines(
     near = np.arange((1.0 - UNLIKELY_SLIP) * outer_hz, (1.0 - SLIP[0]) * outer_hz, step)
     beside = np.concatenate((np.linspace(0.7, 0.9, 150), np.linspace(1.1, 1.3, 150)))
     null = scores(outer_hz * beside)
-    center, upper = np.quantile(null, (0.5, 0.8413))
+    center, upper = (float(q) for q in quantiles(null))
     score = scores(near)
     best = int(np.argmax(score))
     if score[best] < center + Z_ELSEWHERE * max(upper - center, 1e-3):

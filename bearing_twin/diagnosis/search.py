@@ -98,6 +98,19 @@ class CombSearch:
     ) -> Candidate:
         """Best comb of a place within a range of slip; in other spectra where they are given."""
         spectra = spectra or self.spectra
+        found, slip, z = self._peak(place, spectra, slips)
+        bands = self._scores.bands(spectra, found)
+        index, band = modulation_index(spectra, found, bands[0], place)
+        harmonics = found * np.arange(1, HARMONICS + 1)
+        alive = int((~self._silent[spectra.rows(harmonics)]).sum())
+        tested = place in _RACES and z >= Z_FAULT
+        sidebands = sideband_ratio(spectra, found, band) if tested else UNTESTED
+        return Candidate(place, found, slip, z, index, band, alive, sidebands)
+
+    def _peak(
+        self, place: str, spectra: OrderSpectra, slips: tuple[float, float] = SLIP
+    ) -> tuple[float, float, float]:
+        """Order, slip and score of the best comb of a place within a range of slip."""
         order = self.orders.impacts(place)
         slope = (self._slipped.impacts(place) - order) / SLIP[1]
         ends = sorted(order + slope * slip for slip in slips)
@@ -111,16 +124,7 @@ class CombSearch:
         slip = away / slope
         z = z - (slip / SLIP_COST) ** 2
         at = int(np.argmax(z))
-        found = float(grid[at])
-        bands = self._scores.bands(spectra, found)
-        index, band = modulation_index(spectra, found, bands[0], place)
-        harmonics = found * np.arange(1, HARMONICS + 1)
-        alive = int((~self._silent[spectra.rows(harmonics)]).sum())
-        tested = place in _RACES and z[at] >= Z_FAULT
-        sidebands = sideband_ratio(spectra, found, band) if tested else UNTESTED
-        return Candidate(
-            place, found, float(slip[at]), float(z[at]), index, band, alive, sidebands
-        )
+        return float(grid[at]), float(slip[at]), float(z[at])
 
     def strongest_anywhere(self, *, beyond: bool = False) -> Candidate:
         """
@@ -187,7 +191,7 @@ class CombSearch:
         sides = np.concatenate([g * np.arange(-_SIDEBANDS, _SIDEBANDS + 1) for g in (1.0, gap)])
         lines = cause.order * np.arange(1, int(self.top / cause.order) + 2)[:, None] + sides
         rest = self.spectra.silenced(lines.ravel(), 2.0 * self.spectra.step)
-        return self.best(other.place, rest).z
+        return self._peak(other.place, rest)[2]
 
     def high_harmonics_ratio(self, candidate: Candidate) -> float:
         """Power of the fifth to eighth harmonic of a comb over that of the first four."""
@@ -315,11 +319,12 @@ class CombSearch:
         It does at any slip that the place may have: an order that is not a whole number slips on
         to one. Impacts have all harmonics there; blades, vanes and lobes pulse smoothly.
         """
-        found = self.best(place, self._all)
-        slack = self._uncertainty * found.order + 1.25 * self._all.step
-        if abs(found.order - round(found.order)) > slack:
+        order, _, z = self._peak(place, self._all)
+        slack = self._uncertainty * order + 1.25 * self._all.step
+        if z < Z_FAULT or abs(order - round(order)) > slack:
             return None
-        shown = found.z >= Z_FAULT and found.index >= INDEX_FAULT
+        found = self.best(place, self._all)
+        shown = found.index >= INDEX_FAULT
         return found if shown and not self.smooth(found, masked=True) else None
 
     def without(self, candidate: Candidate) -> OrderSpectra:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.diagnosis.spectra import local_floor
+from bearing_twin.diagnosis.spectra import local_floor, quantiles
 from bearing_twin.diagnosis.thresholds import Z_ELSEWHERE
 import numpy as np
 
@@ -117,8 +117,8 @@ def _comb(logs: NDArray[np.float32], bin_hz: float, hertz: NDArray[np.floating])
 
 def _standardised(scores: NDArray[Any], null: NDArray[Any]) -> NDArray[Any]:
     """Scores in upper standard deviations over the median of a null."""
-    center = float(np.median(null))
-    return np.asarray((scores - center) / max(float(np.quantile(null, 0.8413)) - center, 1e-3))
+    center, upper = (float(q) for q in quantiles(null))
+    return np.asarray((scores - center) / max(upper - center, 1e-3))
 
 
 def other_shafts_hz(

@@ -106,6 +106,26 @@ def _between(
     return bins, weight
 
 
+def quantiles(
+    values: NDArray[np.floating],
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """
+    Median and 84 % quantile along the last axis.
+
+    >>> [float(found) for found in quantiles(np.arange(100.0))]
+    [50.0, 84.0]
+
+    """
+    middle, upper = values.shape[-1] // 2, int(0.8413 * values.shape[-1])
+    ordered = np.array(values, order='C')
+    # One at a time: numpy has no fast way for two.
+    ordered.partition(middle, axis=-1)
+    center = ordered[..., middle].copy()
+    above = ordered[..., middle:]
+    above.partition(upper - middle, axis=-1)
+    return center, above[..., upper - middle]
+
+
 def line_cap(turns: float) -> float:
     """
     Power over the floor at which a line is capped, for a window of so many shaft turns.

@@ -36,10 +36,6 @@ _STEADY = 1e-4
 its width in 8 s."""
 
 
-_KEPT_BYTES = 1 << 21
-"""More than any array of a window of 8 s at 25.6 kHz has."""
-
-
 LOWEST_RATE, HIGHEST_RATE = 1.0, 1e9
 """Sample rates of a stream, Hz: an update is at least a sample, and a window ends."""
 
@@ -126,17 +122,6 @@ class Cut(NamedTuple):
         return self.stretch * self.update
 
 
-@functools.cache
-def _keep_memory() -> None:
-    """
-    Have the C library keep the memory of a window for the next.
-
-    Glibc takes an array larger than any that it has seen freed from the system, page by page, and
-    gives it back (``M_MMAP_THRESHOLD``): a third of the time of a verdict.
-    """
-    np.empty(_KEPT_BYTES, np.uint8)
-
-
 class StreamingDiagnoser:
     """
     Sliding-window diagnosis of one axis of one sensor.
@@ -169,7 +154,6 @@ class StreamingDiagnoser:
     """
 
     def __init__(self, bearing: Bearing, settings: DiagnosisSettings | None = None) -> None:
-        _keep_memory()
         self._bearing = bearing
         self._settings = settings or DiagnosisSettings()
         self._earlier: deque[tuple[int, OrderSpectra]] = deque()
