@@ -33,6 +33,8 @@ FIGURES = {
     'alike_bearings_per_core': Figure('bearings', 'the same with one defect and one speed'),
     'fleet_two_threads': Figure('', 'speed of a fleet with two threads over one', '> 1.8'),
     'diagnosis_ms': Figure('ms', 'verdict on one second at 25.6 kHz', '< 1000'),
+    'stream_verdict_ms': Figure('ms', 'verdict a second on a window of 8 s of a stream', '< 1000'),
+    'stream_verdict_ratio': Figure('', 'time of it over that of a whole record of 8 s', '< 1'),
     'kurtogram_ms': Figure('ms', 'fast kurtogram of PySDKit of the same second'),
     'kurtogram_ratio': Figure('', 'time of a verdict over that of a kurtogram', '< 1'),
     'offline_rtf': Figure('s/s', 'recorded seconds a second, twin, diagnosis and MCAP', '> 1'),
