@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass, field, replace
@@ -229,8 +230,10 @@ def _on_dask(tasks: Sequence[Task], address: str) -> Iterator[dict[str, Any]]:
         size = min(MOST_AT_ONCE, max(1, len(tasks) // turns))
         parts = [tasks[k : k + size] for k in range(0, len(tasks), size)]
         # A worker that dies takes no file with it: the scheduler gives its files to another.
-        futures = client.map(_diagnose_files, parts, pure=False, retries=3)
-        for part, future in zip(parts, futures, strict=True):
+        futures = deque(client.map(_diagnose_files, parts, pure=False, retries=3))
+        for part in parts:
+            # A worker keeps answers for as long as there is a future of them.
+            future = futures.popleft()
             failure = future.exception()
             if failure is None:
                 yield from future.result()
