@@ -221,18 +221,13 @@ DIAGNOSIS = (
         from_zero=True,
     ),
     _one('level', 'Vibration level [unit] rms', 'blue', 'rms', from_zero=True),
-    _one('velocity', 'Velocity [mm/s rms] 10 to 1000 Hz', 'green', 'velocity_rms', from_zero=True),
+    _one('velocity', 'Velocity [mm/s rms]', 'green', 'velocity_rms', from_zero=True),
     Panel(
         'baseline',
-        'Level over its own baseline [dB]',
+        'Level over its baseline [dB]',
         (
             Trend('baseline', 'over baseline', LINE['orange'], 'level_over_baseline'),
-            Trend(
-                'correction',
-                'taken off for temperature and speed',
-                LINE['red'],
-                'level_correction',
-            ),
+            Trend('correction', 'correction', LINE['red'], 'level_correction'),
         ),
         (
             Limit(

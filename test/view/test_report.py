@@ -17,8 +17,10 @@ from bearing_twin.view.over_temperature import STRIP_SECONDS
 from bearing_twin.view.report.appendix import off_default
 from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.page import report_page
-from bearing_twin.view.report.plots import appended_figures, figures
+from bearing_twin.view.report.plots import _mark_limits, _patches, appended_figures, figures
+from bearing_twin.view.trends import zone_limits
 from copies import put
+from matplotlib.figure import Figure
 import numpy as np
 import pytest
 import yaml
@@ -236,8 +238,42 @@ def test_a_velocity_that_decides_is_drawn_beside_what_decides(recording, zone, v
     # In place of the level, so that the page stays two sheets.
     assert ('Velocity' in deciding, 'Velocity' in other) == (decides, not decides)
     assert ('Vibration level' in deciding, 'Vibration level' in other) == (not decides, decides)
-    marks = [mark for mark in 'BCD' if f'>{mark}</text>' in (deciding if decides else other)]
-    assert marks == (['B', 'C', 'D'] if zone else ['D'])
+    # Zones closer than letters are high have one mark.
+    assert f'>{"B, C, D" if zone else "D"}</text>' in (deciding if decides else other)
+
+
+def test_the_last_verdict_ends_with_the_recording(recording):
+    (machine,) = machines_of(recording).values()
+    (last, _), duration = machine.diagnoses[-1], machine.vibration[-1][0]
+    assert last <= machine.end == pytest.approx(duration, abs=0.1)
+    axes = Figure().subplots()
+    (patch,) = _patches(axes, machine).values()
+    assert patch.get_x() + patch.get_width() == pytest.approx(machine.end)
+
+
+@pytest.mark.parametrize(
+    ('left_out', 'caption'),
+    [
+        ([], 'Verdict, temperature and vibration over time'),
+        (['measured', 'states'], 'Verdict and vibration over time'),
+        (['measured', 'states', 'diagnoses'], 'Vibration over time'),
+    ],
+)
+def test_the_caption_of_the_history_names_what_it_shows(recording, left_out, caption):
+    (machine,) = machines_of(recording).values()
+    for name in left_out:
+        getattr(machine, name).clear()
+    assert caption in dict(figures(machine, 'a'))
+
+
+def test_limits_too_close_for_letters_share_a_mark():
+    axes = Figure().subplots()
+    axes.set_ylim(0.0, 20.0)
+    _mark_limits(axes, zone_limits(2, 'rigid'))
+    assert [text.get_text() for text in axes.texts] == ['B, C, D']
+    axes.set_ylim(0.0, 5.0)
+    _mark_limits(axes, zone_limits(2, 'rigid'))
+    assert [text.get_text() for text in axes.texts[1:]] == ['B', 'C', 'D']
 
 
 def test_a_level_over_baseline_has_its_limits_and_takes_no_third_sheet(recording):

@@ -63,7 +63,7 @@ PAGES = {
         'Significance [σ over noise]',
         'Modulation index [1]',
         'Vibration level [m/s²] rms',
-        'Velocity [mm/s rms] 10 to 1000 Hz',
+        'Velocity [mm/s rms]',
         'Kurtosis [1], crest factor green',
         'Colours',
     },

@@ -49,6 +49,7 @@ TERMS = (
     ),
     ('squared envelope spectrum', 'how often a band of high frequency swells and fades'),
     ('level', 'root mean square (rms) of the acceleration'),
+    ('velocity', 'root mean square of 10 to 1000 Hz, by which ISO 20816-3 judges a machine'),
     ('crest factor', 'largest magnitude over rms'),
     ('kurtosis', '3 for noise, more for impacts; falls again late, so it is no measure of damage'),
     ('ISO 20816-3 zone', 'A new, B long operation, C limited operation, D damage is possible'),

@@ -76,6 +76,12 @@ class Machine:
         return next((str(name) for name in named if name), '')
 
     @property
+    def end(self) -> float:
+        """When the last of what is plotted over time was received, s."""
+        plotted = self.diagnoses, self.measured, self.vibration, self.states
+        return max((items[-1][0] for items in plotted if items), default=0.0)
+
+    @property
     def only_vibration(self) -> bool:
         """Whether no twin and no verdict is in it."""
         return not (self.diagnoses or self.headline.spectra or self.states)

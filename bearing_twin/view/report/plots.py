@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 
 DECIDING = ('significance', 'modulation', 'baseline')
 """Panels of the evidence that are not in the appendix, beside level or velocity."""
+CLOSE = 0.22
+"""Part of the height of a panel that a line of letters takes."""
 
 
 def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
@@ -94,13 +96,13 @@ def _times(items: Sequence[tuple[float, Any]]) -> NDArray[np.float64]:
 
 
 def _history(machine: Machine) -> tuple[str, Figure] | None:
-    panels: list[Callable[[Axes], None]] = []
+    panels: list[tuple[str, Callable[[Axes, Machine], None]]] = []
     if machine.diagnoses:
-        panels.append(lambda axes: _lane(axes, machine))
+        panels.append(('verdict', _lane))
     if machine.measured or machine.states:
-        panels.append(lambda axes: _temperature(axes, machine))
+        panels.append(('temperature', _temperature))
     if machine.vibration:
-        panels.append(lambda axes: _level(axes, machine))
+        panels.append(('vibration', _level))
     if not panels:
         return None
     heights = [0.4 if machine.diagnoses and k == 0 else 1.0 for k in range(len(panels))]
@@ -108,10 +110,12 @@ def _history(machine: Machine) -> tuple[str, Figure] | None:
     rows = figure.subplots(
         len(panels), sharex=True, squeeze=False, gridspec_kw={'height_ratios': heights}
     )[:, 0]
-    for axes, panel in zip(rows, panels, strict=True):
-        panel(axes)
+    for axes, (_, panel) in zip(rows, panels, strict=True):
+        panel(axes, machine)
     rows[-1].set_xlabel('time since the start of the recording [s]')
-    return 'Verdict, temperature and vibration over time', figure
+    *names, last = (name for name, _ in panels)
+    shown = f'{", ".join(names)} and {last}' if names else last
+    return f'{shown.capitalize()} over time', figure
 
 
 def verdicts_over_time(machines: Sequence[Machine]) -> list[tuple[str, str]]:
@@ -137,17 +141,17 @@ def verdicts_over_time(machines: Sequence[Machine]) -> list[tuple[str, str]]:
 def _patches(axes: Axes, machine: Machine, row: int = 0) -> dict[str, Rectangle]:
     """Draw the verdicts of a machine in the row that begins at ``row``; return one of each."""
     times = _times(machine.diagnoses)
-    # A verdict holds until the next; the last one as long as they usually do.
-    usual = float(np.median(np.diff(times))) if times.size > 1 else 1.0
-    ends = np.append(times[1:], times[-1] + usual)
+    # A verdict holds until the next, the last one until the recording ends.
+    ends = np.append(times[1:], machine.end)
     names = [str(message.result_name) for _, message in machine.diagnoses]
     changes = [k for k in range(len(names)) if k == 0 or names[k] != names[k - 1]]
     seen: dict[str, Rectangle] = {}
     for first, after in zip(changes, [*changes[1:], len(names)], strict=True):
         colour = VERDICT_COLOURS.get(names[first], VERDICT_COLOURS['insufficient'])
         begin = times[first]
+        # One that came at the very end is a line.
         patch = Rectangle(
-            (begin, row + 0.1), ends[after - 1] - begin, 0.8, facecolor=colour, linewidth=0.0
+            (begin, row + 0.1), ends[after - 1] - begin, 0.8, color=colour, linewidth=0.5
         )
         axes.add_patch(patch)
         seen.setdefault(TITLES.get(names[first], names[first]), patch)
@@ -224,7 +228,8 @@ def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
         part = (strip.temperature - coldest) / span if np.isfinite(coldest) else 0.0
         colours.append((0.08 + 0.7 * part, 0.35 - 0.2 * part, 0.75 - 0.6 * part))
     axes.add_collection(LineCollection(lines, colors=colours, linewidths=0.6))
-    named = range(0, len(strips), 1 + len(strips) // 8)
+    # Rows are lower than letters.
+    named = range(0, len(strips), max(2, 1 + len(strips) // 8))
     axes.set_yticks(named)
     temperatures = [strips[k].temperature for k in named]
     axes.set_yticklabels(
@@ -371,15 +376,9 @@ def _panels(
         of = {trend.key: values for trend, values in lines}
         if panel.band and of.keys() >= set(panel.band):
             axes.fill_between(time, *(of[key] for key in panel.band), color='#bbdefb')
-        for limit in zones if panel.key == 'velocity' else panel.limits:
-            dashes = (4, 2) if limit.look == 'limit' else (1, 2)
-            axes.axhline(limit.value, color='#616161', linewidth=0.8, dashes=dashes)
-            axes.annotate(
-                limit.mark, (1.0, limit.value), (0, 1), xycoords=('axes fraction', 'data'),
-                textcoords='offset points', ha='right', color='#616161', fontsize='small',
-            )  # fmt: skip
         title = panel.title.replace('[unit]', f'[{pretty(unit)}]')
         axes.set_title('\n'.join(wrap(title, 90 // columns)))
+        _draw_limits(axes, zones if panel.key == 'velocity' else panel.limits)
         if panel.from_zero:
             axes.set_ylim(bottom=0.0)
         if len(lines) > 1:
@@ -387,6 +386,7 @@ def _panels(
                 named.setdefault(str(line.get_label()), line)
         axes.yaxis.set_major_locator(MaxNLocator(4))
         axes.ticklabel_format(useOffset=False)
+        _mark_limits(axes, zones if panel.key == 'velocity' else panel.limits)
     for axes in grid[len(shown) :]:
         axes.remove()
     for axes in grid[: len(shown)][-columns:]:
@@ -395,3 +395,26 @@ def _panels(
     if named:
         figure.legend(named.values(), named, loc='outside upper right', ncols=len(named))
     return caption, figure
+
+
+def _draw_limits(axes: Axes, limits: Sequence[Limit]) -> None:
+    for limit in limits:
+        dashes = (4, 2) if limit.look == 'limit' else (1, 2)
+        axes.axhline(limit.value, color='#616161', linewidth=0.8, dashes=dashes)
+
+
+def _mark_limits(axes: Axes, limits: Sequence[Limit]) -> None:
+    """Name the limits at the right; those closer than letters are high, above the highest."""
+    low, high = axes.get_ylim()
+    rows: list[list[Limit]] = []
+    for limit in sorted((limit for limit in limits if limit.mark), key=lambda limit: limit.value):
+        if rows and limit.value - rows[-1][-1].value < CLOSE * (high - low):
+            rows[-1].append(limit)
+        else:
+            rows.append([limit])
+    for row in rows:
+        axes.annotate(
+            ', '.join(limit.mark for limit in row), (1.0, row[-1].value), (0, 1),
+            xycoords=('axes fraction', 'data'), textcoords='offset points', ha='right',
+            color='#616161', fontsize='small',
+        )  # fmt: skip
