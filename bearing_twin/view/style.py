@@ -65,16 +65,32 @@ FAMILIES = (
 
 _VERDICT_COLOURS: dict[str, Colour] = {
     'healthy': (56, 142, 60),
-    'inner': (211, 47, 47),
-    'outer': (173, 20, 87),
-    'ball': (230, 81, 0),
-    'cage': (142, 36, 170),
-    'suspect': (249, 168, 37),
+    'suspect': (255, 193, 7),
     'ambiguous': (121, 85, 72),
     'insufficient': (117, 117, 117),
+    **{family.key: family.colour for family in FAMILIES},
 }
 VERDICTS = tuple(State(key, TITLES[key], _VERDICT_COLOURS[key]) for key in RESULTS)
-"""By the constants of Diagnosis.result. Green is healthy, grey is none, all else wants a look."""
+"""
+By the constants of Diagnosis.result. Green is healthy, grey is none, all else wants a look.
+
+A fault has the colour of its lines.
+"""
+
+
+def ink(ground: Colour) -> str:
+    """
+    Return the colour of letters that can be read on a ground.
+
+    Examples
+    --------
+    >>> ink((255, 193, 7)), ink((229, 57, 53))
+    ('black', 'white')
+
+    """
+    luminance = sum(w * c for w, c in zip((0.2126, 0.7152, 0.0722), ground, strict=True))
+    return 'black' if luminance > 140.0 else 'white'
+
 
 TEMPERATURE_STATES = (
     State('ok', 'temperature ok', (56, 142, 60)),

@@ -40,6 +40,9 @@ def title_of(diagnosis: Any) -> str:
         return f'{" and ".join(places)} fault'.capitalize()
     if result in ('suspect', 'ambiguous') and places:
         return f'{title}: {" or ".join(places)}'
+    if result == 'ambiguous' and diagnosis.level == FAULT:
+        # The vibration alone tells, as that of a worn-out bearing.
+        return f'{title}: fault, place unknown'
     return title
 
 

@@ -6,6 +6,7 @@ import math
 from types import SimpleNamespace
 
 from bearing_twin.bearing.vocabulary import PLACES, TITLES
+from bearing_twin.view.style import FAMILIES, VERDICTS
 from bearing_twin.view.trends import OVER_LIMITS
 from bearing_twin.view.verdict import (
     facts,
@@ -115,6 +116,19 @@ def test_every_place_is_in_the_title():
     unsure.faults = ['ball', 'cage']
     assert title_of(unsure) == 'Ambiguous: ball or cage'
     assert title_of(verdict('healthy')) == 'Healthy'
+
+
+def test_a_high_level_without_a_place_is_headed_as_a_fault():
+    assert title_of(verdict('ambiguous')) == 'Ambiguous: fault, place unknown'
+    quiet = verdict('ambiguous')
+    quiet.level = LEVEL_CONSTANT[LEVEL['suspect']]
+    assert title_of(quiet) == 'Ambiguous'
+
+
+def test_a_fault_has_the_colour_of_its_lines():
+    colours = {state.key: state.colour for state in VERDICTS}
+    assert all(colours[family.key] == family.colour for family in FAMILIES)
+    assert len(set(colours.values())) == len(colours)
 
 
 def test_a_machine_in_zone_d_is_not_only_recorded_again():

@@ -20,9 +20,8 @@ h1 { font-size: 22px; margin: 0 0 4px; overflow-wrap: anywhere; }
 h2 { font-size: 17px; margin: 24px 0 6px; border-bottom: 1px solid #bdbdbd;
   overflow-wrap: anywhere; }
 p.sub { color: #616161; margin: 0 0 10px; }
-.verdict { color: #fff; border-radius: 6px; padding: 10px 16px; margin: 10px 0;
+.verdict { border-radius: 6px; padding: 10px 16px; margin: 10px 0;
   print-color-adjust: exact; -webkit-print-color-adjust: exact; overflow-wrap: anywhere; }
-.verdict.suspect { color: #212121; }
 td.verdict { border-radius: 0; padding: 2px 8px; font-weight: 600; }
 .wide { overflow-x: auto; } .wide table { min-width: 660px; } .wide th { width: auto; }
 .wide td { overflow-wrap: normal; } .wide tr > :first-child { min-width: 10em; }

@@ -19,9 +19,9 @@ from bearing_twin.view.report.appendix import appendix
 from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.html import CSS, table
 from bearing_twin.view.report.plots import appended_figures, figures, verdicts_over_time
-from bearing_twin.view.report.svg import VERDICT_COLOURS
+from bearing_twin.view.report.svg import hex_colour
 from bearing_twin.view.source import bearing_in_words
-from bearing_twin.view.style import FAMILIES
+from bearing_twin.view.style import FAMILIES, ink, VERDICTS
 from bearing_twin.view.trends import recorded
 from bearing_twin.view.verdict import (
     facts,
@@ -155,9 +155,9 @@ def _overview(machines: Sequence[Machine]) -> list[str]:
 def _colour(machine: Machine) -> str:
     """Return class and colour of what shows the verdict of a machine."""
     result = str(machine.headline.worst.best.result_name) if machine.diagnoses else ''
-    colour = VERDICT_COLOURS.get(result, VERDICT_COLOURS['insufficient'])
-    dark = ' suspect' if result == 'suspect' else ''
-    return f' class="verdict{dark}" style="background:{colour}"'
+    state = next((v for v in VERDICTS if v.key == result), VERDICTS[-1])
+    colours = f'background:{hex_colour(state.colour)};color:{ink(state.colour)}'
+    return f' class="verdict" style="{colours}"'
 
 
 def _urgency(machine: Machine) -> tuple[int, int]:

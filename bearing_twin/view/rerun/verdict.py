@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.view.rerun.lanes import Lane
 from bearing_twin.view.rerun.picture import Asset, Picture
-from bearing_twin.view.style import VERDICTS
+from bearing_twin.view.style import ink, VERDICTS
 from bearing_twin.view.trends import DIAGNOSIS, OVER_LIMITS
 from bearing_twin.view.verdict import facts, Headline, judged_by_velocity, reasons, title_of
 from PIL import Image, ImageDraw, ImageFont
@@ -129,13 +129,12 @@ def _card(number: int, text: str, below: str = '') -> bytes:
         size -= 4
     height = CARD[1] - (BELOW if below else 0)
     place = ((CARD[0] - left - right) / 2, (height - top - bottom) / 2)
-    luminance = sum(w * c for w, c in zip((0.2126, 0.7152, 0.0722), state.colour, strict=True))
-    ink = 'black' if luminance > 140.0 else 'white'
-    draw.text(place, text, ink, font, align='center')
+    letters = ink(state.colour)
+    draw.text(place, text, letters, font, align='center')
     if below:
         font = ImageFont.load_default(BELOW - 8)
         width = draw.textlength(below, font)
-        draw.text(((CARD[0] - width) / 2, height - 14), below, ink, font)
+        draw.text(((CARD[0] - width) / 2, height - 14), below, letters, font)
     buffer = io.BytesIO()
     image.quantize(16).save(buffer, 'PNG', optimize=True)
     return buffer.getvalue()
