@@ -9,7 +9,8 @@ import json
 import math
 from pathlib import Path
 import sys
-from typing import Any, TYPE_CHECKING
+from textwrap import wrap
+from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import named_bearing
 from bearing_twin.calibration import Calibration, fit
@@ -136,7 +137,7 @@ def load_range(text: str) -> tuple[float, float]:
 def _page(name: str, found: Calibration) -> str:
     """Return the calibration as a person reads it."""
     before = '' if math.isnan(found.level_before) else f'{found.level_before:+.1f} -> '
-    rows: list[tuple[str, Any]] = [
+    rows = [
         ('', f'{shown(name)}: {found.statement}'),
         (
             'spectrum',
@@ -144,17 +145,18 @@ def _page(name: str, found: Calibration) -> str:
             f'level {before}{found.level:+.1f} dB',
         ),
         ('cost', f'{found.cost_s:.1f} s of one core'),
-        ('', f'{"quantity":<22} {"5 %":>10} {"median":>10} {"95 %":>10}'),
     ]
+    lines = [f'{label:<9} {text}' if index else text for index, (label, text) in enumerate(rows)]
+    lines += ['', f'{"quantity":<22} {"5 %":>10} {"median":>10} {"95 %":>10}']
+    reasons: dict[str, list[str]] = {}
     for quantity, value in found.quantities.items():
         told = 'told' if value.identifiable else 'not told'
-        rows.append(
-            (
-                '',
-                f'{quantity:<22} {value.q05:>10.4g} {value.median:>10.4g} {value.q95:>10.4g} '
-                f'{value.unit}  {told}: {value.why}',
-            )
+        lines.append(
+            f'{quantity:<22} {value.q05:>10.4g} {value.median:>10.4g} {value.q95:>10.4g}  '
+            f'{told:<8} {value.unit}'.rstrip()
         )
-    return '\n'.join(
-        f'{label:<9} {text}' if index else text for index, (label, text) in enumerate(rows)
-    )
+        reasons.setdefault(f'{told}: {value.why}', []).append(quantity)
+    # Many share a reason, and no screen is as wide as a row with its own.
+    for reason, quantities in reasons.items():
+        lines += ['', *wrap(f'{", ".join(quantities)} {reason}', 78)]
+    return '\n'.join(lines)
