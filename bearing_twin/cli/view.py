@@ -127,7 +127,8 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
         if args.save:
             _copy(pictures[0], args.save)
         return [str(pictures[0])]
-    rrd = folder / f'{paths[0].resolve().stem}.rrd'
+    # The viewer shows the name while it loads, and may have no letters for that of the recording.
+    rrd = folder / 'recording.rrd'
     progress = functools.partial(percent, what='drawing ') if sys.stderr.isatty() else None
     try:
         problems = draw_recordings(paths, rrd, page=args.page, progress=progress)

@@ -488,6 +488,48 @@ def test_the_page_asked_for_is_that_of_a_bearing_that_has_it(recording, tmp_path
         assert tabs.contents[tabs.active_tab].name == bearing
 
 
+def test_vibration_alone_has_no_page_of_a_verdict(recording, tmp_path):
+    with RerunLogger(recording_id='bare', rrd=tmp_path / 'bare.rrd') as logger:
+        for message in read_messages(recording, topics=['/vibration', '/temperature']):
+            logger.log(message.topic, message.type_name, message.decode(), message.log_time)
+    (scene,) = logger._scenes.values()
+    tabs = layout({'': scene}, timeline='ros_time').root_container
+    pages = {page.name: page for page in tabs.contents}
+    assert list(pages) == ['Vibration', 'Temperature']
+    # A waterfall as high as the page would be cut off at its sides.
+    left, _ = pages['Temperature'].contents
+    assert [view.name for view in left.contents] == [
+        'Waveform over temperature',
+        'Temperature [°C]',
+    ]
+
+
+def test_the_end_of_a_long_name_is_above_its_card(recording, tmp_path):
+    rrd = tmp_path / 'long.rrd'
+    with RerunLogger(recording_id='long', rrd=rrd) as logger:
+        for message in read_messages(recording, topics=['/diagnosis']):
+            for bearing in (
+                '/plant/line_1/conveyor_bearing_7',
+                '/plant/line_1/conveyor_bearing_8',
+            ):
+                logger.log(
+                    bearing + message.topic, message.type_name, message.decode(), message.log_time
+                )
+    assert {'Verdict: …e_1/conveyor_bearing_7', 'Verdict: …e_1/conveyor_bearing_8'} <= set(
+        view_names(rrd)
+    )
+
+
+def test_a_pixel_of_many_samples_shows_their_peaks(picture):
+    looks = {
+        str(chunk.entity_path): chunk.to_record_batch().to_pydict()
+        for chunk in RrdReader(picture).stream()
+        if chunk.is_static
+    }
+    policy = looks['/vibration/samples/y']['SeriesLines:aggregation_policy']
+    assert policy == [[rr.components.AggregationPolicy.MinMax.value]]
+
+
 def test_namespaces_are_scenes_of_their_own(recording, tmp_path):
     rrd = tmp_path / 'fleet.rrd'
     with RerunLogger(recording_id='fleet', rrd=rrd) as logger:

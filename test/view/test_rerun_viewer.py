@@ -405,3 +405,21 @@ def test_the_command_writes_a_picture(recordings, tmp_path):
     assert cli.main([*arguments, '--at', '20']) == 0
     assert matplotlib.image.imread(target).shape[:2] == (600, 900)
     assert cli.main([*arguments, '--at', '2000']) == 1
+
+
+def test_a_recording_with_a_name_in_any_script_has_a_picture(recordings, tmp_path):
+    named = tmp_path / 'fan 軸受 ünïcode'
+    named.symlink_to(recordings[1])
+    target = tmp_path / 'shot.png'
+    assert cli.main(['view', str(named), '--screenshot', str(target), '--size', '900x600']) == 0
+    assert target.exists()
+
+
+def test_a_letter_that_the_viewer_lacks_is_named(recordings, tmp_path):
+    rrd = tmp_path / '軸.rrd'
+    assert draw_recordings(recordings[1:], rrd) == {}
+    with (
+        pytest.raises(BearingTwinError, match="no letter for '軸'"),
+        HeadlessViewer([str(rrd)], size=(400, 300)) as viewer,
+    ):
+        viewer.wait()

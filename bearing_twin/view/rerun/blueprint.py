@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 
 MOST_CARDS = 12
 """Bearings up to which each has a card on the page of all; more could not be read."""
+LONGEST = 22
+"""Letters of a bearing's name above its card, a quarter of a laptop's screen wide."""
 
 
 def layout(
@@ -135,7 +137,12 @@ def _is_of_twin(scene: Scene, bearings: Iterable[Scene]) -> bool:
 def _all_bearings(scenes: Mapping[str, Scene]) -> list[View]:
     """Return the page of the verdicts of several bearings: over time, and as cards."""
     lanes = [v for scene in scenes.values() for v in lane_paths(scene)]
-    cards = [card_view(v, t) for t, scene in scenes.items() for v in paths_of(scene, 'diagnosis')]
+    cards = [
+        # The viewer would cut off the end of a long name, which tells machines of a line apart.
+        card_view(v, t if len(t) <= LONGEST else f'…{t[-LONGEST:]}')
+        for t, scene in scenes.items()
+        for v in paths_of(scene, 'diagnosis')
+    ]
     if not lanes:
         return []
     views: list[View] = [lanes_view('Verdicts over time', lanes)]
@@ -161,22 +168,22 @@ def _rows(*rows: tuple[float, Sequence[View]], name: str) -> View | None:
 
 def _columns(left: Sequence[View], right: Sequence[View], *, name: str) -> View | None:
     """Return views above each other, and beside them others in rows of two."""
-    if not right:
+    columns: list[tuple[float, View]] = []
+    if left:
+        columns.append((2.0, rrb.Vertical(*left)))
+    if right:
+        columns.append((3.0, rrb.Grid(*right, grid_columns=2)))
+    if not columns:
         return None
-    beside = rrb.Grid(*right, grid_columns=2)
-    columns = [rrb.Vertical(*left), beside] if left else [beside]
-    return rrb.Horizontal(*columns, column_shares=[2.0, 3.0][-len(columns) :], name=name)
+    shares, shown = zip(*columns, strict=True)
+    return rrb.Horizontal(*shown, column_shares=shares, name=name)
 
 
 def _pages(scene: Scene, timeline: str) -> list[View]:
     """Return the pages of a bearing: what each answers fits a laptop's screen."""
-    envelope, waves = envelope_views(scene), waveform_views(scene, timeline)
     twin = panel_views(scene, 'twin_state', TWIN_STATE[1:])
     evidence = panel_views(scene, 'diagnosis', DIAGNOSIS)
-    verdict = [*card_and_reasons(scene), *bearing_views(scene), *envelope] or [
-        *waves[:1],
-        *spectrum_views(scene),
-    ]
+    verdict = [*card_and_reasons(scene), *bearing_views(scene), *envelope_views(scene)]
     levels = ('level', 'velocity') if 'severity' in scene.asset.panels else ('level',)
     trends = [
         *verdict_lane(scene),
@@ -185,17 +192,21 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
         ),
         *temperature_views(scene),
     ]
+    # Half as high as the page, a waterfall has the width that it needs.
+    below, beside = bearing_views(scene), temperature_views(scene)
+    if not below:
+        below, beside = beside, below
     fitted = [
         rrb.TextDocumentView(origin=f'{path}/words', name='What the vibration tells')
         for path in paths_of(scene, 'calibration')
     ]
     pages = (
-        _rows((5.6, verdict), (2.4, trends), name='Verdict'),
+        _rows((5.6, verdict), (2.4, trends if verdict else []), name='Verdict'),
         _vibration(scene, timeline, name='Vibration'),
         _rows((5, evidence[:3]), (0.8, colour_legend(scene)), (5, evidence[3:]), name='Evidence'),
         _columns(
-            [*waterfall_views(scene), *bearing_views(scene)],
-            [*over_temperature_views(scene), *temperature_views(scene)],
+            [*waterfall_views(scene), *below],
+            [*over_temperature_views(scene), *beside],
             name='Temperature',
         ),
         _rows((4, twin[:3]), (4, twin[3:]), name='Twin'),

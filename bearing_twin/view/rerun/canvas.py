@@ -117,7 +117,14 @@ class Canvas:
             count = len(labels)
             self.once(
                 name,
-                rr.SeriesLines(names=labels, colors=[colour] * count, widths=[width] * count),
+                rr.SeriesLines(
+                    names=labels,
+                    colors=[colour] * count,
+                    widths=[width] * count,
+                    # The average, which is the default, would flatten peaks where several samples
+                    # fall on one pixel.
+                    aggregation_policy=rr.components.AggregationPolicy.MinMax,
+                ),
             )
         held = self._lines.get(name)
         if held is None:

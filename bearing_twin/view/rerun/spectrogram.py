@@ -90,7 +90,7 @@ class Spectrogram:
         for back in np.linspace(0.0, seconds, 5):
             positions.append([COLUMNS * (1.0 - back / seconds), ROWS + 14.0])
             labels.append(f'-{back:g} s' if back else 'now')
-        positions.append([COLUMNS / 2.0, -6.0])
+        positions.append([COLUMNS / 2.0, -4.0])
         labels.append(f'{self._top - RANGE_DB:g} to {self._top:g} dB re 1 {pretty(unit)}')
         self._canvas.put(
             f'{self._name}/axes',

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 CARD = (640, 150)
 """Width and height of the card, pixels."""
 MARGIN = 22
-SHORT, NARROW = 52, 39
+SHORT, NARROW = 52, 38
 """Longest text of a table cell that fits beside the bearing, and beside another recording."""
 BELOW = 40
 """Height of a line below the verdict."""

@@ -242,6 +242,12 @@ class HeadlessViewer:
         if self._process.poll() is None:
             return
         text = self._errors.read_text(errors='replace')
+        if missing := re.search('No glyph for "(.+?)"', text):
+            msg = (
+                f'the viewer without a display ends where it has no letter for {missing[1]!r}; '
+                'rename what is shown, or use view with a window or --web, which show a box'
+            )
+            raise BearingTwinError(msg)
         # With OpenGL alone, in software too, the viewer panics instead of naming the adapter.
         if 'adapter' in text or 'render context' in text:
             msg = (

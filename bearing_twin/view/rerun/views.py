@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.view.over_temperature import QUANTITIES
 from bearing_twin.view.rerun.bearing3d import MAGNIFIED, SLOWED
+from bearing_twin.view.rerun.spectrogram import COLUMNS, ROWS
 from bearing_twin.view.rerun.waveform import AXES
 import rerun.blueprint as rrb
 
@@ -153,7 +154,14 @@ def waveform_views(scene: Scene, timeline: str) -> list[View]:
                 [f'{path}/envelope/**'],
                 window=_window(timeline, WIDE),
             ),
-            rrb.Spatial2DView(origin=f'{path}/spectrogram', name='Spectrogram of the last minute'),
+            rrb.Spatial2DView(
+                origin=f'{path}/spectrogram',
+                name='Spectrogram of the last minute',
+                # With room for the labels, which are not counted.
+                visual_bounds=rrb.VisualBounds2D(
+                    x_range=[-50.0, COLUMNS + 20.0], y_range=[-22.0, ROWS + 26.0]
+                ),
+            ),
         ]
     return views
 
