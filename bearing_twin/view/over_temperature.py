@@ -175,10 +175,17 @@ class OverTemperature:
         return self._now.strips.take(samples, first, rate, temperature)
 
     def vibration(
-        self, samples: NDArray[np.floating], unit: str, rate: float, temperature: float
+        self,
+        samples: NDArray[np.floating],
+        unit: str,
+        rate: float,
+        temperature: float,
+        shaft_hz: float = math.nan,
     ) -> tuple[float, float]:
         """
         Take samples at a temperature in degC; return their rms and largest magnitude.
+
+        Their own shaft speed, where a sensor tells it, is known before a window is judged.
 
         Both are about the mean, as the diagnosis leaves a sensor's offset out too. The amplitude
         over temperature is the largest magnitude of a second: a block may have no impact, and the
@@ -188,6 +195,8 @@ class OverTemperature:
         if not finite.size:
             return math.nan, math.nan
         self._unit = unit
+        if self._defect is None:
+            self._turn(shaft_hz)
         finite -= finite.mean()
         power, peak = float(np.dot(finite, finite)) / finite.size, float(np.abs(finite).max())
         if self._now is not None and math.isfinite(temperature):

@@ -64,6 +64,21 @@ def number(value: float, unit: str = '') -> str:
     return f'{value:{digits}} {unit}'.strip()
 
 
+def time_unit(seconds: float) -> tuple[str, float]:
+    """
+    Return the unit in which a length of time is told, and its length in s.
+
+    Examples
+    --------
+    >>> time_unit(40.0), time_unit(900.0), time_unit(86400.0)
+    (('s', 1.0), ('min', 60.0), ('h', 3600.0))
+
+    """
+    if seconds < 600.0:
+        return 's', 1.0
+    return ('min', 60.0) if seconds < 3.0 * 3600.0 else ('h', 3600.0)
+
+
 def impacts(message: Any, place: str) -> float:
     """Return how often a defect strikes, Hz, from a message with the four frequencies."""
     names = ('bpfo', 'bpfi', 'bsf', 'ftf')
@@ -318,10 +333,10 @@ class Headline:
     def span(self) -> str:
         """When the worst verdict was given, and how it stands at the end."""
         worst = self.worst
-        text = (
-            f'{worst.windows} of {self.count} windows, from {worst.first:.0f} s to '
-            f'{worst.last:.0f} s'
-        )
+        unit, length = time_unit(worst.last)
+        digits = 0 if unit == 's' else 1
+        first, last = (f'{at / length:.{digits}f} {unit}' for at in (worst.first, worst.last))
+        text = f'{worst.windows} of {self.count} windows, from {first} to {last}'
         end = self.ending
         return f'{text}; at the end: {end}' if end else f'{text}; so it stands at the end'
 

@@ -41,6 +41,14 @@ def test_the_amplitude_is_that_of_a_second_however_short_the_blocks():
     assert amplitude.values[1] / amplitude.base == pytest.approx(1.0, abs=0.03)
 
 
+def test_a_sensor_that_tells_a_stop_has_no_quiet_class_of_temperature():
+    over = OverTemperature()
+    for temperature, scale, hertz in ((20.0, 4.0, 25.0), (45.0, 5.0, 25.1), (70.0, 0.01, 0.0)):
+        over.vibration(scale * np.array([1.0, -1.0]), 'm/s^2', 2.0, temperature, hertz)
+    amplitude, _ = over.curves
+    assert list(amplitude.temperatures) == [20.0, 45.0]
+
+
 def test_the_frequency_found_is_of_one_place():
     over = OverTemperature()
     for place, hertz in (('inner', 126.0), ('ambiguous', 77.0), ('outer', 76.0), ('inner', 127.0)):

@@ -266,6 +266,17 @@ def test_the_caption_of_the_history_names_what_it_shows(recording, left_out, cap
     assert caption in dict(figures(machine, 'a'))
 
 
+def test_a_day_is_told_in_hours(recording):
+    (machine,) = machines_of(recording).values()
+    machine.diagnoses = [(3600.0 * k, made) for k, (_, made) in enumerate(machine.diagnoses[:24])]
+    page = dict(figures(machine, 'a'))
+    drawn = ' '.join(svg for caption, svg in page.items() if 'over time' in caption)
+    assert 'time since the start of the recording [h]' in drawn
+    (deciding,) = (svg for caption, svg in page.items() if caption.startswith('What decides'))
+    assert 'time [h]' in deciding
+    assert '000</text>' not in drawn + deciding
+
+
 def test_limits_too_close_for_letters_share_a_mark():
     axes = Figure().subplots()
     axes.set_ylim(0.0, 20.0)

@@ -238,7 +238,8 @@ class _Collector:
         machine.unit = str(message.unit)
         machine.source.vibration(message)
         over, rate = machine.over_temperature, float(message.sample_rate)
-        rms, peak = over.vibration(samples, machine.unit, rate, self._temperature)
+        speed = float(message.shaft_hz)
+        rms, peak = over.vibration(samples, machine.unit, rate, self._temperature, speed)
         if math.isfinite(rms):
             machine.vibration.append((time, rms, peak))
         over.take_strip(samples, int(message.first_sample), rate, self._temperature)

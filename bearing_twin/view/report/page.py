@@ -29,6 +29,7 @@ from bearing_twin.view.verdict import (
     measured,
     next_step,
     reasons,
+    time_unit,
     title_of,
     urgency,
 )
@@ -70,9 +71,10 @@ def report_page(path: Path, source: Path | None = None) -> str:
     # A bag folder is often just called 'bag': its parent says which.
     title = f'Bearing report: {"/".join((source or path).resolve().parts[-2:])}'
     when = '' if undated(info.start) else f'{begin:%Y-%m-%d %H:%M:%S} UTC, '
+    unit, length = time_unit(info.duration)
     body = [
         f'<h1>{escape(title)}</h1>',
-        f'<p class="sub">{when}{info.duration:.1f} s. '
+        f'<p class="sub">{when}{info.duration / length:.1f} {unit}. '
         f'Made by bearing_twin {escape(__version__)}.</p>',
     ]
     named = any(machine.namespace for machine in machines)

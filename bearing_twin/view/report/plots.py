@@ -20,7 +20,7 @@ from bearing_twin.view.report.svg import (
 )
 from bearing_twin.view.spectrum import ENVELOPE, low_high, SpectrumPicture
 from bearing_twin.view.trends import CALIBRATION, DIAGNOSIS, recorded, TWIN_STATE
-from bearing_twin.view.verdict import judged_by_velocity, pretty
+from bearing_twin.view.verdict import judged_by_velocity, pretty, time_unit
 import matplotlib as mpl
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -112,7 +112,7 @@ def _history(machine: Machine) -> tuple[str, Figure] | None:
     )[:, 0]
     for axes, (_, panel) in zip(rows, panels, strict=True):
         panel(axes, machine)
-    rows[-1].set_xlabel('time since the start of the recording [s]')
+    _time_axis(rows[-1], machine.end, 'time since the start of the recording')
     *names, last = (name for name, _ in panels)
     shown = f'{", ".join(names)} and {last}' if names else last
     return f'{shown.capitalize()} over time', figure
@@ -131,7 +131,8 @@ def verdicts_over_time(machines: Sequence[Machine]) -> list[tuple[str, str]]:
             seen |= _patches(axes, machine, row)
         axes.set(ylim=(len(judged), 0), yticks=np.arange(len(judged)) + 0.5)
         axes.set_yticklabels([machine.name for machine in judged])
-        axes.set_xlabel('time since the start of the recording [s]')
+        end = max(machine.end for machine in judged)
+        _time_axis(axes, end, 'time since the start of the recording')
         axes.autoscale_view(scaley=False)
         axes.grid(axis='y', visible=False)
         figure.legend(seen.values(), seen, ncols=4, loc='outside upper right')
@@ -390,11 +391,22 @@ def _panels(
     for axes in grid[len(shown) :]:
         axes.remove()
     for axes in grid[: len(shown)][-columns:]:
-        axes.set_xlabel('time [s]')
+        _time_axis(axes, time[-1], 'time', 4)
         axes.tick_params(axis='x', labelbottom=True)
     if named:
         figure.legend(named.values(), named, loc='outside upper right', ncols=len(named))
     return caption, figure
+
+
+def _time_axis(axes: Axes, end: float, name: str, numbers: int = 9) -> None:
+    """Write numbers at an axis of s in the unit in which ``end`` is told."""
+    unit, length = time_unit(end)
+    axes.set_xlabel(f'{name} [{unit}]')
+    if unit != 's':
+        low, high = axes.get_xlim()
+        ticks = MaxNLocator(numbers).tick_values(low / length, high / length)
+        axes.set_xticks([length * t for t in ticks if low <= length * t <= high])
+        axes.xaxis.set_major_formatter(lambda value, _: f'{value / length:g}')
 
 
 def _draw_limits(axes: Axes, limits: Sequence[Limit]) -> None:

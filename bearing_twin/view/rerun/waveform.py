@@ -104,7 +104,7 @@ class Waveform(Picture):
         self.asset.panels.update(AXES[axis][0] for axis in axes)
         self._source.vibration(message)
         samples, temperature = next(iter(axes.values())), self.asset.temperature
-        self._over.vibration(samples, unit, rate, temperature)
+        self._over.vibration(samples, unit, rate, temperature, float(message.shaft_hz))
         if np.isfinite(temperature):
             first = int(getattr(message, 'first_sample', 0))
             self._new_strip |= self._over.take_strip(samples, first, rate, temperature)
