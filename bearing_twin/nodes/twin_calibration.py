@@ -48,6 +48,8 @@ class TwinCalibration:
     ) -> None:
         self._node, self._twin, self._health = node, twin, health
         self._name, self._text, self._problem = '', '', ''
+        # Whether the newest calibration came by the topic.
+        self._heard = False
         self._topic = (
             subscribe(node, Calibration, 'calibration', self._on_calibration, RESULT)
             if values['follow_calibration']
@@ -63,6 +65,7 @@ class TwinCalibration:
         if differs:
             self._twin.take(fitted)
             self._name, self._text = values['calibration'], fitted.text if fitted else ''
+            self._heard = False
 
     def asked(self, values: Mapping[str, Any]) -> tuple[bool, Fitted | None]:
         """
@@ -86,7 +89,11 @@ class TwinCalibration:
             self._problem = str(error)
             self._node.get_logger().warning(f'not taken: {error}', throttle_duration_sec=60.0)
         else:
-            self._problem = ''
+            self._problem, self._heard = '', True
+
+    def _published(self) -> bool:
+        topic = self._topic
+        return topic is not None and self._node.count_publishers(topic.topic_name) > 0
 
     def status(self) -> Status:
         """Status for /diagnostics: what the twin has taken, and how alike it is since then."""
@@ -95,8 +102,7 @@ class TwinCalibration:
             return Status(Level.WARN, f'calibration not taken: {self._problem}', {})
         if sensor is None:
             # A twin may follow in case the calibration node is started beside it.
-            topic = self._topic
-            waits = topic is not None and self._node.count_publishers(topic.topic_name) > 0
+            waits = self._published()
             text = 'no calibration yet' if waits else 'runs by its own parameters'
             return Status(Level.STALE if waits else Level.OK, text, {})
         fitted, alike = sensor.fitted, sensor.likeness()
@@ -105,6 +111,9 @@ class TwinCalibration:
             'machine_shaft_hz': fitted.shaft_hz,
             'machine_temperature_degc': fitted.temperature,
         }
+        if self._heard and not self._published():
+            text = f'nobody publishes calibrations any more; the last one: {fitted.statement}'
+            return Status(Level.STALE, text, values, kind='left')
         if alike is None:
             return Status(Level.OK, f'taken: {fitted.statement}', values, kind='taken')
         values |= {'distance_db': alike.distance, 'level_over_machine_db': alike.level}

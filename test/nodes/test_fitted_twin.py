@@ -242,17 +242,28 @@ def test_a_change_that_no_step_resolves_is_refused_and_the_twin_goes_on(nodes, p
 
 
 @pytest.mark.ros
-def test_a_twin_waits_for_a_calibration_only_where_somebody_publishes_it(here):
-    node = here(TwinNode, follow_calibration=True)
+def test_a_twin_waits_for_a_calibration_only_where_somebody_publishes_it(here, calibration):
+    given = {name: VALUES[name] for name in ('bearing', 'preset', 'shaft_hz')}
+    node = here(TwinNode, follow_calibration=True, **given)
     node.trigger_configure()
     status = node._calibration.status()
     assert (status.level, status.message) == (Level.OK, 'runs by its own parameters')
-    node.create_publisher(Calibration, 'calibration', RESULT)
-    end = time.monotonic() + 120.0
-    while node._calibration.status().level != Level.STALE:
-        assert time.monotonic() < end
-        time.sleep(0.02)
-    assert node._calibration.status().message == 'no calibration yet'
+    publisher = node.create_publisher(Calibration, 'calibration', RESULT)
+
+    def becomes(level):
+        end = time.monotonic() + 120.0
+        while node._calibration.status().level != level:
+            assert time.monotonic() < end
+            time.sleep(0.02)
+        return node._calibration.status().message
+
+    assert becomes(Level.STALE) == 'no calibration yet'
+    # The newest calibration of a node that has ended is not that of the machine as it is now.
+    node._calibration._on_calibration(Calibration(json=calibration), None)
+    node._calibration._twin.advance()
+    assert becomes(Level.OK).startswith('taken: ')
+    node.destroy_publisher(publisher)
+    assert becomes(Level.STALE).startswith('nobody publishes calibrations any more')
 
 
 @pytest.mark.usefixtures('compiled')
