@@ -46,6 +46,7 @@ SIMULATED: dict[str, Callable[[int], list[Row]]] = {
     'impacts of a defect too wide': functools.partial(machines.fit_impacts, kind='wide'),
     'paths': machines.fit_path,
     'healthy': machines.look_at_healthy,
+    'what if, trains of impacts': machines.predict_train,
     **{SPEEDS + kind: functools.partial(look_at_speeds, kind) for kind in KINDS},
 }
 
@@ -144,7 +145,7 @@ def print_tables(lines: Iterable[Row]) -> None:
     fits = [
         name
         for name in ('HIT-SM', 'CWRU', *SIMULATED)
-        if name in groups and name not in ('paths', 'healthy') and not name.startswith(SPEEDS)
+        if name in groups and not name.startswith(('paths', 'healthy', 'what if', SPEEDS))
     ]
     print_table(
         ('width of a race defect', 'machines', 'told', 'in 90 %, told', 'in 90 %, all',
@@ -178,7 +179,7 @@ def print_tables(lines: Iterable[Row]) -> None:
     print()
     print_table(
         ('predicted', 'compared', 'in 90 %', 'median error'),
-        _quantities(groups.get('what if', [])),
+        _quantities([row for name in groups if name.startswith('what') for row in groups[name]]),
     )
     print()
     print_table(

@@ -70,6 +70,8 @@ LONG = 20
 """Records in the one that tells the true noise floor."""
 ADDED = 8
 """Defects that are added to a healthy machine."""
+RATIOS = 1.5, 2.0, 1.0 / 1.5
+"""Of the speed that is predicted to the one that was fitted."""
 UNITS = {'hitsm': '', 'cwru': 'g'}
 """Of the records, which do not say it."""
 RACES_MM = {'inner': 15.55, 'outer': 23.5}
@@ -305,17 +307,57 @@ def fit_whatif(path: Path, rpm: float, others: list[tuple[Path, float]]) -> list
     found = _fitted(path, rpm)
     rows = []
     for other, other_rpm in others:
-        hz = other_rpm / 60.0
-        expected = expect(found, shaft_hz=hz, candidates=32)
         record = read_signal(other)
-        longest = found.situation.longest * found.situation.shaft_hz / hz
-        seen = features(record.x, record.sample_rate, longest)
         rows += [
-            {'name': path.stem, 'other': other.stem, 'quantity': name, 'truth': seen[name],
-             'q05': said.q05, 'median': said.median, 'q95': said.q95}
-            for name, said in expected.vibration.items() if math.isfinite(seen[name])
-        ]  # fmt: skip
+            {'name': path.stem, 'other': other.stem, **row}
+            for row in _predicted(found, record.x, record.sample_rate, other_rpm / 60.0)
+        ]
     return rows
+
+
+def predict_train(number: int) -> list[dict[str, Any]]:
+    """Fit a train of impacts at one speed and predict the shape of the same at another."""
+    rng, machine, _ = drawn_machine(number, 60)
+    bearing = machine.bearing
+    if machine.shaft_hz * SECONDS < TURNS:
+        return []
+    ratio = float(rng.choice(RATIOS))
+    modes = drawn_modes(machine.sample_rate, rng)
+    width = float(rng.uniform(1e-3, max(1.2e-3, widest(bearing))))
+    low, high = load_range(bearing)
+    sinking = interference(bearing, low * (high / low) ** rng.random())
+    apart = impact_spacing(width, sinking, path_curvature(bearing, machine.place))
+    heights, noise = (float(rng.uniform(0.4, 1.0)), -1.0), 10.0 ** rng.uniform(-2.0, -0.5)
+    there = replace(machine, shaft_hz=machine.shaft_hz * ratio)
+    records, level = [], 0.0
+    for each in (machine, there):
+        clean = ring(train(each, rng, [apart / each.speed], heights), each.sample_rate, modes)
+        level = level or noise * float(clean.std())
+        records.append(clean + level * rng.standard_normal(len(clean)))
+    x, y = records
+    found = fit(x, machine.sample_rate, bearing, machine.shaft_hz, place=machine.place)
+    if found.twin_situation.place == 'none':
+        return []
+    # The impacts of a train do not change with its speed, so its level does not either.
+    return [
+        row | {'quantity': f'{row["quantity"]}, trains of impacts'}
+        for row in _predicted(found, y, there.sample_rate, there.shaft_hz)
+        if row['quantity'] not in ('rms', 'peak')
+    ]
+
+
+def _predicted(
+    found: Calibration, x: NDArray[np.float64], rate: float, shaft_hz: float
+) -> list[dict[str, Any]]:
+    """Predict a machine at another speed, beside what its record there shows."""
+    expected = expect(found, shaft_hz=shaft_hz, candidates=32)
+    longest = found.situation.longest * found.situation.shaft_hz / shaft_hz
+    seen = features(x, rate, longest)
+    return [
+        {'quantity': name, 'truth': seen[name], 'q05': said.q05, 'median': said.median,
+         'q95': said.q95}
+        for name, said in expected.vibration.items() if math.isfinite(seen[name])
+    ]  # fmt: skip
 
 
 def _fitted(path: Path, rpm: float) -> Calibration:
