@@ -83,6 +83,9 @@ class VerdictPicture(Picture):
     def _words(self, diagnosis: Any) -> str:
         """Return a diagnosis as Markdown."""
         rows = facts(diagnosis)
+        if self.asset.narrow:
+            # One unit for both frequencies, so that the row stays in the table.
+            rows = [(n, t.replace(' Hz (', ' (') if n == 'Found' else t) for n, t in rows]
         if self.asset.source.text:
             rows.append(('Vibration', self.asset.source.text))
         longest = NARROW if self.asset.narrow else SHORT
