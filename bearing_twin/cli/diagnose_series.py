@@ -24,10 +24,16 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.series_result import SeriesReport
 
+LONGEST_CYCLE = 1e8
+"""Longest time between two snapshots, s: the limit of the parameter ``series_cycle``."""
+
 
 def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
     """Judge the files as one series; 0 if every file could be read."""
     files = series_files([Path(name) for name in args.files])
+    if args.cycle is not None and not 0.0 < args.cycle <= LONGEST_CYCLE:
+        msg = f'--cycle {args.cycle:g}: give a time above 0 s and up to {LONGEST_CYCLE:g} s'
+        raise BearingTwinError(msg)
     settings = DiagnosisSettings(
         baseline_windows=args.baseline,
         series_hold=args.hold,

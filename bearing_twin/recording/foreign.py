@@ -320,7 +320,7 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
 
 
 def _index(text: str, count: int, what: str) -> int:
-    if not text.isdecimal() or int(text) >= count:
+    if not text.isdecimal() or len(text) > 9 or int(text) >= count:
         msg = f"{what} '{text}' does not exist; there are 0..{count - 1}"
         raise BearingTwinError(msg)
     return int(text)

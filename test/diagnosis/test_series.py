@@ -293,6 +293,12 @@ def test_series_of_many_files_in_a_folder(tmp_path, capsys):
     assert '40 snapshots in 6 h 30 min' in text
     assert main(args) == 1
     assert 'give --cycle SECONDS' in capsys.readouterr().err
+    for absurd in ('-1', '0', 'nan', 'inf', '1e308'):
+        assert main([*args, f'--cycle={absurd}']) == 1
+        assert f'--cycle {float(absurd):g}: give a time above 0 s' in capsys.readouterr().err
+    # More digits than Python makes a number of.
+    assert main(['diagnose', str(tmp_path / 'acc_0.csv'), '--channel', '9' * 5000]) == 1
+    assert 'does not exist' in capsys.readouterr().err
     (tmp_path / 'empty').mkdir()
     assert main(['diagnose', '--series', str(tmp_path / 'empty')]) == 1
     assert 'no file ends in' in capsys.readouterr().err

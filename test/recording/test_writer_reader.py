@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import os
 import struct
+from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording import reader, writer
-from bearing_twin.recording.health import examine
+from bearing_twin.recording.health import examine, SENT_BEFORE, sent_before
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.writer import RecordingWriter, whole_recording, WriterOptions
 from copies import raw_recording
@@ -347,3 +348,9 @@ def test_many_topics_cost_what_they_hold(tmp_path: Path) -> None:
     # Each is described once, and once or twice again: not all of them in each chunk.
     assert path.stat().st_size < 20_000 * 3000
     assert recording_info(path).count == 20_000
+
+
+def test_a_count_of_more_digits_than_a_number_has_is_none() -> None:
+    item = SimpleNamespace(key=SENT_BEFORE, value=f'/a {"9" * 5000}; /b 3')
+    diagnostics = SimpleNamespace(status=[SimpleNamespace(values=[item])])
+    assert sent_before(diagnostics) == {'/b': 3}
