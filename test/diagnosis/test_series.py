@@ -20,6 +20,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, unpack
 import numpy as np
 import pytest
+from scipy.io import wavfile
 
 RATE, SHAFT_HZ, CYCLE = 25600.0, 30.0, 10.0
 COUNT = 1280
@@ -297,7 +298,8 @@ def test_series_of_many_files_in_a_folder(tmp_path, capsys):
         assert main([*args, f'--cycle={absurd}']) == 1
         assert f'--cycle {float(absurd):g}: give a time above 0 s' in capsys.readouterr().err
     # More digits than Python makes a number of.
-    assert main(['diagnose', str(tmp_path / 'acc_0.csv'), '--channel', '9' * 5000]) == 1
+    wavfile.write(tmp_path / 'a.wav', 1000, np.zeros(50, np.int16))
+    assert main(['diagnose', str(tmp_path / 'a.wav'), '--channel', '9' * 5000]) == 1
     assert 'does not exist' in capsys.readouterr().err
     (tmp_path / 'empty').mkdir()
     assert main(['diagnose', '--series', str(tmp_path / 'empty')]) == 1
