@@ -238,7 +238,7 @@ class _Collector:
         machine.unit = str(message.unit)
         machine.source.vibration(message)
         over, rate = machine.over_temperature, float(message.sample_rate)
-        speed = float(message.shaft_hz)
+        speed = recorded(message, 'shaft_hz')
         rms, peak = over.vibration(samples, machine.unit, rate, self._temperature, speed)
         if math.isfinite(rms):
             machine.vibration.append((time, rms, peak))
