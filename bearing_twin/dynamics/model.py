@@ -7,23 +7,36 @@ Each law stands here once. The single bearing, the fleet, the static solver, the
 bearing in three dimensions call these functions, with plain numbers or with `vector.FLOATS`, so
 they use only arithmetic and the operations of `vector` that take both.
 
-To change the contact law edit `contact_law`. Its power 1.5 also decides the starting value of
-`statics.spring_position`, the margin for the unbalance in `stability.check_step`, the pieces of a
-step in `integrator`, the load of `life.equivalent_load`, the sinking of a ball in
-`passage.interference` and `estimates.taken_off`, the pressure under a ball (force^(1/3)) in
-`coefficients` and `reference`, and the unit of K_b, which `bearing.hertz` computes. The tests and
-`paper` compare with the power 1.5 on purpose. `vector` knows roots and no other powers: x**1.25
-is x * root(root(x)).
+To replace the contact law edit `contact_law`. To make one selectable, its number goes
+
+- into `parameters.TwinParameters`, `layout.MACHINE` with `tables.machine`, under the same name
+  into `fleet_layout.GROUP` (a forgotten name is no error), `coefficients.law_table` and
+  `reference._Constants`;
+- through the arguments of all that call `contact_law` or `contact_force`, to a branch in
+  `contact_law`, as `defect_path` has one for each profile.
+
+What follows the power 1.5 and not `contact_law`:
+
+- the start of Newton's method in `statics.spring_position`, the margin for the unbalance in
+  `stability.check_step` and the pieces of a step in `integrator`: they hold for any power near it;
+- `life.equivalent_load`, `calibration.passage` and `calibration.estimates`: closed formulas for
+  steel on steel, as are the pressure under a ball (force^(1/3)) in `coefficients` and `reference`
+  and the unit of K_b, which `bearing.hertz` computes. Another law needs others;
+- `view.rerun.bearing3d`: a TwinState has K_b, and no other number of a law;
+- the tests and `paper`, on purpose.
+
+`vector` knows roots and no other powers: x**1.25 is x * root(root(x)).
 
 To add a profile:
 
 - its name: `parameters.Profile`, and what it is in the docstring of `parameters.Defect`;
 - its code: a constant below, and its place in `CODES`;
-- its path: a branch of `defect_path`, and where that path has a kink, `path_kink`;
+- its path: a branch of `defect_path`, and where that path has a kink on
+  either side of the centre, at most one, `path_kink`;
 - a path that jumps at its edges: `fleet_kinematics.open_gap`, whose steps are not parted there,
   takes it for `RECTANGLE` alone;
-- its closed form: `PATHS` in test_model.py, whose tests ask for every profile;
-- the table of parameters: ``python docs/tables.py docs/nodes.md``.
+- its closed form: `PATHS` in test_model.py, and the error of a fleet: `ERROR` in test_fleets.py;
+- its error in docs/realtime.md, and the table: ``python docs/tables.py docs/nodes.md``.
 
 The equations (x right, y up), one line an axis, y shown::
 
