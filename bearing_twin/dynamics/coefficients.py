@@ -15,9 +15,10 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import contact_pressure
+from bearing_twin.dynamics import layout
 from bearing_twin.dynamics.compiled import compiled
-from bearing_twin.dynamics.layout import COS, SIN
-from bearing_twin.dynamics.model import contact_law
+from bearing_twin.dynamics.layout import COS, Record, Records, SIN
+from bearing_twin.dynamics.model import Contact, contact_law
 from bearing_twin.dynamics.parameters import SLIP_MODELS
 from bearing_twin.dynamics.statics import (
     equilibrium,
@@ -47,15 +48,16 @@ K_B, DEPTH, CLEARANCE, SHAFT_HZ, SLIP, FOOT_X, FOOT_Y, INPUTS, *_ = _ROWS
     THERMAL_GAP, CONDITION_SIZE, *_,
 ) = _ROWS[INPUTS:]  # fmt: skip
 
-# What it takes: one row of constants a bearing.
-(
-    PHYSICAL, K_B0, CLEARANCE0, LOAD, UP_X, UP_Y, ACROSS, SKEW, ALONG, ASIDE, N_BALLS,
-    SLIP_MODEL, SLIP0, PRESSED, COSINE, D_BALL, GAMMA, ALPHA_UNIT, EXPANDS,
-    DELTA_H, DELTA_MU, T0, H0, MU0, D_PITCH, D_MEAN, SECTION, ASTM_A, ASTM_B, REPLENISHMENT,
-    BOUNDARY, FILM, CONTAMINATION, ROLLING, SLIDING, RATING, STATIC, LIMIT, CAPACITY, RING_TO_RING,
-    RING_TO_SHAFT, AMBIENT, SHAFT_RATIO, LEAST_GAP, MOST_GAP,
-    LAW_SIZE, *_,
-) = _ROWS  # fmt: skip
+# What it takes: one record of constants a bearing.
+CONSTANTS = layout.constants(
+    'physical k_b0 clearance load up_x up_y across skew along aside n_balls '
+    'slip_model slip pressed cosine d_ball gamma alpha_unit expands '
+    'delta_h delta_mu reference_temperature reference_hardness reference_friction '
+    'd_pitch mean_diameter section astm_a astm_b replenishment '
+    'boundary_friction film_friction contamination rolling sliding '
+    'dynamic_rating static_rating fatigue_limit inner_capacity ring_to_ring '
+    'ring_to_shaft ambient shaft_ratio least_gap most_gap'
+)
 
 _CONSTANT, _MU_PROPORTIONAL, _TRACTION = (
     SLIP_MODELS.index(name) for name in ('constant', 'mu_proportional', 'traction')
@@ -80,50 +82,44 @@ _film_slope = compiled()(slip.film_slope)
 _traction = compiled()(slip.traction)
 
 
-def law_table(p: TwinParameters) -> FloatArray:
+def constants_of(p: TwinParameters) -> Records:
     """
-    Return the row of constants that :func:`evaluate` takes.
+    Return the constants that :func:`evaluate` takes: one record `CONSTANTS`.
 
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
-    >>> float(law_table(preset('incipient'))[LOAD])
+    >>> float(constants_of(preset('incipient'))['load'][0])
     500.0
 
     """
-    row = np.zeros(LAW_SIZE)
-    row[PHYSICAL] = p.thermal_mode == 'physical'
-    row[K_B0], row[CLEARANCE0], row[LOAD] = p.k_b0, p.clearance, p.load
-    (row[ACROSS], row[SKEW], row[ALONG]), row[ASIDE] = supports(p)
-    row[UP_X], row[UP_Y] = upwards(p)
-    row[N_BALLS], row[D_PITCH] = p.bearing.n_balls, p.bearing.d_pitch
-    row[D_MEAN], row[SECTION] = p.bearing.mean_diameter, friction.section_height(p.bearing)
-    row[SLIP_MODEL], row[SLIP0] = SLIP_MODELS.index(p.slip_law), p.slip
+    (across, skew, along), aside = supports(p)
+    up_x, up_y = upwards(p)
+    bearing, oil = p.bearing, p.lubricant
     # Mean pressure under 1 N, in the mean of both contacts: two thirds of the greatest one.
-    inner, outer = (contact_pressure(p.bearing, 1.0, race=race) for race in ('inner', 'outer'))
-    row[PRESSED], row[COSINE] = math.sqrt(inner * outer) / 1.5, math.cos(p.bearing.contact_angle)
-    row[D_BALL], row[GAMMA] = p.bearing.d_ball, p.bearing.gamma
-    row[ALPHA_UNIT], row[T0] = p.beta0.alpha_unit, p.beta0.reference_temperature
-    row[[EXPANDS, DELTA_H, DELTA_MU, H0, MU0]] = p.beta0.weights
-    oil, thermal = p.lubricant, p.thermal_network
-    row[[ASTM_A, ASTM_B]] = oil.astm_constants
-    row[REPLENISHMENT], row[CONTAMINATION] = oil.replenishment, oil.contamination
-    row[BOUNDARY], row[FILM] = oil.boundary_friction, oil.film_friction
-    row[[ROLLING, SLIDING]] = friction.SERIES[
-        p.friction_series or p.bearing.series or friction.UNKNOWN_SERIES
+    inner, outer = (contact_pressure(bearing, 1.0, race=race) for race in ('inner', 'outer'))
+    expands, delta_h, delta_mu, _, _ = p.beta0.weights
+    astm_a, astm_b = oil.astm_constants
+    rolling, sliding = friction.SERIES[
+        p.friction_series or bearing.series or friction.UNKNOWN_SERIES
     ]
-    row[RATING] = p.dynamic_rating or life.dynamic_rating(p.bearing)
-    row[STATIC] = life.static_rating(p.bearing)
-    row[LIMIT] = p.fatigue_limit or life.fatigue_limit(p.bearing)
-    row[CAPACITY] = thermal.inner_capacity
-    row[RING_TO_RING], row[RING_TO_SHAFT] = thermal.ring_to_ring, thermal.ring_to_shaft
-    row[AMBIENT], row[SHAFT_RATIO] = thermal.ambient, thermal.shaft_ratio
-    row[LEAST_GAP], row[MOST_GAP] = network.clearance_limits(p.bearing.d_pitch)
-    return row
+    least_gap, most_gap = network.clearance_limits(bearing.d_pitch)
+    return layout.filled(
+        CONSTANTS, p, bearing, oil, p.thermal_network, p.beta0,
+        physical=p.thermal_mode == 'physical', slip_model=SLIP_MODELS.index(p.slip_law),
+        up_x=up_x, up_y=up_y, across=across, skew=skew, along=along, aside=aside,
+        pressed=math.sqrt(inner * outer) / 1.5, cosine=math.cos(bearing.contact_angle),
+        expands=expands, delta_h=delta_h, delta_mu=delta_mu,
+        section=friction.section_height(bearing), astm_a=astm_a, astm_b=astm_b,
+        rolling=rolling, sliding=sliding, static_rating=life.static_rating(bearing),
+        dynamic_rating=p.dynamic_rating or life.dynamic_rating(bearing),
+        fatigue_limit=p.fatigue_limit or life.fatigue_limit(bearing),
+        least_gap=least_gap, most_gap=most_gap,
+    )  # fmt: skip
 
 
 @compiled()
-def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatArray) -> None:
+def evaluate(constants: Records, outer: float, inner: float, hz: float, out: FloatArray) -> None:
     """
     Fill ``out`` (CONDITION_SIZE) for ring temperatures in degC and a shaft speed in Hz.
 
@@ -134,88 +130,98 @@ def evaluate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatA
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
-    >>> law, out = law_table(preset('paper')), np.empty(CONDITION_SIZE)
-    >>> evaluate(law, 110.0, 110.0, 25.0, out)
+    >>> constants, out = constants_of(preset('paper')), np.empty(CONDITION_SIZE)
+    >>> evaluate(constants, 110.0, 110.0, 25.0, out)
     >>> round(float(out[BETA0]), 3)
     1.13
 
     """
-    alpha = np.interp(outer, gcr15.TEMPERATURES, gcr15.EXPANSION_TABLE) * law[ALPHA_UNIT]
+    c = constants[0]
+    alpha = np.interp(outer, gcr15.TEMPERATURES, gcr15.EXPANSION_TABLE) * c.alpha_unit
     hardness = np.interp(outer, gcr15.TEMPERATURES, gcr15.HARDNESS_TABLE)
     mu = np.interp(outer, gcr15.TEMPERATURES, gcr15.FRICTION_TABLE)
     out[ALPHA], out[HARDNESS], out[FRICTION], out[SHAFT_HZ] = alpha, hardness, mu, hz
-    if law[PHYSICAL] == 0.0:
-        weights = (law[EXPANDS], law[DELTA_H], law[DELTA_MU], law[H0], law[MU0])
-        factor = _beta0(outer - law[T0], alpha, hardness, mu, weights)
-        out[K_B], out[DEPTH], out[BETA0] = factor * law[K_B0], factor, factor
-        out[CLEARANCE] = out[THERMAL_GAP] = law[CLEARANCE0]
+    if c.physical == 0.0:
+        references = c.reference_hardness, c.reference_friction
+        weights = (c.expands, c.delta_h, c.delta_mu, *references)
+        factor = _beta0(outer - c.reference_temperature, alpha, hardness, mu, weights)
+        out[K_B], out[DEPTH], out[BETA0] = factor * c.k_b0, factor, factor
+        out[CLEARANCE] = out[THERMAL_GAP] = c.clearance
         # The paper knows one temperature; the lubricant, and with it the life, needs no more.
         out[INNER] = out[OUTER] = math.nan
-        _lubricate(law, outer, outer, hz, out)
+        _lubricate(c, outer, outer, hz, out)
     else:
         out[DEPTH] = out[BETA0] = 1.0
         out[INNER], out[OUTER] = inner, outer
-        _fit(law, outer, inner, out)
-        _lubricate(law, outer, inner, hz, out)
-    held = Supports((law[ACROSS], law[SKEW], law[ALONG]), law[ASIDE])
-    spring = spring_position(law[LOAD], out[K_B], out[CLEARANCE], held, int(law[N_BALLS]))
-    out[FOOT_X] = law[UP_X] * spring + law[UP_Y] * law[ASIDE]
-    out[FOOT_Y] = law[UP_Y] * spring - law[UP_X] * law[ASIDE]
-    model, out[SLIP] = law[SLIP_MODEL], 0.0
+        _fit(c, outer, inner, out)
+        _lubricate(c, outer, inner, hz, out)
+    held = Supports((c.across, c.skew, c.along), c.aside)
+    spring = spring_position(c.load, _contact(out), out[CLEARANCE], held, int(c.n_balls))
+    out[FOOT_X] = c.up_x * spring + c.up_y * c.aside
+    out[FOOT_Y] = c.up_y * spring - c.up_x * c.aside
+    model, out[SLIP] = c.slip_model, 0.0
     if model == _CONSTANT:
-        out[SLIP] = law[SLIP0]
+        out[SLIP] = c.slip
     elif model == _MU_PROPORTIONAL:
-        out[SLIP] = law[SLIP0] * mu / law[MU0]
+        out[SLIP] = c.slip * mu / c.reference_friction
     elif model == _TRACTION:
-        out[SLIP] = _slip(law, out)
+        out[SLIP] = _slip(c, out)
 
 
 @compiled()
-def skids(law: FloatArray, values: FloatArray) -> bool:
+def skids(constants: Records, values: FloatArray) -> bool:
     """
     Whether the traction of the balls does not suffice; ``values`` of `evaluate`.
 
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
-    >>> law = law_table(preset('paper', thermal_mode='physical', load=20.0))
+    >>> constants = constants_of(preset('paper', thermal_mode='physical', load=20.0))
     >>> values = np.empty(CONDITION_SIZE)
-    >>> evaluate(law, 20.0, 20.0, 50.0, values)
-    >>> skids(law, values)
+    >>> evaluate(constants, 20.0, 20.0, 50.0, values)
+    >>> skids(constants, values)
     True
 
     """
-    return bool(law[SLIP_MODEL] == _TRACTION and values[SLIP] >= slip.HIGHEST_SLIP)
+    return bool(constants[0].slip_model == _TRACTION and values[SLIP] >= slip.HIGHEST_SLIP)
 
 
 @compiled()
-def _foot(law: FloatArray, values: FloatArray) -> tuple[float, float]:
-    """Foot of the shaft's spring in the load's frame, m."""
-    x, y, up_x, up_y = values[FOOT_X], values[FOOT_Y], law[UP_X], law[UP_Y]
-    return up_y * x - up_x * y, up_x * x + up_y * y
+def _contact(values: FloatArray) -> Contact:
+    """Contacts at rest."""
+    return Contact(values[K_B], 0.0)
 
 
 @compiled()
-def _slip(law: FloatArray, values: FloatArray) -> float:
+def _stand(c: Record, values: FloatArray, balls: FloatArray) -> tuple[float, float]:
+    """Displacement between the rings in the load's frame, m, in equilibrium."""
+    x, y = values[FOOT_X], values[FOOT_Y]
+    foot = c.up_y * x - c.up_x * y, c.up_x * x + c.up_y * y
+    stood = equilibrium(foot, _contact(values), (c.across, c.skew, c.along), balls, foot)
+    return stood[0], stood[1]
+
+
+@compiled()
+def _slip(c: Record, values: FloatArray) -> float:
     """Slip at which the balls' traction is the drag, see `thermal.slip`: Newton from below."""
-    hz, n, clearance = values[SHAFT_HZ], int(law[N_BALLS]), values[CLEARANCE]
+    hz, n, clearance = values[SHAFT_HZ], int(c.n_balls), values[CLEARANCE]
     if hz == 0.0:
         return 0.0
-    rpm, nu, race = 60.0 * hz, values[VISCOSITY], law[D_PITCH] * (1.0 - law[GAMMA])
-    braked, metallic = (_drag(rpm, nu, law[D_MEAN], race), _metallic_share(rpm, nu, law[D_MEAN]))
-    rolling = 0.5 * math.pi * hz * race * (1.0 + law[GAMMA])
+    rpm, nu, race = 60.0 * hz, values[VISCOSITY], c.d_pitch * (1.0 - c.gamma)
+    braked = _drag(rpm, nu, c.mean_diameter, race)
+    metallic = _metallic_share(rpm, nu, c.mean_diameter)
+    rolling = 0.5 * math.pi * hz * race * (1.0 + c.gamma)
     # Force, mean pressure and film of the loaded balls, of the mean of two cage positions.
     pressed, loaded = np.empty((2 * n, 3)), 0
-    compliance, foot = (law[ACROSS], law[SKEW], law[ALONG]), _foot(law, values)
     for half in range(2):
         balls = healthy_balls((half / n - 0.5) * math.pi, clearance, n)
-        x, y, _, _ = equilibrium(foot, values[K_B], compliance, balls, foot)
+        x, y = _stand(c, values, balls)
         for k in range(n):
             delta = x * balls[COS, k] + y * balls[SIN, k] - clearance
             if delta > 0.0:
-                force = contact_law(delta, values[K_B])[0] / law[COSINE]
-                pressure = law[PRESSED] * force ** (1.0 / 3.0)
-                slope = _film_slope(pressure, force, nu, rolling, law[D_BALL])
+                force = contact_law(delta, _contact(values))[0] / c.cosine
+                pressure = c.pressed * force ** (1.0 / 3.0)
+                slope = _film_slope(pressure, force, nu, rolling, c.d_ball)
                 pressed[loaded] = force, pressure, slope
                 loaded += 1
     slid = 0.0
@@ -223,7 +229,7 @@ def _slip(law: FloatArray, values: FloatArray) -> float:
         given, growth = 0.0, 0.0
         for k in range(loaded):
             force, pressure, slope = pressed[k, 0], pressed[k, 1], pressed[k, 2]
-            mu, rise = _traction(slid, pressure, slope, metallic, law[BOUNDARY])
+            mu, rise = _traction(slid, pressure, slope, metallic, c.boundary_friction)
             given += force * mu
             growth += force * rise
         step = (braked - given) / growth
@@ -234,7 +240,7 @@ def _slip(law: FloatArray, values: FloatArray) -> float:
 
 
 @compiled()
-def heaviest(law: FloatArray, values: FloatArray) -> float:
+def heaviest(constants: Records, values: FloatArray) -> float:
     """
     Radial force on a ball that stands in the direction of the load, N; ``values`` of `evaluate`.
 
@@ -243,50 +249,54 @@ def heaviest(law: FloatArray, values: FloatArray) -> float:
     Of 3.2 kN a ball of eight bears somewhat less than 5/8:
 
     >>> from bearing_twin.dynamics import preset
-    >>> law, values = law_table(preset('paper')), np.empty(CONDITION_SIZE)
-    >>> evaluate(law, 20.0, 20.0, 25.0, values)
-    >>> round(heaviest(law, values))
+    >>> constants, values = constants_of(preset('paper')), np.empty(CONDITION_SIZE)
+    >>> evaluate(constants, 20.0, 20.0, 25.0, values)
+    >>> round(heaviest(constants, values))
     1832
 
     """
-    balls = healthy_balls(-0.5 * math.pi, values[CLEARANCE], int(law[N_BALLS]))
-    compliance, foot = (law[ACROSS], law[SKEW], law[ALONG]), _foot(law, values)
-    _, y, _, _ = equilibrium(foot, values[K_B], compliance, balls, foot)
-    force: float = contact_law(max(-y - values[CLEARANCE], 0.0), values[K_B])[0]
+    c = constants[0]
+    balls = healthy_balls(-0.5 * math.pi, values[CLEARANCE], int(c.n_balls))
+    _, y = _stand(c, values, balls)
+    force: float = contact_law(max(-y - values[CLEARANCE], 0.0), _contact(values))[0]
     return force
 
 
 @compiled()
-def _fit(law: FloatArray, outer: float, inner: float, out: FloatArray) -> None:
+def _fit(c: Record, outer: float, inner: float, out: FloatArray) -> None:
     """Contact stiffness and clearance that the rings' temperatures leave."""
-    out[K_B] = law[K_B0] * _relative_modulus(0.5 * (inner + outer))
-    gap = law[CLEARANCE0] + _clearance_change(inner, outer, law[D_PITCH])
+    out[K_B] = c.k_b0 * _relative_modulus(0.5 * (inner + outer))
+    gap = c.clearance + _clearance_change(inner, outer, c.d_pitch)
     out[THERMAL_GAP] = gap
-    out[CLEARANCE] = min(max(gap, law[LEAST_GAP]), law[MOST_GAP])
+    out[CLEARANCE] = min(max(gap, c.least_gap), c.most_gap)
 
 
 @compiled()
-def _lubricate(law: FloatArray, outer: float, inner: float, hz: float, out: FloatArray) -> None:
+def _lubricate(c: Record, outer: float, inner: float, hz: float, out: FloatArray) -> None:
     """Viscosity between the rings' temperatures, kappa, friction moment and life."""
-    load = _equivalent_load(law[LOAD], out[K_B], out[CLEARANCE], int(law[N_BALLS]))
+    load = _equivalent_load(c.load, out[K_B], out[CLEARANCE], int(c.n_balls))
     # The friction model knows no preload: under one this is the least that it adds.
-    rubbing = max(law[LOAD], load) if out[CLEARANCE] < 0.0 else law[LOAD]
+    rubbing = max(c.load, load) if out[CLEARANCE] < 0.0 else c.load
     rpm = 60.0 * hz
-    nu = _viscosity(0.5 * (inner + outer), law[ASTM_A], law[ASTM_B])
-    mu = _sliding_friction(_metallic_share(rpm, nu, law[D_MEAN]), law[BOUNDARY], law[FILM])
-    kappa = nu / _rated_viscosity(rpm, law[D_MEAN])
+    nu = _viscosity(0.5 * (inner + outer), c.astm_a, c.astm_b)
+    mu = _sliding_friction(
+        _metallic_share(rpm, nu, c.mean_diameter),
+        c.boundary_friction,
+        c.film_friction,
+    )
+    kappa = nu / _rated_viscosity(rpm, c.mean_diameter)
     out[VISCOSITY], out[KAPPA], out[EQUIVALENT] = nu, kappa, load
     out[MOMENT] = _friction_moment(
-        rpm, nu, rubbing, law[D_MEAN], law[SECTION], law[ROLLING], law[SLIDING],
-        law[REPLENISHMENT], mu,
+        rpm, nu, rubbing, c.mean_diameter, c.section, c.rolling, c.sliding,
+        c.replenishment, mu,
     )  # fmt: skip
-    factor = _life_factor(kappa, law[CONTAMINATION] * law[LIMIT] / load)
-    out[LIFE] = _life_hours(factor, load, rpm, law[RATING], law[STATIC])
+    factor = _life_factor(kappa, c.contamination * c.fatigue_limit / load)
+    out[LIFE] = _life_hours(factor, load, rpm, c.dynamic_rating, c.static_rating)
 
 
 @compiled()
 def inner_temperature(
-    law: FloatArray, outer: float, inner: float, hz: float, duration: float
+    constants: Records, outer: float, inner: float, hz: float, duration: float
 ) -> float:
     """
     Inner ring temperature after ``duration`` s, degC; the steady state if it is infinite.
@@ -296,26 +306,32 @@ def inner_temperature(
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
-    >>> law = law_table(preset('incipient', thermal_mode='physical'))
-    >>> round(inner_temperature(law, 60.0, 60.0, 25.0, 1.0), 1)
+    >>> constants = constants_of(preset('incipient', thermal_mode='physical'))
+    >>> round(inner_temperature(constants, 60.0, 60.0, 25.0, 1.0), 1)
     60.4
-    >>> round(inner_temperature(law, 60.0, 60.0, 25.0, math.inf), 1)
+    >>> round(inner_temperature(constants, 60.0, 60.0, 25.0, math.inf), 1)
     63.3
 
     """
+    c = constants[0]
     out = np.zeros(CONDITION_SIZE)
     start = inner if duration < math.inf else outer
     for _ in range(1 if duration < math.inf else 30):
-        _fit(law, outer, start, out)
-        _lubricate(law, outer, start, hz, out)
-        shaft = law[AMBIENT] + law[SHAFT_RATIO] * (outer - law[AMBIENT])
+        _fit(c, outer, start, out)
+        _lubricate(c, outer, start, hz, out)
+        shaft = c.ambient + c.shaft_ratio * (outer - c.ambient)
         target = _inner_ring_target(
-            outer, shaft, _power_loss(out[MOMENT], 60.0 * hz), law[RING_TO_RING],
-            law[RING_TO_SHAFT],
+            outer, shaft, _power_loss(out[MOMENT], 60.0 * hz), c.ring_to_ring,
+            c.ring_to_shaft,
         )  # fmt: skip
         start = (
             _inner_ring_step(
-                inner, target, duration, law[CAPACITY], law[RING_TO_RING], law[RING_TO_SHAFT]
+                inner,
+                target,
+                duration,
+                c.inner_capacity,
+                c.ring_to_ring,
+                c.ring_to_shaft,
             )
             if duration < math.inf
             else target

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import contact_pressure, fault_frequencies
 from bearing_twin.dynamics import coefficients, kernel
@@ -15,11 +15,11 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
+    from bearing_twin.dynamics.layout import Records
     from bearing_twin.dynamics.parameters import TwinParameters
 
 
 FloatArray = npt.NDArray[np.float64]
-Records = npt.NDArray[Any]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,7 +101,7 @@ class Condition:
 
 def condition(
     parameters: TwinParameters,
-    law: FloatArray,
+    constants: Records,
     values: FloatArray,
     at: tuple[float, float, float],
     inputs: FloatArray,
@@ -122,8 +122,8 @@ def condition(
     """
     values = values.copy()
     if parameters.thermal_mode == 'physical':
-        coefficients.evaluate(law, *at, values)
-    skids, held = coefficients.skids(law, values), float(values[coefficients.CLEARANCE])
+        coefficients.evaluate(constants, *at, values)
+    skids, held = coefficients.skids(constants, values), float(values[coefficients.CLEARANCE])
     values[: coefficients.INPUTS] = inputs
     # As plain numbers at once: each look into an array takes longer.
     of, state = values.tolist(), states[0]
@@ -131,15 +131,15 @@ def condition(
     q = state['q'].tolist()
     gap, left = of[coefficients.CLEARANCE], of[coefficients.THERMAL_GAP]
     # The contact angle makes the ball's force larger than its radial part.
-    pressed = coefficients.heaviest(law, values) / math.cos(parameters.bearing.contact_angle)
+    pressed = coefficients.heaviest(constants, values) / math.cos(parameters.bearing.contact_angle)
     pressure = max(
         contact_pressure(parameters.bearing, pressed, race=race) for race in ('inner', 'outer')
     )
     passed = limits_passed(
         load=parameters.load,
         equivalent=of[coefficients.EQUIVALENT],
-        dynamic_rating=float(law[coefficients.RATING]),
-        static_rating=float(law[coefficients.STATIC]),
+        dynamic_rating=float(constants['dynamic_rating'][0]),
+        static_rating=float(constants['static_rating'][0]),
         pressure=pressure,
         kappa=of[coefficients.KAPPA],
         shaft_hz=hz,

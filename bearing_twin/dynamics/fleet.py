@@ -30,8 +30,8 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from bearing_twin.dynamics.layout import Records
     from bearing_twin.dynamics.parameters import TwinParameters
-
 
 FloatArray = npt.NDArray[np.float64]
 Array = npt.NDArray[Any]
@@ -161,12 +161,12 @@ class Fleet:
         was_outer, was_speed = self._temperatures, self._shaft_hz
         lanes = self._lanes
         begin, end = lanes.values, lanes.values.copy()
-        _evaluate_changed(lanes.law, was_outer, was_speed, outer, speed, end)
+        _evaluate_changed(lanes.constants, was_outer, was_speed, outer, speed, end)
         start = begin[:, : coefficients.INPUTS]
         growth = end[:, : coefficients.INPUTS] - start
         outs = [np.empty((2, (end - first) * L, n), np.float32) for first, end in self._shares]
         first, done = self.next_sample, 0
-        ticking = bool((lanes.law[:, coefficients.PHYSICAL] != 0.0).any())
+        ticking = bool((lanes.constants['physical'] != 0.0).any())
         while done < n:
             count = n - done
             if ticking:
@@ -220,7 +220,7 @@ class Fleet:
         )
         at = self._temperatures[index], inner, self._shaft_hz[index]
         return condition(
-            p, lanes.law[index], lanes.values[index], at, self._inputs(index),
+            p, lanes.constants[index : index + 1], lanes.values[index], at, self._inputs(index),
             lanes.motion(index, self.next_sample), lanes.tables(index),
         )  # fmt: skip
 
@@ -370,10 +370,9 @@ class Fleet:
         for index in range(self._lanes.size):
             p = self._parameters[min(index, len(self) - 1)]
             self._lanes.roll_on(index, surfaces(p, self._lanes.seed(index)))
-            coefficients.evaluate(
-                self._lanes.law[index], self._temperatures[index], self._temperatures[index],
-                self._shaft_hz[index], self._lanes.values[index],
-            )  # fmt: skip
+            outer, hz = self._temperatures[index], self._shaft_hz[index]
+            constants = self._lanes.constants[index : index + 1]
+            coefficients.evaluate(constants, outer, outer, hz, self._lanes.values[index])
         for index in np.flatnonzero((self._lanes.marks != ours).any(axis=1)).tolist():
             p = self._parameters[min(index, len(self) - 1)]
             self._lanes.place(index, self._simulator(index, p, inputs[index]))
@@ -388,7 +387,7 @@ class Fleet:
         """Advance the inner rings by a thermal tick."""
         lanes, seconds = self._lanes, self._tick / self.sample_rate
         inner_ring.advance_all(
-            lanes.law[: len(outer)], outer, hz, lanes.rings, lanes.drift, self._tick, seconds
+            lanes.constants[: len(outer)], outer, hz, lanes.rings, lanes.drift, self._tick, seconds
         )
 
     def _checked(
@@ -420,7 +419,7 @@ class Fleet:
 
 @compiled()
 def _evaluate_changed(
-    law: FloatArray,
+    constants: Records,
     was_outer: FloatArray,
     was_speed: FloatArray,
     outer: FloatArray,
@@ -428,6 +427,6 @@ def _evaluate_changed(
     values: FloatArray,
 ) -> None:
     """Evaluate the laws where temperature or speed changed."""
-    for i in range(law.shape[0]):
+    for i in range(constants.shape[0]):
         if outer[i] != was_outer[i] or speed[i] != was_speed[i]:
-            coefficients.evaluate(law[i], outer[i], outer[i], speed[i], values[i])
+            coefficients.evaluate(constants[i : i + 1], outer[i], outer[i], speed[i], values[i])

@@ -68,7 +68,7 @@ class Lanes:
         self.balls = aligned((groups, slots, fl.BALL_ROWS, L), np.float32)
         self.surfaces = np.zeros((self.size, 0), np.float32)
         self._tables: dict[int, Tables] = {}
-        self.law = np.zeros((self.size, coefficients.LAW_SIZE))
+        self.constants = np.zeros(self.size, coefficients.CONSTANTS)
         self.values = np.zeros((self.size, coefficients.CONDITION_SIZE))
         self.drift = np.zeros((self.size, 2, coefficients.INPUTS))
         self.rings = np.full((self.size, 2), math.nan)
@@ -135,7 +135,7 @@ class Lanes:
                 record[name][..., lane] = value
 
         put(group, **{name: state[name] for name in 'qvaj'})
-        put(group, **{name: m[name] for name in m.dtype.names if name in group.dtype.names})
+        put(group, **{name: m[name] for name in f'{layout.PRECISE} {fl.SHARED}'.split()})
         n = int(m['n_balls'])
         to_z, to_w, read = _sensor_rows(simulator.parameters, self.step)
         put(group, per_ball=1.0 / n, seed=simulator.seed, to_z=to_z, to_w=to_w, read=read)
@@ -154,7 +154,8 @@ class Lanes:
             put(record, **_spall(tables.defects[slot] if slot < len(tables.defects) else None, m))
         self._tables[index] = tables
         self.roll_on(index, tables.surfaces)
-        self.law[index], self.values[index] = simulator.law, simulator.values
+        self.constants[index] = simulator.constants[0]
+        self.values[index] = simulator.values
         self.drift[index], self.rings[index] = simulator.drift, simulator.rings
         self.fade[index], self.faded[index] = simulator.fade, simulator.faded
         self.marks[index] = simulator.marks

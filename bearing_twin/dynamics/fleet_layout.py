@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 from bearing_twin.dynamics.coefficients import INPUTS
+from bearing_twin.dynamics.layout import MACHINE, PRECISE, SINGLE
 from bearing_twin.dynamics.parameters import MAX_DEFECTS
 from bearing_twin.dynamics.vector import L
 import numpy as np
@@ -20,6 +21,10 @@ MAX_SPALLS = MAX_DEFECTS
 
 WAVE_STEPS = 3
 """Steps between the instants at which the waves under the balls are looked up."""
+
+_APART = f'{PRECISE} {SINGLE}'.split()
+SHARED = ' '.join(name for name in MACHINE.names or () if name not in _APART)
+"""Constants of `layout.MACHINE` that lanes have in single precision."""
 
 _F, _D = np.float32, np.float64
 
@@ -56,12 +61,9 @@ GROUP = np.dtype(
         # sin); phases of cage, shaft and spin at the last grid point, and their speeds.
         *_rows('q v a j sensor directions', 4),
         *_lanes('cage shaft spin cage_hz shaft_hz spin_hz', _D),
-        # Constants, as `layout.MACHINE`.
-        *_lanes('ftf_order spin_order jitter load_turns', _D),
-        *_lanes('inner_light inner_stiffness inner_damping'),
-        *_lanes('outer_light outer_stiffness_x outer_stiffness_y outer_damping_x outer_damping_y'),
-        *_lanes('up_x up_y'),
-        *_lanes('contact_damping unbalance n_balls per_ball noise'),
+        # Constants of `layout.MACHINE`, and what only a fleet has.
+        *_lanes(PRECISE, _D),
+        *_lanes(f'{SHARED} per_ball'),
         *_lanes('seed', np.uint64),
         *_rows('to_z to_w', 6),  # rows of `filters.resonator`
         *_rows('read', 3),

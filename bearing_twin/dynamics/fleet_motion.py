@@ -22,7 +22,7 @@ from bearing_twin.dynamics.fleet_layout import BALL_COS, BALL_ROWS, BALL_SIN, NU
 from bearing_twin.dynamics.fleet_signal import sense
 from bearing_twin.dynamics.hermite import correct, taylor, ZERO
 from bearing_twin.dynamics.layout import CHUNK
-from bearing_twin.dynamics.model import contact_force, ring_motion
+from bearing_twin.dynamics.model import Contact, contact_force, ring_motion
 from bearing_twin.dynamics.vector import any_of, chosen, load, magnitude, splat, store
 import numpy as np
 
@@ -54,13 +54,8 @@ class _Waves(NamedTuple):
     seconds: Any
 
 
-class Surfaces(NamedTuple):
-    """What `look_up_waves` takes."""
-
-    tables: Any
-    begins: Any
-    starts: Any
-    waves: Any
+Surfaces = namedtuple('Surfaces', 'tables begins starts waves')
+"""What `look_up_waves` takes."""
 
 
 @compiled(inline=True, fast=FAST)
@@ -132,7 +127,7 @@ def _wave(waves, slot):
 
 
 @compiled(inline=True, fast=FAST)
-def _contact(group, slots, waves, parted, n_balls, c0, s0, gap, k_b, q, v, a):
+def _balls_force(group, slots, waves, parted, n_balls, c0, s0, gap, k_b, q, v, a):
     """
     Force of the balls on the outer ring, N, and its rate, N/s.
 
@@ -144,7 +139,7 @@ def _contact(group, slots, waves, parted, n_balls, c0, s0, gap, k_b, q, v, a):
     # Velocity and acceleration as seen from the cage.
     ux, uy = vx + turning * y, vy - turning * x
     bx, by = ax + turning * vy, ay - turning * vx
-    damping = load(group.contact_damping, 0)
+    contact = Contact(k_b, load(group.contact_damping, 0))
     zero = splat(_ZERO)
     fx, fy, gx, gy = zero, zero, zero, zero
     for j in range(n_balls):
@@ -166,21 +161,21 @@ def _contact(group, slots, waves, parted, n_balls, c0, s0, gap, k_b, q, v, a):
                 bare = chosen(under & (part >= _F(1.0)), bare - taken, bare)
                 share = chosen(under, share * part, share)
         speed, acceleration = vx * c + vy * s, bx * c + by * s
-        force, rate = _pressed(delta, closing, speed, acceleration, k_b, damping)
+        force, rate = _pressed(delta, closing, speed, acceleration, contact)
         if parted:
-            beside, change = _pressed(bare, closing, speed, acceleration, k_b, damping)
+            beside, change = _pressed(bare, closing, speed, acceleration, contact)
             force, rate = beside + share * (force - beside), change + share * (rate - change)
         fx, fy, gx, gy = fx + force * c, fy + force * s, gx + rate * c, gy + rate * s
     return (fx, fy), (gx - turning * fy, gy + turning * fx)
 
 
 @compiled(inline=True, fast=FAST)
-def _pressed(delta, closing, speed, acceleration, k_b, damping):
+def _pressed(delta, closing, speed, acceleration, contact):
     """Return `model.contact_force` where it acts, else zero."""
     zero = splat(_ZERO)
     touches = delta > zero
     force, rate = contact_force(
-        chosen(touches, delta, zero), closing, speed, acceleration, k_b, damping
+        chosen(touches, delta, zero), closing, speed, acceleration, contact
     )
     loaded = touches & (force > zero)
     return chosen(loaded, force, zero), chosen(loaded, rate, zero)
@@ -235,7 +230,7 @@ def advance(group, slots, surfaces, first, count, oversample, h, raw, begin, str
                 g.wavy, rows, 2 * most_slots * before, 2 * most_slots,
                 _F(number - WAVE_STEPS * before) / _F(WAVE_STEPS), _F(WAVE_STEPS) * h,
             )  # fmt: skip
-            force, rate = _contact(
+            force, rate = _balls_force(
                 g, slots, passing, parted, few if enough else n_balls, c, s, gap, _at(g, K_B, now),
                 further, faster, ahead,
             )  # fmt: skip

@@ -16,11 +16,15 @@ and its growth per output sample. A tick is ``tick`` samples.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from bearing_twin.dynamics import coefficients
 from bearing_twin.dynamics.compiled import compiled
 import numpy as np
 import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from bearing_twin.dynamics.layout import Records
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -78,16 +82,18 @@ def inputs(
     return total
 
 
-def settle(law: FloatArray, outer: float, hz: float, rings: FloatArray, drift: FloatArray) -> None:
+def settle(
+    constants: Records, outer: float, hz: float, rings: FloatArray, drift: FloatArray
+) -> None:
     """
     Put the inner ring into its steady state; see the module for ``rings`` and ``drift``.
 
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
-    >>> law = coefficients.law_table(preset('incipient', thermal_mode='physical'))
+    >>> constants = coefficients.constants_of(preset('incipient', thermal_mode='physical'))
     >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
-    >>> settle(law, 60.0, 25.0, rings, drift)
+    >>> settle(constants, 60.0, 25.0, rings, drift)
     >>> rings.round(2).tolist()
     [63.34, 63.34]
     >>> round(1e6 * float(drift[0, coefficients.CLEARANCE]), 2)  # of the clearance, um
@@ -95,36 +101,36 @@ def settle(law: FloatArray, outer: float, hz: float, rings: FloatArray, drift: F
 
     """
     rings[:] = math.nan
-    if law[coefficients.PHYSICAL] != 0.0:
-        rings[:] = coefficients.inner_temperature(law, outer, outer, hz, math.inf)
-    drift[0] = _difference(law, outer, rings[0], hz)
+    if constants[0].physical != 0.0:
+        rings[:] = coefficients.inner_temperature(constants, outer, outer, hz, math.inf)
+    drift[0] = _difference(constants, outer, rings[0], hz)
     drift[1] = 0.0
 
 
 def carry(
-    law: FloatArray, outer: float, hz: float, rings: FloatArray, drift: FloatArray, tick: int
+    constants: Records, outer: float, hz: float, rings: FloatArray, drift: FloatArray, tick: int
 ) -> None:
     """
-    Go on from ``rings`` with another law.
+    Go on from ``rings`` with other constants.
 
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
-    >>> law = coefficients.law_table(preset('incipient', thermal_mode='physical'))
+    >>> constants = coefficients.constants_of(preset('incipient', thermal_mode='physical'))
     >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
-    >>> settle(law, 60.0, 25.0, rings, drift)
+    >>> settle(constants, 60.0, 25.0, rings, drift)
     >>> heavy = preset('incipient', thermal_mode='physical', load=1000.0)
-    >>> carry(coefficients.law_table(heavy), 60.0, 25.0, rings, drift, 2560)
+    >>> carry(coefficients.constants_of(heavy), 60.0, 25.0, rings, drift, 2560)
     >>> rings.round(2).tolist()  # the ring goes on from where it was
     [63.34, 63.34]
 
     """
-    drift[0] = _difference(law, outer, rings[0], hz)
-    drift[1] = (_difference(law, outer, rings[1], hz) - drift[0]) / tick
+    drift[0] = _difference(constants, outer, rings[0], hz)
+    drift[1] = (_difference(constants, outer, rings[1], hz) - drift[0]) / tick
 
 
 def advance(
-    law: FloatArray,
+    constants: Records,
     outer: float,
     hz: float,
     rings: FloatArray,
@@ -138,26 +144,26 @@ def advance(
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
-    >>> law = coefficients.law_table(preset('incipient', thermal_mode='physical'))
+    >>> constants = coefficients.constants_of(preset('incipient', thermal_mode='physical'))
     >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
-    >>> settle(law, 60.0, 25.0, rings, drift)
-    >>> advance(law, 80.0, 25.0, rings, drift, 2560, 0.1)
+    >>> settle(constants, 60.0, 25.0, rings, drift)
+    >>> advance(constants, 80.0, 25.0, rings, drift, 2560, 0.1)
     >>> rings.round(2).tolist()  # the outer ring is at 80 degC now, and the inner one follows
     [63.34, 63.61]
 
     """
     rings[0] = rings[1]
-    rings[1] = coefficients.inner_temperature(law, outer, rings[0], hz, seconds)
+    rings[1] = coefficients.inner_temperature(constants, outer, rings[0], hz, seconds)
     drift[0] += drift[1] * tick
-    drift[1] = (_difference(law, outer, rings[1], hz) - drift[0]) / tick
+    drift[1] = (_difference(constants, outer, rings[1], hz) - drift[0]) / tick
 
 
 @compiled()
-def _difference(law: FloatArray, outer: float, inner: float, hz: float) -> FloatArray:
+def _difference(constants: Records, outer: float, inner: float, hz: float) -> FloatArray:
     """Return what an inner ring of another temperature adds to the inputs."""
     apart, alike = np.empty(coefficients.CONDITION_SIZE), np.empty(coefficients.CONDITION_SIZE)
-    coefficients.evaluate(law, outer, inner, hz, apart)
-    coefficients.evaluate(law, outer, outer, hz, alike)
+    coefficients.evaluate(constants, outer, inner, hz, apart)
+    coefficients.evaluate(constants, outer, outer, hz, alike)
     return apart[: coefficients.INPUTS] - alike[: coefficients.INPUTS]
 
 
@@ -166,7 +172,7 @@ _advance = compiled()(advance)
 
 @compiled()
 def advance_all(
-    law: FloatArray,
+    constants: Records,
     outer: FloatArray,
     hz: FloatArray,
     rings: FloatArray,
@@ -175,6 +181,6 @@ def advance_all(
     seconds: float,
 ) -> None:
     """One tick of every bearing in the physical mode; arrays with the bearing first."""
-    for i in range(law.shape[0]):
-        if law[i, coefficients.PHYSICAL] != 0.0:
-            _advance(law[i], outer[i], hz[i], rings[i], drift[i], tick, seconds)
+    for i in range(constants.shape[0]):
+        if constants[i].physical != 0.0:
+            _advance(constants[i : i + 1], outer[i], hz[i], rings[i], drift[i], tick, seconds)

@@ -26,13 +26,13 @@ the blocks.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections import namedtuple
 
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.hermite import correct, snap, sum2, sum3, sum4, taylor, ZERO
 from bearing_twin.dynamics.kinematics import at_time, kinks
 from bearing_twin.dynamics.layout import COS, GAP, GAP_RATE, SIN
-from bearing_twin.dynamics.model import contact_force, ring_motion
+from bearing_twin.dynamics.model import Contact, contact_force, ring_motion
 
 _IN_ORDER = FAST - {'reassoc'}
 """Without reassociation the sum over the balls stays scalar and skips the unloaded ones, which for
@@ -60,16 +60,18 @@ _PER_METRE = 1e8
 """Stiffness that compares an approach with a force, N/m."""
 
 
-class Scratch(NamedTuple):
-    """Room to work in: a step, its gaps, and the times of all kinks within one step."""
+_Motion = namedtuple('_Motion', 'q v a j s')
+"""Both rings at an instant: position, m, and its derivatives up to the snap."""
+_Parted = namedtuple('_Parted', 'step number bearing scratch')
+"""A step in pieces: its record, its number from the grid point, whose it is, and room."""
 
-    step: Any
-    gaps: Any
-    times: Any
+
+Scratch = namedtuple('Scratch', 'step gaps times')
+"""Room to work in: a step, its gaps, and the times of all kinks within one step."""
 
 
 @compiled(inline=True, fast=_IN_ORDER)
-def _contact(step, gaps, i, q, v, a, damping, known):
+def _balls_force(step, gaps, i, q, v, a, damping, known):
     """
     Force of the balls on the outer ring, N, its rate, N/s, loaded balls, ``near``.
 
@@ -81,7 +83,7 @@ def _contact(step, gaps, i, q, v, a, damping, known):
     ``known`` are the balls that are taken for loaded, on one side of an event; -1: they are found.
     """
     x, y, vx, vy, ax, ay = _between(q, v, a)
-    turning, k_b = step.turning, step.k_b
+    turning, contact = step.turning, Contact(step.k_b, damping)
     fx = 0.0
     fy = 0.0
     gx = 0.0
@@ -100,7 +102,7 @@ def _contact(step, gaps, i, q, v, a, damping, known):
             speed = vx * c + vy * s
             closing = speed + turning * (y * c - x * s) - gaps[i, GAP_RATE, k]
             acceleration = ax * c + ay * s + turning * (vy * c - vx * s)
-            force, rate = contact_force(delta, closing, speed, acceleration, k_b, damping)
+            force, rate = contact_force(delta, closing, speed, acceleration, contact)
             if known >= 0 or force > 0.0:
                 fx += force * c
                 fy += force * s
@@ -121,7 +123,9 @@ def _between(q, v, a):
 @compiled(inline=True, fast=FAST)
 def ring_rates(step, gaps, i, q, v, a, machine, known=-1):
     """Acceleration and jerk of both rings, loaded balls and ``near``; row ``i`` of ``gaps``."""
-    force, rate, loaded, near = _contact(step, gaps, i, q, v, a, machine.contact_damping, known)
+    force, rate, loaded, near = _balls_force(
+        step, gaps, i, q, v, a, machine.contact_damping, known
+    )
     a1, j1 = ring_motion(machine, step, force, rate, q, v, a)
     return a1, j1, loaded, near
 
@@ -272,9 +276,8 @@ def _in_pieces(state, bearing, step, number, scratch, acc_x, acc_y):
         event = after != loaded and events < _EVENTS
         if event:
             events += 1
-            piece, ball = _first_change(
-                after ^ loaded, piece, time, step, number, bearing, scratch, q, v, a, j, s
-            )
+            motion, parted = _Motion(q, v, a, j, s), _Parted(step, number, bearing, scratch)
+            piece, ball = _first_change(after ^ loaded, piece, time, parted, motion)
             at_kink = whole = False
             further, faster, ahead = taylor(piece, q, v, a, j, s)
             at_time(time + piece, 0.0, step, number, bearing, here, gaps)
@@ -317,29 +320,29 @@ def _three(values):
 
 
 @compiled(fast=_IN_ORDER, borrows=True)
-def _first_change(changed, piece, time, step, number, bearing, scratch, q, v, a, j, s):
+def _first_change(changed, piece, time, parted, motion):
     """
     Find when, in s from ``time``, the first of the ``changed`` balls becomes loaded or unloaded.
 
     Regula falsi (Illinois) on the predictor; returns the ball as well.
     """
-    first, which = piece, -1
-    for ball in range(min(bearing.machine.n_balls, _MASKED + 1)):
+    first, which, machine = piece, -1, parted.bearing.machine
+    for ball in range(min(machine.n_balls, _MASKED + 1)):
         if not changed >> ball & 1:
             continue
         begin, end = 0.0, first
-        low = _firmness(ball, begin, time, step, number, bearing, scratch, q, v, a, j, s)
-        high = _firmness(ball, end, time, step, number, bearing, scratch, q, v, a, j, s)
+        low = _firmness(ball, begin, time, parted, motion)
+        high = _firmness(ball, end, time, parted, motion)
         if low * high >= 0.0:
             # Changed at once, or not before another ball did.
             if which < 0:
                 first, which = (end, ball) if low * high > 0.0 else (begin, ball)
             continue
         side = 0
-        while end - begin > _EXACT * bearing.machine.step:
+        while end - begin > _EXACT * machine.step:
             middle = begin + (end - begin) * low / (low - high)
             middle = min(max(middle, begin + 1e-3 * (end - begin)), end - 1e-3 * (end - begin))
-            value = _firmness(ball, middle, time, step, number, bearing, scratch, q, v, a, j, s)
+            value = _firmness(ball, middle, time, parted, motion)
             if value * high > 0.0:
                 end, high = middle, value
                 low *= 0.5 if side == 1 else 1.0
@@ -353,21 +356,22 @@ def _first_change(changed, piece, time, step, number, bearing, scratch, q, v, a,
 
 
 @compiled(fast=_IN_ORDER, borrows=True)
-def _firmness(ball, ahead, time, step, number, bearing, scratch, q, v, a, j, s):
+def _firmness(ball, ahead, time, parted, motion):
     """
     Tell how firmly a ball is loaded ``ahead`` seconds after ``time`` on the predictor.
 
     Positive exactly where it is loaded, continuous, zero between: the lesser of its force, N, and
     its approach, m, times a stiffness.
     """
+    step, number, bearing, scratch = parted
     here, gaps = scratch.step, scratch.gaps
-    further, faster, _ = taylor(ahead, q, v, a, j, s)
+    further, faster, _ = taylor(ahead, motion.q, motion.v, motion.a, motion.j, motion.s)
     at_time(time + ahead, 0.0, step, number, bearing, here, gaps)
     x, y, vx, vy, _, _ = _between(further, faster, ZERO)
     c, s = gaps[0, COS, ball], gaps[0, SIN, ball]
     delta, speed = x * c + y * s - gaps[0, GAP, ball], vx * c + vy * s
-    damping = bearing.machine.contact_damping
-    force, _ = contact_force(max(delta, 0.0), 0.0, speed, 0.0, here.k_b, damping)
+    contact = Contact(here.k_b, bearing.machine.contact_damping)
+    force, _ = contact_force(max(delta, 0.0), 0.0, speed, 0.0, contact)
     return min(force, _PER_METRE * delta)
 
 

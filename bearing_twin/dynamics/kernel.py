@@ -26,7 +26,7 @@ from bearing_twin.dynamics.kinematics import (
     wrap_phases,
 )
 from bearing_twin.dynamics.layout import CHUNK, COS, GAP, SIN, STEP
-from bearing_twin.dynamics.model import contact_force
+from bearing_twin.dynamics.model import Contact, contact_force
 from bearing_twin.dynamics.random import NOISE, normal_pair, WALK
 from bearing_twin.dynamics.statics import equilibrium
 from numba.np.unsafe.ndarray import to_fixed_tuple
@@ -257,7 +257,7 @@ def settle(states: Records, tables: Tables, values: FloatArray) -> None:
     outer_x, outer_y = machine.outer_stiffness_x, machine.outer_stiffness_y
     compliance = 1.0 / inner + 1.0 / outer_x, 0.0, 1.0 / inner + 1.0 / outer_y
     foot = foot_x, foot_y
-    _, _, fx, fy = equilibrium(foot, step.k_b, compliance, gaps[0], foot)
+    _, _, fx, fy = equilibrium(foot, Contact(step.k_b, 0.0), compliance, gaps[0], foot)
     state.q[0], state.q[1] = foot_x - fx / inner, foot_y - fy / inner
     state.q[2], state.q[3] = fx / outer_x, fy / outer_y
 
@@ -295,12 +295,11 @@ def ball_forces(states: Records, tables: Tables, values: FloatArray) -> npt.NDAr
     forces = np.zeros(machine.n_balls, dtype=np.float32)
     x, y = state.q[0] - state.q[2], state.q[1] - state.q[3]
     vx, vy = state.v[0] - state.v[2], state.v[1] - state.v[3]
+    contact = Contact(values[K_B], machine.contact_damping)
     for k in range(machine.n_balls):
         c, s = gaps[0, COS, k], gaps[0, SIN, k]
         delta = x * c + y * s - gaps[0, GAP, k]
         if delta > 0.0:
-            force, _ = contact_force(
-                delta, 0.0, vx * c + vy * s, 0.0, values[K_B], machine.contact_damping
-            )
+            force, _ = contact_force(delta, 0.0, vx * c + vy * s, 0.0, contact)
             forces[k] = max(force, 0.0)
     return forces

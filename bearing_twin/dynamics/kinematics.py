@@ -11,6 +11,7 @@ path of a ball through a defect has a kink.
 
 from __future__ import annotations
 
+from collections import namedtuple
 import math
 from typing import Any, NamedTuple
 
@@ -26,16 +27,8 @@ _SHORTEST_KINK = 1e-9
 _INNER, _BALL, _CAGE = (PLACES.index(place) for place in ('inner', 'ball', 'cage'))
 
 
-class Inputs(NamedTuple):
-    """Inputs of the equations of motion, or their growth per step, as `coefficients` has them."""
-
-    k_b: float
-    depth: float
-    clearance: float
-    shaft_hz: float
-    slip: float
-    foot_x: float
-    foot_y: float
+Inputs = namedtuple('Inputs', 'k_b depth clearance shaft_hz slip foot_x foot_y')
+"""Inputs of the equations of motion, or their growth per step, in the order of `coefficients`."""
 
 
 class KernelBearing(NamedTuple):

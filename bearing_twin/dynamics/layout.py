@@ -8,13 +8,59 @@ Quadruples hold what belongs to x_i, y_i, x_o, y_o in this order.
 
 from __future__ import annotations
 
+from typing import Any, TypeAlias
+
 import numpy as np
+import numpy.typing as npt
 
 _F = np.float64
+Records: TypeAlias = npt.NDArray[Any]
+Record: TypeAlias = Any
+"""Element of an array of records, whose fields are attributes."""
 
 
 def _numbers(names: str) -> list[tuple[str, type]]:
     return [(name, _F) for name in names.split()]
+
+
+def constants(names: str) -> np.dtype[Any]:
+    """
+    Return the type of a record of numbers.
+
+    Examples
+    --------
+    >>> constants('load clearance').names
+    ('load', 'clearance')
+
+    """
+    return np.dtype((np.record, _numbers(names)))
+
+
+def filled(kind: np.dtype[Any], *owners: Any, **values: Any) -> Records:
+    """
+    Return one record of ``kind``: ``values``, and for other fields the attributes of that name.
+
+    Of the ``owners`` the first that has the attribute gives it.
+
+    Raises
+    ------
+    TypeError
+        If a field has no value, or a value no field.
+
+    Examples
+    --------
+    >>> filled(constants('real imag size'), 3.0 + 4.0j, size=5.0).tolist()
+    [(3.0, 4.0, 5.0)]
+
+    """
+    names = kind.names or ()
+    for name in names:
+        if name not in values:
+            values[name] = next((getattr(o, name) for o in owners if hasattr(o, name)), None)
+    if wrong := [name for name in values if name not in names or values[name] is None]:
+        msg = f'fields without a value, or values without a field: {", ".join(wrong)}'
+        raise TypeError(msg)
+    return np.array([tuple(values[name] for name in names)], kind)
 
 
 STATE = np.dtype(
@@ -30,6 +76,12 @@ STATE = np.dtype(
 )
 """State of one bearing."""
 
+PRECISE = 'load_turns ftf_order spin_order jitter'
+"""Constants that a fleet has in double precision as well: of the phases."""
+SINGLE = (
+    'd_ball inner_radius outer_radius resonance resonance_damping step snaps steps reads stiff'
+)
+"""Constants that a fleet does not have."""
 MACHINE = np.dtype(
     [
         *_numbers('inner_light inner_stiffness inner_damping'),  # reciprocal of the mass, 1/kg
@@ -47,15 +99,15 @@ MACHINE = np.dtype(
         ('n_balls', np.int64),
     ]
 )
-"""Constants of one bearing."""
+"""Constants of one bearing; what is not in `SINGLE` is in each lane of a fleet too."""
 
 DEFECT = np.dtype(
     [
         ('place', np.int64),  # index into `parameters.PLACES`
-        *_numbers('profile half depth angle'),  # `model` has the codes; m, m, turns
+        *_numbers('profile half depth angle'),  # codes of `model.PROFILES`; m, m, turns
         ('ball', np.int64),
         *_numbers('inner_curvature outer_curvature'),  # of a ball's path on the race, 1/m
-        *_numbers('inner_kink outer_kink'),  # see `model.path_kink`
+        *_numbers('inner_kink outer_kink'),  # see `model.Profile`
     ]
 )
 """One defect."""

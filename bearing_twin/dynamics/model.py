@@ -7,13 +7,13 @@ Each law stands here once. The single bearing, the fleet, the static solver, the
 bearing in three dimensions call these functions, with plain numbers or with `vector.FLOATS`, so
 they use only arithmetic and the operations of `vector` that take both.
 
-To replace the contact law edit `contact_law`. To make one selectable, its number goes
+To replace the contact law edit `contact_law`. To make one selectable:
 
-- into `parameters.TwinParameters`, `layout.MACHINE` with `tables.machine`, under the same name
-  into `fleet_layout.GROUP` (a forgotten name is no error), `coefficients.law_table` and
-  `reference._Constants`;
-- through the arguments of all that call `contact_law` or `contact_force`, to a branch in
-  `contact_law`, as `defect_path` has one for each profile.
+- its parameter: `parameters.TwinParameters`;
+- its number in the kernels: a field of `layout.MACHINE` of the same name, which fleets take over,
+  of `coefficients.CONSTANTS` and of `reference._Constants`;
+- its number beside K_b: a field of `Contact`. Each place that makes a `Contact` has to give it;
+- its branch in `contact_law`, as `defect_path` has one for each profile.
 
 What follows the power 1.5 and not `contact_law`:
 
@@ -21,7 +21,7 @@ What follows the power 1.5 and not `contact_law`:
   `stability.check_step` and the pieces of a step in `integrator`: they hold for any power near it;
 - `life.equivalent_load`, `calibration.passage` and `calibration.estimates`: closed formulas for
   steel on steel, as are the pressure under a ball (force^(1/3)) in `coefficients` and `reference`
-  and the unit of K_b, which `bearing.hertz` computes. Another law needs others;
+  and the unit of K_b, which `bearing.hertz` computes. They need formulas of their own;
 - `view.rerun.bearing3d`: a TwinState has K_b, and no other number of a law;
 - the tests and `paper`, on purpose.
 
@@ -30,13 +30,12 @@ What follows the power 1.5 and not `contact_law`:
 To add a profile:
 
 - its name: `parameters.Profile`, and what it is in the docstring of `parameters.Defect`;
-- its code: a constant below, and its place in `CODES`;
-- its path: a branch of `defect_path`, and where that path has a kink on
-  either side of the centre, at most one, `path_kink`;
+- its path: a function beside those below, a branch of `defect_path`, a row of `PROFILES`;
 - a path that jumps at its edges: `fleet_kinematics.open_gap`, whose steps are not parted there,
   takes it for `RECTANGLE` alone;
-- its closed form: `PATHS` in test_model.py, and the error of a fleet: `ERROR` in test_fleets.py;
-- its error in docs/realtime.md, and the table: ``python docs/tables.py docs/nodes.md``.
+- its closed form in test_model.py and the error of a fleet in test_fleets.py, which ask for it;
+- its error in docs/realtime.md, and the table of parameters: ``python docs/tables.py
+  docs/nodes.md``.
 
 The equations (x right, y up), one line an axis, y shown::
 
@@ -53,41 +52,49 @@ Signal Process. 2008, 22, 1924.
 from __future__ import annotations
 
 import math
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TYPE_CHECKING, TypeAlias
 
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.vector import any_of, chosen, cosine_sine, magnitude, root
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 Value: TypeAlias = Any
 """A number, or lanes of a fleet."""
 Pair: TypeAlias = tuple[Value, Value]
 Four: TypeAlias = tuple[Value, Value, Value, Value]
 
-BALL, RECTANGLE, HALF_SINE, COSINE_FLANKS = 0.0, 1.0, 2.0, 3.0
-CODES = {'ball': BALL, 'rect': RECTANGLE, 'halfsine': HALF_SINE, 'smooth': COSINE_FLANKS}
-"""Code of each of `parameters.PROFILES`, as compiled code takes it."""
+
+class Contact(NamedTuple):
+    """What decides the force between a ball and the rings."""
+
+    k_b: Value
+    """Stiffness K_b of the contact law, N/m^1.5."""
+    damping: Value
+    """N s/m; zero where nothing moves."""
 
 
 @compiled(inline=True, fast=FAST)
-def contact_law(delta: Value, k_b: Value) -> Pair:
+def contact_law(delta: Value, contact: Contact) -> Pair:
     """
     Force of Hertz's point contact, N, and its derivative, N/m, at an approach of ``delta`` >= 0 m.
 
-    ``k_b`` in N/m^1.5 (Harris, Rolling Bearing Analysis, chapter 6).
+    Harris, Rolling Bearing Analysis, chapter 6.
 
     Examples
     --------
-    >>> contact_law(4e-6, 1e10)
+    >>> contact_law(4e-6, Contact(k_b=1e10, damping=0.0))
     (80.0, 30000000.0)
 
     """
-    stiff = k_b * root(delta)
+    stiff = contact.k_b * root(delta)
     return stiff * delta, 1.5 * stiff
 
 
 @compiled(inline=True, fast=FAST)
 def contact_force(
-    delta: Value, closing: Value, speed: Value, acceleration: Value, k_b: Value, damping: Value
+    delta: Value, closing: Value, speed: Value, acceleration: Value, contact: Contact
 ) -> Pair:
     """
     Force of a ball between the rings, N, and its rate, N/s; it acts where it is positive.
@@ -95,8 +102,64 @@ def contact_force(
     ``closing`` is the rate of the approach ``delta``, the ball's own path through defects
     included; ``speed`` and ``acceleration`` are those of the rings alone, along the ball.
     """
-    elastic, slope = contact_law(delta, k_b)
-    return elastic + damping * speed, slope * closing + damping * acceleration
+    elastic, slope = contact_law(delta, contact)
+    return elastic + contact.damping * speed, slope * closing + contact.damping * acceleration
+
+
+class Profile(NamedTuple):
+    """
+    Path of a ball through a defect.
+
+    Its functions take half the width, m, the depth, m, and the curvature of the path, 1/m, as
+    `defect_path`.
+    """
+
+    code: float
+    """As compiled code takes it."""
+    path: Callable[[Value, Value, Value, Value], Pair]
+    """Depth, m, and slope towards the centre, ``away`` m from it."""
+    kink: Callable[[float, float, float], float]
+    """Where the path has a kink on either side of the centre, besides those at both edges, m from
+    the centre; -1 for none. The integrator parts its steps there."""
+
+
+@compiled(inline=True, fast=FAST)
+def _bridge(half: Value, depth: Value, curvature: Value, away: Value) -> Pair:
+    """Roll about the edge, until the ball touches the ground."""
+    edge = half - away
+    sag = edge * edge * curvature
+    rolls = depth > sag
+    return chosen(rolls, sag, depth), chosen(rolls, 2.0 * edge * curvature, 0.0)
+
+
+@compiled(inline=True, fast=FAST)
+def _step(half: Value, depth: Value, curvature: Value, away: Value) -> Pair:
+    return depth, 0.0
+
+
+@compiled(inline=True, fast=FAST)
+def _half_sine(half: Value, depth: Value, curvature: Value, away: Value) -> Pair:
+    c, s = cosine_sine(0.5 * math.pi * away / half)
+    return depth * c, depth * 0.5 * math.pi / half * s
+
+
+@compiled(inline=True, fast=FAST)
+def _cosine_flanks(half: Value, depth: Value, curvature: Value, away: Value) -> Pair:
+    edge, flank = half - away, 0.5 * half
+    falls = flank > edge
+    c, s = cosine_sine(math.pi * chosen(falls, edge, flank) / flank)
+    sunk, slope = 0.5 * depth * (1.0 - c), 0.5 * depth * math.pi / flank * s
+    return chosen(falls, sunk, depth), chosen(falls, slope, 0.0)
+
+
+BALL, RECTANGLE, HALF_SINE, COSINE_FLANKS = 0.0, 1.0, 2.0, 3.0
+PROFILES = {
+    'ball': Profile(BALL, _bridge, lambda half, d, k: max(0.0, half - math.sqrt(d / k))),
+    'rect': Profile(RECTANGLE, _step, lambda *_: -1.0),
+    'halfsine': Profile(HALF_SINE, _half_sine, lambda *_: -1.0),
+    'smooth': Profile(COSINE_FLANKS, _cosine_flanks, lambda half, depth, curvature: 0.5 * half),
+}
+"""Each of `parameters.PROFILES`."""
 
 
 @compiled(inline=True, fast=FAST)
@@ -104,8 +167,8 @@ def defect_path(profile: Value, half: Value, depth: Value, curvature: Value, alo
     """
     How far a ball sinks ``along`` m from the centre of a defect, m, and the slope of its path.
 
-    ``half`` is half the width; ``curvature`` is 1/d + 1/D on the inner race, 1/d - 1/D on the
-    outer one, with the diameters d of the ball and D of the race, 1/m.
+    ``profile`` is a code of `PROFILES`, ``half`` half the width; ``curvature`` is 1/d + 1/D on the
+    inner race, 1/d - 1/D on the outer one, with diameters d of the ball and D of the race, 1/m.
 
     Examples
     --------
@@ -115,56 +178,28 @@ def defect_path(profile: Value, half: Value, depth: Value, curvature: Value, alo
     [25.0, 20.0]
 
     """
-    edge = half - magnitude(along)
-    sag = edge * edge * curvature
-    rolls = depth > sag
-    sunk, slope = chosen(rolls, sag, depth), chosen(rolls, 2.0 * edge * curvature, 0.0)
+    away = magnitude(along)
+    path = _bridge(half, depth, curvature, away)
     if any_of(profile > BALL):
-        rectangle, sine = profile == RECTANGLE, profile == HALF_SINE
-        flanks = profile == COSINE_FLANKS
-        sunk, slope = chosen(rectangle, depth, sunk), chosen(rectangle, 0.0, slope)
-        if any_of(sine):
-            angle = 0.5 * math.pi * magnitude(along) / half
-            c, s = cosine_sine(angle)
-            sunk = chosen(sine, depth * c, sunk)
-            slope = chosen(sine, depth * 0.5 * math.pi / half * s, slope)
-        if any_of(flanks):
-            flank = 0.5 * half
-            angle = math.pi * chosen(flank > edge, edge, flank) / flank
-            c, s = cosine_sine(angle)
-            flanks, level = flanks & (flank > edge), flanks & (edge >= flank)
-            sunk = chosen(flanks, 0.5 * depth * (1.0 - c), chosen(level, depth, sunk))
-            slope = chosen(flanks, 0.5 * depth * math.pi / flank * s, chosen(level, 0.0, slope))
-    inside = edge > 0.0
+        path = _or(path, profile == RECTANGLE, _step, half, depth, curvature, away)
+        path = _or(path, profile == HALF_SINE, _half_sine, half, depth, curvature, away)
+        path = _or(path, profile == COSINE_FLANKS, _cosine_flanks, half, depth, curvature, away)
+    sunk, slope = path
+    inside = half > away
     slope = chosen(along > 0.0, -slope, slope)
     return chosen(inside, sunk, 0.0), chosen(inside, slope, 0.0)
 
 
-def path_kink(profile: float, half: float, depth: float, curvature: float) -> float:
-    """
-    Return where `defect_path` has a kink besides those at both edges, m from the centre.
-
-    -1 for a path without one. The integrator parts its steps there.
-
-    Raises
-    ------
-    ValueError
-        If no profile has the code.
-
-    Examples
-    --------
-    >>> path_kink(BALL, 0.5e-3, 6.25e-6, 100.0)  # where the ball touches the ground
-    0.00025
-
-    """
-    if profile == BALL:
-        return max(0.0, half - math.sqrt(depth / curvature))
-    if profile == COSINE_FLANKS:
-        return 0.5 * half
-    if profile in (RECTANGLE, HALF_SINE):
-        return -1.0
-    msg = f'no profile has the code {profile}'
-    raise ValueError(msg)
+@compiled(inline=True, fast=FAST)
+def _or(
+    path: Pair, other: Any, of: Any, half: Value, depth: Value, curvature: Value, away: Value
+) -> Pair:
+    """Return ``path``, and the path ``of`` another profile where that is the profile."""
+    sunk, slope = path
+    if any_of(other):
+        deep, steep = of(half, depth, curvature, away)
+        sunk, slope = chosen(other, deep, sunk), chosen(other, steep, slope)
+    return sunk, slope
 
 
 @compiled(inline=True, fast=FAST)

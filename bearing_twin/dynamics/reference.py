@@ -13,15 +13,16 @@ jitter, no noise.
 
 from __future__ import annotations
 
+from collections import namedtuple
 import math
 from time import process_time
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import contact_pressure, fault_orders, PLACES
-from bearing_twin.dynamics import filters
+from bearing_twin.dynamics import filters, layout
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.layout import CHUNK, SPIN_TURNS
-from bearing_twin.dynamics.model import CODES, contact_force, contact_law, defect_path
+from bearing_twin.dynamics.model import Contact, contact_force, contact_law, defect_path, PROFILES
 from bearing_twin.dynamics.simulator import RUN_IN
 from bearing_twin.dynamics.waviness import profiles
 from bearing_twin.thermal import friction, gcr15, life, network, slip
@@ -64,42 +65,18 @@ class Reference(NamedTuple):
     """Processor time of the solver for a simulated second, s."""
 
 
-class _Constants(NamedTuple):
-    """Constants of the equations."""
-
-    k_b: float
-    contact_damping: float
-    depth: float
-    """Factor on the depth of every defect along the radius."""
-    clearance: float
-    cage: float
-    """Speed of the cage and of the balls' spin, rad/s."""
-    spin: float
-    omega: float
-    start: float
-    d_ball: float
-    d_pitch: float
-    cosine: float
-    """Of the contact angle."""
-    n_balls: float
-    inner_mass: float
-    inner_stiffness: float
-    inner_damping: float
-    outer_mass: float
-    outer_stiffness_x: float
-    outer_stiffness_y: float
-    outer_damping_x: float
-    outer_damping_y: float
-    foot_x: float
-    """Position of the foot of the shaft's spring, m."""
-    foot_y: float
-    unbalance: float
-    resonance: float
-    resonance_damping: float
-
-
+_Constants = namedtuple(
+    '_Constants',
+    'k_b contact_damping depth clearance cage spin omega start d_ball d_pitch cosine n_balls '
+    'inner_mass inner_stiffness inner_damping outer_mass outer_stiffness_x outer_stiffness_y '
+    'outer_damping_x outer_damping_y foot_x foot_y unbalance resonance resonance_damping',
+)
+"""Constants of the equations; those named as a parameter are that parameter if nothing else is
+given. ``depth`` is a factor on the depth of every defect along the radius; cage, balls' spin and
+shaft (``omega``) turn at rad/s; ``cosine`` is that of the contact angle; the foot of the shaft's
+spring is at ``foot_x`` and ``foot_y``, m."""
 _RECORD = np.dtype([(name, np.float64) for name in _Constants._fields])
-"""The constants as `_contact` and `_rates` take them: an array of one record."""
+"""The constants as `_balls_force` and `_rates` take them: an array of one record."""
 
 
 def solve(
@@ -149,7 +126,7 @@ def solve(
     values, surfaces = np.array([constants], _RECORD), _surfaces(p, seed)
     defects = np.array(
         [
-            (PLACES.index(d.place), CODES[d.profile], d.width, d.depth, d.angle, d.ball)
+            (PLACES.index(d.place), PROFILES[d.profile].code, d.width, d.depth, d.angle, d.ball)
             for d in p.defects
         ]
     ).reshape(-1, 6)
@@ -186,7 +163,7 @@ def solve(
 
 def _constants(p: TwinParameters, temperature: float, shaft_hz: float) -> _Constants:
     """Constants at a temperature of the outer ring, degC, and a speed of the shaft, Hz."""
-    bearing, clearance = p.bearing, p.clearance
+    bearing, clearance, inner = p.bearing, p.clearance, temperature
     if p.thermal_mode == 'paper':
         factor = p.beta0.at(temperature)
         k_b, depth = factor * p.k_b0, factor
@@ -198,64 +175,48 @@ def _constants(p: TwinParameters, temperature: float, shaft_hz: float) -> _Const
         p.slip_law, p.slip * gcr15.friction(temperature) / p.beta0.reference_friction
     )
     orders, omega = fault_orders(bearing, prescribed), 2.0 * math.pi * shaft_hz
-    constants = _Constants(
-        k_b=k_b,
-        contact_damping=p.contact_damping,
+    (stiffness_x, stiffness_y), (damping_x, damping_y) = p.housing_stiffness, p.housing_damping
+    values = layout.filled(
+        _RECORD, p, bearing,
         # A spall opens a gap along the contact normal; measured along the radius it is larger.
-        depth=depth / math.cos(bearing.contact_angle),
-        clearance=clearance,
-        cage=omega * orders.ftf,
-        spin=omega * orders.bsf,
-        omega=omega,
-        start=p.start_angle,
-        d_ball=bearing.d_ball,
-        d_pitch=bearing.d_pitch,
-        cosine=math.cos(bearing.contact_angle),
-        n_balls=bearing.n_balls,
-        inner_mass=p.inner_mass,
-        inner_stiffness=p.inner_stiffness,
-        inner_damping=p.inner_damping,
-        outer_mass=p.outer_mass,
-        outer_stiffness_x=p.housing_stiffness[0],
-        outer_stiffness_y=p.housing_stiffness[1],
-        outer_damping_x=p.housing_damping[0],
-        outer_damping_y=p.housing_damping[1],
-        foot_x=0.0,
-        foot_y=0.0,
-        unbalance=p.unbalance,
+        k_b=k_b, depth=depth / math.cos(bearing.contact_angle), clearance=clearance,
+        cage=omega * orders.ftf, spin=omega * orders.bsf, omega=omega, start=p.start_angle,
+        cosine=math.cos(bearing.contact_angle), foot_x=0.0, foot_y=0.0,
+        outer_stiffness_x=stiffness_x, outer_stiffness_y=stiffness_y,
+        outer_damping_x=damping_x, outer_damping_y=damping_y,
         resonance=2.0 * math.pi * p.resonance_hz,
-        resonance_damping=p.resonance_damping,
-    )
-    angles = 2.0 * math.pi / bearing.n_balls * (np.arange(_POSITIONS) + 0.5) / _POSITIONS
+    )  # fmt: skip
+    found = _loaded(p, _Constants(*values.tolist()[0]))
+    if p.slip_law == 'traction' and shaft_hz:
+        nu = p.lubricant.viscosity(0.5 * (inner + temperature))
+        orders = fault_orders(bearing, _held_slip(p, found, nu))
+        found = found._replace(cage=omega * orders.ftf, spin=omega * orders.bsf)
+    return found
 
-    stiffness, pushed = (
-        np.array(p.housing_stiffness),
-        np.array([math.cos(p.load_angle), math.sin(p.load_angle)]),
-    )
+
+def _loaded(p: TwinParameters, constants: _Constants) -> _Constants:
+    """Put the foot of the shaft's spring where the bearing carries the load."""
+    angles = 2.0 * math.pi / p.bearing.n_balls * (np.arange(_POSITIONS) + 0.5) / _POSITIONS
+    stiffness = np.array(p.housing_stiffness)
+    pushed = np.array([math.cos(p.load_angle), math.sin(p.load_angle)])
     # What the springs of shaft and housing give way across to the load, under it.
     across = np.array([-pushed[1], pushed[0]])
     give = p.load * pushed * (1.0 / p.inner_stiffness + 1.0 / stiffness)
 
-    def loaded(by: float) -> _Constants:
+    def moved(by: float) -> _Constants:
         x, y = by * pushed + (give @ across) * across
         return constants._replace(foot_x=x, foot_y=y)
 
     def excess(by: float) -> float:
         """Mean load of the bearing less what it has to carry, N."""
-        standing = (loaded(by)._replace(start=angle + p.load_angle) for angle in angles)
+        standing = (moved(by)._replace(start=angle + p.load_angle) for angle in angles)
         forces = [stiffness * _at_rest(each, _HEALTHY, _SMOOTH, 0.0)[2:] for each in standing]
         return float(np.mean(forces, axis=0) @ pushed - p.load)
 
     most = 1e-6
     while excess(most) < 0.0:
         most *= 2.0
-    found = loaded(brentq(excess, 0.0, most, xtol=1e-15, rtol=1e-13))
-    if p.slip_law == 'traction' and shaft_hz:
-        inner = temperature if p.thermal_mode == 'paper' else inner
-        nu = p.lubricant.viscosity(0.5 * (inner + temperature))
-        orders = fault_orders(bearing, _held_slip(p, found, nu))
-        found = found._replace(cage=omega * orders.ftf, spin=omega * orders.bsf)
-    return found
+    return moved(brentq(excess, 0.0, most, xtol=1e-15, rtol=1e-13))
 
 
 def _held_slip(p: TwinParameters, constants: _Constants, nu: float) -> float:
@@ -273,7 +234,7 @@ def _held_slip(p: TwinParameters, constants: _Constants, nu: float) -> float:
         angles = standing.start + 2.0 * math.pi * np.arange(bearing.n_balls) / bearing.n_balls
         deep = (at[:2] - at[2:]) @ np.array([np.cos(angles), np.sin(angles)]) - constants.clearance
         for approach in deep[deep > 0.0]:
-            force = contact_law(approach, constants.k_b)[0] / constants.cosine
+            force = contact_law(approach, Contact(constants.k_b, 0.0))[0] / constants.cosine
             pressure = math.sqrt(both[0] * both[1]) * force ** (1.0 / 3.0) / 1.5
             film = slip.film_slope(pressure, force, nu, rolling, bearing.d_ball)
             contacts.append((force, pressure, film))
@@ -344,7 +305,7 @@ def _at_rest(
 
     def rings_at(apart: FloatArray) -> FloatArray:
         x, y = apart * _MICRON
-        force = np.array(_contact(time, x, y, 0.0, 0.0, values, defects, surfaces))
+        force = np.array(_balls_force(time, x, y, 0.0, 0.0, values, defects, surfaces))
         return np.concatenate([foot - force / inner, force / outer])
 
     def excess(apart: FloatArray) -> FloatArray:
@@ -366,7 +327,7 @@ def _profile(surface: FloatArray, angle: float) -> float:
 
 
 @compiled()
-def _contact(
+def _balls_force(
     t: float,
     x: float,
     y: float,
@@ -381,6 +342,7 @@ def _contact(
     d, across, spun = m.d_ball, m.d_ball * m.cosine, m.spin * t
     inner, outer = 0.5 * (m.d_pitch - across), 0.5 * (m.d_pitch + across)
     path_inner, path_outer = 1.0 / d + 0.5 * m.cosine / inner, 1.0 / d - 0.5 * m.cosine / outer
+    contact = Contact(m.k_b, m.contact_damping)
     fx = fy = 0.0
     for j in range(int(m.n_balls)):
         angle = m.start + m.cage * t + 2.0 * math.pi * j / m.n_balls
@@ -406,7 +368,7 @@ def _contact(
         c, s = math.cos(angle), math.sin(angle)
         delta = x * c + y * s - gap
         if delta > 0.0:
-            force, _ = contact_force(delta, 0.0, vx * c + vy * s, 0.0, m.k_b, m.contact_damping)
+            force, _ = contact_force(delta, 0.0, vx * c + vy * s, 0.0, contact)
             fx += max(force, 0.0) * c
             fy += max(force, 0.0) * s
     return fx, fy
@@ -421,7 +383,7 @@ def _rates(
     ki, ci = m.inner_stiffness, m.inner_damping
     x, y = state[0] - state[2], state[1] - state[3]
     vx, vy = state[4] - state[6], state[5] - state[7]
-    fx, fy = _contact(t, x, y, vx, vy, constants, defects, surfaces)
+    fx, fy = _balls_force(t, x, y, vx, vy, constants, defects, surfaces)
     pull, turned = m.unbalance * m.omega * m.omega, m.start + m.omega * t
     pulled = pull * math.cos(turned), pull * math.sin(turned)
     rates = np.empty(12)

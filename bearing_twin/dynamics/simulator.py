@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 import functools
 import math
 import struct
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 import zlib
 
 from bearing_twin.dynamics import coefficients, filters, inner_ring, kernel
 from bearing_twin.dynamics.condition import Condition, condition
-from bearing_twin.dynamics.layout import CHUNK, STATE
+from bearing_twin.dynamics.layout import CHUNK, Records, STATE
 from bearing_twin.dynamics.parameters import check_speed
 from bearing_twin.dynamics.saved import Envelope, identity
 from bearing_twin.dynamics.stability import steps
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
 
 FloatArray = npt.NDArray[np.float64]
-Records = npt.NDArray[Any]
 
 RUN_IN = 0.04
 """How long a bearing has turned before sample 0, s: what a start at rest excites has died away."""
@@ -255,7 +254,7 @@ class Simulator:
             if self._parameters.thermal_mode == 'physical' and self.next_sample % self.tick == 0:
                 share = done / n
                 inner_ring.advance(
-                    self.law, was[0] + (temperature - was[0]) * share,
+                    self.constants, was[0] + (temperature - was[0]) * share,
                     was[1] + (shaft_hz - was[1]) * share, self.rings, self.drift, self.tick,
                     self.tick / self.sample_rate,
                 )  # fmt: skip
@@ -270,7 +269,7 @@ class Simulator:
         """Return what works out the present condition, whatever becomes of the state."""
         inner = inner_ring.temperature(self.rings, self.next_sample % self.tick, self.tick)
         return functools.partial(
-            _condition, self._parameters, self.law, self.values,
+            _condition, self._parameters, self.constants, self.values,
             (self._temperature, inner, self._shaft_hz), self.inputs(), self.state.tobytes(),
             self.tables,
         )  # fmt: skip
@@ -384,11 +383,11 @@ class Simulator:
                 p.resonance_hz, p.resonance_damping, step, count
             )
         self._parameters = p
-        self.law = coefficients.law_table(p)
+        self.constants = coefficients.constants_of(p)
         found = surfaces(p, self.seed)
         self.tables = kernel.Tables(machines, defect_table(p), ball_table(p), found)
         springs = np.array([p.inner_stiffness, *p.housing_stiffness])
-        tables = machines, self.law, self.tables.defects, np.array([p.waviness])
+        tables = machines, self.constants, self.tables.defects, np.array([p.waviness])
         whole = zlib.crc32(b''.join(table.tobytes() for table in tables))
         self.marks = whole, zlib.crc32(springs.tobytes())
         """Checksums of what the equations take, and of the springs, whose foot jumps with them."""
@@ -401,7 +400,7 @@ class Simulator:
 
     def _evaluate(self, outer: float, inner: float, shaft_hz: float) -> FloatArray:
         values = np.empty(coefficients.CONDITION_SIZE)
-        coefficients.evaluate(self.law, outer, inner, shaft_hz, values)
+        coefficients.evaluate(self.constants, outer, inner, shaft_hz, values)
         return values
 
     def _run_in(self) -> None:
@@ -449,18 +448,18 @@ class Simulator:
         """Put the inner ring into its steady state."""
         outer, hz = self._temperature, self._shaft_hz
         self.values = self._evaluate(outer, outer, hz)
-        inner_ring.settle(self.law, outer, hz, self.rings, self.drift)
+        inner_ring.settle(self.constants, outer, hz, self.rings, self.drift)
 
     def _carry_rings(self) -> None:
         """Let the inner ring go on with the parameters in force."""
         outer, hz = self._temperature, self._shaft_hz
         self.values = self._evaluate(outer, outer, hz)
-        inner_ring.carry(self.law, outer, hz, self.rings, self.drift, self.tick)
+        inner_ring.carry(self.constants, outer, hz, self.rings, self.drift, self.tick)
 
 
 def _condition(
     parameters: TwinParameters,
-    law: FloatArray,
+    constants: Records,
     values: FloatArray,
     at: tuple[float, float, float],
     inputs: FloatArray,
@@ -473,7 +472,7 @@ def _condition(
     tables = tables._replace(surfaces=found._replace(room=found.room.copy()))
     # Bytes are copied sooner than records.
     states = np.frombuffer(bytearray(state), STATE)
-    return condition(parameters, law, values, at, inputs, states, tables)
+    return condition(parameters, constants, values, at, inputs, states, tables)
 
 
 def _checked(seed: int) -> int:

@@ -9,10 +9,11 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.dynamics import coefficients, filters
+from bearing_twin.dynamics.model import Contact
 from bearing_twin.dynamics.parameters import MAX_SHAFT_HZ
 from bearing_twin.dynamics.statics import (
-    contact,
     equilibrium,
+    force_and_stiffness,
     healthy_balls,
     spring_position,
     supports,
@@ -168,10 +169,10 @@ def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatAr
 
     With ``preloaded`` at the least clearance that ring temperatures may leave.
     """
-    row, out = coefficients.law_table(p), np.empty(coefficients.CONDITION_SIZE)
+    constants, out = coefficients.constants_of(p), np.empty(coefficients.CONDITION_SIZE)
     factors = []
     for temperature in TEMPERATURES:
-        coefficients.evaluate(row, float(temperature), float(temperature), 25.0, out)
+        coefficients.evaluate(constants, float(temperature), float(temperature), 25.0, out)
         factors.append(
             (
                 float(out[coefficients.K_B]),
@@ -180,15 +181,15 @@ def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatAr
             )
         )
     k_b, clearance, spring = max(factors)
-    held = supports(p)
+    contact, held = Contact(k_b, 0.0), supports(p)
     if preloaded and p.thermal_mode == 'physical':
         clearance, _ = clearance_limits(p.bearing.d_pitch)
-        spring = spring_position(p.load, k_b, clearance, held, p.bearing.n_balls)
+        spring = spring_position(p.load, contact, clearance, held, p.bearing.n_balls)
     n = p.bearing.n_balls
     balls = healthy_balls(-math.pi / 2, clearance, n)
     foot = held.aside, spring
-    x, y, _, _ = equilibrium(foot, k_b, held.compliance, balls, foot)
-    _, _, kxx, kxy, kyy = contact(x, y, k_b, balls)
+    x, y, _, _ = equilibrium(foot, contact, held.compliance, balls, foot)
+    _, _, kxx, kxy, kyy = force_and_stiffness(x, y, contact, balls)
     up_x, up_y = upwards(p)
     axes = np.array([[up_y, up_x], [-up_x, up_y]])
     touching = axes @ np.array([[kxx, kxy], [kxy, kyy]]) @ axes.T

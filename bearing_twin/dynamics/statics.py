@@ -14,7 +14,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.layout import COS, GAP, SIN
-from bearing_twin.dynamics.model import contact_law
+from bearing_twin.dynamics.model import Contact, contact_law
 import numpy as np
 import numpy.typing as npt
 
@@ -87,8 +87,8 @@ def healthy_balls(angle: float, clearance: float, n_balls: int) -> FloatArray:
 
 
 @compiled()
-def contact(
-    x: float, y: float, k_b: float, balls: FloatArray
+def force_and_stiffness(
+    x: float, y: float, contact: Contact, balls: FloatArray
 ) -> tuple[float, float, float, float, float]:
     """
     Force on the outer ring (x, y), N, and its stiffness (xx, xy, yy), N/m.
@@ -100,7 +100,8 @@ def contact(
     --------
     One ball of eight, pressed in by 2 um, carries it all:
 
-    >>> force = contact(0.0, -7e-6, 1e10, healthy_balls(-math.pi / 2, 5e-6, 8))
+    >>> contact, balls = Contact(k_b=1e10, damping=0.0), healthy_balls(-math.pi / 2, 5e-6, 8)
+    >>> force = force_and_stiffness(0.0, -7e-6, contact, balls)
     >>> [round(value, 3) for value in force[:2]]
     [0.0, -28.284]
 
@@ -110,7 +111,7 @@ def contact(
         c, s = balls[COS, k], balls[SIN, k]
         delta = x * c + y * s - balls[GAP, k]
         if delta > 0.0:
-            force, slope = contact_law(delta, k_b)
+            force, slope = contact_law(delta, contact)
             fx += force * c
             fy += force * s
             kxx += slope * c * c
@@ -122,7 +123,7 @@ def contact(
 @compiled()
 def equilibrium(
     foot: tuple[float, float],
-    k_b: float,
+    contact: Contact,
     compliance: Symmetric,
     balls: FloatArray,
     start: tuple[float, float],
@@ -131,18 +132,19 @@ def equilibrium(
     Return displacement between the rings (x, y), m, and force on the outer ring (x, y), N.
 
     Solves ``(x, y) = foot - C F``, with the ``compliance`` C of shaft and housing in series, by
-    Newton's method from ``start``; ``balls`` as `contact` takes them. Between soft supports and a
-    stiff contact its steps may jump to and fro for ever: a step is halved while the energy, which
-    is convex, rises at its end by more than half of what it fell at its start.
+    Newton's method from ``start``; ``balls`` as `force_and_stiffness` takes them. Between soft
+    supports and a stiff contact its steps may jump to and fro for ever: a step is halved while the
+    energy, which is convex, rises at its end by more than half of what it fell at its start.
 
     Examples
     --------
     With ball 0 under the load the shaft sinks by 14 um, and the bearing bears 502 N:
 
     >>> stiff = Supports((1e-8, 0.0, 1e-8), 0.0)
-    >>> foot = 0.0, spring_position(500.0, 1.2e10, 5e-6, stiff, 8)
+    >>> contact = Contact(k_b=1.2e10, damping=0.0)
+    >>> foot = 0.0, spring_position(500.0, contact, 5e-6, stiff, 8)
     >>> balls = healthy_balls(-math.pi / 2, 5e-6, 8)
-    >>> _, y, _, force = equilibrium(foot, 1.2e10, stiff.compliance, balls, start=foot)
+    >>> _, y, _, force = equilibrium(foot, contact, stiff.compliance, balls, start=foot)
     >>> round(1e6 * y), round(force)
     (-14, -502)
 
@@ -152,7 +154,7 @@ def equilibrium(
     x, y = start
     fx = fy = dx = dy = fall = 0.0
     for _ in range(300):
-        fx, fy, kxx, kxy, kyy = contact(x, y, k_b, balls)
+        fx, fy, kxx, kxy, kyy = force_and_stiffness(x, y, contact, balls)
         rx, ry = x - foot[0] + fx * cxx + fy * cxy, y - foot[1] + fy * cyy + fx * cxy
         gx, gy = (cyy * rx - cxy * ry) / both, (cxx * ry - cxy * rx) / both
         if gx * dx + gy * dy < -0.5 * fall:
@@ -174,7 +176,7 @@ def equilibrium(
 
 @compiled()
 def spring_position(
-    load: float, kb: float, clearance: float, held: Supports, n_balls: int
+    load: float, contact: Contact, clearance: float, held: Supports, n_balls: int
 ) -> float:
     """
     Position y_i0 of the shaft spring, m, at which the mean contact force is ``load``, N.
@@ -187,12 +189,13 @@ def spring_position(
 
     Examples
     --------
-    >>> round(1e6 * spring_position(500.0, 1.2e10, 5e-6, Supports((1e-8, 0.0, 1e-8), 0.0), 8))
+    >>> stiff = Supports((1e-8, 0.0, 1e-8), 0.0)
+    >>> round(1e6 * spring_position(500.0, Contact(1.2e10, 0.0), 5e-6, stiff, 8))
     -19
 
     """
     # A start for Newton's method, from the power 1.5 of the contact law.
-    sag = (4.4 * load / (n_balls * kb)) ** (2.0 / 3.0)
+    sag = (4.4 * load / (n_balls * contact.k_b)) ** (2.0 / 3.0)
     cxx, cxy, cyy = held.compliance
     spring = -(max(clearance, 0.0) + sag + load * cyy)
     spacing = 2.0 * math.pi / n_balls
@@ -202,12 +205,14 @@ def spring_position(
         for i in range(_POSITIONS)
     ]
     # Far from contact nothing pulls, and Newton's step has to be bounded.
-    floor = -0.1 / (cyy + 1.0 / (kb * math.sqrt(sag)))
+    floor = -0.1 / (cyy + 1.0 / (contact.k_b * math.sqrt(sag)))
     for _ in range(100):
         mean = slope = 0.0
         for i in range(_POSITIONS):
-            x, y, _, _ = equilibrium((held.aside, spring), kb, held.compliance, balls[i], at[i])
-            _, fy, kxx, kxy, kyy = contact(x, y, kb, balls[i])
+            x, y, _, _ = equilibrium(
+                (held.aside, spring), contact, held.compliance, balls[i], at[i]
+            )
+            _, fy, kxx, kxy, kyy = force_and_stiffness(x, y, contact, balls[i])
             a, b = 1.0 + kxx * cxx + kxy * cxy, kxy * cxx + kyy * cxy
             c, d = kxy * cyy + kxx * cxy, 1.0 + kyy * cyy + kxy * cxy
             # How the force follows the spring.

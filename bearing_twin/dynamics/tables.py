@@ -5,22 +5,22 @@
 from __future__ import annotations
 
 import math
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
-from bearing_twin.dynamics import filters
-from bearing_twin.dynamics.layout import CHUNK, COS, DEFECT, GAP, LANES, MACHINE, SIN
-from bearing_twin.dynamics.model import CODES, path_kink
+from bearing_twin.dynamics import filters, layout
+from bearing_twin.dynamics.layout import CHUNK, COS, DEFECT, GAP, LANES, SIN
+from bearing_twin.dynamics.model import PROFILES
 from bearing_twin.dynamics.statics import upwards
 import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
+    from bearing_twin.dynamics.layout import Records
     from bearing_twin.dynamics.parameters import TwinParameters
 
 
 FloatArray = npt.NDArray[np.float64]
-Records = npt.NDArray[Any]
 
 
 def machine(p: TwinParameters, sample_rate: float, steps: int, *, stiff: bool = False) -> Records:
@@ -41,38 +41,22 @@ def machine(p: TwinParameters, sample_rate: float, steps: int, *, stiff: bool = 
     """
     orders, bearing = fault_orders(p.bearing), p.bearing
     up_x, up_y = upwards(p)
-    values = {
-        'inner_light': 1.0 / p.inner_mass,
-        'inner_stiffness': p.inner_stiffness,
-        'inner_damping': p.inner_damping,
-        'outer_light': 1.0 / p.outer_mass,
-        'outer_stiffness_x': p.housing_stiffness[0],
-        'outer_stiffness_y': p.housing_stiffness[1],
-        'outer_damping_x': p.housing_damping[0],
-        'outer_damping_y': p.housing_damping[1],
-        'up_x': up_x,
-        'up_y': up_y,
-        'load_turns': p.load_angle / (2.0 * math.pi),
-        'contact_damping': p.contact_damping,
-        'unbalance': p.unbalance,
-        'ftf_order': orders.ftf,
-        'spin_order': orders.bsf,
-        'jitter': p.jitter / bearing.n_balls * math.sqrt(orders.bpfi * sample_rate / CHUNK),
-        'noise': p.noise,
-        'd_ball': bearing.d_ball,
+    (stiffness_x, stiffness_y), (damping_x, damping_y) = p.housing_stiffness, p.housing_damping
+    return layout.filled(
+        layout.MACHINE, p, bearing,
+        inner_light=1.0 / p.inner_mass, outer_light=1.0 / p.outer_mass,
+        outer_stiffness_x=stiffness_x, outer_stiffness_y=stiffness_y,
+        outer_damping_x=damping_x, outer_damping_y=damping_y,
+        up_x=up_x, up_y=up_y, load_turns=p.load_angle / (2.0 * math.pi),
+        ftf_order=orders.ftf, spin_order=orders.bsf,
+        jitter=p.jitter / bearing.n_balls * math.sqrt(orders.bpfi * sample_rate / CHUNK),
         # The circles on which the balls touch the races: nearer to the pitch at a contact angle.
-        'inner_radius': 0.5 * bearing.d_pitch * (1.0 - bearing.gamma),
-        'outer_radius': 0.5 * bearing.d_pitch * (1.0 + bearing.gamma),
-        'resonance': 2.0 * math.pi * p.resonance_hz,
-        'resonance_damping': p.resonance_damping,
-        'step': 1.0 / (sample_rate * steps),
-        'snaps': not stiff,
-        'steps': steps,
-        'reads': filters.oversampling(sample_rate) // steps,
-        'stiff': stiff,
-        'n_balls': bearing.n_balls,
-    }
-    return np.array([tuple(values[name] for name in MACHINE.names or ())], MACHINE)
+        inner_radius=0.5 * bearing.d_pitch * (1.0 - bearing.gamma),
+        outer_radius=0.5 * bearing.d_pitch * (1.0 + bearing.gamma),
+        resonance=2.0 * math.pi * p.resonance_hz,
+        step=1.0 / (sample_rate * steps), snaps=not stiff, steps=steps, stiff=stiff,
+        reads=filters.oversampling(sample_rate) // steps,
+    )  # fmt: skip
 
 
 def defect_table(p: TwinParameters) -> Records:
@@ -94,13 +78,13 @@ def defect_table(p: TwinParameters) -> Records:
     curvatures = radial / (d * (1.0 - g)), radial / (d * (1.0 + g))
     rows = []
     for defect in p.defects:
-        profile, half = CODES[defect.profile], 0.5 * defect.width
+        profile, half = PROFILES[defect.profile], 0.5 * defect.width
         depth = radial * defect.depth
-        kinks = (path_kink(profile, half, depth, curvature) for curvature in curvatures)
+        kinks = (profile.kink(half, depth, curvature) for curvature in curvatures)
         rows.append(
             (
-                PLACES.index(defect.place), profile, half, depth, defect.angle / (2.0 * math.pi),
-                defect.ball, *curvatures, *kinks,
+                PLACES.index(defect.place), profile.code, half, depth,
+                defect.angle / (2.0 * math.pi), defect.ball, *curvatures, *kinks,
             )
         )  # fmt: skip
     return np.array(rows, DEFECT)

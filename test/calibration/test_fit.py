@@ -33,8 +33,8 @@ from bearing_twin.dynamics import preset, Simulator, TwinParameters
 from bearing_twin.dynamics.coefficients import (
     CLEARANCE,
     CONDITION_SIZE,
+    constants_of,
     evaluate,
-    law_table,
     THERMAL_GAP,
 )
 from bearing_twin.dynamics.sensor_path import band_levels, distance, SensorPath
@@ -684,9 +684,9 @@ def test_the_clearances_supposed_are_those_of_a_twin_of_any_size_hot_and_cold(d_
     supposed = unknowns(machine)['clearance_um']
     for clearance in (supposed.low, supposed.high):
         p = TwinParameters(bearing=sized, clearance=1e-6 * clearance, thermal_mode='physical')
-        law, values = law_table(p), np.empty(CONDITION_SIZE)
+        constants, values = constants_of(p), np.empty(CONDITION_SIZE)
         hot = ThermalNetwork().scaled(d_pitch).inner_excess(110.0)
-        evaluate(law, 110.0, 110.0 + hot, 10.0, values)
+        evaluate(constants, 110.0, 110.0 + hot, 10.0, values)
         assert values[CLEARANCE] == values[THERMAL_GAP]
 
 

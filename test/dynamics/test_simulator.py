@@ -6,9 +6,10 @@ import math
 from bearing_twin.bearing import Bearing
 from bearing_twin.dynamics import Fleet, preset, PRESETS, Simulator
 from bearing_twin.dynamics.kernel import FAST_HZ
+from bearing_twin.dynamics.model import Contact
 from bearing_twin.dynamics.parameters import Defect, PROFILES
 from bearing_twin.dynamics.reference import solve
-from bearing_twin.dynamics.statics import contact, healthy_balls
+from bearing_twin.dynamics.statics import force_and_stiffness, healthy_balls
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import Beta0
 from bearing_twin.thermal.network import ThermalNetwork
@@ -164,9 +165,10 @@ def test_unbalance_alone_moves_the_rotor_at_shaft_speed_with_its_force():
     omega = 2.0 * np.pi * 25.0
     # The balls are a third spring; its mean over the cage's positions counts.
     values = Simulator(still, shaft_hz=25.0).condition()
+    apart, contact = (values.inner_x, values.inner_y), Contact(values.k_b, damping=0.0)
     stiffness = np.mean(
         [
-            contact(values.inner_x, values.inner_y, values.k_b, healthy_balls(a, 5e-6, 8))[2]
+            force_and_stiffness(*apart, contact, healthy_balls(a, 5e-6, 8))[2]
             for a in np.linspace(0.0, math.pi / 4, 32, endpoint=False)
         ]
     )

@@ -5,6 +5,7 @@
 import math
 
 from bearing_twin.dynamics import preset, Simulator
+from bearing_twin.dynamics.model import Contact
 from bearing_twin.dynamics.statics import (
     equilibrium,
     healthy_balls,
@@ -23,7 +24,7 @@ def spread(low, high):
     return st.floats(math.log(low), math.log(high)).map(math.exp)
 
 
-def contact_force(x, y, k_b, clearance, angles):
+def force_between(x, y, k_b, clearance, angles):
     """Return force of the balls on the outer ring, N: the power 1.5 of the approach."""
     c, s = np.cos(angles), np.sin(angles)
     pressed = k_b * np.maximum(x * c + y * s - clearance, 0.0) ** 1.5
@@ -47,13 +48,14 @@ def test_forces_balance_between_soft_supports_and_stiff_contacts(
     compliance = np.array([[across, 0.0], [0.0, along]])
     compliance += skew * math.sqrt(across * along) * np.array([[0.0, 1.0], [1.0, 0.0]])
     held = Supports((across, compliance[0, 1], along), -compliance[0, 1] * load)
-    foot = held.aside, spring_position(load, k_b, clearance, held, n)
+    contact = Contact(k_b, damping=0.0)
+    foot = held.aside, spring_position(load, contact, clearance, held, n)
     loads = []
     for share in (np.arange(8) + 0.5) / 8:
         angle = 2.0 * math.pi / n * share - 0.5 * math.pi
         balls = healthy_balls(angle, clearance, n)
-        x, y, fx, fy = equilibrium(foot, k_b, held.compliance, balls, foot)
-        force = contact_force(x, y, k_b, clearance, angle + 2.0 * math.pi * np.arange(n) / n)
+        x, y, fx, fy = equilibrium(foot, contact, held.compliance, balls, foot)
+        force = force_between(x, y, k_b, clearance, angle + 2.0 * math.pi * np.arange(n) / n)
         gave = foot - compliance @ force
         assert np.array([x, y]) == pytest.approx(gave, rel=1e-6, abs=1e-11)
         assert np.array([fx, fy]) == pytest.approx(force, rel=1e-4, abs=1e-6 * load)

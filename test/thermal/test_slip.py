@@ -15,8 +15,8 @@ def slip(load, rpm=1500.0, temperature=40.0, *, bearing='6307', **changes):
     """Cage slip with both rings at one temperature."""
     p = preset('paper', bearing=bearing, load=load, slip_model='traction', **changes)
     values = np.empty(coefficients.CONDITION_SIZE)
-    law = coefficients.law_table(p)
-    coefficients.evaluate(law, temperature, temperature, rpm / 60.0, values)
+    constants = coefficients.constants_of(p)
+    coefficients.evaluate(constants, temperature, temperature, rpm / 60.0, values)
     return float(values[coefficients.SLIP])
 
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.defect_text import read_defects
-from bearing_twin.dynamics.model import contact_law
+from bearing_twin.dynamics.model import Contact, contact_law
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.rerun import shapes
 from bearing_twin.view.style import LINE
@@ -59,11 +59,11 @@ def check_pose(state: Any) -> None:
 
 
 @compiled()
-def _law(
+def _force(
     delta: NDArray[np.float64], stiffness: NDArray[np.float64], force: NDArray[np.float64]
 ) -> None:
     for k in range(delta.size):
-        force[k] = contact_law(max(delta[k], 0.0), stiffness[k])[0]
+        force[k] = contact_law(max(delta[k], 0.0), Contact(stiffness[k], 0.0))[0]
 
 
 def contact_forces(
@@ -96,14 +96,14 @@ def contact_forces(
     deformation = x * np.cos(angles) + y * np.sin(angles) - clearance
     delta, stiff = np.broadcast_arrays(deformation, stiffness)
     force = np.empty(delta.shape)
-    _law(delta.ravel(), stiff.ravel(), force.reshape(-1))
+    _force(delta.ravel(), stiff.ravel(), force.reshape(-1))
     return force
 
 
 def greatest_force(state: Any) -> float:
     """Return the greatest force around the rings in a TwinState, N."""
-    law = state.inner_x, state.inner_y, state.radial_clearance, state.k_b
-    return float(contact_forces(AROUND, *law).max())
+    pose = state.inner_x, state.inner_y, state.radial_clearance, state.k_b
+    return float(contact_forces(AROUND, *pose).max())
 
 
 @dataclass
@@ -199,8 +199,8 @@ class Bearing3D:
         canvas, bearing, name = self._canvas, self.bearing, self._name
         times = np.array([pose.time for pose in held], dtype=np.int64)
         shaft, cage, spin, x, y, clearance, stiffness = np.array([pose[1:] for pose in held]).T
-        law = (x[:, None], y[:, None], clearance[:, None], stiffness[:, None])
-        zone = contact_forces(AROUND, *law)
+        pose = (x[:, None], y[:, None], clearance[:, None], stiffness[:, None])
+        zone = contact_forces(AROUND, *pose)
         scale = np.maximum.accumulate(np.append(self._greatest, zone.max(axis=1)))[1:]
         self._greatest = float(scale[-1])
         scale = np.where(scale > 0.0, scale, 1.0)[:, None]
@@ -212,7 +212,7 @@ class Bearing3D:
         )
         canvas.columns(f'{name}/cage', times, rr.Transform3D.columns(quaternion=_about_z(cage)))
         angles = cage[:, None] + np.arange(bearing.n_balls) * (2.0 * np.pi / bearing.n_balls)
-        colours = force_colours(contact_forces(angles, *law) / scale)
+        colours = force_colours(contact_forces(angles, *pose) / scale)
         canvas.columns(
             f'{name}/balls',
             times,
