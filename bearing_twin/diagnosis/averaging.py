@@ -53,8 +53,8 @@ class Comb:
     def __str__(self) -> str:
         """Return the comb in words."""
         return (
-            f'{self.place}: comb at {self.order:.2f} orders, z {self.z:.1f}, in the average of '
-            f'{self.snapshots} snapshots'
+            f'{self.place}: comb at {self.order:.2f} orders, significance {self.z:.1f}, '
+            f'in the average of {self.snapshots} snapshots'
         )
 
 

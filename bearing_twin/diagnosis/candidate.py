@@ -21,7 +21,7 @@ class Candidate:
 
     >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
     >>> inner.weight, str(inner)
-    (7.2, 'inner: comb at 4.930 orders, z 9.0, modulation index 0.80')
+    (7.2, 'inner: comb at 4.930 orders, significance 9.0, modulation index 0.80')
     """
 
     place: str
@@ -58,7 +58,7 @@ class Candidate:
 
     def __str__(self) -> str:
         return (
-            f'{self.place}: comb at {self.order:.3f} orders, z {self.z:.1f}, '
+            f'{self.place}: comb at {self.order:.3f} orders, significance {self.z:.1f}, '
             f'modulation index {self.index:.2f}'
         )
 

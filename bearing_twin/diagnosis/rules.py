@@ -305,10 +305,10 @@ def _uncertain_health(e: Evidence) -> Verdict | None:
     if sound >= LEAST_CONFIDENCE:
         return None
     text = (
-        f'not known: {100.0 * sound:.0f} % of simulated machines with a comb of z {trust.z:.1f} '
-        f'and index {trust.index:.2f}, and one of z {trust.elsewhere_z:.1f} at any order, are '
-        'sound; a longer window, a measured speed, the exact bearing, or a sensor nearer to it '
-        'may tell'
+        f'not known: {100.0 * sound:.0f} % of simulated machines with a comb of significance '
+        f'{trust.z:.1f} and index {trust.index:.2f}, and one of {trust.elsewhere_z:.1f} at any '
+        'order, are sound; a longer window, a measured speed, the exact bearing, or a sensor '
+        'nearer to it may tell'
     )
     return _silent(e, text)
 
@@ -365,7 +365,10 @@ def _low_lines(e: Evidence) -> Verdict | None:
 @_rule('healthy', 'No comb is both significant and strong.', faint=True)
 @_where_no_comb_remains
 def _no_comb(e: Evidence) -> Verdict | None:
-    text = f'no fault comb above z {Z_FAULT:g} with modulation index {INDEX_SUSPECT:g}'
+    text = (
+        f'no fault comb above a significance of {Z_FAULT:g} with modulation index '
+        f'{INDEX_SUSPECT:g}'
+    )
     heard = (f'{c}: too weak for a remark alone; compare with an earlier record' for c in e.faint)
     return _say(e, text, *heard, level='ok')
 

@@ -407,13 +407,13 @@ def test_a_second_place_does_not_take_the_alarm_of_the_first_away():
 def test_healthy_says_which_comb_it_heard():
     said = decide(Evidence.of(comb('outer', z=8.3, index=0.18)))
     assert said.result == 'healthy'
-    assert 'z 8.3' in said.reasons[-1]
+    assert 'significance 8.3' in said.reasons[-1]
     assert 'too weak' in said.reasons[-1]
     assert len(decide(Evidence.of()).reasons) == 1
     # So does a window that is too short to say it.
     short = decide(Evidence.of(comb('outer', z=9.1, index=0.18), turns=33.0))
     assert short.rule == 'few_shaft_turns'
-    assert 'z 9.1' in short.reasons[0]
+    assert 'significance 9.1' in short.reasons[0]
 
 
 def test_an_outer_race_that_rings_low_needs_the_harmonics_of_impacts():
