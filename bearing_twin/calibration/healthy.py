@@ -204,7 +204,7 @@ def smallest_shown(
     measured: FloatArray, situation: Situation, factor: float, louder_db: float, seed: int
 ) -> Shown:
     """
-    Return the width of which all wider race defects but one in twenty would have shown.
+    Return the width above which 95 % of race defects would have shown.
 
     Parameters
     ----------

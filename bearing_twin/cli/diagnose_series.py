@@ -16,6 +16,7 @@ from bearing_twin.cli.terminal import by_level, plain, progress
 from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.quantity import quantities
 from bearing_twin.recording.snapshots import read_snapshots, series_files
 
 if TYPE_CHECKING:
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.series_result import SeriesReport
 
-LONGEST_CYCLE = 1e8
-"""Longest time between two snapshots, s: the limit of the parameter ``series_cycle``."""
+LONGEST_CYCLE = quantities(DiagnosisSettings)['series_cycle'][1].high or math.inf
+"""Longest time between two snapshots, s."""
 
 
 def run_series(args: argparse.Namespace, shaft_hz: float) -> int:

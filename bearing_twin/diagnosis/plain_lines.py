@@ -32,7 +32,7 @@ _OTHERS = 2
 """Highest lines that do not count: those of a gear may lie on a harmonic or two."""
 
 _FEWEST = 3
-"""Fewest lines besides those: with fewer nothing is said."""
+"""Fewest other lines: with fewer there is no answer."""
 
 
 def low_lines(

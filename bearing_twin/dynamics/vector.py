@@ -46,7 +46,7 @@ _LONGS = ir.VectorType(_LONG, L)
 
 
 class _Lanes(types.Type):
-    """Sixteen of a kind, of which there are `_LANES`."""
+    """Vector of sixteen values of one kind; `_LANES` has the kinds."""
 
 
 FLOATS, MASK, WORDS = (_Lanes(f'{name}{L}') for name in ('Floats', 'Mask', 'Words'))

@@ -94,7 +94,7 @@ def chunk(path: Path, compression: CompressionType) -> None:
 
 
 def modest(path: Path) -> None:
-    """Return a chunk that is said to unpack to 1000 bytes, in a frame that says 400 MiB."""
+    """Return a chunk that states 1000 bytes, around a frame that states 400 MiB."""
     head = struct.pack('<QQQII', 0, 0, 1000, 0, 4)
     data = zstandard.compress(bytes(400 * MIB))
     content = head + b'zstd' + struct.pack('<Q', len(data)) + data
