@@ -36,7 +36,7 @@ APART = 3.0
 """Least change that ringing would make from speed to speed, over what both are located to."""
 
 
-_TEETH, _OVER_FLOOR, _OVER_BESIDE = 3, 100.0, 3.0
+_GEAR_LINES, _OVER_FLOOR, _OVER_BESIDE = 3, 100.0, 3.0
 """Harmonics of a time that have to stand out as lines of the spectrum, and how far, over the floor
 and over all that lies between two of them. Noise reaches 100 times the floor once in e^100 lines.
 The lines of a bearing lie beside as well, and its balls do not keep time: of 145 pairs of
@@ -124,7 +124,7 @@ def gear(x: FloatArray, sample_rate: float, measured: Summary) -> Refusal | None
     if not measured.seen:
         return None
     # The speed of a machine moves within the record, which makes broad what is a line in a part.
-    if max(_teeth(x, sample_rate, measured, parts) for parts in (1, _PARTS)) < _TEETH:
+    if max(_gear_lines(x, sample_rate, measured, parts) for parts in (1, _PARTS)) < _GEAR_LINES:
         return None
     return Refusal(
         Kind.SEVERAL_SPACINGS,
@@ -133,26 +133,26 @@ def gear(x: FloatArray, sample_rate: float, measured: Summary) -> Refusal | None
     )
 
 
-def _teeth(x: FloatArray, sample_rate: float, measured: Summary, parts: int) -> int:
+def _gear_lines(x: FloatArray, sample_rate: float, measured: Summary, parts: int) -> int:
     """Lines at the harmonics of the time between two impacts, in the mean spectrum of parts."""
     length = len(x) // parts
     power = scipy.signal.welch(x, sample_rate, nperseg=length)[1]
     step, own = sample_rate / length, 1.0 / measured.spacing
     within = LOCATED * measured.lobe / measured.spacing
     most = min(_MOST_HARMONICS, int(0.5 * HIGH_SHARE * sample_rate / (own * (1.0 + within))))
-    if most < _TEETH:
+    if most < _GEAR_LINES:
         return 0
     # The main lobe of a line is two bins to either side: no line lies between two frequencies.
     tried = own * np.exp(np.arange(-within, within, step / (most * own)))
     at = np.round(np.multiply.outer(tried, np.arange(1, most + 1)) / step).astype(int)
     lines = scipy.ndimage.maximum_filter1d(power, 3)[at]
     best = int(np.argmax(np.median(lines, axis=1)))
-    teeth, reach = 0, int(0.45 * own / step)
+    found, reach = 0, int(0.45 * own / step)
     for line, centre in zip(lines[best], at[best], strict=True):
         around = power[centre - reach : centre + reach + 1]
         beside = np.delete(around, slice(reach - 3, reach + 4)).max(initial=0.0)
-        teeth += line > _OVER_FLOOR * np.median(around) and line > _OVER_BESIDE * beside
-    return int(teeth)
+        found += line > _OVER_FLOOR * np.median(around) and line > _OVER_BESIDE * beside
+    return int(found)
 
 
 def impacts_of(whole: Correlation, measured: Summary, situation: Situation) -> Impacts | None:
