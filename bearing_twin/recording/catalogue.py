@@ -7,10 +7,10 @@ from __future__ import annotations
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, BinaryIO, NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.chunks import Chunks, NEW_DESCRIPTION, SpentRecording
+from bearing_twin.recording.chunks import NEW_DESCRIPTION, SpentRecording
 from bearing_twin.recording.mcapfile import BrokenRecording, parse
 from bearing_twin.recording.salvage import sound_records
 from bearing_twin.recording.schema import (
@@ -25,6 +25,8 @@ from mcap.records import Channel, Schema
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
+
+    from bearing_twin.recording.chunks import Chunks
 
 
 DEFINITIONS = (Opcode.SCHEMA, Opcode.CHANNEL)
@@ -245,18 +247,20 @@ class Catalogue:
         return fitting[0]
 
 
-def own_definitions(file: BinaryIO, size: int) -> Iterator[Catalogue]:
-    """Yield what a file says of its channels: in its summary, then anywhere in it."""
-    chunks = Chunks(file, size)
+def own_definitions(chunks: Chunks) -> Iterator[Catalogue]:
+    """
+    Yield what a file says of its channels: in its summary, then anywhere in it.
+
+    What that costs is left less for its messages.
+    """
     catalogue = Catalogue(chunks)
     try:
-        for raw, data in summary_records(file, size, DEFINITIONS):
+        for raw, data in summary_records(chunks.file, chunks.size, DEFINITIONS):
             catalogue.learn(raw.opcode, data, raw.offset)
     except BrokenRecording:
         # What has been read of it serves nevertheless.
         pass
     yield catalogue
-    chunks = Chunks(file, size)
     catalogue = Catalogue(chunks)
     wanted = (*DEFINITIONS, Opcode.CHUNK)
     for raw, data in sound_records(chunks, wanted, lambda _: None):

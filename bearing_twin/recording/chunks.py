@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 
 LARGEST_CHUNK = 128 * 1024 * 1024
 """Largest chunk after unpacking, bytes."""
-MOST_UNPACKED, UNPACKED_PER_BYTE = 8 * 1024**3, 256
-"""Most bytes that the chunks of a file unpack to, 0.2 s for each GB, and how many more for each of
-its bytes: zeros in our blocks pack at 67 to 315 times."""
+MOST_UNPACKED, UNPACKED_PER_BYTE = 8 * 1024**3, 192
+"""Most bytes that the chunks of a file unpack to, 0.2 to 0.33 s for each GB, and how many more for
+each of its bytes: a file of 100 MB takes 10 s at most. Zeros in our blocks pack at 67 to 315
+times."""
 LARGE, FRESH = 16 * 1024 * 1024, 4
 """Size of a chunk from which on each takes new memory, bytes, and how often its bytes count: the
 system takes three times as long to give that memory as unpacking takes to fill it."""

@@ -13,6 +13,7 @@ from bearing_twin.recording.reader import recording_info, Witness
 from bearing_twin.stamps import NANO, stamp_ns
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     from bearing_twin.recording.catalogue import RecordedMessage
@@ -79,9 +80,18 @@ class RecordingHealth:
         return found
 
 
-def examine(path: Path) -> tuple[RecordingInfo, RecordingHealth]:
+def examine(
+    path: Path, see: Callable[[RecordedMessage], object] | None = None
+) -> tuple[RecordingInfo, RecordingHealth]:
     """
     Read a recording from front to back, once: what is inside, and how sound it is.
+
+    Parameters
+    ----------
+    path
+        File or bag folder.
+    see
+        Shown every message on the way.
 
     Raises
     ------
@@ -99,6 +109,8 @@ def examine(path: Path) -> tuple[RecordingInfo, RecordingHealth]:
             check = checks[topic] = _TopicCheck()
             health.topics[topic] = check.health
         check.look(message)
+        if see is not None:
+            see(message)
 
     info = recording_info(path, Witness(look, health.damage.append))
     return info, health

@@ -182,8 +182,8 @@ def in_file_order(
         If something is damaged and ``damaged`` is None.
 
     """
-    elsewhere = own_definitions(file, size) if damaged is not None else ()
     chunks = Chunks(file, size)
+    elsewhere = own_definitions(chunks) if damaged is not None else ()
     catalogue = Catalogue(chunks, elsewhere, candidates)
     lost: dict[int, tuple[int, int]] = {}
 
@@ -225,6 +225,8 @@ def in_file_order(
                 damaged(error)
                 break
             damaged(BrokenRecording(str(error), raw.offset, raw.end - raw.offset))
+        # Else the next chunk would be unpacked beside this one and its last message.
+        data = cdr = b''
     if damaged is not None:
         for topic in catalogue.guessed.values():
             text = f'the description of {topic} is lost: it is known by its content alone'

@@ -265,6 +265,7 @@ def _look_into(file: BinaryIO, path: Path, info: RecordingInfo, witness: Witness
     for message in messages:
         if witness is not None:
             witness.see(message)
+        del message
 
 
 def _from_summary(file: BinaryIO, size: int, info: RecordingInfo) -> bool:
@@ -359,6 +360,7 @@ def _counted(
         if log_time > last:
             last = log_time
         yield message
+        del message
     if channel is not None:
         _count(info, channel, count)
         _span(info, first, last)

@@ -7,11 +7,12 @@ from __future__ import annotations
 import contextlib
 from dataclasses import dataclass, field
 import fcntl
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.catalogue import own_definitions, RecordedChannel
+from bearing_twin.recording.chunks import Chunks
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
     MAGIC,
@@ -32,6 +33,7 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, Header, Metadata, Statistics
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
     from pathlib import Path
 
     from bearing_twin.recording.mcapfile import RawRecord
@@ -110,9 +112,17 @@ def recover(source: Path, target: Path) -> RecoveryReport:
     if not sound:
         msg = f'{source} holds no MCAP file with content: {"; ".join(report.losses)}'
         raise BearingTwinError(msg)
+    # Each of them is read for it once, however many others ask.
+    channels = cache(_channels)
+
+    def candidates(path: Path) -> tuple[RecordedChannel, ...]:
+        others = [other for other in files if other != path][:MOST_ASKED]
+        found = {(c.topic, c.type_name): c for other in others for c in channels(other)}
+        return tuple(found.values()) or _own_channels()
+
     with whole_recording(target) as writer:
         for path in sound:
-            _copy(path, writer, report, [other for other in files if other != path])
+            _copy(path, writer, report, cache(partial(candidates, path)))
         if not report.kept and any('not as cdr' in text for text in report.losses):
             raise BearingTwinError('; '.join(report.losses))
     return report
@@ -173,22 +183,18 @@ def _holds_something(path: Path, report: RecoveryReport, *, only: bool) -> bool:
     return True
 
 
-def _copy(path: Path, writer: RecordingWriter, report: RecoveryReport, others: list[Path]) -> None:
+def _copy(
+    path: Path,
+    writer: RecordingWriter,
+    report: RecoveryReport,
+    candidates: Callable[[], Iterable[RecordedChannel]],
+) -> None:
     size = path.stat().st_size
     report.size += size
     kept = report.kept
 
     def damaged(error: BrokenRecording) -> None:
         report.lose(f'{path.name}: {error}', error.length)
-
-    @cache
-    def candidates() -> tuple[RecordedChannel, ...]:
-        found = {
-            (channel.topic, channel.type_name): channel
-            for other in others[:MOST_ASKED]
-            for channel in _channels(other)
-        }
-        return tuple(found.values()) or _own_channels()
 
     def copy_extra(raw: RawRecord, data: bytes) -> None:
         record = parse(raw.opcode, data, raw.offset)
@@ -237,7 +243,7 @@ def _said_count(path: Path, size: int) -> int:
 def _channels(path: Path) -> list[RecordedChannel]:
     """Channels of another file of the bag."""
     with contextlib.suppress(BearingTwinError), open_mcap(path) as file:
-        for catalogue in own_definitions(file, path.stat().st_size):
+        for catalogue in own_definitions(Chunks(file, path.stat().st_size)):
             if catalogue.channels:
                 return list(catalogue.channels.values())
     return []

@@ -161,6 +161,8 @@ def sound_records(
                 for run, records in search.messages_behind(raw):
                     yield run, records
                     end = run.end
+            # As what reads them does: the next chunk is not unpacked beside this one.
+            del found, data
         offset = end
 
 

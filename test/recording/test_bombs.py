@@ -10,7 +10,8 @@ import struct
 import subprocess
 import sys
 import time
-from typing import TYPE_CHECKING
+import tracemalloc
+from typing import Any, TYPE_CHECKING
 import zipfile
 import zlib
 
@@ -173,6 +174,93 @@ def test_a_file_without_end_is_read_once(
     said = capsys.readouterr().out
     for text in ('messages    60000', '40000  /x', '20000  /y'):
         assert text in said
+
+
+COMMANDS: dict[str, Callable[[str, str], list[str]]] = {
+    'info': lambda path, _: ['info', path],
+    'verify': lambda path, _: ['verify', path],
+    'recover': lambda path, out: ['recover', path, '-o', f'{out}/saved.mcap'],
+    'report': lambda path, out: ['report', path, '-o', f'{out}/page.html'],
+    'view': lambda path, out: ['view', path, '--save', f'{out}/picture.rrd'],
+    'diagnose': lambda path, _: ['diagnose', path],
+    'fit': lambda path, _: ['fit', path],
+    'replay': lambda path, out: ['replay', path, '--offline', '-o', f'{out}/made'],
+}
+
+
+def zeros(path: Path, lost: str) -> None:
+    """Return 20 messages of 1 MiB of zeros, each in its chunk; something of the file is lost."""
+    with raw_recording(path, chunk_size=MIB) as writer:
+        schema = writer.register_schema('std_msgs/msg/String', 'ros2msg', b'string data')
+        channel = writer.register_channel('/t', 'cdr', schema)
+        if lost == 'description':
+            # It is looked for in the whole file.
+            writer.add_message(7, START, bytes(8), START)
+        for index in range(20):
+            writer.add_message(channel, START + index, b'\0\1\0\0' + bytes(MIB), START)
+    if lost:
+        path.write_bytes(path.read_bytes()[:-40])
+
+
+@pytest.fixture
+def unpacked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Sizes of the chunks that are unpacked."""
+    sizes: list[int] = []
+    unpack = chunks._unpack
+
+    def counted(*args: Any) -> bytes:
+        sizes.append(len(data := unpack(*args)))
+        return data
+
+    monkeypatch.setattr(chunks, '_unpack', counted)
+    return sizes
+
+
+@pytest.mark.parametrize('lost', ['', 'end'])
+@pytest.mark.parametrize('command', COMMANDS)
+def test_each_command_unpacks_once_what_is_no_bearings(
+    tmp_path: Path, unpacked: list[int], command: str, lost: str
+) -> None:
+    zeros(tmp_path / 'a.mcap', lost)
+    main(COMMANDS[command](str(tmp_path / 'a.mcap'), str(tmp_path)))
+    assert sum(unpacked) <= 21 * MIB
+
+
+def test_looking_for_a_description_counts(
+    tmp_path: Path, unpacked: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    zeros(tmp_path / 'a.mcap', 'description')
+    for name, value in (('MOST_UNPACKED', 30 * MIB), ('UNPACKED_PER_BYTE', 0)):
+        monkeypatch.setattr(chunks, name, value)
+    health = examine(tmp_path / 'a.mcap')[1]
+    assert sum(unpacked) <= 30 * MIB
+    assert any('unpack to too much' in text for text in health.damage)
+
+
+def test_files_of_a_bag_are_asked_once_for_a_description(
+    tmp_path: Path, unpacked: list[int]
+) -> None:
+    (tmp_path / 'bag').mkdir()
+    for number in range(5):
+        zeros(tmp_path / f'bag/{number}.mcap', 'description')
+    assert main(['recover', str(tmp_path / 'bag'), '-o', str(tmp_path / 'saved')]) == 0
+    # Read for its messages, for its own description, and for that of others.
+    assert sum(unpacked) <= 5 * 3 * 21 * MIB
+
+
+def test_a_large_message_is_in_memory_twice_at_most(tmp_path: Path) -> None:
+    """Unpacked, and as itself; three times, a file of 100 MB took 644 MB."""
+    with raw_recording(tmp_path / 'a.mcap', chunk_size=MIB) as writer:
+        schema = writer.register_schema('std_msgs/msg/String', 'ros2msg', b'string data')
+        channel = writer.register_channel('/t', 'cdr', schema)
+        for index in range(4):
+            writer.add_message(channel, START + index, bytes(16 * MIB), START)
+    tracemalloc.start()
+    try:
+        examine(tmp_path / 'a.mcap')
+        assert tracemalloc.get_traced_memory()[1] < 2.3 * 16 * MIB
+    finally:
+        tracemalloc.stop()
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import re
 
 from bearing_twin import cli
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.view.over_temperature import STRIP_SECONDS
 from bearing_twin.view.report.appendix import off_default
@@ -29,7 +29,7 @@ SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.
 
 
 def machines_of(path):
-    return collect(path, recording_info(path).start)
+    return collect(path)[2]
 
 
 @pytest.fixture(scope='module')

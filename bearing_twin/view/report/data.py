@@ -11,8 +11,8 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.catalogue import known_fields
+from bearing_twin.recording.health import examine
 from bearing_twin.recording.plainyaml import load_plain
-from bearing_twin.recording.reader import read_messages
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.vibration_input import HIGHEST_RATE
 from bearing_twin.view.over_temperature import OverTemperature
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.health import RecordingHealth
+    from bearing_twin.recording.reader import RecordingInfo
 
 
 @dataclass
@@ -33,8 +35,8 @@ class Machine:
     """
     One namespace of a recording: a bearing, its sensors, its twin and its verdicts.
 
-    Times are seconds since the start of the recording, taken from when a message was received:
-    a replayed sensor and the twin that answers it may stamp by different clocks.
+    Times are seconds since the first message of the recording, taken from when a message was
+    received: a replayed sensor and the twin that answers it may stamp by different clocks.
     """
 
     namespace: str
@@ -92,11 +94,11 @@ class Machine:
         return self.only_vibration and not self.vibration
 
 
-def collect(path: Path, start: int) -> dict[str, Machine]:
+def collect(path: Path) -> tuple[RecordingInfo, RecordingHealth, dict[str, Machine]]:
     """
-    Return every machine of a recording by namespace; unfinished files up to their end.
+    Return what is in a recording, its health and every machine of it by namespace.
 
-    Times are those after ``start``, ns.
+    Unfinished files are read up to their end.
 
     Raises
     ------
@@ -105,10 +107,16 @@ def collect(path: Path, start: int) -> dict[str, Machine]:
 
     """
     machines: dict[str, _Collector] = {}
-    for message in read_messages(path, recover=True, problems=[]):
+    start: int | None = None
+
+    def take(message: RecordedMessage) -> None:
+        nonlocal start
+        start = message.log_time if start is None else start
         namespace, _, _ = message.topic.rpartition('/')
         collector = machines.setdefault(namespace, _Collector(Machine(namespace)))
         collector.take(message, (message.log_time - start) / NANO)
+
+    info, health = examine(path, take)
     found = {name: c.machine for name, c in sorted(machines.items()) if not c.machine.empty}
     for c in machines.values():
         _take_fleet(c.machine, found)
@@ -123,8 +131,8 @@ def collect(path: Path, start: int) -> dict[str, Machine]:
             f'{path} holds neither vibration nor diagnosis of type bearing_twin_msgs, so that '
             "there is nothing to report; 'bearing-twin info' lists what is in it"
         )
-        raise BearingTwinError(msg)
-    return found
+        raise BearingTwinError('; '.join((msg, *info.problems)))
+    return info, health, found
 
 
 def _take_fleet(fleet: Machine, machines: dict[str, Machine]) -> None:

@@ -12,7 +12,6 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin import __version__
 from bearing_twin.bearing.vocabulary import PLACES, TITLES
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
-from bearing_twin.recording.health import examine
 from bearing_twin.recording.schedule import undated
 from bearing_twin.stamps import NANO
 from bearing_twin.view.report.appendix import appendix
@@ -65,8 +64,8 @@ def report_page(path: Path, source: Path | None = None) -> str:
         If it cannot be read, or holds nothing of a bearing.
 
     """
-    info, health = examine(path)
-    machines = sorted(collect(path, info.start).values(), key=_urgency, reverse=True)
+    info, health, found = collect(path)
+    machines = sorted(found.values(), key=_urgency, reverse=True)
     begin = datetime.fromtimestamp(info.start / NANO, tz=timezone.utc)
     # A bag folder is often just called 'bag': its parent says which.
     title = f'Bearing report: {"/".join((source or path).resolve().parts[-2:])}'

@@ -131,7 +131,8 @@ def _draw_foreign(
             reason = logger.import_mcap(path, readable, lines=lines, tables=tables)
             if reason:
                 problems[str(path)] = reason
-        problems |= _draw(logger, '', info, _part(progress, 0, 1), leave_out=natively)
+        ours = info.topics.keys() - natively
+        problems |= _draw(logger, '', info, _part(progress, 0, 1), topics=ours)
     if progress is not None:
         progress(1.0)
     return problems | logger.problems
@@ -153,14 +154,16 @@ def _draw(
     info: RecordingInfo,
     progress: Callable[[float], None],
     *,
-    leave_out: Collection[str] = (),
+    topics: Collection[str] | None = None,
     begin: int = 0,
 ) -> dict[str, str]:
     unread = {str(info.path): '; '.join(info.problems)} if info.problems else {}
     span = max(1, info.end - info.start)
-    for count, message in enumerate(read_messages(info.path, recover=True, problems=[])):
-        if message.topic in leave_out:
-            continue
+    if topics is not None and not topics:
+        # Nothing is left to draw: to read it costs seconds for each GB that it unpacks to.
+        return unread
+    messages = read_messages(info.path, topics=topics, recover=True, problems=[])
+    for count, message in enumerate(messages):
         if message.log_time < begin and message.type_name not in STANDING:
             continue
         try:
