@@ -10,6 +10,8 @@ import os
 import secrets
 from typing import BinaryIO, TYPE_CHECKING
 
+from bearing_twin.errors import BearingTwinError
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
@@ -51,6 +53,27 @@ def whole_file(path: Path, *, new: bool = False) -> Iterator[BinaryIO]:
         with contextlib.suppress(OSError):
             part.unlink(missing_ok=True)
         raise
+
+
+@contextlib.contextmanager
+def output_file(path: Path, *, folder: bool = False) -> Iterator[BinaryIO]:
+    """
+    Open the file that a command was asked for, as :func:`whole_file`; make its ``folder`` too.
+
+    Raises
+    ------
+    BearingTwinError
+        If it cannot be written.
+
+    """
+    try:
+        if folder:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        with whole_file(path) as file:
+            yield file
+    except OSError as error:
+        msg = f'{path} cannot be written ({error.strerror}); make room, or name another one'
+        raise BearingTwinError(msg) from None
 
 
 def _take_free_name(part: Path, path: Path) -> None:

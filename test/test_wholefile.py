@@ -2,7 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files that are there as a whole or not at all."""
 
-from bearing_twin.wholefile import whole_file
+import errno
+import os
+
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.wholefile import output_file, whole_file
 import pytest
 
 
@@ -21,3 +25,18 @@ def test_two_writers_of_one_name_do_not_mix(tmp_path, new):
         second.__exit__(None, None, None)
     assert path.read_bytes() == (b'first' if new else b'second')
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_cannot_be_written_is_named(tmp_path, monkeypatch):
+    def full(_):
+        # As of a disk: it names no file.
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, 'fsync', full)
+    path = tmp_path / 'a.png'
+    with (
+        pytest.raises(BearingTwinError, match=r'a\.png cannot be written \(No space left'),
+        output_file(path) as file,
+    ):
+        file.write(b'picture')
+    assert not list(tmp_path.iterdir())

@@ -154,8 +154,6 @@ def _tasks(args: argparse.Namespace) -> list[Task]:
         # Checks the range; each task carries the value, since a varying speed has another default.
         replace(settings, speed_tolerance=args.speed_tolerance)
     shaft_hz = given_speed(args)
-    if args.plot:
-        Path(args.plot).mkdir(parents=True, exist_ok=True)
     return [
         Task(
             path=name,
@@ -271,12 +269,13 @@ def diagnose_file(task: Task) -> dict[str, Any]:
             temperature=signal.temperature,
             settings=task.settings,
         )
+        if task.plot and diagnosis.spectrum.values.size:
+            from bearing_twin.cli.plots import draw_diagnosis
+
+            title = f'{Path(task.path).name}, {bearing.name}'
+            draw_diagnosis(diagnosis, Path(task.plot), title=title)
     except (BearingTwinError, MemoryError) as error:
         return unread(task.path, str(error) or f'{task.path}: not enough memory')
-    if task.plot and diagnosis.spectrum.values.size:
-        from bearing_twin.cli.plots import draw_diagnosis
-
-        draw_diagnosis(diagnosis, Path(task.plot), title=f'{Path(task.path).name}, {bearing.name}')
     length = len(signal.x) / signal.sample_rate
     message = diagnosis_message(diagnosis, stamp=0, frame_id='', bearing=bearing.name)
     return {

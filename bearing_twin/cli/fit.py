@@ -56,8 +56,6 @@ def run(args: argparse.Namespace) -> int:
     """Fit the twin to each file; 0 only if every file could be fitted."""
     bearing = given_bearing(args)
     speed = given_speed(args)
-    if args.plot:
-        Path(args.plot).mkdir(parents=True, exist_ok=True)
     tasks = [(name, channel) for name in args.files for channel in channels_of(name, args.channel)]
     failed = 0
     fitted: list[tuple[str, Calibration]] = []
@@ -76,6 +74,11 @@ def run(args: argparse.Namespace) -> int:
                 place=args.place,
                 seed=args.seed,
             )
+            if args.plot:
+                from bearing_twin.cli.plots import draw_calibration
+
+                path = picture(Path(args.plot), name, channel)
+                draw_calibration(found, record.x, record.sample_rate, path)
         except (BearingTwinError, MemoryError) as error:
             failed += 1
             answer = unread(name, str(error) or 'not enough memory')
@@ -83,11 +86,6 @@ def run(args: argparse.Namespace) -> int:
             if args.json:
                 print(json.dumps(answer), flush=True)
             continue
-        if args.plot:
-            from bearing_twin.cli.plots import draw_calibration
-
-            path = picture(Path(args.plot), name, channel)
-            draw_calibration(found, record.x, record.sample_rate, path)
         if args.one_machine:
             fitted.append((name, found))
         else:

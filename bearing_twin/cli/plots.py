@@ -15,7 +15,7 @@ from bearing_twin.view.report.spectra import CAPTION, draw_envelope_spectrum, dr
 from bearing_twin.view.report.svg import STYLE
 from bearing_twin.view.spectrum import SpectrumPicture
 from bearing_twin.view.verdict import title_of
-from bearing_twin.wholefile import whole_file
+from bearing_twin.wholefile import output_file
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
@@ -73,5 +73,5 @@ def draw_calibration(
 
 
 def _save(figure: Figure, path: Path) -> None:
-    with whole_file(path) as file:
+    with output_file(path, folder=True) as file:
         figure.savefig(file, format='png', dpi=110)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recordings
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.wholefile import whole_file
+from bearing_twin.wholefile import output_file
 
 if TYPE_CHECKING:
     import argparse
@@ -47,12 +47,8 @@ def run(args: argparse.Namespace) -> int:
         made = Path(folder) in recording.parents
         text = report_page(recording, args.recording if made else None)
     page = pdf_of(text) if output.suffix.lower() == '.pdf' else text.encode()
-    try:
-        with whole_file(output) as file:
-            file.write(page)
-    except OSError as error:
-        msg = f'{output} cannot be written: {error.strerror}'
-        raise BearingTwinError(msg) from None
+    with output_file(output) as file:
+        file.write(page)
     if args.json:
         print(json.dumps({'report': str(output), 'bytes': len(page)}))
     else:

@@ -19,7 +19,7 @@ from bearing_twin.cli.terminal import percent, refuse_given, shown
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.rerun.viewer import HeadlessViewer, live_url, show, show_in_browser
 from bearing_twin.view.style import PAGES
-from bearing_twin.wholefile import whole_file
+from bearing_twin.wholefile import output_file
 
 if TYPE_CHECKING:
     import argparse
@@ -144,12 +144,8 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
 
 
 def _copy(source: Path, target: Path) -> None:
-    try:
-        with source.open('rb') as drawn, whole_file(target) as file:
-            shutil.copyfileobj(drawn, file)
-    except OSError as error:
-        msg = f'{target} cannot be written ({error.strerror}); name another file'
-        raise BearingTwinError(msg) from None
+    with source.open('rb') as drawn, output_file(target) as file:
+        shutil.copyfileobj(drawn, file)
 
 
 def _screenshot(args: argparse.Namespace, sources: list[str]) -> int:

@@ -309,6 +309,23 @@ def test_pictures(good, tmp_path, capsys):
     assert 'inner [fault]' in capsys.readouterr().out
 
 
+@pytest.mark.parametrize('command', ['diagnose', 'fit'])
+def test_a_picture_that_cannot_be_written_ends_no_batch(command, good, tmp_path, capsys):
+    files, plots = [str(good)] * 2, tmp_path / 'file'
+    plots.write_text('')
+    args = [command, *files, '--bearing', '6307', '--json', '--plot', str(plots)]
+    assert main(args) == 1
+    answers = _lines(capsys)
+    assert len(answers) == 2
+    assert all(f'{plots}/' in answer['error'] for answer in answers)
+
+
+@pytest.mark.parametrize('command', ['diagnose', 'fit'])
+def test_without_a_picture_there_is_no_folder(command, tmp_path):
+    assert main([command, 'missing.wav', '--plot', str(tmp_path / 'plots')]) == 1
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize('text', ['', '9', 'a,b,c', '9,40,39,0', '9,7.9,39,95', '2,7.9,39'])
 def test_bad_geometry(text):
     with pytest.raises(BearingTwinError):
