@@ -10,7 +10,6 @@ import math
 from pathlib import Path
 import threading
 import time
-import traceback
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.messages import time_message
@@ -154,20 +153,16 @@ class ReplayNode(ManagedNode):
         try:
             self._play_through()
         except Exception as error:
-            if self.context.ok():
-                self._fail(error)
+            if self.executor is not None:
+                # Who runs the node ends it, as for an error of any callback.
+                self.executor.create_task(self._fail, error)
 
     def _fail(self, error: Exception) -> None:
         """Report why the recording cannot be played on; end with an error."""
-        if isinstance(error, BearingTwinError):
-            self.get_logger().error(str(error))
-        else:
-            # A defect of ours must be seen where it happened.
-            self.get_logger().fatal(traceback.format_exc())
         self._problem = str(error)
         self.failed = True
         self._health.publish()
-        self.context.try_shutdown()
+        raise error
 
     def _play_through(self) -> None:
         self._await_subscribers()

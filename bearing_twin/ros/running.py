@@ -137,15 +137,10 @@ def _work(node: ManagedNode) -> None:
         _prepare(node, executor)
         node.bring_up()
         executor.spin()
-    except Exception as error:
+    except Exception:
         if not node.context.ok():
             # INT and TERM end the context at once, under the hands of a callback that publishes.
             raise ExternalShutdownException from None
-        if isinstance(error, RCLError):
-            # Fast DDS 3.2 sends nothing at such a time and stands still for good: only a new
-            # process can work on.
-            msg = f'nothing can be sent ({error}); is the system clock beyond 2038?'
-            raise BearingTwinError(msg) from None
         raise
 
 
@@ -169,6 +164,15 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
     except BearingTwinError as error:
         print(f'{_program(node_class)}: {error}', file=sys.stderr)
         return REFUSED if node is None or node.refused else 1
+    except RCLError as error:
+        # Fast DDS 3.2 sends nothing at such a time and stands still for good: only a new process
+        # can work on.
+        print(
+            f'{_program(node_class)}: nothing can be sent ({error}); is the system clock beyond '
+            '2038?',
+            file=sys.stderr,
+        )
+        return 1
     finally:
         # Nothing is left to be interrupted but the way out.
         signal.signal(signal.SIGINT, signal.SIG_IGN)

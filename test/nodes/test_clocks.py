@@ -334,23 +334,37 @@ def test_a_former_life_of_a_node_is_freed(here):
 
 MUTE = """
 import sys
-from bearing_twin.nodes.adapter import NODE
+from bearing_twin.nodes.adapter import AdapterNode
+from bearing_twin.nodes.replay import ReplayNode
 from bearing_twin.ros import running
 from bearing_twin.ros.health import Health
-def fail(*_):
+def fail(*_, **__):
     raise running.RCLError('Failed to publish: cannot publish data')
-Health.publish = fail
-sys.exit(running.run(NODE, ['--ros-args', '-p', 'sample_rate:=1000.0']))
+{where} = fail
+sys.exit(running.run({node}, ['--ros-args', '-p', *sys.argv[1:]]))
 """
 
 
 @pytest.mark.ros
-def test_a_node_that_can_send_nothing_says_so_and_ends(ros_domain):
+@pytest.mark.parametrize(
+    ('node', 'where'),
+    [
+        ('AdapterNode', 'Health.publish'),
+        ('AdapterNode', 'AdapterNode.__init__'),
+        ('ReplayNode', 'ReplayNode._publish'),
+    ],
+)
+def test_a_node_that_can_send_nothing_says_so_and_ends(ros_domain, tmp_path, node, where):
     """As Fast DDS does beyond 2038, and for good: only a new process can work on."""
+    recording = tmp_path / 'played.mcap'
+    write_temperature_recording(recording, np.array([0.0, 9.0]), np.full(2, 20.0), source='test')
+    name = node.removesuffix('Node').lower()
+    given = {'adapter': 'sample_rate:=1000.0', 'replay': f'recording:={recording}'}
     ran = subprocess.run(
-        [sys.executable, '-c', MUTE], capture_output=True, text=True, timeout=120, check=False
-    )
+        [sys.executable, '-c', MUTE.format(node=node, where=where), given[name]],
+        capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
     assert ran.returncode == 1
-    assert 'adapter: nothing can be sent (Failed to publish' in ran.stderr
+    assert f'{name}: nothing can be sent (Failed to publish' in ran.stderr
     assert 'is the system clock beyond 2038?' in ran.stderr
     assert 'Traceback' not in ran.stderr
