@@ -22,9 +22,11 @@ if TYPE_CHECKING:
 
 _MAKERS = 'skf|fag|ina|nsk|ntn|snr|koyo|nachi|timken|zkl|urb|fbj|c&u|schaeffler|jtekt'
 _SUFFIX = r'(?:-?2?(?:rs[a-z0-9]?|rz|z|ru|rd)|zz|vv|ddu?|ll[ubh]|c[2345]|cn|cm|tn9?|jem|m|j|n|nr)'
-_WITH_SUFFIXES = rf'(?:(?:{_MAKERS})[ -]*)?(\d{{3,5}}(?:/\d\d)?)(?:[ /-]*{_SUFFIX})*'
+_WITH_SUFFIXES = rf'(?:(?:{_MAKERS})[ -]*)?(\d{{3,5}}(?:/\d\d)?)(?:[ /-]*{_SUFFIX}){{0,8}}'
 """A designation with what changes neither balls nor pitch diameter. E (as in ETN9) does: it stands
-for more or larger balls."""
+for more or larger balls. Without a bound on the suffixes a name of 45 letters takes hours."""
+LONGEST_NAME = 100
+"""Most of an unknown name that is compared and repeated, characters."""
 
 
 @functools.cache
@@ -97,9 +99,10 @@ def find_bearing(name: str) -> Bearing:
     for candidate in (folded, _designation(folded)):
         if candidate in by_folded:
             return by_folded[candidate]
-    close = ', '.join(bearing.name for bearing in close_bearings(name, 5))
+    shown = name[:LONGEST_NAME]
+    close = ', '.join(bearing.name for bearing in close_bearings(shown, 5))
     msg = (
-        f'no bearing {name!r} in the catalogue; the closest names: {close}; '
+        f'no bearing {shown!r} in the catalogue; the closest names: {close}; '
         "'bearing-twin bearings' lists all, and a geometry Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG does "
         'for any other'
     )

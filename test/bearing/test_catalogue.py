@@ -145,6 +145,14 @@ def test_unknown_name_is_refused_with_close_ones(name):
     assert name != '63o8' or '6308' in str(error.value)
 
 
+@pytest.mark.parametrize('suffixes', ['z' * 80 + '!', 'rsz' * 40 + '!', 'x' * 1_000_000])
+def test_a_name_from_outside_is_refused_at_once_and_not_repeated(suffixes):
+    # The first two took longer than anybody waits, the last one 40 s.
+    with pytest.raises(BearingTwinError, match='no bearing') as error:
+        find_bearing('6205' + suffixes)
+    assert len(str(error.value)) < 500
+
+
 @pytest.mark.parametrize('m', [0.0, 0.3, 0.9, 0.999999])
 def test_elliptic_integrals(m):
     assert elliptic_integrals(m) == pytest.approx((ellipk(m), ellipe(m)), rel=1e-12)
