@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
+LONGEST_TEXT = 4096
+"""Longest text that a value may be, characters: the longest path on Linux."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
     """What a value means and which values it may have."""
@@ -46,7 +50,7 @@ class Quantity:
 
     def check(self, name: str, value: Any) -> None:
         """
-        Refuse a value that is not finite, outside the range or none of the choices.
+        Refuse a value that is not finite, outside the range, none of the choices or too long.
 
         Raises
         ------
@@ -62,6 +66,9 @@ class Quantity:
         """
         if self.special is not None and value == self.special[0]:
             return
+        if isinstance(value, str) and len(value) > LONGEST_TEXT:
+            msg = f'{name}: {len(value)} characters are too many; give {LONGEST_TEXT} at most'
+            raise BearingTwinError(msg)
         remedy = f' ({self.special_text})' if self.special_text else ''
         if self.choices and value not in self.choices:
             known = ', '.join(choice or "''" for choice in self.choices)

@@ -35,6 +35,7 @@ class Sensor:
             'sensor resonance=100.0 is outside 500..11000 Hz; choose a value inside (0: none)',
         ),
         ({'axis': 'z'}, "sensor axis='z' is not one of '', x, y; choose one of these"),
+        ({'axis': 'x' * 4097}, 'sensor axis: 4097 characters are too many; give 4096 at most'),
         ({'rating': 0.0}, 'sensor rating=0.0 is outside 1..9 N; choose a value inside'),
     ],
 )

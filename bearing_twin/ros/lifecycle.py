@@ -12,9 +12,10 @@ from bearing_twin.assets.shared_specs import AUTOSTART
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.entities import destroy_new, entities
 from bearing_twin.ros.executor import PolledGroup
-from bearing_twin.ros.parameters import ParameterSet, unknown_at_start
+from bearing_twin.ros.parameters import ParameterSet, unknown_at_start, with_known_types
 from bearing_twin.ros.subscribing import validated
 from bearing_twin.streams.statefile import NodeStates
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
@@ -70,6 +71,14 @@ class ManagedNode(LifecycleNode):
         if msg_type is Clock and not kwargs.get('raw', False):
             callback, kwargs['raw'] = validated(self, Clock, topic, _without_info(callback)), True
         return super().create_subscription(msg_type, topic, callback, *args, **kwargs)
+
+    def create_service(
+        self, srv_type: Any, srv_name: str, callback: Any, *args: Any, **kwargs: Any
+    ) -> Service[Any, Any]:
+        """Create a service; rclpy's own for parameters get types only that there are."""
+        if srv_type in (SetParameters, SetParametersAtomically):
+            callback = with_known_types(callback)
+        return super().create_service(srv_type, srv_name, callback, *args, **kwargs)
 
     def offer(self, name: str, action: Callable[[], str | Awaitable[str]]) -> Service[Any, Any]:
         """

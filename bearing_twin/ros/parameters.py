@@ -16,8 +16,10 @@ from rcl_interfaces.msg import (
     FloatingPointRange,
     IntegerRange,
     ParameterDescriptor,
+    ParameterType,
     SetParametersResult,
 )
+from rclpy.parameter import Parameter
 import yaml
 
 if TYPE_CHECKING:
@@ -25,7 +27,10 @@ if TYPE_CHECKING:
 
     from bearing_twin.assets.spec import Spec
     from rclpy.node import Node
-    from rclpy.parameter import Parameter
+
+
+TYPES = {kind.value for kind in Parameter.Type}
+"""Types that a parameter may have, as numbers."""
 
 
 def unknown_at_start(node: Node) -> list[str]:
@@ -36,6 +41,24 @@ def unknown_at_start(node: Node) -> list[str]:
         for name in node._parameter_overrides
         if name not in names and not name.startswith('qos_overrides.')
     ]
+
+
+def with_known_types(
+    callback: Callable[[Any, Any], Any],
+) -> Callable[[Any, Any], Any]:
+    """
+    Return a callback of a service that sets parameters; a type that there is not is none.
+
+    rclpy refuses a parameter without a type, and would end the node for a type it does not know.
+    """
+
+    def answer(request: Any, response: Any) -> Any:
+        for parameter in request.parameters:
+            if parameter.value.type not in TYPES:
+                parameter.value.type = ParameterType.PARAMETER_NOT_SET
+        return callback(request, response)
+
+    return answer
 
 
 def descriptor(spec: Spec) -> ParameterDescriptor:

@@ -10,6 +10,11 @@ from bearing_twin.cli import main
 from bearing_twin.ros.launching import NodeProcesses
 import pytest
 
+pytest.importorskip('rclpy')
+
+from rcl_interfaces.msg import Parameter, ParameterValue
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+
 
 @pytest.mark.ros
 @pytest.mark.parametrize(
@@ -117,6 +122,30 @@ def test_simulated_time_is_not_switched_on_under_a_running_node(nodes, probe):
     accepted, reason = probe.set_parameters('/twin', use_sim_time=True)
     assert not accepted
     assert 'use_sim_time' in reason
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize('atomic', [False, True])
+def test_a_parameter_of_no_type_or_too_long_a_text_is_refused(nodes, probe, atomic):
+    nodes.start('diagnosis', {})
+    probe.until_active('/diagnosis')
+    kind = SetParametersAtomically if atomic else SetParameters
+    for value, why in (
+        # rclpy would end the node.
+        (ParameterValue(type=77), 'Static parameter cannot be undeclared'),
+        # The node would stand still for minutes, and look for a bearing of that name.
+        (
+            ParameterValue(type=4, string_value='x' * 10_000_000),
+            '10000000 characters are too many',
+        ),
+    ):
+        given = [Parameter(name='bearing', value=value)]
+        service = f'/diagnosis/set_parameters{"_atomically" * atomic}'
+        answer = probe.call(kind, service, parameters=given)
+        result = answer.result if atomic else answer.results[0]
+        assert not result.successful
+        assert why in result.reason
+    assert probe.get_parameters('/diagnosis', 'bearing') == ['6307']
 
 
 @pytest.mark.ros
