@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 
 DISCOVERY_PERIOD = 0.25
+READING_TIME = 0.05
+"""Time after which parameters that nodes have told of wait for the next flush, s."""
 LOGGER = 'bearing_twin.recorder'
 MIB = 1024 * 1024
 ABOUT_NODES = ('diagnostic_msgs/', 'lifecycle_msgs/', 'rcl_interfaces/')
@@ -215,6 +217,7 @@ class RecorderNode(ManagedNode):
             return ''
 
     def _flush(self) -> None:
+        self._watch.read(READING_TIME)
         self._writer.flush()
         self._tell_problem()
 

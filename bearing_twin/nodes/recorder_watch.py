@@ -9,11 +9,13 @@ from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 import platform
+import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin import __version__
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.quantity import LONGEST_TEXT
 from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.recording.schema import message_schema, store_from_text
 from bearing_twin.recording.snapshot import SnapshotWriter
@@ -33,6 +35,8 @@ DIAGNOSIS = 'bearing_twin_msgs/msg/Diagnosis'
 FAULT = 2
 MOST_ATTACHED = 16 * 1024 * 1024
 """Most that is kept of the parameters of nodes, bytes; they are repeated in every file."""
+LONGEST_READ = 5.0
+"""Longest that parameters which have not been read hold up the end, s."""
 LIBRARIES = ('numpy', 'scipy', 'numba', 'mcap', 'rosbags', 'rerun-sdk', 'rclpy')
 
 
@@ -55,7 +59,10 @@ class RecordingWatch:
         """What does not work; '' if nothing."""
         self._writer = writer
         self._logger = logger
+        self._troubled = ''
+        # Of each node; what has not been read yet, with the version of the node.
         self._configurations: dict[str, str] = {}
+        self._unread: dict[str, str] = {}
         self._attached = 0
         self._in_fault: dict[str, bool] = {}
         self._rerun: RerunLogger | None = None
@@ -96,15 +103,31 @@ class RecordingWatch:
         try:
             message = store_from_text(type_name, schema.text).deserialize_cdr(cdr, type_name)
             if type_name == CHECKPOINT:
-                self._keep_configuration(message)
+                self._note_configuration(message)
             elif type_name == DIAGNOSIS:
                 self._look_for_fault(topic, message, received)
             if self._rerun is not None:
                 self._rerun.log(topic, type_name, message, received)
         except Exception as error:
             # Whatever a message holds or a viewer does, recording goes on.
-            self.problem = f'{topic} could not be looked at ({type(error).__name__}: {error})'
-            self._logger.warning(self.problem, throttle_duration_sec=60.0)
+            self._say(topic, error)
+        else:
+            if topic == self._troubled:
+                self.problem = self._troubled = ''
+
+    def read(self, seconds: float) -> None:
+        """
+        Attach the parameters that nodes have told of; what takes longer waits for the next time.
+
+        A text from outside may take seconds, in which nobody would take the messages that come.
+        """
+        end = time.monotonic() + seconds
+        while self._unread and time.monotonic() < end:
+            node = next(iter(self._unread))
+            try:
+                self._attach(node, self._unread.pop(node))
+            except Exception as error:
+                self._say(f'the configuration of {node}', error)
 
     def snapshot(self, now: int) -> None:
         """
@@ -122,26 +145,35 @@ class RecordingWatch:
         self._writer.trigger(now)
 
     def close(self) -> None:
-        """Finish the Rerun recording."""
+        """Attach what is left; finish the Rerun recording."""
+        self.read(LONGEST_READ)
         if self._rerun is not None:
             self._rerun.close()
 
-    def _keep_configuration(self, checkpoint: Any) -> None:
-        node = str(checkpoint.node)
-        if self._configurations.get(node) == checkpoint.configuration:
+    def _say(self, what: str, error: Exception) -> None:
+        said = f'{what} could not be looked at ({type(error).__name__}: {error})'
+        self._troubled, self.problem = what, said[:LONGEST_TEXT]
+        self._logger.warning(self.problem, throttle_duration_sec=60.0)
+
+    def _note_configuration(self, checkpoint: Any) -> None:
+        node, text = str(checkpoint.node), str(checkpoint.configuration)
+        if self._configurations.get(node) == text:
             return
-        self._configurations[node] = checkpoint.configuration
-        self._attached += len(node) + len(checkpoint.configuration)
-        if self._attached > MOST_ATTACHED:
+        if self._attached + len(node) + len(text) > MOST_ATTACHED:
             msg = f'more than {MOST_ATTACHED} bytes of parameters: changes are kept no longer'
             raise BearingTwinError(msg)
-        values = load_plain(checkpoint.configuration, f'the configuration of {node}')
+        self._attached += len(node) + len(text)
+        self._configurations[node] = text
+        self._unread[node] = str(checkpoint.version)
+
+    def _attach(self, node: str, version: str) -> None:
+        values = load_plain(self._configurations[node], 'it')
         parameters = yaml.safe_dump({node: {'ros__parameters': values}}, sort_keys=True)
         name = node.strip('/').replace('/', '.')
         self._writer.attach(f'{name}.yaml', parameters.encode(), 'application/yaml')
         self._writer.metadata(
             f'bearing_twin.parameters.{name}',
-            {'node': node, 'version': checkpoint.version}
+            {'node': node, 'version': version}
             | {str(key): str(value) for key, value in values.items()},
         )
         if not values.get('bearing'):

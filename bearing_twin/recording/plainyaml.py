@@ -15,6 +15,8 @@ LONGEST = 1_000_000
 
 LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
 """The one in C, where PyYAML has it: five times as fast."""
+MOST_PARTS = 100_000
+"""Most beginnings, values and ends in a text: a fleet of a thousand has half of it."""
 DEEPEST = 100
 """Levels of lists and tables."""
 
@@ -43,13 +45,15 @@ def load_plain(text: str, what: str) -> Any:
 
 def _refuse_structure(text: str) -> None:
     """
-    Refuse deep nesting, and references to other parts of the text.
+    Refuse deep nesting, very many parts, and references to other parts of the text.
 
     With references some hundred characters describe a structure of billions of elements, which
     takes all memory when it is merged, copied or printed.
     """
     depth = 0
-    for event in yaml.parse(text, Loader=LOADER):
+    for number, event in enumerate(yaml.parse(text, Loader=LOADER)):
+        if number > MOST_PARTS:
+            raise yaml.YAMLError(f'it has more than {MOST_PARTS} parts')
         if isinstance(event, yaml.AliasEvent):
             raise yaml.YAMLError('it refers to another part of itself')
         depth += isinstance(event, yaml.CollectionStartEvent)

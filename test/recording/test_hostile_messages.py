@@ -224,6 +224,37 @@ def test_the_memory_of_large_arrays_comes_back(ros_domain: int, tmp_path: Path) 
     assert topics['/other'].count == 5
 
 
+def test_parameters_of_nodes_that_there_are_not_fill_no_memory(
+    ros_domain: int, tmp_path: Path
+) -> None:
+    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(tmp_path / 'bag')})
+        source.wait_for_recorder()
+        source.publish_until_told('recorder: recording')
+        before = resident(nodes.pid('recorder'))
+        publisher = source.node.create_publisher(Checkpoint, 'twin_checkpoint', CHECKPOINT)
+        source.wait_for_subscribers(publisher)
+
+        def say(number: int) -> None:
+            text = 'a: ' + 'x' * 1_000_000
+            publisher.publish(Checkpoint(node=f'/none{number}', configuration=text))
+            assert publisher.wait_for_all_acked(Duration(seconds=TIMEOUT))
+            source.publish_for(0.04)
+
+        for number in range(100):
+            say(number)
+        source.publish_until_told('recorder: recording')
+        source.publish_until(
+            lambda: 'bytes of parameters' in source.status('recorder: recording').message
+        )
+        grown = resident(nodes.pid('recorder')) - before
+        say(0)
+        source.publish_until(lambda: source.status('recorder: recording').message == 'recording')
+        assert nodes.end('recorder') == 0
+    assert grown < MOST_KEPT
+    assert recording_info(tmp_path / 'bag').topics['/twin_checkpoint'].count == 101
+
+
 @pytest.mark.fuzz
 @pytest.mark.parametrize('group', [MACHINE, OTHERS], ids=['machine', 'others'])
 def test_ten_thousand_hostile_messages(ros_domain: int, tmp_path: Path, group: Groups) -> None:

@@ -39,6 +39,7 @@ LISTS = 'a0: &a0 [x]\n' + ''.join(
         ('x: 2001-99-99', 'month'),
         ('{[a]: b}', 'constructing'),
         ('!!python/object/apply:os.system ["true"]', 'constructor'),
+        ('[' + '[],' * 300_000 + ']', 'more than 100000 parts'),
         ('a: ' + 'b' * LONGEST, f'at most {LONGEST}'),
     ],
 )
@@ -48,6 +49,13 @@ def test_refused_at_once(text: str, reason: str) -> None:
         load_plain(text, 'it')
     assert time.process_time() - began < 5.0
     assert read_qos(text) == []
+
+
+def test_the_configuration_of_a_thousand_bearings_is_read() -> None:
+    """That of a fleet has 47 parts an asset."""
+    names = [f'parameter{k}' for k in range(22)]
+    assets = {f'line{k}/pump': dict.fromkeys(names, 1.0) for k in range(1000)}
+    assert load_plain(json.dumps(assets), 'it') == assets
 
 
 def test_the_configuration_of_hundreds_of_bearings_is_read() -> None:
