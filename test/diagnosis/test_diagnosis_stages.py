@@ -273,6 +273,17 @@ def test_gate_says_what_is_missing(x, rate, hz, words):
 
 def test_gate_lets_good_records_pass(rng):
     assert check_record(rng.standard_normal(50_000), RATE, 25.0, 5.4) == []
+    # A sine of 32 steps of a converter is at its ends for a ninth of the time.
+    steps = np.rint(32.0 * np.sin(0.9 * np.arange(50_000.0)))
+    assert check_record(steps, RATE, 25.0, 5.4) == []
+
+
+def test_a_signal_that_is_clipped_at_each_swing_is_found(rng):
+    """Noise up to half of the sample rate stays at an end for one or two samples at a time."""
+    x = rng.standard_normal(50_000)
+    x[1::2] *= -1.0
+    (reason,) = check_record(np.clip(np.diff(x), -1.0, 1.0), RATE, 25.0, 5.4)
+    assert 'clipped' in reason
 
 
 def test_severity_of_a_sine():
