@@ -18,10 +18,10 @@ import sys
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import find_bearing, PLACES
+from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.demodulation import highest_fault_order
 from bearing_twin.diagnosis.evidence import Evidence
-from bearing_twin.diagnosis.rules import decide
 from bearing_twin.diagnosis.search import CombSearch
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.shaft import Turning
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.verdict import Verdict
+    from bearing_twin.diagnosis import Diagnosis
     from numpy.typing import NDArray
 
 
@@ -120,8 +120,8 @@ def _lines(
     return x
 
 
-def _judge(window: NoiseWindow) -> tuple[Verdict, Reached] | None:
-    """Verdict on a window and what it reaches; None where the record gate refuses it."""
+def _judge(window: NoiseWindow) -> tuple[Diagnosis, Reached] | None:
+    """Diagnosis of a window and what it reaches; None where the record gate refuses it."""
     turning = Turning(np.array([window.given_hz]), np.array([len(window.x)]))
     excerpt = Excerpt.of(
         window.x, turning, window.sample_rate, window.bearing, DiagnosisSettings()
@@ -130,10 +130,10 @@ def _judge(window: NoiseWindow) -> tuple[Verdict, Reached] | None:
     if found is None:
         return None
     combs = CombSearch(found.orders, window.bearing, found.speed)
-    evidence = Evidence(combs, found.revolutions)
-    candidates = evidence.candidates
+    candidates = Evidence(combs, found.revolutions).candidates
     anywhere = combs.strongest_anywhere(beyond=True)
-    return decide(evidence), Reached(
+    said = diagnose_record(window.x, window.sample_rate, window.bearing, window.given_hz)
+    return said, Reached(
         {place: c.z for place, c in candidates.items()},
         {place: c.index for place, c in candidates.items()},
         (anywhere.z, anywhere.index),
@@ -186,8 +186,8 @@ def main(argv: Sequence[str] | None = None) -> None:
         if judged is None:
             answers[window.seconds]['too short'] += 1
             continue
-        verdict, found = judged
-        answers[window.seconds]['alarm' if verdict.level == 'fault' else verdict.result] += 1
+        said, found = judged
+        answers[window.seconds]['alarm' if said.level == 'fault' else said.result] += 1
         reached.append(found)
     kinds = ('alarm', 'suspect', 'ambiguous', 'healthy', 'insufficient', 'too short')
     print_table(
