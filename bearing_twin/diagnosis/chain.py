@@ -28,7 +28,7 @@ from bearing_twin.diagnosis.search import CombSearch
 from bearing_twin.diagnosis.severity import LEAST, Levels, measure_severity, of_length, SLOW_HZ
 from bearing_twin.diagnosis.shaft import ShaftSpeed, Turning
 from bearing_twin.diagnosis.sidebands import sideband_ratio
-from bearing_twin.diagnosis.thresholds import SWAY
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT, SWAY, Z_SECOND_LOOK
 from bearing_twin.diagnosis.window import analyse_window
 import numpy as np
 from scipy import fft
@@ -311,6 +311,21 @@ class Analysis:
     def alone(self) -> Diagnosis:
         """Diagnosis from these samples alone."""
         return self.conclude(())
+
+    def may_show(self, hertz: float) -> bool:
+        """
+        Whether a comb of the bearing at another shaft speed is worth a diagnosis at that speed.
+
+        At a faster one, up to four times, the spectra of the given speed hold the first of its
+        four lines at least, so half of its index.
+        """
+        if self.window is None:
+            return False
+        orders, speed = self.window.orders, self.window.speed
+        there = replace(orders, given=hertz / speed.shaft_hz).at_given_speed()
+        combs = CombSearch(there, self.excerpt.bearing, speed._replace(shaft_hz=hertz))
+        found = (combs.best(place) for place in PLACES)
+        return any(c.z >= Z_SECOND_LOOK and c.index >= 0.5 * INDEX_FAULT for c in found)
 
     def conclude(self, earlier: Sequence[OrderSpectra]) -> Diagnosis:
         """Diagnosis from these samples and the spectra of earlier windows, oldest first."""

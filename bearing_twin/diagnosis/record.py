@@ -157,6 +157,8 @@ def diagnose_record(
     if speeds.size == 1 and analysis.window is not None:
         power, bin_hz = analysis.window.low, 1.0 / analysis.window.seconds
         for hertz in other_shafts_hz(power, bin_hz, float(speeds), settings.speed_tolerance):
+            if not analysis.may_show(hertz):
+                continue
             turns_so = turning._replace(shaft_hz=np.array([hertz]))
             said = Excerpt.of(signal, turns_so, *fixed, **known).analyse().alone
             found = _at_another_speed(found, said, hertz) or found
