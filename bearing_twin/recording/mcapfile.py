@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 
 MAGIC = b'\x89MCAP0\r\n'
+LAST_OFFSET = 2**63 - 1
+"""Last byte that a file may have."""
 LARGEST_RECORD = 128 * 1024 * 1024
 """Largest record that is read into memory, bytes."""
 LARGEST_TABLE = 4 * 1024 * 1024
@@ -131,9 +133,12 @@ def read_at(file: BinaryIO, offset: int, length: int) -> bytes:
     Raises
     ------
     BrokenRecording
-        If the disk cannot read them.
+        If the disk cannot read them, or no file has such bytes.
 
     """
+    if length < 0 or offset > LAST_OFFSET:
+        msg = f'byte {offset} is behind the end of the file'
+        raise BrokenRecording(msg, offset)
     try:
         file.seek(offset)
         return file.read(length)

@@ -16,7 +16,8 @@ from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import recover
 from bearing_twin.recording.writer import WriterOptions
 from copies import raw_recording
-from fuzzing import clean, fuzz, KINDS, mutate
+from fuzzing import clean, fuzz, KINDS, mutate, seeds
+from mcap.opcode import Opcode
 import pytest
 from recording_samples import write_blocks
 
@@ -49,6 +50,21 @@ def test_mutated_files(kind: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize('kind', KINDS)
 def test_ten_thousand_mutated_files(kind: str, tmp_path: Path) -> None:
     check(kind, 10_000, random.SystemRandom().randrange(2**32), tmp_path)
+
+
+@pytest.mark.parametrize('offset', [10_000_000, 2**63 - 1, 2**63, 2**64 - 1])
+def test_an_index_that_points_behind_the_file_costs_only_itself(
+    offset: int, tmp_path: Path
+) -> None:
+    content = bytearray(seeds('mcap', tmp_path)[-1])
+    head = Opcode.METADATA_INDEX.to_bytes(1, 'little') + (21).to_bytes(8, 'little')
+    at = content.index(head) + len(head)
+    content[at : at + 8] = offset.to_bytes(8, 'little')
+    path = tmp_path / 'a.mcap'
+    path.write_bytes(content)
+    info = recording_info(path)
+    assert info.count == len(list(read_messages(path, problems=[]))) == 3
+    assert info.problems == [f'a.mcap: byte {offset} is behind the end of the file']
 
 
 def test_absurd_recordings_end_no_command(tmp_path: Path) -> None:
