@@ -4,24 +4,21 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING
 
+from fuzzing import SECONDS
 from guided import guided, KINDS
 import pytest
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-SECONDS = int(os.environ.get('FUZZ_SECONDS', '90'))
-"""Time for each kind of input, s."""
-
 
 @pytest.mark.fuzz
 @pytest.mark.parametrize('kind', KINDS)
 def test_guided_by_coverage(kind: str, tmp_path: Path) -> None:
     pytest.importorskip('atheris', reason='atheris cannot be installed here: see make fuzz')
-    found = guided(kind, SECONDS, tmp_path)
+    found = guided(kind, int(SECONDS), tmp_path)
     print(f'{kind}: {found}')
     # It has run at all, and has been guided: it knows more ways through the code than the seeds.
     assert found.runs > 100

@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
+import math
 import random
 import subprocess
 import sys
+import time
 from typing import TYPE_CHECKING
 
 from absurd import absurd, ROOM
@@ -16,7 +18,7 @@ from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import recover
 from bearing_twin.recording.writer import WriterOptions
 from copies import raw_recording
-from fuzzing import clean, fuzz, KINDS, mutate, seeds
+from fuzzing import clean, fuzz, KINDS, mutate, SECONDS, seeds, until
 from mcap.opcode import Opcode
 import pytest
 from recording_samples import write_blocks
@@ -28,12 +30,12 @@ MOST_MEMORY = 512 * 1024 * 1024
 """Memory that reading a damaged file of a few kB may take beyond that of a sound one, bytes."""
 
 
-def check(kind: str, count: int, seed: int, folder: Path) -> None:
-    result = fuzz(kind, count, seed, folder)
+def check(kind: str, count: int, seed: int, folder: Path, seconds: float = math.inf) -> None:
+    result = fuzz(kind, count, seed, folder, seconds)
     assert not result['failures'], '\n'.join(result['failures'])
     assert result['memory'] < MOST_MEMORY
     print(
-        f'{kind}: {count} files of seed {seed}, longest {result["longest"]:.2f} s, '
+        f'{kind}: {result["count"]} files of seed {seed}, longest {result["longest"]:.2f} s, '
         f'{result["memory"]} bytes more than sound ones'
     )
     # Nothing was written but the seeds, the file itself and what recover was told to write.
@@ -49,7 +51,7 @@ def test_mutated_files(kind: str, tmp_path: Path) -> None:
 @pytest.mark.fuzz
 @pytest.mark.parametrize('kind', KINDS)
 def test_ten_thousand_mutated_files(kind: str, tmp_path: Path) -> None:
-    check(kind, 10_000, random.SystemRandom().randrange(2**32), tmp_path)
+    check(kind, 10_000, random.SystemRandom().randrange(2**32), tmp_path, SECONDS)
 
 
 @pytest.mark.parametrize('offset', [10_000_000, 2**63 - 1, 2**63, 2**64 - 1])
@@ -68,26 +70,33 @@ def test_an_index_that_points_behind_the_file_costs_only_itself(
 
 
 def test_absurd_recordings_end_no_command(tmp_path: Path) -> None:
-    found = absurd(8, 1, tmp_path)
+    found = absurd(8, 1, tmp_path, math.inf)
     assert found['failures'] == []
 
 
 @pytest.mark.fuzz
 def test_absurd_recordings_at_length(tmp_path: Path) -> None:
     seed = random.SystemRandom().randrange(10**6)
-    found = absurd(500, seed, tmp_path)
+    found = absurd(500, seed, tmp_path, SECONDS)
     assert found['failures'] == [], f'seed {seed}'
-    print(f'seed {seed}: longest {found["longest"]}, memory +{found["memory"] / 1e6:.0f} MB')
+    print(
+        f'{found["count"]} recordings of seed {seed}: longest {found["longest"]}, '
+        f'memory +{found["memory"] / 1e6:.0f} MB'
+    )
     assert found['memory'] < ROOM
 
 
-def damage_bags(count: int, seed: int, folder: Path) -> None:
-    """Damage some files of a bag, in each of ``count`` copies; the others must be saved whole."""
+def damage_bags(count: int, seed: int, folder: Path, seconds: float = math.inf) -> int:
+    """
+    Damage some files of a bag, in each of its copies; the others must be saved whole.
+
+    Returns how many copies were made in the time.
+    """
     write_blocks(folder / 'bag', 60, WriterOptions(split_size=120_000, compression='none'))
     sound = {path.name: path.read_bytes() for path in sorted((folder / 'bag').glob('*.mcap'))}
     held = {name: recording_info(folder / 'bag' / name).count for name in sound}
     bag, out = folder / 'damaged', folder / 'out'
-    for case in range(count):
+    for case in until(time.monotonic() + seconds, count):
         rng = random.Random(seed * 1_000_003 + case)
         for path in (bag, out):
             path.mkdir(exist_ok=True)
@@ -110,6 +119,7 @@ def damage_bags(count: int, seed: int, folder: Path) -> None:
             assert len(list(read_messages(bag, problems=[]))) >= untouched, case
         except BearingTwinError:
             assert len(bad) == len(sound), case
+    return case + 1
 
 
 def test_damaged_bags(tmp_path: Path) -> None:
@@ -120,7 +130,7 @@ def test_damaged_bags(tmp_path: Path) -> None:
 def test_a_thousand_damaged_bags(tmp_path: Path) -> None:
     seed = random.SystemRandom().randrange(10**6)
     print(f'seed {seed}')
-    damage_bags(1000, seed, tmp_path)
+    print(f'{damage_bags(1000, seed, tmp_path, SECONDS)} bags')
 
 
 @pytest.mark.slow

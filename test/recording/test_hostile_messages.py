@@ -9,12 +9,14 @@ import math
 import os
 from pathlib import Path
 import random
+import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.launching import NodeProcesses
 from bearing_twin.ros.qos import CHECKPOINT, STREAM
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
+from fuzzing import SECONDS, until
 import pytest
 from rclpy.duration import Duration
 from rclpy.serialization import serialize_message
@@ -137,15 +139,17 @@ def resident(pid: int) -> int:
     return int(Path(f'/proc/{pid}/statm').read_text().split()[1]) * os.sysconf('SC_PAGE_SIZE')
 
 
-def publish_hostile(source: Source, count: int, rng: random.Random) -> Iterator[int]:
-    """Publish ``count`` hostile messages, among sound ones, and yield how many are out."""
+def publish_hostile(
+    source: Source, count: int, rng: random.Random, seconds: float
+) -> Iterator[int]:
+    """Publish hostile messages for a time, among sound ones, and yield how many are out."""
     publishers = {
         topic: source.node.create_publisher(
             kind, topic, CHECKPOINT if kind is Checkpoint else STREAM
         )
         for topic, kind in TYPES.items()
     }
-    for number in range(count):
+    for number in until(time.monotonic() + seconds, count):
         topic = rng.choice(['vibration', 'vibration', 'temperature', *TYPES])
         publishers[topic].publish(mutated_bytes(hostile(TYPES[topic], rng), rng))
         if number % 20 == 0:
@@ -153,7 +157,7 @@ def publish_hostile(source: Source, count: int, rng: random.Random) -> Iterator[
             yield number
 
 
-def attack(folder: Path, count: int, seed: int, group: Groups) -> None:
+def attack(folder: Path, count: int, seed: int, group: Groups, seconds: float = math.inf) -> None:
     with NodeProcesses(folder / 'logs', os.environ) as nodes, Source() as source:
         for name, (parameters, remapped, _) in group.items():
             given = {'output': str(folder / 'bag')} if name == 'recorder' else {}
@@ -164,9 +168,9 @@ def attack(folder: Path, count: int, seed: int, group: Groups) -> None:
             source.wait_for(status)
         source.publish_for(3.0)
         before = {name: resident(nodes.pid(name)) for name in group}
-        for _ in publish_hostile(source, count, random.Random(seed)):
+        for sent in publish_hostile(source, count, random.Random(seed), seconds):
             for name in group:
-                assert nodes.running(name), name
+                assert nodes.running(name), (name, sent)
         # They are not only there: each still reports each second, and the diagnosis answers a
         # sound signal again.
         for _ in range(2):
@@ -175,7 +179,7 @@ def attack(folder: Path, count: int, seed: int, group: Groups) -> None:
             for _, _, status in group.values():
                 source.wait_for(status)
         grown = {name: resident(nodes.pid(name)) - before[name] for name in group}
-        print(f'{count} messages: memory grew by {grown}')
+        print(f'{sent} messages: memory grew by {grown}')
         assert max(grown.values()) < MOST_MEMORY
         for name in reversed(group):
             assert nodes.end(name) == 0, name
@@ -258,4 +262,4 @@ def test_parameters_of_nodes_that_there_are_not_fill_no_memory(
 @pytest.mark.fuzz
 @pytest.mark.parametrize('group', [MACHINE, OTHERS], ids=['machine', 'others'])
 def test_ten_thousand_hostile_messages(ros_domain: int, tmp_path: Path, group: Groups) -> None:
-    attack(tmp_path, 10_000, random.SystemRandom().randrange(2**32), group)
+    attack(tmp_path, 10_000, random.SystemRandom().randrange(2**32), group, SECONDS)
