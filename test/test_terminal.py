@@ -123,11 +123,17 @@ def test_live_view_without_a_server_fails_at_once(capsys):
     assert f'rerun_port:={port}' in error
 
 
-def test_what_the_system_refuses_is_said_in_a_sentence(tmp_path, capsys):
-    (tmp_path / 'file').touch()
-    plot = ['--plot', str(tmp_path / 'file')]
-    assert main(['diagnose', 'x.npz', '--bearing', '6307', '--rpm', '1500', *plot]) == 1
-    assert f'File exists: {str(tmp_path / "file")!r}' in capsys.readouterr().err
+@pytest.mark.parametrize('command', ['info', 'recover', 'report', 'verify', 'diagnose'])
+def test_what_the_system_refuses_is_said_in_a_sentence(command, capsys):
+    assert main([command, f'{"x" * 300}.mcap']) == 1
+    assert 'File name too long' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('topic', ['', '-1', 'a b', '/a//b', '/a/', '\x1b[31m', '\udcff'])
+def test_a_schedule_has_a_topic_that_ros_takes(topic, tmp_path, capsys):
+    assert main(['schedule', f'--topic={topic}', '-o', str(tmp_path / 'run')]) == 1
+    assert f'--topic {topic!r}: letters' in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize('encoding', ['ascii', 'latin-1'])

@@ -98,7 +98,7 @@ def run(args: argparse.Namespace) -> int:
 def _server(text: str) -> str:
     """Return the URL of the server that is asked for, if something listens there."""
     url = live_url(text)
-    address = urlsplit(url.replace('rerun+http', 'http').replace('rerun:', 'http:'))
+    address = urlsplit(url)
     host, port = address.hostname or '127.0.0.1', address.port or 9876
     try:
         socket.create_connection((host, port), timeout=2.0).close()

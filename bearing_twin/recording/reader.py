@@ -103,16 +103,20 @@ def recording_files(path: Path) -> list[Path]:
     Raises
     ------
     BearingTwinError
-        If there is none, or the path is a pipe, socket or device.
+        If there is none, or the path is a pipe, socket or device, or cannot be looked at.
 
     """
-    if path.is_dir():
-        if files := sorted(path.glob('*.mcap'), key=natural):
-            return files
-        msg = f'{path} is no recording: no .mcap file is in it'
-        raise BearingTwinError(msg)
-    if not path.exists():
-        msg = f'{path} does not exist'
+    try:
+        files = sorted(path.glob('*.mcap'), key=natural)
+        is_folder, exists = path.is_dir(), path.exists()
+    except OSError as error:
+        msg = f'{path} cannot be read: {error.strerror}'
+        raise BearingTwinError(msg) from None
+    if files:
+        return files
+    if is_folder or not exists:
+        reason = 'is no recording: no .mcap file is in it' if is_folder else 'does not exist'
+        msg = f'{path} {reason}'
         raise BearingTwinError(msg)
     refuse_special(path)
     return [path]

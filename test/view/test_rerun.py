@@ -597,7 +597,9 @@ def test_servers_are_named_in_three_ways(text, url):
     assert live_url(text) == url
 
 
-@pytest.mark.parametrize('text', ['', '0', '70000', 'host', 'http://x', 'a b:1'])
+@pytest.mark.parametrize(
+    'text', ['', '0', '70000', 'host', 'http://x', 'a b:1', 'rerun+http://x:y/', 'rerun://[::1']
+)
 def test_what_is_no_server_is_refused(text):
     with pytest.raises(BearingTwinError, match='no Rerun server'):
         live_url(text)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 from pathlib import Path
@@ -15,7 +16,7 @@ import sys
 import tempfile
 import time
 from typing import Any, TYPE_CHECKING
-from urllib.parse import quote
+from urllib.parse import quote, urlsplit
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import NANO
@@ -52,7 +53,10 @@ def live_url(text: str) -> str:
 
     """
     if text.startswith(('rerun://', 'rerun+http://', 'rerun+https://')):
-        return text
+        with contextlib.suppress(ValueError):
+            # A port that is no number is noticed when it is asked for.
+            if urlsplit(text).port != 0:
+                return text
     found = re.fullmatch(r'(?:(?P<host>[^:/\s]+|\[[0-9a-fA-F:]+\]):)?(?P<port>\d{1,5})', text)
     if not found or not 0 < int(found['port']) < 65536:
         msg = f'{text!r} is no Rerun server; give a port (9876), ADDRESS:PORT or rerun+http://...'
