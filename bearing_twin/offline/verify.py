@@ -10,6 +10,7 @@ blocks, which carry the speed, and of the temperature that it reports itself.
 
 from __future__ import annotations
 
+from collections import Counter
 import heapq
 from typing import Any, TYPE_CHECKING
 
@@ -70,7 +71,8 @@ def reproduce(path: Path) -> Reproduction:
     sources: dict[str, TwinCheck] = {}
     fleets: dict[str, FleetCheck] = {}
     diagnoses: dict[str, DiagnosisCheck] = {}
-    seen: set[str] = set()
+    last: dict[str, bytes] = {}
+    twice: Counter[str] = Counter()
 
     def twin_of(namespace: str) -> TwinCheck:
         return twins.setdefault(namespace, TwinCheck(f'{namespace}/vibration', result))
@@ -106,10 +108,14 @@ def reproduce(path: Path) -> Reproduction:
             if message.type_name == DIAGNOSTICS:
                 early.update(sent_before(message.decode()))
                 continue
-            if message.topic not in seen:
-                seen.add(message.topic)
-                if other := other_version(message.type_name, message.channel.schema):
-                    result.notes.append(f'{message.topic}: {other}')
+            if last.get(message.topic) == message.cdr:
+                # Each has a stamp: nobody has sent it twice.
+                twice[message.topic] += 1
+                continue
+            other = other_version(message.type_name, message.channel.schema)
+            if other and message.topic not in last:
+                result.notes.append(f'{message.topic}: {other}')
+            last[message.topic] = message.cdr
             namespace, _, name = message.topic.rpartition('/')
             with known_fields(message.topic, message.type_name):
                 if message.type_name == VIBRATION:
@@ -139,6 +145,8 @@ def reproduce(path: Path) -> Reproduction:
                 diagnosis.checkpoint(message.decode())
     for topic, count in sorted(early.items()):
         result.notes.append(f'{topic}: {count} messages were sent before the recording')
+    for topic, count in sorted(twice.items()):
+        result.notes.append(f'{topic}: {count} messages are there twice')
     for fleet in fleets.values():
         fleet.finish()
     for twin in dict.fromkeys((*twins.values(), *sources.values())):

@@ -79,29 +79,27 @@ def in_time_order(file: BinaryIO, size: int, keep: Selection) -> Iterator[Record
         yield from in_file_order(file, size, keep)
         return
     waiting = [place for place in places[::-1] if keep.overlaps(int(place[0]), int(place[1]))]
-    # Chunks that overlap the current time; their number breaks ties of log time.
+    # Chunks that overlap the current time; their place breaks ties of log time.
     heap: list[tuple[int, int, _OpenChunk]] = []
     held = 0
-    count = 0
     while heap or waiting:
         while waiting and (not heap or int(waiting[-1][0]) <= heap[0][0]):
             _, _, offset, length = map(int, waiting.pop())
             chunk = _OpenChunk(chunks, offset, length, catalogue, keep)
             if not chunk.exhausted:
-                heapq.heappush(heap, (chunk.time, count, chunk))
-                count += 1
+                heapq.heappush(heap, (chunk.time, offset, chunk))
                 held += chunk.memory
             if held > MOST_MERGED:
                 msg = f'chunks that overlap in time hold more than {MOST_MERGED} bytes'
                 raise BrokenRecording(msg, offset)
         if heap:
-            _, number, chunk = heap[0]
+            _, offset, chunk = heap[0]
             yield chunk.pop()
             if chunk.exhausted:
                 heapq.heappop(heap)
                 held -= chunk.memory
             else:
-                heapq.heapreplace(heap, (chunk.time, number, chunk))
+                heapq.heapreplace(heap, (chunk.time, offset, chunk))
 
 
 class _OpenChunk:

@@ -172,6 +172,22 @@ def test_a_missing_verdict_is_counted_and_shifts_no_other(
         assert ('1 missing in the recording' in capsys.readouterr().out) == bool(missing)
 
 
+@pytest.mark.parametrize('topic', ['/vibration', '/twin_state', '/diagnosis', '/twin_checkpoint'])
+def test_a_message_that_is_there_twice_is_counted_once(
+    run: Path, tmp_path: Path, topic: str
+) -> None:
+    twice = contents(run, topic)[1]
+    with RecordingWriter(tmp_path / 'twice') as writer:
+        for message in read_messages(run):
+            put(writer, message)
+            if message.topic == topic and message.cdr == twice:
+                put(writer, message)
+    result, once = reproduce(tmp_path / 'twice'), reproduce(run)
+    assert result.identical
+    assert result.topics == once.topics
+    assert result.notes == [*once.notes, f'{topic}: 1 messages are there twice']
+
+
 def test_a_verdict_that_nobody_makes_again_is_different(run: Path, tmp_path: Path) -> None:
     def forge(message: Any, cdr: bytes) -> bytes:
         if message.topic == '/diagnosis' and cdr == contents(run, '/diagnosis')[4]:

@@ -297,6 +297,19 @@ def test_unknown_types_and_impossible_times_are_refused(tmp_path: Path) -> None:
             writer.write('/a', TEMPERATURE, b'', log_time=-1, publish_time=0)
 
 
+def test_what_was_received_at_one_time_comes_as_it_was_written(tmp_path: Path) -> None:
+    """A chunk with an early message is opened before those that lie before it in the file."""
+    path = tmp_path / 'a.mcap'
+    with raw_recording(path, chunk_size=2**20) as writer:
+        channel = writer.register_channel('/x', 'cdr', 0)
+        for number, time in enumerate((5, 7, 7, 7, 7, 3, 7, 9)):
+            writer.add_message(channel, time, bytes([number]), time)
+            if number in (2, 4):
+                writer.flush()
+    numbers = [message.cdr[0] for message in read_messages(path)]
+    assert numbers == [5, 0, 1, 2, 3, 4, 6, 7]
+
+
 def test_two_sources_on_one_topic_are_said_to_be_two(tmp_path: Path) -> None:
     with RecordingWriter(tmp_path / 'run.mcap') as writer:
         for count in range(20):
