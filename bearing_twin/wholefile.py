@@ -66,6 +66,9 @@ def output_file(path: Path, *, folder: bool = False) -> Iterator[BinaryIO]:
         If it cannot be written.
 
     """
+    if not path.name:
+        msg = f'{path} is a folder; name a file in it'
+        raise BearingTwinError(msg)
     try:
         if folder:
             path.parent.mkdir(parents=True, exist_ok=True)

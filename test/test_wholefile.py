@@ -4,6 +4,7 @@
 
 import errno
 import os
+from pathlib import Path
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.wholefile import output_file, whole_file
@@ -40,3 +41,12 @@ def test_what_cannot_be_written_is_named(tmp_path, monkeypatch):
     ):
         file.write(b'picture')
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize('name', ['.', '/', '..'])
+def test_a_folder_is_no_file_to_write(name):
+    with (
+        pytest.raises(BearingTwinError, match=r'(is a folder|cannot be written)'),
+        output_file(Path(name)),
+    ):
+        pass

@@ -12,6 +12,7 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.cli.signal_arguments import UNITS
+from bearing_twin.cli.terminal import refuse_topic
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.foreign import read_signal
 from bearing_twin.stamps import samples_ns
@@ -76,6 +77,7 @@ def run(args: argparse.Namespace) -> int:
             '--speed needs --as imu or --as vibration'
         )
         raise BearingTwinError(msg)
+    refuse_topic(args.topic or TOPICS[args.kind])
     signal = read_signal(args.file, channel=args.channel, sample_rate=args.rate)
     try:
         return _play(signal, args)

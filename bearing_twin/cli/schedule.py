@@ -5,19 +5,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-import re
 from typing import TYPE_CHECKING
 
-from bearing_twin.cli.terminal import refuse_given
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.cli.terminal import refuse_given, refuse_topic
 from bearing_twin.recording.schedule import load_trend, paper_schedule, write_temperature_recording
 
 if TYPE_CHECKING:
     import argparse
-
-
-TOPIC = re.compile(r'/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*', re.ASCII)
-"""Names that ROS takes for a topic."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -45,9 +39,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the recording."""
-    if not TOPIC.fullmatch(args.topic):
-        msg = f'--topic {args.topic!r}: letters, digits, _, parts split by /, e.g. /temperature'
-        raise BearingTwinError(msg)
+    refuse_topic(args.topic)
     if args.from_npz:
         refuse_given(args, ('duration',), 'not with --from-npz, which has its own')
         times, temperatures = load_trend(args.from_npz, until=args.until, every=args.every)

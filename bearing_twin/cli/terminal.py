@@ -10,6 +10,7 @@ import math
 from numbers import Integral, Real
 import os
 from pathlib import Path
+import re
 import sys
 from typing import Any, TYPE_CHECKING
 
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 
+TOPIC = re.compile(r'/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*', re.ASCII)
+"""Names that ROS takes for a topic."""
 _COLOURS = {'ok': '32', 'suspect': '33', 'fault': '1;31', 'none': '36', 'bold': '1'}
 
 
@@ -65,6 +68,21 @@ def refuse_given(args: argparse.Namespace, options: Iterable[str], why: str) -> 
     if given:
         names = ', '.join(f'--{name.replace("_", "-")}' for name in given)
         msg = f'{names}: {why}'
+        raise BearingTwinError(msg)
+
+
+def refuse_topic(name: str) -> None:
+    """
+    Refuse a --topic that ROS does not take.
+
+    Raises
+    ------
+    BearingTwinError
+        If it is none.
+
+    """
+    if not TOPIC.fullmatch(name):
+        msg = f'--topic {name!r}: letters, digits, _, parts split by /, e.g. /temperature'
         raise BearingTwinError(msg)
 
 

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     import argparse
 
 
+LARGEST = 4096
+"""Largest side of a picture that Rerun draws without a display, pixels."""
+
+
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
     parser.add_argument(
@@ -82,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
     with tempfile.TemporaryDirectory(prefix='bearing_twin_view_') as folder:
         sources = [_server(args.live)] if args.live else _sources(args, Path(folder))
         if args.screenshot:
-            return _screenshot(args, sources)
+            return _screenshot(args, sources, Path(folder))
         if args.web:
             return show_in_browser(
                 sources,
@@ -148,12 +152,14 @@ def _copy(source: Path, target: Path) -> None:
         shutil.copyfileobj(drawn, file)
 
 
-def _screenshot(args: argparse.Namespace, sources: list[str]) -> int:
-    size = re.fullmatch(r'(\d{2,5})x(\d{2,5})', args.size)
-    if not size:
-        msg = f'--size {args.size} is not WIDTHxHEIGHT, e.g. 1800x1100'
+def _screenshot(args: argparse.Namespace, sources: list[str], folder: Path) -> int:
+    size = re.fullmatch(r'([0-9]{2,4})x([0-9]{2,4})', args.size)
+    width, height = map(int, size.groups()) if size else (0, 0)
+    if not (10 <= width <= LARGEST and 10 <= height <= LARGEST):
+        msg = f'--size {args.size!r}: give WIDTHxHEIGHT, each 10 to {LARGEST}, e.g. 1800x1100'
         raise BearingTwinError(msg)
-    with HeadlessViewer(sources, size=(int(size[1]), int(size[2]))) as viewer:
+    with HeadlessViewer(sources, size=(width, height)) as viewer:
         viewer.wait(args.at)
-        viewer.screenshot(args.screenshot.absolute())
+        viewer.screenshot(folder / 'picture.png')
+    _copy(folder / 'picture.png', args.screenshot)
     return 0

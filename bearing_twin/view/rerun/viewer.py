@@ -81,7 +81,7 @@ def show_in_browser(
     Raises
     ------
     BearingTwinError
-        If the port is taken.
+        If the port is taken, or the address is none.
 
     """
     port, data_port = web_port or free_port(), free_port()
@@ -89,8 +89,10 @@ def show_in_browser(
         with socket.socket() as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             probe.bind((address, port))
-    except OSError as error:
-        msg = f'{address}:{port} cannot be served ({error.strerror}); choose another --web-port'
+    except (OSError, OverflowError, TypeError, ValueError) as error:
+        # The others: a port beyond 65535, an address that is no text or too long.
+        reason = getattr(error, 'strerror', None) or error
+        msg = f'{address}:{port} cannot be served ({reason}); choose another --web-port'
         raise BearingTwinError(msg) from None
     servers = [source for source in sources if '://' in source]
     shown = address if address not in ('0.0.0.0', '::') else socket.gethostname()
