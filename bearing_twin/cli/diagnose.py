@@ -22,6 +22,7 @@ from bearing_twin.cli.signal_arguments import add_signal_arguments, given_bearin
 from bearing_twin.cli.terminal import plain, processes, progress, refuse_given, shown, shown_inside
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.memory import keep_freed_memory
 from bearing_twin.recording.dataset import dataset_signals, is_dataset
 from bearing_twin.recording.finding import SIGNAL_FILES
 from bearing_twin.recording.foreign import channels, read_signal
@@ -244,6 +245,8 @@ def _on_dask(tasks: Sequence[Task], address: str) -> Iterator[dict[str, Any]]:
 
 
 def _diagnose_files(tasks: Sequence[Task]) -> list[dict[str, Any]]:
+    # Dask has its workers give all that they free back to the system at once.
+    keep_freed_memory()
     return [diagnose_file(task) for task in tasks]
 
 

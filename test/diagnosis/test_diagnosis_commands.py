@@ -531,6 +531,29 @@ def test_every_file_is_answered_although_a_dask_worker_is_killed(good, tmp_path,
             process.wait()
 
 
+FILES_OF_A_WORKER = """
+import resource, sys
+from bearing_twin.bearing import find_bearing
+from bearing_twin.cli.diagnose import Task, _diagnose_files
+tasks = [Task(path=sys.argv[1], bearing=find_bearing('6307'))] * 4
+faults = []
+for _ in range(2):
+    _diagnose_files(tasks)
+    faults.append(resource.getrusage(resource.RUSAGE_SELF).ru_minflt)
+print(faults[1] - faults[0])
+"""
+
+
+def test_a_dask_worker_keeps_the_memory_that_it_freed(good):
+    # The setting with which Dask starts its workers: each page of an array is a fault again.
+    environment = os.environ | {'MALLOC_TRIM_THRESHOLD_': '65536'}
+    ran = subprocess.run(
+        [sys.executable, '-c', FILES_OF_A_WORKER, str(good)],
+        env=environment, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert int(ran.stdout) < 1000
+
+
 def test_each_setting_is_an_option_or_left_out_on_purpose():
     parser = argparse.ArgumentParser()
     configure(parser)
