@@ -37,6 +37,9 @@ FIGURES = {
     'stream_verdict_ratio': Figure('', 'time of it over that of a whole record of 8 s', '< 1'),
     'kurtogram_ms': Figure('ms', 'fast kurtogram of PySDKit of the same second'),
     'kurtogram_ratio': Figure('', 'time of a verdict over that of a kurtogram', '< 1'),
+    'dask_files_per_second': Figure('1/s', 'files of 10 s diagnosed by two workers of Dask'),
+    'dask_ratio': Figure('', 'time of one process over that of the two, 1000 files', '> 1.7'),
+    'dask_worker_growth_mb': Figure('MB', 'growth of a worker over the last 800 files', '< 10'),
     'offline_rtf': Figure('s/s', 'recorded seconds a second, twin, diagnosis and MCAP', '> 1'),
     'offline_ratio': Figure('', "time of the same twin's equations alone over that", '> 0.5'),
     'offline_kernel_ratio': Figure(

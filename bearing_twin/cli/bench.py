@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 BENCHES = {
     'kernel': 'bearing seconds per core second of the equations of motion',
     'diagnosis': 'time per verdict and per record',
+    'files': 'many recordings over Dask against one process',
     'offline': 'recordings and sweeps faster than real time',
     'view': 'Rerun recordings',
     'live': 'bearings that one core carries live, with and without DDS',

@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Verdicts on many files: one process against two workers of Dask."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+import subprocess
+import sys
+import tempfile
+import time
+
+from bearing_twin.dynamics import preset, Simulator
+from bearing_twin.errors import BearingTwinError
+import numpy as np
+
+FILES, SECONDS = 1000, 10
+SHAFT_HZ = 25.4
+WORKERS = 2
+SETTLED = FILES // 5
+"""Files after which a worker has loaded everything and met its largest arrays."""
+
+
+def measure() -> dict[str, float]:
+    """
+    Diagnose the same files in one process, over two workers, and say what the workers grow by.
+
+    The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
+    There are none where Dask is not installed.
+
+    """
+    try:
+        import dask
+        from distributed import LocalCluster
+    except ImportError:
+        return {}
+    with (
+        tempfile.TemporaryDirectory() as name,
+        dask.config.set({'distributed.worker.profile.enabled': False}),
+        LocalCluster(
+            n_workers=WORKERS, threads_per_worker=1, dashboard_address=':0', local_directory=name
+        ) as cluster,
+    ):
+        names = _write(Path(name))
+        workers = [nanny.process.pid for nanny in cluster.workers.values()]
+        # The workers load what they need.
+        _diagnose([*names[: 16 * WORKERS], '--dask', cluster.scheduler_address], workers)
+        alone, _ = _diagnose([*names, '--jobs', '1'], [])
+        together, grown = _diagnose([*names, '--dask', cluster.scheduler_address], workers)
+    return {
+        'dask_files_per_second': FILES / together,
+        'dask_ratio': alone / together,
+        'dask_worker_growth_mb': grown,
+    }
+
+
+def _write(folder: Path) -> list[str]:
+    """Write four machines, and return so many names of them."""
+    for number, defect in enumerate(('none', 'inner', 'outer', 'ball')):
+        twin = Simulator(preset('incipient', defect=defect))
+        x = twin.advance(round(SECONDS * twin.sample_rate), 20.0, SHAFT_HZ).y
+        np.savez(folder / f'{number}.npz', x=x, fs=twin.sample_rate, rpm=60.0 * SHAFT_HZ)
+    paths = [folder / f'name{number}.npz' for number in range(FILES)]
+    for number, path in enumerate(paths):
+        path.symlink_to(folder / f'{number % 4}.npz')
+    return list(map(str, paths))
+
+
+def _diagnose(arguments: list[str], workers: list[int]) -> tuple[float, float]:
+    """Return the time by the clock, s, and by how many MB that worker grew that grew most."""
+    command = [sys.executable, '-m', 'bearing_twin', 'diagnose', '--json', '--bearing', '6307']
+    began = time.perf_counter()
+    sizes = []
+    with subprocess.Popen([*command, *arguments], stdout=subprocess.PIPE, text=True) as process:
+        for done, _ in enumerate(process.stdout or (), start=1):
+            if done in (SETTLED, FILES):
+                sizes.append([_megabytes(pid) for pid in workers])
+    took = time.perf_counter() - began
+    if process.returncode:
+        msg = f'diagnose ended with status {process.returncode}'
+        raise BearingTwinError(msg)
+    return took, max((after - before for before, after in zip(*sizes, strict=True)), default=0.0)
+
+
+def _megabytes(pid: int) -> float:
+    """Resident memory of a process."""
+    pages = int(Path(f'/proc/{pid}/statm').read_text().split()[1])
+    return pages * os.sysconf('SC_PAGE_SIZE') / 1e6
