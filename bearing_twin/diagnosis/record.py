@@ -133,7 +133,7 @@ def diagnose_record(
     analysis = excerpt.analyse()
     found = analysis.alone
     faint = found.rule in FAINT
-    if faint and found.level == 'suspect' and len(excerpt.stretches) > excerpt.pieces:
+    if faint and found.level == 'suspect' and _may_strike_in_bursts(analysis):
         # Each segment is taken relative to its own noise, so impacts in bursts of seconds weigh
         # little in the mean.
         whole = cut(divided=False).analyse().alone
@@ -163,6 +163,20 @@ def diagnose_record(
             said = Excerpt.of(signal, turns_so, *fixed, **known).analyse().alone
             found = _at_another_speed(found, said, hertz) or found
     return staged(raised(found))
+
+
+def _may_strike_in_bursts(analysis: Analysis) -> bool:
+    """
+    Whether the impacts of the loudest segments may make a fault of the record as a whole.
+
+    There the segments count by their power: an index is at most its mean over the segments
+    times the power of the loudest over that of the mean one.
+    """
+    window, excerpt = analysis.window, analysis.excerpt
+    if window is None or len(excerpt.stretches) == excerpt.pieces:
+        return False
+    index = max(analysis.alone.modulation_index.values())
+    return bool(analysis.before) or RIVAL * index * window.swell >= INDEX_FAULT
 
 
 def _at_another_speed(given: Diagnosis, said: Diagnosis, hertz: float) -> Diagnosis | None:

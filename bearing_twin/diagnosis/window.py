@@ -49,6 +49,8 @@ class Window:
     seconds: float
     low: NDArray[np.float32]
     """Power spectrum of the low-passed signal, bin k at k / seconds."""
+    swell: float
+    """Power of the loudest segment over the mean one's, in the band where that is most."""
 
     @property
     def revolutions(self) -> float:
@@ -119,7 +121,9 @@ def analyse_window(
     low = fft.rfft(slow)
     power = low.real**2 + low.imag**2
     speed = refine_shaft_hz(power, bin_hz, spectra, shaft_hz, settings.speed_tolerance)
-    lines = sum(segment.lines for segment in segments) / len(segments)
+    each = np.array([segment.lines for segment in segments])
+    lines = each.mean(axis=0)
+    loud = np.add.reduceat(each, layout.tree.levels[-1][1], axis=1)
     return Window(
         order_spectra(spectra, bands, speed.shaft_hz, shaft_hz),
         speed,
@@ -137,6 +141,7 @@ def analyse_window(
         statistics.median_low(segment.kurtosis for segment in segments),
         1.0 / bin_hz,
         power,
+        float((loud.max(axis=0) / np.maximum(loud.mean(axis=0), 1e-30)).max()),
     )
 
 
