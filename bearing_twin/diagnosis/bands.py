@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import math
 from typing import TYPE_CHECKING
 
+from bearing_twin.diagnosis.kernels import add_bands, running_sums
 import numpy as np
 from scipy import fft
 
@@ -156,33 +157,19 @@ def _lags_by_tile(
     within = fft.rfft(_squared(signal), axis=-1, norm='forward')[..., :tile]
     # Products of tiles so far apart, from a lag on: the first bins of two neighbours lie one tile
     # from one another, so theirs begin before and go on after that lag.
-    sums = [(0, 0, _running(within[..., :lags]))]
+    sums = [(0, 0, within[..., :lags])]
     for apart in range(1, reach + 1):
         across, lag = _cross(signal, apart), apart * tile
-        sums.append((apart, lag - tile, _running(across[..., tile : lags - lag + 2 * tile])))
+        sums.append((apart, lag - tile, across[..., tile : lags - lag + 2 * tile]))
         if lags > lag:
-            sums.append((apart, lag, _running(across[..., : min(lags - lag, tile)])))
-    levels = []
-    for width, firsts in tree.levels:
-        wide, count = width // tile, len(firsts)
-        level = np.zeros((rows, count, lags), np.complex64)
-        for apart, lag, total in sums:
-            if apart < wide:
-                part = level[..., lag : lag + total.shape[-1]]
-                part += total[:, wide - apart :: wide // 2][:, :count]
-                part -= total[:, :: wide // 2][:, :count]
-        levels.append(level)
+            sums.append((apart, lag, across[..., : min(lags - lag, tile)]))
+    levels = [np.zeros((rows, len(firsts), lags), np.complex64) for _, firsts in tree.levels]
+    for apart, lag, products in sums:
+        running = np.empty((rows, 1 + products.shape[1], products.shape[2]), np.complex64)
+        running_sums(products, running)
+        for (width, _), level in zip(tree.levels, levels, strict=True):
+            add_bands(running, width // tile, apart, level[..., lag:])
     return levels
-
-
-def _running(products: NDArray[np.complex64]) -> NDArray[np.complex64]:
-    """Sum over the tiles before each, and over all."""
-    rows, tiles, lags = products.shape
-    total = np.empty((rows, tiles + 1, lags), np.complex64)
-    total[:, 0] = 0.0
-    for number in range(tiles):
-        np.add(total[:, number], products[:, number], out=total[:, number + 1])
-    return total
 
 
 def _cross(signal: NDArray[np.complex64], apart: int) -> NDArray[np.complex64]:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 import math
 from typing import TYPE_CHECKING
 
@@ -79,24 +80,17 @@ class OrderSpectra:
         """Return the same without what bins within ``half_width`` orders of ``orders`` say."""
         return replace(self, hidden=self.quiet | self.near(orders, half_width))
 
-    @property
+    @cached_property
     def quiet(self) -> NDArray[np.bool_]:
         """(K,) mask of the bins that say nothing."""
         return np.zeros(len(self.logs), np.bool_) if self.hidden is None else self.hidden
 
-    def line_power(self, orders: NDArray[np.floating], columns: slice) -> NDArray[np.float32]:
+    def line_power(self, orders: NDArray[np.float64], columns: slice) -> NDArray[np.float32]:
         """Power above the floor of lines, (..., C): each spreads over three bins."""
-        wanted = len(range(*columns.indices(self.excess.shape[1])))
-        power = np.zeros((*orders.shape, wanted), np.float32)
-        three_bins(
-            self.excess,
-            self.quiet,
-            np.asarray(orders, np.float64).ravel(),
-            self.step,
-            columns.start or 0,
-            power.reshape(orders.size, -1),
-        )
-        return power
+        first, end, _ = columns.indices(self.excess.shape[1])
+        power = np.zeros((orders.size, end - first), np.float32)
+        three_bins(self.excess, self.quiet, orders.ravel(), self.step, first, power)
+        return power.reshape(*orders.shape, -1)
 
     def near(self, orders: NDArray[np.float64], half_width: float) -> NDArray[np.bool_]:
         """(K,) mask of the bins within ``half_width`` orders of any of ``orders``."""
@@ -209,7 +203,7 @@ class CombScores:
             self.center,
             self.inverse,
             self.whitenings,
-            np.empty((2, len(self.center)), np.float32),
+            np.empty(len(self.center), np.float32),
             best,
         )
         best -= self.best_center

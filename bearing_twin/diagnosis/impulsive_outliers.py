@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import statistics
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -55,7 +56,7 @@ def limit_impulsive_outliers(
         return x
     tiles = x[: turns * length].reshape(turns, length)
     heights = np.maximum(tiles.max(axis=1), -tiles.min(axis=1))
-    limit = _ABOVE * float(np.median(heights))
+    limit = _ABOVE * statistics.median(heights.tolist())
     if max(float(x.max()), -float(x.min())) <= limit:
         return x
     return np.clip(x, -limit, limit)

@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
+from bearing_twin.diagnosis.thresholds import SLIP_COST
 from bearing_twin.dynamics.compiled import compiled, FAST
+from bearing_twin.dynamics.vector import chosen, highest, L, load
 import numpy as np
 
 if TYPE_CHECKING:
@@ -91,6 +93,59 @@ def over_floor(
                 above[k] = left if left > zero else zero
 
 
+@compiled(borrows=True)
+def running_sums(products: NDArray[np.complex64], sums: NDArray[np.complex64]) -> None:
+    """
+    Write the sum over the tiles before each, and over all.
+
+    Parameters
+    ----------
+    products
+        (W, T, L).
+    sums
+        (W, T + 1, L), written.
+
+    """
+    rows, tiles, lags = products.shape
+    for row in range(rows):
+        sums[row, 0] = 0.0
+        for tile in range(tiles):
+            before, product, after = sums[row, tile], products[row, tile], sums[row, tile + 1]
+            for lag in range(lags):
+                after[lag] = before[lag] + product[lag]
+
+
+@compiled(borrows=True)
+def add_bands(
+    sums: NDArray[np.complex64], wide: int, apart: int, bands: NDArray[np.complex64]
+) -> None:
+    """
+    Add to each band the products of its tiles with those so far apart from them.
+
+    Parameters
+    ----------
+    sums
+        (W, T + 1, L) of :func:`running_sums`.
+    wide
+        Tiles of a band, half of which it shares with the next one.
+    apart
+        Tiles; a band has ``wide - apart`` such products.
+    bands
+        (W, B, >= L), added to.
+
+    """
+    rows, count, _ = bands.shape
+    if apart >= wide:
+        return
+    for row in range(rows):
+        for band in range(count):
+            first = band * (wide // 2)
+            before, until = sums[row, first], sums[row, first + wide - apart]
+            out = bands[row, band]
+            for lag in range(len(before)):
+                out[lag] = out[lag] + until[lag] - before[lag]
+
+
 @compiled(fast=FAST)
 def _nearest_row(bins: float, rows: int) -> int:
     """Return the row of an order in bins; those beyond the ends are the first and the last."""
@@ -153,6 +208,13 @@ def comb_sums(
         _add_harmonics(logs, hidden, orders[g], step, harmonics, sums[g])
 
 
+@compiled(inline=True, fast=FAST, borrows=True)
+def _sixteen(one: Any, two: Any, three: Any, four: Any, center: Any, inverse: Any, at: int) -> Any:
+    """Standardised sums over four rows in the sixteen columns from ``at`` on."""
+    total = load(one[at:], 0) + load(two[at:], 0) + load(three[at:], 0) + load(four[at:], 0)
+    return (total - load(center[at:], 0)) * load(inverse[at:], 0)
+
+
 @compiled(fast=FAST, borrows=True)
 def best_bands(
     logs: NDArray[np.float32],
@@ -162,7 +224,7 @@ def best_bands(
     center: NDArray[np.float32],
     inverse: NDArray[np.float32],
     whitenings: int,
-    room: NDArray[np.float32],
+    silent: NDArray[np.float32],
     best: NDArray[np.float64],
 ) -> None:
     """
@@ -176,15 +238,14 @@ def best_bands(
         (C,) median, and one over the spread, of each column.
     whitenings
         Number of whitenings.
-    room
-        (2, C) to work in.
+    silent
+        (C,) to work in.
     best
         (G,), written.
 
     """
     rows, columns = logs.shape
     bands = columns // whitenings
-    scores, silent = room[0], room[1]
     silent[:] = np.float32(NEUTRAL)
     for g in range(len(orders)):
         order = orders[g] / step
@@ -194,20 +255,82 @@ def best_bands(
         row2 = silent if hidden[at2] else logs[at2]
         row3 = silent if hidden[at3] else logs[at3]
         row4 = silent if hidden[at4] else logs[at4]
-        for c in range(columns):
-            scores[c] = (row1[c] + row2[c] + row3[c] + row4[c] - center[c]) * inverse[c]
         total = np.float32(0.0)
         for first in range(0, columns, bands):
-            # Four at a time, which do not wait for one another.
-            high1 = high2 = high3 = high4 = scores[first]
             end = first + bands
-            for c in range(first, end - 3, 4):
-                high1, high2 = max(high1, scores[c]), max(high2, scores[c + 1])
-                high3, high4 = max(high3, scores[c + 2]), max(high4, scores[c + 3])
-            for c in range(max(end - 3, first), end):
-                high1 = max(high1, scores[c])
-            total += max(max(high1, high2), max(high3, high4))
+            if bands < L:
+                few = np.float32(-np.inf)
+                for c in range(first, end):
+                    score = row1[c] + row2[c] + row3[c] + row4[c] - center[c]
+                    few = max(few, score * inverse[c])
+                total += few
+                continue
+            # The last sixteen lap over those before them, which changes no maximum.
+            high = _sixteen(row1, row2, row3, row4, center, inverse, end - L)
+            for c in range(first, end - L, L):
+                others = _sixteen(row1, row2, row3, row4, center, inverse, c)
+                high = chosen(others > high, others, high)
+            total += highest(high)
         best[g] = total / whitenings
+
+
+@compiled(borrows=True)
+def likeliest(
+    z: NDArray[np.float64], orders: NDArray[np.float64], order: float, slack: float, slope: float
+) -> tuple[float, float, float]:
+    """
+    Return order, slip and score of the best comb when its slip has cost it some of the score.
+
+    Parameters
+    ----------
+    z, orders
+        (G,) scores and fundamental orders.
+    order, slope
+        Order of the place without slip, and its change by a slip of 1.
+    slack
+        What the uncertainty of the speed may explain is no slip and costs nothing.
+
+    """
+    found, slip, best = orders[0], 0.0, -np.inf
+    for g in range(len(orders)):
+        away = orders[g] - order
+        slid = max(abs(away) - slack, 0.0) * np.sign(away) / slope
+        score = z[g] - (slid / SLIP_COST) ** 2
+        if score > best:
+            found, slip, best = orders[g], slid, score
+    return found, slip, best
+
+
+@compiled(borrows=True)
+def highest_off(
+    z: NDArray[np.float64],
+    orders: NDArray[np.float64],
+    uncertainty: float,
+    width: float,
+    low: float,
+    high: float,
+) -> int:
+    """
+    Return the place of the highest of some combs off the multiples of the shaft and off a range.
+
+    Parameters
+    ----------
+    z, orders
+        (G,) scores and fundamental orders.
+    uncertainty, width
+        Relative uncertainty of the orders, and the width of a line, orders.
+    low, high
+        The range, orders.
+
+    """
+    found, best = 0, -np.inf
+    for g in range(len(orders)):
+        order = orders[g]
+        slack = uncertainty * order + width
+        beside = order < low - slack or order > high + slack
+        if z[g] > best and beside and abs(order - max(np.rint(order), 1.0)) > slack:
+            found, best = g, z[g]
+    return found
 
 
 @compiled(fast=FAST, borrows=True)

@@ -18,6 +18,7 @@ from bearing_twin.diagnosis.harmonics import (
     MISSING,
     missing_harmonics,
 )
+from bearing_twin.diagnosis.kernels import highest_off, likeliest
 from bearing_twin.diagnosis.shaft import SHAFT_FOUND
 from bearing_twin.diagnosis.sidebands import (
     comb_power,
@@ -119,12 +120,7 @@ class CombSearch:
         grid = np.arange(ends[0] - slack, ends[1] + slack, 0.5 * self.spectra.step / HARMONICS)
         grid = grid if len(grid) else np.array([order])
         z = self._scores.score(spectra, grid)
-        # What the uncertainty of the speed may explain is no slip and costs nothing.
-        away = np.maximum(np.abs(grid - order) - slack, 0.0) * np.sign(grid - order)
-        slip = away / slope
-        z = z - (slip / SLIP_COST) ** 2
-        at = int(np.argmax(z))
-        return float(grid[at]), float(slip[at]), float(z[at])
+        return likeliest(z, grid, order, slack, slope)
 
     def strongest_anywhere(self, *, beyond: bool = False) -> Candidate:
         """
@@ -156,12 +152,9 @@ class CombSearch:
         self, grid: NDArray[np.float64], z: NDArray[np.float64], spectra: OrderSpectra
     ) -> Candidate:
         """Best comb of a grid off the multiples of the shaft and off the turns of the cage."""
-        away = np.abs(grid - np.maximum(np.rint(grid), 1.0))
-        slack = self._uncertainty * grid + 1.25 * self.spectra.step
         # A ball in and out of the load has the lines of the cage, so that they are of the bearing.
-        low, high = self._cage_orders()
-        off = (away > slack) & ((grid < low - slack) | (grid > high + slack))
-        at = int(np.argmax(np.where(off, z, -math.inf)))
+        cage = self._cage_orders()
+        at = highest_off(z, grid, self._uncertainty, 1.25 * self.spectra.step, *cage)
         order = float(grid[at])
         bands = self._scores.bands(spectra, order)
         index, band = modulation_index(spectra, order, bands[0], 'inner')
@@ -195,7 +188,7 @@ class CombSearch:
 
     def high_harmonics_ratio(self, candidate: Candidate) -> float:
         """Power of the fifth to eighth harmonic of a comb over that of the first four."""
-        lines = candidate.order * np.arange(1, 2 * HARMONICS + 1)
+        lines = candidate.order * np.arange(1.0, 2.0 * HARMONICS + 1.0)
         power = self.spectra.line_power(lines, slice(candidate.band, candidate.band + 1))
         low, high = (half.sum() for half in np.split(power, 2))
         return float(high / max(low, 1e-30))

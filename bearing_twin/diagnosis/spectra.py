@@ -87,10 +87,15 @@ def floor_levels(power: NDArray[np.float32], width: int) -> tuple[NDArray[np.flo
     tiles = power[..., offset : offset + blocks * hop].reshape(*power.shape[:-1], blocks, hop)
     middle = hop // 2
     medians = np.partition(tiles, middle, axis=-1)[..., middle]
-    # Mean of the middle one of so many exponential variables: near the log of two.
-    medians *= np.float32(1.0 / (1.0 / np.arange(hop - middle, hop + 1)).sum())
+    medians *= np.float32(_over_middle(hop))
     levels = 0.5 * (medians[..., 1:] + medians[..., :-1]) if blocks > 1 else medians
     return np.maximum(levels, np.float32(_TINY)), offset + hop - 0.5, hop
+
+
+@functools.lru_cache(maxsize=16)
+def _over_middle(count: int) -> float:
+    """One over the mean of the middle one of so many exponential variables, near the log of 2."""
+    return 1.0 / float((1.0 / np.arange(count - count // 2, count + 1)).sum())
 
 
 @functools.lru_cache(maxsize=16)

@@ -270,6 +270,21 @@ def any_of(typing, mask):
     return types.boolean(mask), code
 
 
+@_intrinsic
+def highest(typing, value):
+    """Highest of sixteen numbers."""
+
+    def code(context, builder, sig, args):
+        function = cgutils.get_or_insert_function(
+            builder.module,
+            ir.FunctionType(_FLOAT, [_VECTOR]),
+            f'llvm.vector.reduce.fmax.v{L}f32',
+        )
+        return builder.call(function, args, fastmath=_FLAGS)
+
+    return types.float32(value), code
+
+
 def _function(name):
     """Give compiled code a function of LLVM's, of lanes or of a number."""
 
