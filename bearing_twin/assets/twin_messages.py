@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 OF_CONDITION = tuple(
     name
     for name, kind in TwinState.get_fields_and_field_types().items()
-    if name in Condition.__dataclass_fields__ and not kind.startswith('sequence')
+    if name in Condition._fields and not kind.startswith('sequence')
 )
 """Numbers of a `TwinState` that a `Condition` has under the same names."""
 STAMP = ('header.stamp.sec', 'header.stamp.nanosec')

@@ -81,7 +81,7 @@ def contact_stiffness(
 
 
 def contact_pressure(
-    bearing: Bearing, force: float, *, race: str = 'inner', conformity: float | None = None
+    bearing: Bearing, force: float, race: str = 'inner', *, conformity: float | None = None
 ) -> float:
     """
     Greatest pressure between a ball and a ``race``, Pa, under a ``force`` in N.

@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 import math
-from typing import TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import contact_pressure, fault_frequencies
 from bearing_twin.dynamics import coefficients, kernel
+from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.limits import Limit, limits_passed
 import numpy as np
 import numpy.typing as npt
@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Condition:
+class Condition(NamedTuple):
     """
     State of the twin at the end of a block; NaN where the thermal mode has no such value.
 
@@ -120,26 +119,22 @@ def condition(
     1.011
 
     """
-    values = values.copy()
-    if parameters.thermal_mode == 'physical':
-        coefficients.evaluate(constants, *at, values)
-    skids, held = coefficients.skids(constants, values), float(values[coefficients.CLEARANCE])
-    values[: coefficients.INPUTS] = inputs
-    # As plain numbers at once: each look into an array takes longer.
-    of, state = values.tolist(), states[0]
-    hz, slip = of[coefficients.SHAFT_HZ], of[coefficients.SLIP]
-    q = state['q'].tolist()
-    gap, left = of[coefficients.CLEARANCE], of[coefficients.THERMAL_GAP]
-    # The contact angle makes the ball's force larger than its radial part.
-    pressed = coefficients.heaviest(constants, values) / math.cos(parameters.bearing.contact_angle)
-    pressure = max(
-        contact_pressure(parameters.bearing, pressed, race=race) for race in ('inner', 'outer')
+    found, held, skids, pressed, ratings, motion, forces = _observed(
+        constants, values, at, inputs, states, tables
     )
+    # As plain numbers at once: each look into an array takes longer.
+    of, bearing = found.tolist(), parameters.bearing
+    hz, slip = of[coefficients.SHAFT_HZ], of[coefficients.SLIP]
+    left = of[coefficients.THERMAL_GAP]
+    # The contact angle makes the ball's force larger than its radial part.
+    pressed /= math.cos(bearing.contact_angle)
+    inner, outer = contact_pressure(bearing, pressed), contact_pressure(bearing, pressed, 'outer')
+    pressure = max(inner, outer)
     passed = limits_passed(
         load=parameters.load,
         equivalent=of[coefficients.EQUIVALENT],
-        dynamic_rating=float(constants['dynamic_rating'][0]),
-        static_rating=float(constants['static_rating'][0]),
+        dynamic_rating=ratings[0],
+        static_rating=ratings[1],
         pressure=pressure,
         kappa=of[coefficients.KAPPA],
         shaft_hz=hz,
@@ -147,7 +142,9 @@ def condition(
         apart=of[coefficients.INNER] - of[coefficients.OUTER],
         skids=skids,
     )
-    deepest = max((defect.depth for defect in parameters.defects), default=0.0)
+    deepest = max([defect.depth for defect in parameters.defects], default=0.0)
+    bpfo, bpfi, bsf, ftf = fault_frequencies(bearing, hz, slip)
+    shaft, cage, spin, x, y = motion
     return Condition(
         alpha=of[coefficients.ALPHA],
         hardness=of[coefficients.HARDNESS],
@@ -155,7 +152,7 @@ def condition(
         beta0=of[coefficients.BETA0],
         k_b=of[coefficients.K_B],
         c_d=of[coefficients.DEPTH] * deepest,
-        radial_clearance=gap,
+        radial_clearance=of[coefficients.CLEARANCE],
         thermal_clearance=left,
         slip=slip,
         inner_ring_temperature=of[coefficients.INNER],
@@ -168,11 +165,40 @@ def condition(
         limits_passed=passed.which,
         warnings=passed.sentences,
         shaft_hz=hz,
-        **fault_frequencies(parameters.bearing, hz, slip)._asdict(),
-        shaft_angle=2.0 * math.pi * (float(state['shaft']) % 1.0),
-        cage_angle=2.0 * math.pi * (float(state['cage']) % 1.0),
-        ball_angle=2.0 * math.pi * (float(state['spin']) % 1.0),
-        inner_x=q[0] - q[2],
-        inner_y=q[1] - q[3],
-        ball_force=kernel.ball_forces(states, tables, values),
+        bpfo=bpfo,
+        bpfi=bpfi,
+        bsf=bsf,
+        ftf=ftf,
+        shaft_angle=2.0 * math.pi * (shaft % 1.0),
+        cage_angle=2.0 * math.pi * (cage % 1.0),
+        ball_angle=2.0 * math.pi * (spin % 1.0),
+        inner_x=x,
+        inner_y=y,
+        ball_force=forces,
     )
+
+
+@compiled()
+def _observed(  # type: ignore[no-untyped-def]
+    constants: Records,
+    values: FloatArray,
+    at: tuple[float, float, float],
+    inputs: FloatArray,
+    states: Records,
+    tables: kernel.Tables,
+):
+    """
+    Return what of the condition takes arrays, in one call.
+
+    Coefficients, the clearance that the temperatures leave to the equations, whether the balls
+    skid, force on the heaviest ball, ratings, phases and displacement, forces of all balls.
+    """
+    found, state, c = values.copy(), states[0], constants[0]
+    if c.physical != 0.0:
+        coefficients.evaluate(constants, at[0], at[1], at[2], found)
+    held, skids = found[coefficients.CLEARANCE], coefficients.skids(constants, found)
+    found[: coefficients.INPUTS] = inputs
+    pressed = coefficients.heaviest(constants, found)
+    motion = state.shaft, state.cage, state.spin, state.q[0] - state.q[2], state.q[1] - state.q[3]
+    forces = kernel.ball_forces(states, tables, found)
+    return found, held, skids, pressed, (c.dynamic_rating, c.static_rating), motion, forces

@@ -58,6 +58,7 @@ def temperature(rings: FloatArray, since_tick: int, tick: int) -> float:
     return float(rings[0] + (rings[1] - rings[0]) * (since_tick / tick))
 
 
+@compiled()
 def inputs(
     values: FloatArray, behind: FloatArray, drift: FloatArray, since_tick: int
 ) -> FloatArray:

@@ -29,6 +29,7 @@ from bearing_twin.dynamics.layout import CHUNK, COS, GAP, SIN, STEP
 from bearing_twin.dynamics.model import Contact, contact_force
 from bearing_twin.dynamics.random import NOISE, normal_pair, WALK
 from bearing_twin.dynamics.statics import equilibrium
+from bearing_twin.dynamics.waviness import with_own_room
 from numba.np.unsafe.ndarray import to_fixed_tuple
 import numpy as np
 import numpy.typing as npt
@@ -291,7 +292,9 @@ def start(states: Records, tables: Tables, values: FloatArray) -> None:
 def ball_forces(states: Records, tables: Tables, values: FloatArray) -> npt.NDArray[np.float32]:
     """Contact force of each ball, N, float32[n_balls], at the present state and inputs."""
     state, machine = states[0], tables.machines[_LONG]
-    _, gaps = _instant(state, tables, values)
+    # Looked up with room of its own: the simulator may run meanwhile.
+    aside = Tables(tables.machines, tables.defects, tables.balls, with_own_room(tables.surfaces))
+    _, gaps = _instant(state, aside, values)
     forces = np.zeros(machine.n_balls, dtype=np.float32)
     x, y = state.q[0] - state.q[2], state.q[1] - state.q[3]
     vx, vy = state.v[0] - state.v[2], state.v[1] - state.v[3]

@@ -41,6 +41,9 @@ class Passed(NamedTuple):
     """One for each, with value, limit and consequence."""
 
 
+_NOTHING = Passed(Limit(0), ())
+
+
 def limits_passed(
     *,
     load: float,
@@ -85,30 +88,34 @@ def limits_passed(
 
     """
     left, used = clearance
+    conditions = (
+        (Limit.LIFE_LOAD, equivalent > 0.5 * dynamic_rating),
+        (Limit.STATIC_LOAD, equivalent > static_rating),
+        (Limit.PRESSURE, pressure > HIGHEST_PRESSURE),
+        (Limit.FILM, shaft_hz > 0.0 and kappa < LEAST_KAPPA),
+        (Limit.CLEARANCE, left != used),
+        (Limit.SKIDDING, skids),
+    )
+    beyond = [limit for limit, holds in conditions if holds]
+    if not beyond:
+        return _NOTHING
     pressed = f'the load of {load * 1e-3:g} kN'
     if not math.isclose(load, equivalent, rel_tol=0.05):
         pressed += f', with this clearance as bad as {equivalent * 1e-3:.3g} kN,'
     said = {
-        Limit.LIFE_LOAD: equivalent > 0.5 * dynamic_rating
-        and f'no life: {pressed} exceeds half the dynamic rating of '
+        Limit.LIFE_LOAD: f'no life: {pressed} exceeds half the dynamic rating of '
         f'{dynamic_rating * 1e-3:g} kN, where ISO 281 ends',
-        Limit.STATIC_LOAD: equivalent > static_rating
-        and f'no life: {pressed} exceeds the static rating of '
+        Limit.STATIC_LOAD: f'no life: {pressed} exceeds the static rating of '
         f'{static_rating * 1e-3:g} kN, beyond which balls and races stay dented',
-        Limit.PRESSURE: pressure > HIGHEST_PRESSURE
-        and f'the contacts yield: {pressure * 1e-9:.1f} GPa under the hardest pressed ball exceed '
-        f'{HIGHEST_PRESSURE * 1e-9:g} GPa (ISO 76), and the twin takes them as elastic',
-        Limit.FILM: shaft_hz > 0.0
-        and kappa < LEAST_KAPPA
-        and f'no life: the viscosity ratio of {kappa:.2g} is below {LEAST_KAPPA:g}, where ISO 281 '
-        'ends: the oil is too thin or the shaft too slow for a film',
-        Limit.CLEARANCE: left != used
-        and f'the bearing {"would seize" if left < used else "hangs loose"}: an inner ring '
-        f'{apart:+.0f} K from the outer one leaves a radial clearance of {left * 1e6:.1f} um, '
-        f'the model goes on with {used * 1e6:g} um',
-        Limit.SKIDDING: skids
-        and f'the balls skid: a load of {load:g} N is too small at {shaft_hz:g} Hz for this oil; '
-        f'the model goes on with a cage slip of {HIGHEST_SLIP:.0%}',
+        Limit.PRESSURE: f'the contacts yield: {pressure * 1e-9:.1f} GPa under the hardest '
+        f'pressed ball exceed {HIGHEST_PRESSURE * 1e-9:g} GPa (ISO 76), and the twin takes them '
+        'as elastic',
+        Limit.FILM: f'no life: the viscosity ratio of {kappa:.2g} is below {LEAST_KAPPA:g}, '
+        'where ISO 281 ends: the oil is too thin or the shaft too slow for a film',
+        Limit.CLEARANCE: f'the bearing {"would seize" if left < used else "hangs loose"}: an '
+        f'inner ring {apart:+.0f} K from the outer one leaves a radial clearance of '
+        f'{left * 1e6:.1f} um, the model goes on with {used * 1e6:g} um',
+        Limit.SKIDDING: f'the balls skid: a load of {load:g} N is too small at {shaft_hz:g} Hz '
+        f'for this oil; the model goes on with a cage slip of {HIGHEST_SLIP:.0%}',
     }
-    which = Limit(sum(limit for limit, text in said.items() if text))
-    return Passed(which, tuple(text for text in said.values() if text))
+    return Passed(Limit(sum(beyond)), tuple(said[limit] for limit in beyond))

@@ -467,9 +467,6 @@ def _condition(
     tables: kernel.Tables,
 ) -> Condition:
     """Return the condition at a state that has been put aside as bytes, which is quickest."""
-    # Looked up with room of its own: the simulator may run meanwhile.
-    found = tables.surfaces
-    tables = tables._replace(surfaces=found._replace(room=found.room.copy()))
     # Bytes are copied sooner than records.
     states = np.frombuffer(bytearray(state), STATE)
     return condition(parameters, constants, values, at, inputs, states, tables)

@@ -234,6 +234,14 @@ def under(table, begins, row, node, u, rate, ahead=None):
     return gap, rise * (_F(6.0) * uv * rate) + (slope * first + other * last)
 
 
+@compiled()
+def with_own_room(surfaces):
+    """Return the same with room that nothing else writes to meanwhile."""
+    s = surfaces
+    room = np.zeros_like(s.room)
+    return Surfaces(s.table, s.outer, s.inner, s.ball, room, s.places, s.begins, s.highest)
+
+
 @compiled(inline=True, fast=FAST)
 def look_up(surfaces, n_balls, phases, rates, room):
     """

@@ -53,9 +53,9 @@ def test_a_kernel_from_the_cache_is_loaded_and_not_compiled(compiled):
 def test_the_state_of_the_first_block_waits_for_no_compiler(warm):
     script = (
         f'{warm}\n'
-        'from bearing_twin.dynamics.kernel import ball_forces\n'
+        'from bearing_twin.dynamics.condition import _observed\n'
         'warm()\n'
-        'print(len(ball_forces.signatures))\n'
+        'print(len(_observed.signatures))\n'
     )
     found = subprocess.run([sys.executable, '-c', script], capture_output=True, check=True)
     assert found.stdout.split() == [b'1']
