@@ -235,13 +235,12 @@ class Evidence:
         """
         Combs of races and balls that are not chance and modulate by more than noise does.
 
-        What noise modulates falls with the root of the time.
+        What noise modulates falls with the root of the time. That of an outer race may be in low
+        bands: beside another place it is not the variable compliance alone.
         """
         noise = INDEX_NOISE * math.sqrt(min(INDEX_NOISE_TURNS / self.turns, 1.0))
         return tuple(
-            c
-            for c in self.candidates.values()
-            if c.place != 'cage' and c.z >= Z_FAULT and c.index >= noise
+            c for c in self.heard if c.place != 'cage' and c.z >= Z_FAULT and c.index >= noise
         )
 
     @_measured(undisturbed={})

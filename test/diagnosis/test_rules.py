@@ -298,6 +298,9 @@ def test_one_faint_place_or_two_that_may_be_chance_are_no_doubt():
     # Four times as long a record shows half as much of noise.
     faint = comb('inner', z=6.3, index=0.07), comb('outer', z=6.0, index=0.07)
     assert decide(Evidence.of(*faint, turns=400.0)).rule == 'two_faint_places'
+    # Rough races that ring low: the outer one's comb is in the bands of the variable compliance.
+    rough = comb('inner', z=9.4, index=0.22), comb('outer', z=8.4, index=0.0)
+    assert decide(Evidence.of(*rough, outer_index=0.3)).rule == 'two_faint_places'
 
 
 def test_a_comb_without_effect_does_not_make_health_uncertain():
