@@ -4,12 +4,17 @@
 
 import argparse
 import json
+from pathlib import Path
+import re
 
 from bearing_twin.bench import kernel, live
+from bearing_twin.bench.figures import FIGURES
 from bearing_twin.bench.live import FleetRun, Search
 from bearing_twin.cli import bench
 from bearing_twin.errors import BearingTwinError
 import pytest
+
+PAGE = Path(__file__).resolve().parents[1] / 'docs' / 'performance.md'
 
 
 def test_a_claim_of_live_bearings_grows_with_the_runs_that_kept_time():
@@ -26,6 +31,23 @@ def test_a_claim_of_live_bearings_grows_with_the_runs_that_kept_time():
     assert search.claim == pytest.approx(384)
     assert search.following == 0
     assert search.late == 0
+
+
+def test_a_fleet_that_is_hardly_larger_proves_nothing_more():
+    search = Search()
+    for run in (FleetRun(16, 0.06, 0, 0), FleetRun(64, 0.17, 0, 0), FleetRun(214, 0.51, 0, 0)):
+        search.add(run)
+    # Half of 434 bearings are three more.
+    assert search.claim == 428
+    assert search.following == 0
+
+
+def test_every_figure_of_the_bench_stands_on_the_page():
+    text = PAGE.read_text()
+    rows = text[text.index('| `kernel_rtf`') : text.index('| not in')].splitlines()
+    named = [re.findall('`([a-z0-9_]+)`', row) for row in rows]
+    assert {row[0] for row in named if row} <= set(FIGURES)
+    assert set(FIGURES) <= {name for row in named for name in row}
 
 
 def test_no_more_is_claimed_than_twice_what_kept_time():

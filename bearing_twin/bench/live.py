@@ -27,6 +27,8 @@ GROWTH = 4
 """Most times the bearings of a run that kept time, from which the next run has its number."""
 CLOSE = 1.25
 """Ratio of the fewest bearings that were late to the most in time, at which a search ends."""
+MORE = 1.05
+"""Least ratio of a run to the one before it that kept time."""
 SETTLE, SETTLE_DIAGNOSIS = 4.0, 14.0
 """Time that is not measured, s; windows of 8 s grow until the last diagnosis has a full one."""
 MEASURED = 20.0
@@ -97,7 +99,7 @@ class Search:
             wanted = round(math.sqrt(most * self._late))
             if self._late < CLOSE * most:
                 return 0
-        return wanted if wanted > most else 0
+        return wanted if wanted >= MORE * most else 0
 
     @property
     def claim(self) -> float:
