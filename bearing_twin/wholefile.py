@@ -69,12 +69,16 @@ def output_file(path: Path, *, folder: bool = False) -> Iterator[BinaryIO]:
     if not path.name:
         msg = f'{path} is a folder; name a file in it'
         raise BearingTwinError(msg)
+    made = folder and not path.parent.exists()
     try:
         if folder:
             path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(path) as file:
             yield file
     except OSError as error:
+        if made:
+            with contextlib.suppress(OSError):
+                path.parent.rmdir()
         msg = f'{path} cannot be written ({error.strerror}); make room, or name another one'
         raise BearingTwinError(msg) from None
 

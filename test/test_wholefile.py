@@ -34,12 +34,12 @@ def test_what_cannot_be_written_is_named(tmp_path, monkeypatch):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr(os, 'fsync', full)
-    path = tmp_path / 'a.png'
-    with (
-        pytest.raises(BearingTwinError, match=r'a\.png cannot be written \(No space left'),
-        output_file(path) as file,
-    ):
-        file.write(b'picture')
+    for path in tmp_path / 'a.png', tmp_path / 'plots' / 'a.png':
+        with (
+            pytest.raises(BearingTwinError, match=r'a\.png cannot be written \(No space left'),
+            output_file(path, folder=True) as file,
+        ):
+            file.write(b'picture')
     assert not list(tmp_path.iterdir())
 
 

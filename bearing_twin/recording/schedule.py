@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.npz import read_npz
 from bearing_twin.recording.qos import sensor_qos
-from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import NANO, split_ns
 import numpy as np
 from rosbags.typesys import get_typestore, Stores
@@ -147,7 +147,7 @@ def write_temperature_recording(
         for name in (TEMPERATURE, 'std_msgs/msg/Header', 'builtin_interfaces/msg/Time')
     )
     qos = sensor_qos()
-    with RecordingWriter(path, WriterOptions()) as writer:
+    with whole_recording(path) as writer:
         writer.metadata('bearing_twin.source', {'source': source, 'unit': 'degC'})
         for second, value in zip(times, temperatures, strict=True):
             ns = START + round(float(second) * NANO)

@@ -211,6 +211,9 @@ def test_a_result_on_a_full_disk_is_whole_or_absent(
     write_temperature_recording(schedule, *paper_schedule(8.0), source='test')
     page, run = tmp_path / 'page.html', tmp_path / 'run'
     page.write_text('a page of before')
+    with file_size_limit(2000):
+        assert main(['schedule', '-o', str(tmp_path / 'cut.mcap')]) == 1
+    assert 'was not written' in capsys.readouterr().err
     with file_size_limit(20_000):
         assert main(['replay', '--offline', str(schedule), '-o', str(run)]) == 1
     assert 'was not written' in capsys.readouterr().err
