@@ -21,8 +21,8 @@ import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin import __version__
-from bearing_twin.cli.terminal import mend_streams, shown
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.cli.terminal import mend_streams
+from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.memory import keep_freed_memory
 
 if TYPE_CHECKING:

@@ -19,9 +19,9 @@ from bearing_twin.bearing import Bearing, named_bearing
 from bearing_twin.cli.diagnose_series import run_series
 from bearing_twin.cli.diagnose_text import CARD, card, line, page
 from bearing_twin.cli.signal_arguments import add_signal_arguments, given_bearing, given_speed
-from bearing_twin.cli.terminal import plain, processes, progress, refuse_given, shown, shown_inside
+from bearing_twin.cli.terminal import plain, processes, progress, refuse_given, shown_inside
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.recording.dataset import dataset_signals, is_dataset
 from bearing_twin.recording.finding import SIGNAL_FILES

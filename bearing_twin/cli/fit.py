@@ -17,8 +17,8 @@ from bearing_twin.calibration import Calibration, fit
 from bearing_twin.calibration.joint import joined
 from bearing_twin.cli.diagnose import add_reading, channels_of, picture, unread
 from bearing_twin.cli.signal_arguments import given_bearing, given_speed
-from bearing_twin.cli.terminal import progress, shown
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.cli.terminal import progress
+from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.recording.foreign import read_signal
 
 if TYPE_CHECKING:

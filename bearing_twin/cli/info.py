@@ -10,7 +10,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearing_twin.cli.terminal import shown
+from bearing_twin.errors import shown
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.stamps import NANO

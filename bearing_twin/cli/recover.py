@@ -9,7 +9,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearing_twin.cli.terminal import shown
+from bearing_twin.errors import shown
 from bearing_twin.recording.recover import recover
 
 if TYPE_CHECKING:

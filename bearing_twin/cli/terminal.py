@@ -14,7 +14,7 @@ import re
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, shown
 
 if TYPE_CHECKING:
     import argparse
@@ -119,32 +119,6 @@ def by_level(text: str, level: str) -> str:
     if code is None or refused or os.environ.get('TERM') == 'dumb' or not sys.stdout.isatty():
         return text
     return f'\x1b[{code}m{text}\x1b[0m'
-
-
-def shown(text: object, keep: str = '') -> str:
-    r"""
-    Return a text from outside with what a terminal would obey written as an escape.
-
-    Parameters
-    ----------
-    text
-        Names and messages out of a file: they may hold colours, cursor movements, titles, and
-        marks that turn the direction of the text.
-    keep
-        Characters that are left as they are, such as the newlines of an error.
-
-    Examples
-    --------
-    >>> shown('\x1b[31mred')
-    '\\x1b[31mred'
-
-    """
-    said = str(text)
-    if said.isprintable():
-        return said
-    return ''.join(
-        c if c.isprintable() or c in keep else c.encode('unicode_escape').decode() for c in said
-    )
 
 
 def shown_inside(value: Any) -> Any:

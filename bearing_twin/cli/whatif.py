@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.calibration import Calibration
 from bearing_twin.calibration.whatif import expect
 from bearing_twin.cli.fit import load_range
-from bearing_twin.cli.terminal import shown
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, shown
 
 if TYPE_CHECKING:
     import argparse

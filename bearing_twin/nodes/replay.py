@@ -14,7 +14,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.messages import time_message
 from bearing_twin.assets.spec import fixed, parameter
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.recording.player import Player
 from bearing_twin.recording.schema import message_schema
 from bearing_twin.ros.health import Health, Level, Status
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 PROGRESS_PERIOD = 5.0
 LONGEST_WAIT = 0.5
+LONG_WAIT = 60.0
+"""Wait for the next message that is told, s."""
 MOST_AT_ONCE = 100
 """Messages after which services and parameters are looked at."""
 
@@ -90,7 +92,7 @@ class ReplayNode(ManagedNode):
             paused=p['start_paused'],
         )
         for problem in self._player.info.problems:
-            self.get_logger().warning(f'not everything can be played: {problem}')
+            self.get_logger().warning(shown(f'not everything can be played: {problem}'))
         played = self._player.topics()
         names = {
             recorded: self.resolve_topic_name(new)
@@ -110,7 +112,7 @@ class ReplayNode(ManagedNode):
             except (BearingTwinError, NameValidationException) as error:
                 # Other recorders take names that ROS does not have.
                 self._left_out[name] = str(error)
-                self.get_logger().error(f'{name} is left out: {error}')
+                self.get_logger().error(shown(f'{name} is left out: {error}'))
         self._clock_publisher = (
             self.create_publisher(Clock, '/clock', RESULT) if p['clock_rate'] else None
         )
@@ -231,10 +233,12 @@ class ReplayNode(ManagedNode):
 
     def _show_progress(self) -> None:
         player = self._player
+        wait = player.wait(time.monotonic())
         self.get_logger().info(
             f'{100.0 * player.fraction:3.0f} %  {player.played} messages'
             + (f'  round {player.loops + 1}' if player.loops else '')
             + ('  paused' if player.paused else '')
+            + (f'  the next is due in {wait:.0f} s' if LONG_WAIT < wait < math.inf else '')
         )
 
     def _end(self) -> None:

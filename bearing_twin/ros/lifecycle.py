@@ -9,7 +9,7 @@ import traceback
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.shared_specs import AUTOSTART
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.ros.entities import destroy_new, entities
 from bearing_twin.ros.executor import PolledGroup
 from bearing_twin.ros.parameters import ParameterSet, unknown_at_start, with_known_types
@@ -237,7 +237,7 @@ class ManagedNode(LifecycleNode):
         except Exception as error:
             if refuses(error):
                 self.refused = not isinstance(error, BearingTwinError)
-                self.get_logger().error(str(error))
+                self.get_logger().error(shown(error, keep='\n'))
                 return TransitionCallbackReturn.FAILURE
             if not self.context.ok():
                 # An interrupt can strike anywhere, in the compiler too: no defect of ours.

@@ -5,6 +5,7 @@
 import random
 
 from bearing_twin.recording.schedule import write_temperature_recording
+from copies import raw_recording
 from mcap.reader import make_reader
 import numpy as np
 import pytest
@@ -29,3 +30,19 @@ def test_a_damaged_recording_ends_the_replay_with_an_error(nodes, tmp_path):
     assert 'replaying' in log
     assert 'Traceback' not in log
     assert str(recording) in log.splitlines()[-1]
+
+
+@pytest.mark.ros
+def test_a_clock_that_was_set_is_told_and_names_are_not_obeyed(nodes, probe, tmp_path):
+    recording = tmp_path / 'set.mcap'
+    with raw_recording(recording) as writer:
+        schema = writer.register_schema('std_msgs/msg/Empty', 'ros2msg', b'')
+        for name in '/x', '/\x1b[31m':
+            channel = writer.register_channel(name, 'cdr', schema)
+            for second in 0, 5_000_000:
+                writer.add_message(channel, second * 10**9, bytes(4), 0)
+    nodes.start('replay', {'recording': str(recording), 'wait_for_subscribers': 0.0})
+    said = (tmp_path / 'logs' / 'replay.log').read_text
+    probe.until(lambda: 'the next is due in 5000000 s' in said(), 'the wait')
+    assert '/\\x1b[31m is left out' in said()
+    assert '\x1b[31m' not in said()
