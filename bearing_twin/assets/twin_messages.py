@@ -152,11 +152,12 @@ class StateTurns:
 
     def __init__(self, rate: float, period: float, turn: int = 0) -> None:
         self.period = period
-        self._every = max(1, round(1.0 / (rate * period))) if rate else 1
+        self._every = max(1.0, 1.0 / (rate * period)) if rate else 1.0
         self._turn = turn
         self._seen: object = None
 
     def wants(self, due: Due, *inputs: object) -> bool:
         """Whether it is the turn of a block, or what is in ``inputs`` has changed."""
         changed, self._seen = self._seen != inputs, inputs
-        return changed or (due.number + self._turn) % self._every == 0
+        place = due.number + self._turn
+        return changed or place // self._every > (place - 1) // self._every

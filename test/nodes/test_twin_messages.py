@@ -99,3 +99,6 @@ def test_the_state_has_its_turn_or_a_reason():
     one = StateTurns(5.0, 0.04)
     seen = [k for k, due in enumerate(blocks) if one.wants(due, 20.0 + (k >= 7) + (k >= 8))]
     assert seen == [0, 4, 7, 8, 9, *range(14, 50, 5)]
+    # 6.25 blocks a second: four of five have a state.
+    fleet = StateTurns(5.0, 0.16)
+    assert sum(fleet.wants(due, 20.0) for due in blocks) == pytest.approx(40, abs=1)
