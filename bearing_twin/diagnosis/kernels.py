@@ -244,8 +244,7 @@ def best_bands(
         (G,), written.
 
     """
-    rows, columns = logs.shape
-    bands = columns // whitenings
+    rows, bands = logs.shape[0], logs.shape[1] // whitenings
     silent[:] = np.float32(NEUTRAL)
     for g in range(len(orders)):
         order = orders[g] / step
@@ -256,7 +255,7 @@ def best_bands(
         row3 = silent if hidden[at3] else logs[at3]
         row4 = silent if hidden[at4] else logs[at4]
         total = np.float32(0.0)
-        for first in range(0, columns, bands):
+        for first in range(0, whitenings * bands, bands):
             end = first + bands
             if bands < L:
                 few = np.float32(-np.inf)
