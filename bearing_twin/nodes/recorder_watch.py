@@ -23,7 +23,7 @@ from bearing_twin.wholefile import free_path
 import yaml
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from bearing_twin.recording.writer import RecordingWriter
     from bearing_twin.view.rerun.logger import RerunLogger
@@ -100,7 +100,7 @@ class RecordingWatch:
         if not interesting and self._rerun is None:
             return
         schema = message_schema(type_name)
-        try:
+        with self._looking_at(topic):
             message = store_from_text(type_name, schema.text).deserialize_cdr(cdr, type_name)
             if type_name == CHECKPOINT:
                 self._note_configuration(message)
@@ -108,12 +108,6 @@ class RecordingWatch:
                 self._look_for_fault(topic, message, received)
             if self._rerun is not None:
                 self._rerun.log(topic, type_name, message, received)
-        except Exception as error:
-            # Whatever a message holds or a viewer does, recording goes on.
-            self._say(topic, error)
-        else:
-            if topic == self._troubled:
-                self.problem = self._troubled = ''
 
     def read(self, seconds: float) -> None:
         """
@@ -124,10 +118,8 @@ class RecordingWatch:
         end = time.monotonic() + seconds
         while self._unread and time.monotonic() < end:
             node = next(iter(self._unread))
-            try:
+            with self._looking_at(f'the configuration of {node}'):
                 self._attach(node, self._unread.pop(node))
-            except Exception as error:
-                self._say(f'the configuration of {node}', error)
 
     def snapshot(self, now: int) -> None:
         """
@@ -150,10 +142,18 @@ class RecordingWatch:
         if self._rerun is not None:
             self._rerun.close()
 
-    def _say(self, what: str, error: Exception) -> None:
-        said = f'{what} could not be looked at ({type(error).__name__}: {error})'
-        self._troubled, self.problem = what, said[:LONGEST_TEXT]
-        self._logger.warning(self.problem, throttle_duration_sec=60.0)
+    @contextlib.contextmanager
+    def _looking_at(self, what: str) -> Iterator[None]:
+        """Report trouble until what made it makes none: recording goes on whatever it is."""
+        try:
+            yield
+        except Exception as error:
+            said = f'{what} could not be looked at ({type(error).__name__}: {error})'
+            self._troubled, self.problem = what, said[:LONGEST_TEXT]
+            self._logger.warning(self.problem, throttle_duration_sec=60.0)
+        else:
+            if what == self._troubled:
+                self.problem = self._troubled = ''
 
     def _note_configuration(self, checkpoint: Any) -> None:
         node, text = str(checkpoint.node), str(checkpoint.configuration)
