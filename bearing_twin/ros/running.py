@@ -12,7 +12,7 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.ros.executor import LeanExecutor
 from bearing_twin.ros.fastdds import set_up_fast_dds
@@ -162,7 +162,7 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
     except ExternalShutdownException:
         return 1 if node is not None and node.failed else 0
     except BearingTwinError as error:
-        print(f'{_program(node_class)}: {error}', file=sys.stderr)
+        print(shown(f'{_program(node_class)}: {error}', keep='\n'), file=sys.stderr)
         return REFUSED if node is None or node.refused else 1
     except RCLError as error:
         # Fast DDS 3.2 sends nothing at such a time and stands still for good: only a new process

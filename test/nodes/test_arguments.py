@@ -155,6 +155,7 @@ def test_a_parameter_of_no_type_or_too_long_a_text_is_refused(nodes, probe, atom
         ('{widow: 4.0}', "there is no parameter 'widow'; the nearest are window,"),
         ('{window: 0.5}', 'window=0.5 is outside 1..60 s; choose a value inside\n'),
         ('{bearing: 6307.5}', 'bearing=6307.5 must be of type str'),
+        (r'{"\e[31m": 1}', r"there is no parameter '\x1b[31m'"),
     ],
 )
 def test_a_file_of_assets_is_checked_as_every_other_input(ros_domain, tmp_path, given, said):
