@@ -249,6 +249,13 @@ DIAGNOSIS = (
 
 CALIBRATION = (
     Panel(
+        'residual',
+        'What the twin does not explain [limits]',
+        (Trend('residual', 'residual', LINE['orange'], 'residual'),),
+        (Limit('alarm above 1', 1.0),),
+        from_zero=True,
+    ),
+    Panel(
         'width',
         'Width of the defect [mm]: 5, 50 and 95 %',
         (
@@ -258,13 +265,6 @@ CALIBRATION = (
         ),
         from_zero=True,
         band=('q05', 'q95'),
-    ),
-    Panel(
-        'residual',
-        'What the twin does not explain [limits]',
-        (Trend('residual', 'residual', LINE['orange'], 'residual'),),
-        (Limit('alarm above 1', 1.0),),
-        from_zero=True,
     ),
     Panel(
         'distance',

@@ -11,6 +11,7 @@ from bearing_twin.view.rerun.views import (
     card_and_reasons,
     card_view,
     colour_legend,
+    difference_views,
     envelope_views,
     fitted_views,
     is_bearing,
@@ -211,9 +212,10 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
         ),
         _rows((4, twin[:3]), (4, twin[3:]), name='Twin'),
         _rows(
-            (3, panel_views(scene, 'calibration', CALIBRATION)),
             (3, fitted_views(scene)),
-            (4, fitted),
+            (2, [*difference_views(scene), *panel_views(scene, 'calibration', CALIBRATION[:1])]),
+            (2, panel_views(scene, 'calibration', CALIBRATION[1:])),
+            (3, fitted),
             name='Calibration',
         ),
     )

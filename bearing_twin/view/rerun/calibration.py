@@ -52,6 +52,7 @@ class CalibrationPicture(Picture):
         for name, levels, width in zip(NAMES, both, (1.0, 0.4), strict=True):
             hertz = message.spectrum_step * np.arange(1, len(levels) + 1, dtype=np.float32)
             self._bars(f'spectrum/{name}', time, hertz, levels - ground, width)
+        self._bars('difference/machine', time, hertz, both[0] - both[1], 1.0)
         self.asset.panels.add('fitted_spectrum')
 
     def _draw_turns(self, message: Any, time: int) -> None:

@@ -278,6 +278,15 @@ def fitted_views(scene: Scene) -> list[View]:
     return views
 
 
+def difference_views(scene: Scene) -> list[View]:
+    """Return views of what machine and twin differ by, below their spectra."""
+    return [
+        _bars('Machine over twin [dB over Hz]', f'{path}/difference')
+        for path in paths_of(scene, 'calibration')
+        if 'fitted_spectrum' in scene.asset.panels
+    ]
+
+
 def number_views(scene: Scene) -> list[View]:
     """Return views of topics that are not the bearing's."""
     return [
