@@ -15,7 +15,6 @@ import math
 from typing import Any
 
 from bearing_twin.calibration.summaries import HIGH_SHARE
-from bearing_twin.diagnosis.dependence import lag_one
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
@@ -32,18 +31,30 @@ LEAST_S = 2.0
 """Least length of a window: lines of a shaft from 5 Hz on are told from their neighbours."""
 DECISIONS_A_YEAR = 365 * 24 * 60
 """One decision a minute."""
-LEAST, MOST = 30, 512
+LEAST, DAY = 30, 24 * 60
 """Healthy decisions from which a limit is known, and after which no more are learnt: a sensor that
-drifts slowly must not teach that it does."""
-LEAST_DB = 0.25
-"""Least standard deviation of a difference: no sensor is known to the hundredth of a decibel."""
-CONFIRMING = 5
-"""Decisions whose median is judged: two of five may be disturbed."""
-BOOTSTRAPS = 200
-TAIL = 0.95
-"""Quantile at which the tails of the healthy record are looked at, and confidence of a limit."""
-BLOCK = 5
-"""Decisions in a row that are drawn together: what has a memory is drawn with it."""
+drifts slowly must not teach that it does, and what a day brings has been there."""
+LEAST_DB = 0.5
+"""Least that a band may differ: no sensor is known to the tenth of a decibel."""
+DAY_DB = 2.0
+"""What it may differ besides until a day was learnt: what 20 K do to a level, at two standard
+deviations of `diagnosis.dependence.PER_KELVIN`."""
+LEAST_RUN, MOST_RUN = 3, 10
+"""Decisions in a row that an alarm needs: two may be disturbed. Fewer are enough where the change
+is large."""
+TAIL = 4.0
+"""At a multiple m of the highest healthy difference, a decision is as rare as m to this power: for
+normal differences far rarer, for Student's t with six degrees of freedom rarer."""
+MEMORY = 1.5
+"""Decisions this many memories apart count as independent: at a correlation that falls
+exponentially, 0.05 is left."""
+SHORT = 100
+"""Healthy decisions below which a slow part of a difference, as large as its chance, is not seen;
+times the root of the memory. The limit is wider by as much as there are fewer."""
+BEFORE, LATELY = 30, 10
+"""A step is told from the mean of so many decisions, so many decisions ago."""
+HISTORY = 128
+"""Most decisions that a run may take: a band that sways too slowly for it is not judged."""
 MOVED = 0.02
 """Most that the speed may move within a record, from the slowest to the fastest over the mean, and
 from one record to another that it is compared with. The lines of the shaft then stay where
@@ -136,9 +147,6 @@ class Unexplained:
     """How far machine minus twin is from what it was in the healthy record there, dB."""
     reason: str
     """In words; why there is no number, if there is none."""
-    names: tuple[str, ...] = ()
-    differences: FloatArray = field(default_factory=lambda: np.zeros(0))
-    """Machine minus twin less its healthy mean, dB, median of the last five; by name."""
 
     @property
     def alarm(self) -> bool:
@@ -151,29 +159,27 @@ class Residual:
     """
     Differences between a machine and its twin while it was healthy; plain values, to be saved.
 
-    The median of the last five differences is compared with their healthy mean and standard
-    deviation, at one false alarm a year of one decision a minute over all bands and orders
-    together (Bonferroni). The limit is a tolerance limit: the standard deviation is taken as large
-    as it may be (95 %) by the effective number of healthy decisions; in a band with a memory they
-    count less. Where the healthy record itself has longer tails than the normal distribution, by a
-    bootstrap in blocks, the limit is raised by as much. What the machine has not done in that
-    record, as a change of load or of the season, is not allowed for.
+    The limit is a rank, so that no shape of the differences is assumed. If n healthy decisions and
+    k new ones are independent and alike, all k are beyond the highest of the n once in
+    (n + k)! / (n! k!) cases. An alarm is a run so long that this is one a year over all bands,
+    both sides and all lengths of a run. A shorter run has to be beyond a multiple of the highest:
+    see `TAIL`. Where a difference has a memory, in its value or in its size, only decisions beyond
+    it count, of the healthy ones and of the run. The same is done with steps, differences less
+    their mean of half an hour ago: they show what is sudden where a slow sway hides it.
 
-    One a year is what the limit is derived for. `studies.residual` counts: no alarm in 500 000
-    decisions of simulated machines whose differences are normal and independent, none with a
-    memory of 5, none with one of 20 decisions (a year has 525 600). With long tails (Student's t,
-    6 degrees of freedom) 1 came in 2 500 000, and about three a year in an earlier run of 500
-    machines: with long tails expect up to three a year. No real machine was watched for a year.
+    ``studies.residual`` counts false alarms and what is seen (docs/calibration.md).
 
     Examples
     --------
     >>> rng = np.random.default_rng(1)
     >>> residual = Residual()
-    >>> for _ in range(60):
+    >>> for _ in range(200):
     ...     residual.learn(('10 Hz', 'order 1'), rng.standard_normal(2))
-    >>> residual.judge(('10 Hz', 'order 1'), np.array([0.5, 1.0])).alarm
+    >>> for _ in range(3):
+    ...     found = residual.judge(('10 Hz', 'order 1'), np.array([0.5, 1.0]))
+    >>> found.alarm
     False
-    >>> for _ in range(5):
+    >>> for _ in range(3):
     ...     found = residual.judge(('10 Hz', 'order 1'), np.array([0.5, 12.0]))
     >>> found.reason
     'order 1 is 12 dB over what the twin explains'
@@ -183,22 +189,22 @@ class Residual:
     names: tuple[str, ...] = ()
     rows: list[list[float]] = field(default_factory=list)
     recent: list[list[float]] = field(default_factory=list)
-    """The newest decisions; their median is judged."""
+    """The newest decisions, which are judged."""
     waiting: list[list[float]] = field(default_factory=list)
     """Decisions that are learnt from if no alarm follows."""
     number: int = 0
     """Of its newest decision, counted over all speeds of the machine."""
 
     def __post_init__(self) -> None:
-        self._limits: tuple[FloatArray, FloatArray] | None = None
+        self._limits: list[_Limits] = []
 
     def learn(self, names: tuple[str, ...], difference: FloatArray) -> None:
         """Take the difference, machine minus twin, dB, of a healthy decision."""
         if names != self.names:
             self.names, self.rows, self.recent, self.waiting = tuple(names), [], [], []
-        if len(self.rows) < MOST:
-            self._limits = None
-            self.rows.append([float(value) for value in difference])
+        if len(self.rows) < DAY:
+            self._limits = []
+            self.rows.append(_plain(difference))
 
     def update(
         self, names: tuple[str, ...], difference: FloatArray, *, healthy: bool
@@ -212,34 +218,49 @@ class Residual:
         if found.alarm or not healthy or names != self.names:
             self.waiting = []
         if healthy and not found.alarm:
-            self.waiting.append([float(value) for value in difference])
-        if len(self.waiting) > CONFIRMING or not self.rows:
-            for row in self.waiting[:1]:
-                self.learn(names, np.array(row))
-            self.waiting = self.waiting[1:]
+            self.waiting.append(_plain(difference))
+        wait = 1 + (MOST_RUN - 1) * int(np.median(self._limits[0].apart) if self._limits else 1)
+        while len(self.waiting) > min(wait, HISTORY) or (self.waiting and not self.rows):
+            self.learn(names, np.array(self.waiting.pop(0)))
         return found
 
     def judge(self, names: tuple[str, ...], difference: FloatArray) -> Unexplained:
         """Compare a decision with the healthy ones."""
-        if names != self.names or len(self.rows) < LEAST:
-            count = len(self.rows) if names == self.names else 0
-            return Unexplained(
-                math.nan, '', math.nan,
-                f'{count} healthy decisions of {LEAST} that a limit needs',
-            )  # fmt: skip
-        self.recent = [*self.recent, [float(value) for value in difference]][-CONFIRMING:]
-        self._limits = self._limits or _limits(np.array(self.rows))
-        mean, limits = self._limits
-        apart = np.median(self.recent, axis=0) - mean
-        shares = np.abs(apart) / limits
-        if not np.isfinite(shares).any():
-            return Unexplained(math.nan, '', math.nan, 'no band could be compared', names, apart)
-        worst = int(np.nanargmax(shares))
-        number, over = float(shares[worst]), float(apart[worst])
-        side = 'over' if over > 0.0 else 'under'
-        said = f'{names[worst]} is {abs(over):.0f} dB {side} what the twin explains'
-        reason = said if number >= 1.0 else 'the twin explains its machine'
-        return Unexplained(number, names[worst], over, reason, names, apart)
+        alike = names == self.names
+        if alike:
+            self.recent = [*self.recent, _plain(difference)][-HISTORY - BEFORE - LATELY :]
+        if not alike or len(self.rows) < LEAST:
+            count = len(self.rows) if alike else 0
+            return _nothing(f'{count} healthy decisions of {LEAST} that a limit needs')
+        if len(self.recent) < LEAST_RUN:
+            return _nothing(f'{len(self.recent)} decisions of {LEAST_RUN} that an alarm needs')
+        if not self._limits:
+            rows = np.array(self.rows)
+            steps = _steps(rows)
+            allowed = DAY_DB if len(rows) < DAY else 0.0
+            self._limits = [_limits(rows, allowed)]
+            self._limits += [_limits(steps, 0.0)] if len(steps) >= LEAST else []
+        deep = max(limits.deep for limits in self._limits)
+        recent = np.array(self.recent[-deep - BEFORE - LATELY :])
+        said = ('is {:.0f} dB {} what the twin explains', ('over', 'under')), (
+            'has {1} by {0:.0f} dB within the hour', ('risen', 'fallen'),
+        )  # fmt: skip
+        number, where, over, reason = -math.inf, '', math.nan, ''
+        tables = recent[-deep:], _steps(recent)
+        for table, limits, (text, sides) in zip(tables, self._limits, said, strict=False):
+            if not len(table):
+                continue
+            shares = limits.shares(table)
+            side, band = np.unravel_index(int(np.argmax(shares)), shares.shape)
+            if shares[side, band] > number:
+                number, where = float(shares[side, band]), names[band]
+                over = float(np.median(table[-LEAST_RUN:, band]) - limits.centre[band])
+                reason = f'{where} {text.format(abs(over), sides[side])}'
+        if number == -math.inf:
+            return _nothing('the healthy machine sways too slowly, or no band is told')
+        if number < 1.0:
+            reason = 'the twin explains its machine'
+        return Unexplained(max(number, 0.0), where, over, reason)
 
     @classmethod
     def of(cls, values: dict[str, Any]) -> Residual:
@@ -273,7 +294,7 @@ class Residuals:
     Examples
     --------
     >>> residuals = Residuals()
-    >>> for _ in range(40):
+    >>> for _ in range(50):
     ...     said = residuals.update(('10 Hz',), np.zeros(1), 25.0, healthy=True)
     >>> said.number, residuals.update(('10 Hz',), np.ones(1), 28.0, healthy=True).reason
     (0.0, '0 healthy decisions of 30 that a limit needs at 28 Hz; known at 25 Hz')
@@ -332,33 +353,93 @@ class Residuals:
         return cls([(hz, Residual.of(each)) for hz, each in zip(speeds, values, strict=True)])
 
 
-def _limits(table: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Healthy mean, and greatest difference of a new decision from it, dB, by band."""
-    # Loaded when needed: half a second.
-    from scipy.stats import chi2, norm
+def _plain(difference: FloatArray) -> list[float]:
+    """Return what is saved: hundredths of a decibel say no more."""
+    return [round(float(value), 2) for value in difference]
 
-    count = len(table)
-    told = np.isfinite(table).all(axis=0)
-    known = table[:, told]
-    # A band may remember longer than most do; the lag of one that seems not to is chance.
-    lags = np.array([lag_one(column) for column in known.T])
-    lags = np.maximum(lags, np.median(lags)) if told.any() else lags
-    memory = np.clip((lags * count + 1.0) / (count - 3.0), 0.0, 1.0)
-    effective = np.full(table.shape[1], float(count))
-    effective[told] = np.maximum(count * (1.0 - memory) / (1.0 + memory), 3.0)
-    # A mean of its own makes a record look quieter than the machine.
-    deviation = table.std(axis=0, ddof=1) / np.sqrt(1.0 - 1.0 / effective)
-    scale = np.maximum(deviation, LEAST_DB) * np.sqrt(1.0 + 1.0 / effective)
-    freedom = effective - 1.0
-    doubt = np.sqrt(freedom / chi2.ppf(1.0 - TAIL, freedom))
-    chances = 2.0 * max(int(told.sum()), 1)
-    limits = doubt * scale * float(norm.isf(1.0 / (chances * DECISIONS_A_YEAR)))
-    # Largest difference of each decision from the others, beside that of normal ones.
-    others = (known.sum(axis=0) - known) / (count - 1.0)
-    largest = (np.abs(known - others) / scale[told]).max(axis=1, initial=0.0)
-    expected = float(norm.isf((1.0 - TAIL ** (2.0 / chances)) / 2.0))
-    blocks = np.arange(count)[:, None] + np.arange(BLOCK)
-    starts = np.random.default_rng(0).integers(count, size=(BOOTSTRAPS, -(-count // BLOCK)))
-    drawn = largest[blocks[starts].reshape(BOOTSTRAPS, -1) % count]
-    longer = float(np.quantile(np.quantile(drawn, TAIL, axis=1), TAIL)) / expected
-    return table.mean(axis=0), limits * max(1.0, longer)
+
+def _nothing(reason: str) -> Unexplained:
+    return Unexplained(math.nan, '', math.nan, reason)
+
+
+def _steps(rows: FloatArray) -> FloatArray:
+    """Return each decision less the mean of some before it, shape (n - 40, m)."""
+    sums = np.cumsum(np.concatenate([np.zeros((1, rows.shape[1])), rows]), axis=0)
+    means = (sums[BEFORE:] - sums[:-BEFORE]) / BEFORE
+    return np.asarray(rows[BEFORE + LATELY :] - means[: max(len(rows) - BEFORE - LATELY, 0)])
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """How far bands may be from their healthy centre, and for how long."""
+
+    centre: FloatArray
+    """dB, shape (m,)."""
+    reach: FloatArray
+    """Highest healthy difference over and under the centre, dB, shape (2, m)."""
+    apart: npt.NDArray[np.int64]
+    """From one decision that counts to the next, shape (m,)."""
+    raised: FloatArray
+    """Multiple of the reach for each length of a run, shape (lengths, m)."""
+
+    @property
+    def deep(self) -> int:
+        """Decisions that the longest run takes."""
+        return min((MOST_RUN - 1) * int(self.apart.max()) + 1, HISTORY)
+
+    def shares(self, recent: FloatArray) -> FloatArray:
+        """Greatest share of a limit over and under, shape (2, m); -inf where none is told."""
+        over = recent - self.centre
+        apart = np.nan_to_num(np.stack([over, -over], axis=1) / self.reach, nan=-math.inf)
+        greatest = np.full(self.reach.shape, -math.inf)
+        if len(apart) >= LEAST_RUN:
+            # Most are over and under in turn, and have no run to be followed.
+            greatest = np.minimum(apart[-LEAST_RUN:].min(axis=0), 0.0)
+        side, band = np.nonzero(greatest == 0.0)
+        held = np.minimum.accumulate(apart[::-1, side, band], axis=0)
+        back = np.arange(LEAST_RUN - 1, MOST_RUN)[:, None] * self.apart[band]
+        told = np.take_along_axis(held, np.minimum(back, len(held) - 1), axis=0)
+        shares = np.where(back < len(held), told / self.raised[:, band], 0.0)
+        greatest[side, band] = shares.max(axis=0, initial=0.0)
+        return greatest
+
+
+def _limits(rows: FloatArray, allowed: float) -> _Limits:
+    """Limits by healthy decisions, dB; what is ``allowed`` comes on top."""
+    count, bands = rows.shape
+    centre = np.median(rows, axis=0)
+    memory = np.maximum(_memory(rows), _memory(np.abs(rows - centre)))
+    apart = np.ceil(1.0 + MEMORY * (memory - 1.0) - 1e-9)
+    centre[(LEAST_RUN - 1) * apart >= HISTORY] = math.nan
+    reach = np.stack([rows.max(axis=0) - centre, centre - rows.min(axis=0)])
+    wider = np.maximum(SHORT * np.sqrt(apart) / count, 1.0)
+    reach = np.maximum(reach, LEAST_DB) * wider + allowed
+    runs = np.arange(LEAST_RUN, MOST_RUN + 1)[:, None]
+    # Two sides, differences and steps, and every length of a run.
+    cases = 4 * bands * len(runs) * DECISIONS_A_YEAR
+    independent = np.maximum(count / apart, 1.0)
+    ln = scipy.special.gammaln
+    ranks = ln(independent + runs + 1.0) - ln(independent + 1.0) - ln(runs + 1.0)
+    raised = np.maximum(np.exp((math.log(cases) - ranks) / (TAIL * runs)), 1.0)
+    return _Limits(centre, reach, apart.astype(np.int64), raised)
+
+
+def _memory(rows: FloatArray) -> FloatArray:
+    """
+    Return decisions after which each band is another one: 1 without a memory, shape (m,).
+
+    Of ranks, so that single shocks do not hide it. What most bands have is no chance, and counts
+    for all; a single band has a memory of its own where it is beyond chance.
+    """
+    count = len(rows)
+    ranks = scipy.stats.rankdata(rows, axis=0) - (count + 1) / 2.0
+    size = scipy.fft.next_fast_len(2 * count)
+    power = np.abs(np.fft.rfft(ranks, size, axis=0)) ** 2
+    sums = np.fft.irfft(power, size, axis=0)[: count // 2]
+    # A mean of its own makes a record look as if it remembered less.
+    alike = sums[1:] / np.maximum(sums[0], 1e-9) + 1.0 / count
+    chance = 1.0 / math.sqrt(count)
+    own = alike * (alike[0] > 2.0 * chance)
+    both = np.stack([own, np.broadcast_to(np.nanmedian(alike, axis=1)[:, None], own.shape)])
+    told = np.cumprod(both > chance, axis=1)
+    return np.asarray((1.0 + 2.0 * np.where(told, both, 0.0).sum(axis=1)).max(axis=0))

@@ -321,7 +321,7 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy)
     other = CalibrationCore(VALUES | {'bearing': '6205'})
     with pytest.raises(BearingTwinError, match='not of 6205; choose another state_name'):
         other.load(core.save())
-    for number in range(46, 51):
+    for number in range(46, 58):
         message = minute(number, np.array([0.0, 20.0]))
     assert message.residual_alarm and message.residual_where == 'order 1'
     assert message.residual_over == pytest.approx(20.0, abs=2.0)
@@ -331,26 +331,26 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy)
         resumed.load(b'nothing')
     # After a repair the healthy twin is that of another bearing, and the reason tells so.
     level = FAULT
-    minute(51, 0.0)
+    minute(58, 0.0)
     level = OK
-    for number in range(2000 * 54 + 50, 2000 * 54 + 1750, 100):
+    for number in range(2000 * 61 + 50, 2000 * 61 + 1750, 100):
         core.verdict(verdict(number, OK))
         take(core, range(number, number + 100))
-    for number in range(52, 57):
+    for number in range(59, 71):
         message = minute(number, np.array([0.0, 20.0]))
     assert message.residual_alarm and message.residual_reason.endswith(
         'call ~/reset to learn it anew'
     )
     assert 'learnt anew' in core.forget()
-    assert minute(57, 0.0).residual_reason.startswith('this calibration is the healthy twin')
+    assert minute(71, 0.0).residual_reason.startswith('this calibration is the healthy twin')
     # A fault that is named while the fit runs began in the record: it teaches nothing.
     core.forget()
-    number = 2000 * 61
+    number = 2000 * 80
     take(core, range(number, number + 49))
     core.verdict(verdict(number + 49, OK))
     [task] = take(core, [number + 49])
     core.verdict(verdict(number + 50, FAULT, 'outer'))
-    said = core.conclude(task, done(found), 3600.0).residual_reason
+    said = core.conclude(task, done(found), 4800.0).residual_reason
     assert said == none + 'the diagnosis is not ok'
     # Report and Rerun show it.
     message.band, message.measured_level, message.twin_level = ['25 Hz'], [3.0], [1.0]
