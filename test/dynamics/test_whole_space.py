@@ -175,7 +175,7 @@ def test_finite_bounded_and_the_same_bits_however_it_is_cut(
         # Nothing that loses energy gets louder without end. Without damping the balls that pass
         # can drive a rotor up, by parametric resonance; the adaptive solver finds the same.
         assert np.abs([later.x, later.y]).max() < 20.0 * max(loud) + 10.0 * parameters.noise + 1e4
-    values = vars(later.condition)
+    values = later.condition._asdict()
     assert len(values['warnings']) == len(values['limits_passed'])
     for value in (value for name, value in values.items() if name != 'warnings'):
         assert not np.isinf(value).any() or value is later.condition.life_hours
