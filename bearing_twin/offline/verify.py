@@ -112,8 +112,9 @@ def reproduce(path: Path) -> Reproduction:
                 # Each has a stamp: nobody has sent it twice.
                 twice[message.topic] += 1
                 continue
-            other = other_version(message.type_name, message.channel.schema)
-            if other and message.topic not in last:
+            if message.topic not in last and (
+                other := other_version(message.type_name, message.channel.schema)
+            ):
                 result.notes.append(f'{message.topic}: {other}')
             last[message.topic] = message.cdr
             namespace, _, name = message.topic.rpartition('/')
