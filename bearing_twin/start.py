@@ -19,6 +19,9 @@ __all__ = ['adapter', 'calibration', 'command', 'diagnosis', 'fleet', 'recorder'
 
 def command() -> int:
     """Run ``bearing-twin``; an interrupt makes the status 130, that of a node 0 as ever."""
+    # Pools and what watches them are spawned by the library, and would look for modules in the
+    # working directory first. Python 3.10 does not know this.
+    os.environ.setdefault('PYTHONSAFEPATH', '1')
     status = 0 if sys.argv[1:2] == ['run'] else 130
     former = signal.getsignal(signal.SIGINT)
     # Ctrl-C is not for a command that a script has put into the background; rclpy's nodes hear it.

@@ -7,11 +7,12 @@ import json
 from pathlib import Path
 import re
 
-from bearing_twin.bench import kernel, live
+from bearing_twin.bench import files, kernel, live
 from bearing_twin.bench.figures import FIGURES
 from bearing_twin.bench.live import FleetRun, Search
 from bearing_twin.cli import bench
 from bearing_twin.errors import BearingTwinError
+import numpy as np
 import pytest
 
 PAGE = Path(__file__).resolve().parents[1] / 'docs' / 'performance.md'
@@ -48,6 +49,17 @@ def test_every_figure_of_the_bench_stands_on_the_page():
     named = [re.findall('`([a-z0-9_]+)`', row) for row in rows]
     assert {row[0] for row in named if row} <= set(FIGURES)
     assert set(FIGURES) <= {name for row in named for name in row}
+
+
+def test_the_bench_of_files_imports_nothing_from_the_working_directory(tmp_path, monkeypatch):
+    for name in ('bearing_twin', 'numpy', 'json'):
+        (tmp_path / f'{name}.py').write_text('raise SystemExit(7)')
+    record = tmp_path / 'noise.npz'
+    noise = np.random.default_rng(0).standard_normal(25600)
+    np.savez(record, x=noise, fs=25600.0, rpm=1524.0)
+    monkeypatch.chdir(tmp_path)
+    took, _ = files._diagnose([str(record), '--jobs', '1'], [])
+    assert took > 0.0
 
 
 def test_no_more_is_claimed_than_twice_what_kept_time():

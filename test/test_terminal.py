@@ -45,6 +45,26 @@ sys.exit(', '.join(sorted(heavy & sys.modules.keys())) or 0)
     assert ran.returncode == 0, ran.stderr
 
 
+@pytest.mark.skipif(sys.version_info < (3, 11), reason='Python 3.10 imports from there')
+def test_what_a_command_spawns_imports_nothing_from_the_working_directory(tmp_path):
+    """As the pool of a calibration node, and the workers of a bench."""
+    (tmp_path / 'multiprocessing.py').write_text('raise SystemExit(7)')
+    script = """
+import sys
+sys.path[:] = filter(None, sys.path)
+from multiprocessing import get_context
+from bearing_twin.start import command
+sys.argv[1:] = ['bearings', '6205']
+command()
+child = get_context('spawn').Process(target=print)
+child.start()
+child.join()
+sys.exit(child.exitcode)
+"""
+    ran = subprocess.run([sys.executable, '-c', script], cwd=tmp_path, check=False)
+    assert ran.returncode == 0
+
+
 @pytest.mark.parametrize('node', NODES)
 def test_help_of_a_node_lists_its_parameters(node, capsys):
     assert main(['run', node, '--help']) == 0

@@ -13,6 +13,7 @@ import time
 
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.ros.launching import COMMAND
 import numpy as np
 
 FILES, SECONDS = 1000, 10
@@ -69,7 +70,7 @@ def _write(folder: Path) -> list[str]:
 
 def _diagnose(arguments: list[str], workers: list[int]) -> tuple[float, float]:
     """Return the time by the clock, s, and by how many MB that worker grew that grew most."""
-    command = [sys.executable, '-m', 'bearing_twin', 'diagnose', '--json', '--bearing', '6307']
+    command = [sys.executable, '-c', COMMAND, 'diagnose', '--json', '--bearing', '6307']
     began = time.perf_counter()
     sizes = []
     with subprocess.Popen([*command, *arguments], stdout=subprocess.PIPE, text=True) as process:

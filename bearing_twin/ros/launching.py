@@ -26,11 +26,11 @@ REFUSED = 2
 """Exit status of a node that refuses its parameters or arguments, as it would the next time."""
 PARENT = 'BEARING_TWIN_PARENT'
 """Variable in which our launch files tell their nodes the process with which they end."""
-RUN_NODE = (
+COMMAND = (
     'import sys; sys.path[:] = filter(None, sys.path); '
     'from bearing_twin.start import command; sys.exit(command())'
 )
-"""As ``bearing-twin`` does, but nothing is imported from the working directory, whatever lies
+"""What ``bearing-twin`` runs, but nothing is imported from the working directory, whatever lies
 there: the option for that, -P, is one of Python 3.11."""
 
 
@@ -110,7 +110,7 @@ class NodeProcesses:
             Command that runs the process, such as ``ip netns exec HOST``.
 
         """
-        words = [*within, sys.executable, '-c', RUN_NODE]
+        words = [*within, sys.executable, '-c', COMMAND]
         words += ['run', module, '--ros-args']
         for key, value in parameters.items():
             words += ['-p', f'{key}:={_yaml(value)}']
