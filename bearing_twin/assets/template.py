@@ -83,7 +83,7 @@ class MessageTemplate:
             raise BearingTwinError(msg)
         self._runs = _runs(self._buffer, places, codes)
         self._arrays = [
-            np.frombuffer(self._buffer, np.float32, size, at)
+            memoryview(self._buffer)[at : at + 4 * size].cast('f')
             for size, at in (
                 (size, _place(name, [(cdr, blocks[k]) for cdr, _, blocks in samples]))
                 for k, (name, size) in enumerate(zip(arrays, sizes, strict=True))
@@ -91,12 +91,13 @@ class MessageTemplate:
             )
         ]
 
-    def fill(self, numbers: Sequence[float], *arrays: NDArray[np.floating]) -> bytes:
+    def fill(self, numbers: Sequence[float], *arrays: NDArray[np.float32]) -> bytes:
         """Return the bytes of the message with these numbers and arrays."""
         for layout, at, first, last in self._runs:
             layout.pack_into(self._buffer, at, *numbers[first:last])
         for place, values in zip(self._arrays, arrays, strict=True):
-            place[:] = values
+            # Not by numpy, which lets other threads go first at each copy.
+            place[:] = values.data
         return bytes(self._buffer)
 
 
