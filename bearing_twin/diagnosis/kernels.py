@@ -127,7 +127,7 @@ def add_bands(
     sums
         (W, T + 1, L) of :func:`running_sums`.
     wide
-        Tiles of a band, half of which it shares with the next one.
+        Tiles of a band. It shares half of them with the next band.
     apart
         Tiles; a band has ``wide - apart`` such products.
     bands
