@@ -4,17 +4,22 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 import subprocess
 import sys
 import tempfile
 import time
+from typing import TYPE_CHECKING
 
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.launching import COMMAND
 import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from psutil import Process
 
 FILES, SECONDS = 1000, 10
 SHAFT_HZ = 25.4
@@ -34,6 +39,7 @@ def measure() -> dict[str, float]:
     try:
         import dask
         from distributed import LocalCluster
+        from psutil import Process
     except ImportError:
         return {}
     with (
@@ -44,7 +50,7 @@ def measure() -> dict[str, float]:
         ) as cluster,
     ):
         names = _write(Path(name))
-        workers = [nanny.process.pid for nanny in cluster.workers.values()]
+        workers = [Process(nanny.process.pid) for nanny in cluster.workers.values()]
         # The workers load what they need.
         _diagnose([*names[: 16 * WORKERS], '--dask', cluster.scheduler_address], workers)
         alone, _ = _diagnose([*names, '--jobs', '1'], [])
@@ -68,7 +74,7 @@ def _write(folder: Path) -> list[str]:
     return list(map(str, paths))
 
 
-def _diagnose(arguments: list[str], workers: list[int]) -> tuple[float, float]:
+def _diagnose(arguments: list[str], workers: Sequence[Process]) -> tuple[float, float]:
     """Return the time by the clock, s, and by how many MB that worker grew that grew most."""
     command = [sys.executable, '-c', COMMAND, 'diagnose', '--json', '--bearing', '6307']
     began = time.perf_counter()
@@ -76,15 +82,9 @@ def _diagnose(arguments: list[str], workers: list[int]) -> tuple[float, float]:
     with subprocess.Popen([*command, *arguments], stdout=subprocess.PIPE, text=True) as process:
         for done, _ in enumerate(process.stdout or (), start=1):
             if done in (SETTLED, FILES):
-                sizes.append([_megabytes(pid) for pid in workers])
+                sizes.append([worker.memory_info().rss / 1e6 for worker in workers])
     took = time.perf_counter() - began
     if process.returncode:
         msg = f'diagnose ended with status {process.returncode}'
         raise BearingTwinError(msg)
     return took, max((after - before for before, after in zip(*sizes, strict=True)), default=0.0)
-
-
-def _megabytes(pid: int) -> float:
-    """Resident memory of a process."""
-    pages = int(Path(f'/proc/{pid}/statm').read_text().split()[1])
-    return pages * os.sysconf('SC_PAGE_SIZE') / 1e6
