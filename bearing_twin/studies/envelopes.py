@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 def _partial(
     spectrum: NDArray[np.complex64], width: int, *, cap: float = 4.0
 ) -> NDArray[np.complex64]:
-    """Keep the root of each line's height over the floor, of which the cepstral one keeps none."""
+    """Keep the root of each line's height over the floor. The cepstral one keeps nothing of it."""
     white = whiten(spectrum, width, cap=cap)
     flat = spectrum / np.sqrt(local_floor(np.abs(spectrum) ** 2, width))
     white[1] = flat / np.sqrt(np.maximum(np.abs(flat), 1e-6))
@@ -162,14 +162,11 @@ def numbers(balls: int, first: int) -> list[int]:
             wanted[condition] -= 1
             found.append(number)
     return found
-    return found
 
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
-    parser = arguments(sys.modules[__name__])
-    parser.add_argument('balls', type=int, nargs='?', default=99)
-    parser.add_argument('first', type=int, nargs='?', default=3_400_000)
+    parser = arguments(sys.modules[__name__], balls=99, first=3_400_000)
     args = parser.parse_args(argv)
     keep_freed_memory()
     cases = numbers(args.balls, args.first)

@@ -67,8 +67,7 @@ def study(cases: Iterable[int], model: str = 'twin') -> list[tuple[Machine, Diag
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the answers by condition and by machine."""
-    parser = arguments(sys.modules[__name__])
-    parser.add_argument('cases', type=int, nargs='?', default=600)
+    parser = arguments(sys.modules[__name__], cases=600)
     parser.add_argument('model', choices=MODELS, nargs='?', default='twin')
     parser.add_argument('first', type=int, nargs='?', default=0)
     args = parser.parse_args(argv)

@@ -94,9 +94,7 @@ def measured(kind: str, number: int) -> tuple[float, bool] | None:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
-    parser = arguments(sys.modules[__name__])
-    parser.add_argument('records', type=int, nargs='?', default=200)
-    parser.add_argument('first', type=int, nargs='?', default=0)
+    parser = arguments(sys.modules[__name__], records=200, first=0)
     args = parser.parse_args(argv)
     keep_freed_memory()
     numbers = range(args.first, args.first + args.records)

@@ -97,8 +97,7 @@ def measured(spread: float, seed: int) -> float:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
-    parser = arguments(sys.modules[__name__])
-    parser.add_argument('records', type=int, nargs='?', default=40)
+    parser = arguments(sys.modules[__name__], records=40)
     args = parser.parse_args(argv)
     rows = []
     for spread in SPREADS:

@@ -173,9 +173,7 @@ def _exceeded(reached: Sequence[Reached]) -> Iterator[tuple[str, ...]]:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the verdicts by length and what passes the thresholds."""
-    parser = arguments(sys.modules[__name__])
-    parser.add_argument('windows', type=int, nargs='?', default=3024)
-    parser.add_argument('first', type=int, nargs='?', default=0)
+    parser = arguments(sys.modules[__name__], windows=3024, first=0)
     args = parser.parse_args(argv)
     keep_freed_memory()
     answers: dict[float, Counter[str]] = {seconds: Counter() for seconds in SECONDS}

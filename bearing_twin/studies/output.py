@@ -11,14 +11,29 @@ from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.wholefile import output_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
     from types import ModuleType
 
 
-def arguments(module: ModuleType, *, writes: bool = False) -> argparse.ArgumentParser:
-    """Return a parser that says what a study does, with the file to write if it writes one."""
+def arguments(
+    module: ModuleType, *, writes: bool = False, **counts: int
+) -> argparse.ArgumentParser:
+    """
+    Return a parser that says what a study does.
+
+    Parameters
+    ----------
+    module
+        The study.
+    writes
+        Whether the file to write is the first argument.
+    counts
+        Numbers that may be given after that, in this order, with their defaults.
+
+    """
     parser = argparse.ArgumentParser(
         prog=f'python -m {module.__spec__.name if module.__spec__ else module.__name__}',
         description=inspect.cleandoc(module.__doc__ or ''),
@@ -26,6 +41,8 @@ def arguments(module: ModuleType, *, writes: bool = False) -> argparse.ArgumentP
     )
     if writes:
         parser.add_argument('output', type=_new_file, help='JSON file to write')
+    for name, default in counts.items():
+        parser.add_argument(name, type=int, nargs='?', default=default)
     return parser
 
 
@@ -47,11 +64,8 @@ def write_table(path: Path, values: Mapping[str, Any]) -> None:
         If the file cannot be written.
 
     """
-    try:
-        path.write_text(json.dumps(values, indent=1) + '\n', encoding='utf-8')
-    except OSError as error:
-        msg = f'{path} cannot be written ({error.strerror}); name another file'
-        raise BearingTwinError(msg) from None
+    with output_file(path) as file:
+        file.write(f'{json.dumps(values, indent=1)}\n'.encode())
 
 
 def read_lines(path: Path) -> list[Any]:

@@ -329,9 +329,7 @@ def _draw(path: Path, weights: dict[str, dict[str, float]], told: Sequence[Told]
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Write the data files and print the check."""
-    parser = arguments(sys.modules[__name__], writes=True)
-    parser.add_argument('twins', type=int, nargs='?', default=400)
-    parser.add_argument('impacts', type=int, nargs='?', default=3000)
+    parser = arguments(sys.modules[__name__], writes=True, twins=400, impacts=3000)
     parser.add_argument('--fresh', type=int, nargs=2, default=(400, 3000))
     which = parser.add_mutually_exclusive_group()
     which.add_argument('--weights', type=Path, help='JSON file to write: the weights')

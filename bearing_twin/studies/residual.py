@@ -225,8 +225,7 @@ def real_runs(data: Path) -> Iterator[tuple[object, ...]]:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the tables."""
-    parser = arguments(sys.modules[__name__])
-    parser.add_argument('machines', type=int, nargs='?', default=30)
+    parser = arguments(sys.modules[__name__], machines=30)
     parser.add_argument('--data', type=Path, help='folder that holds femto/')
     args = parser.parse_args(argv)
     print_table(
@@ -241,7 +240,7 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 
 def rates(machines: int) -> Iterator[tuple[object, ...]]:
-    """Alarms of healthy machines, a fifth of which has learnt from 30 to 10 000 decisions each."""
+    """Alarms of healthy machines. A fifth of them learns from each number in `LEARNT`."""
     for kind in HEALTHY:
         each = [
             false_alarms(kind, min(learnt, DAY), max(machines // len(LEARNT), 1))

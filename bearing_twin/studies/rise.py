@@ -51,8 +51,7 @@ def minutes_until(rng: np.random.Generator, height: float) -> int:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print both tables."""
-    parser = arguments(sys.modules[__name__])
-    parser.add_argument('machines', type=int, nargs='?', default=100)
+    parser = arguments(sys.modules[__name__], machines=100)
     machines = parser.parse_args(argv).machines
     rng = np.random.default_rng(0)
     rows = []
