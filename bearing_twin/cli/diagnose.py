@@ -278,11 +278,15 @@ def diagnose_file(task: Task) -> dict[str, Any]:
             title = f'{Path(task.path).name}, {bearing.name}'
             draw_diagnosis(diagnosis, Path(task.plot), title=title)
     except (BearingTwinError, MemoryError) as error:
-        return unread(task.path, str(error) or f'{task.path}: not enough memory')
+        reason = str(error) or 'not enough memory'
+        if task.channel and task.path not in reason:
+            reason = f'{task.path}, {task.channel}: {reason}'
+        return unread(task.path, reason)
     length = len(signal.x) / signal.sample_rate
     message = diagnosis_message(diagnosis, stamp=0, frame_id='', bearing=bearing.name)
     return {
         'file': task.path,
+        'channel': task.channel or '',
         'source': f'{signal.source}: {length:.4g} s at {signal.sample_rate:g} Hz',
         'bearing': f'{bearing.name}: {bearing.n_balls} {bearing.element}s of '
         f'{1e3 * bearing.d_ball:.5g} mm on {1e3 * bearing.d_pitch:.5g} mm, {bearing.basis}',

@@ -26,8 +26,8 @@ import numpy as np
 import pytest
 
 KEYS = {
-    'file', 'source', 'bearing', 'result', 'faults', 'level', 'confidence', 'shaft_hz', 'slip',
-    'evidence', 'reasons', 'next_step',
+    'file', 'channel', 'source', 'bearing', 'result', 'faults', 'level', 'confidence', 'shaft_hz',
+    'slip', 'evidence', 'reasons', 'next_step',
 }  # fmt: skip
 
 
@@ -229,7 +229,9 @@ def parquet_set(tmp_path_factory):
         'fault_location': ['test_bearing', 'test_bearing', 'none'],
         'sensor_at_fault': [False] * 3,
         'signal_file': ['part-float32.parquet'] * 3, 'signal_row_group': [0, 0, 1],
-        'signal_row': [0, 1, 0], 'quantity': ['acceleration'] * 3, 'unit': ['g'] * 3,
+        'signal_row': [0, 1, 0], 'quantity': ['acceleration'] * 3, 'unit': ['g', 'g', 'V'],
+        'sensitivity': ['none', 'none', '10 V/g'],
+        'speed_profile': ['constant', 'constant', 'increasing'],
         'speed_rpm': [60.0 * SHAFT_HZ] * 3, 'bearing_model': ['of our own'] * 3,
         **{name: [round(order, 5)] * 3 for name, order in orders.items()},
         # Python has no such times without pandas.
@@ -244,14 +246,20 @@ def parquet_set(tmp_path_factory):
 def test_parquet_form_of_bearing_datasets(parquet_set, capsys):
     assert main(['diagnose', str(parquet_set), '--json', '--jobs', '1']) == 0
     answers = _lines(capsys)
-    assert [answer['result'] for answer in answers] == ['inner', 'healthy', 'healthy']
-    assert answers[0]['evidence']['severity']['unit'] == 'g'
+    assert [answer['result'] for answer in answers] == ['inner', 'healthy', 'insufficient']
+    assert [answer['channel'] for answer in answers] == ['r0/DE', 'r0/FE', 'r1/DE']
+    assert {answer['evidence']['severity']['unit'] for answer in answers} == {'g'}
+    assert 'the shaft speed is unknown' in answers[2]['reasons'][0]
+    assert main(['diagnose', str(parquet_set), '--jobs', '1']) == 0
+    assert 'rig, r0/FE: healthy' in capsys.readouterr().out
     assert main(['diagnose', str(parquet_set), '--channel', 'r0/DE']) == 0
     assert 'rig, r0/DE' in capsys.readouterr().out
     assert main(['diagnose', str(parquet_set), '--channels']) == 0
     assert capsys.readouterr().out.split()[1:] == ['r0/DE', 'r0/FE', 'r1/DE']
     assert main(['benchmark', str(parquet_set), '--full', '--jobs', '1']) == 0
-    assert '| rig | 3 | 2 |  |  |  |  | 1 |' in capsys.readouterr().out
+    said = capsys.readouterr()
+    assert '| rig | 2 | 1 |  |  |  |  | 1 |' in said.out
+    assert '1 signals are left out: they are without a fault of ours or a constant' in said.err
     (parquet_set.parent / 'bad').mkdir()
     (parquet_set.parent / 'bad' / 'metadata.parquet').write_bytes(b'PAR1 no')
     assert main(['diagnose', str(parquet_set.parent / 'bad')]) == 1
@@ -271,10 +279,10 @@ def test_parquet_form_is_what_the_package_itself_reads(parquet_set):
     from bearing_datasets.schema import validate
 
     theirs = bearing_datasets.open('rig', root=parquet_set.parent)
-    validate(theirs.metadata())
+    validate(theirs.metadata(), {'start': 'a column that only this set has'})
     for name in ('r0/DE', 'r1/DE'):
         ours = read_signal(parquet_set, channel=name)
-        np.testing.assert_array_equal(ours.x, theirs.signal(name).astype(np.float64))
+        np.testing.assert_allclose(ours.x, theirs.signal(name, unit='g'), rtol=1e-14)
 
 
 def test_parquet_of_newer_writers_is_read():
