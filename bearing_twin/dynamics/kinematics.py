@@ -194,7 +194,8 @@ def advance_steps(state, bearing, walk, begin, steps, gaps):
     cage, shaft, spin = state.cage, state.shaft, state.spin
     c, s = state.cage_cos, state.cage_sin
     cs, ss = state.shaft_cos, state.shaft_sin
-    wander = walk * math.sqrt(inputs.shaft_hz)
+    # A quick ramp that begins between grid points is below zero at the last one.
+    wander = walk * math.sqrt(max(inputs.shaft_hz, 0.0))
     spin_per_cage = machine.spin_order / machine.ftf_order  # the balls roll as fast as they travel
     for i in range(steps.shape[0]):
         middle, end = begin + i + 0.5, begin + i + 1.0

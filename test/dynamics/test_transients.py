@@ -206,6 +206,19 @@ def test_a_change_of_operation_is_no_impact(changes, rate, block):
     assert loudest(blocks) < 1.3 * loudest([before, after]) + 0.03 * step
 
 
+@pytest.mark.parametrize('first', [16, 1000, 31])
+@pytest.mark.parametrize('block', [1, 64, 1000])
+def test_a_shaft_starts_from_rest_within_a_block_that_begins_anywhere(first, block):
+    simulator, hosts = (
+        Simulator(preset('paper'), shaft_hz=0.0),
+        Fleet([preset('paper')], shaft_hz=0.0),
+    )
+    for n, hz in ((first, 0.0), (block, 500.0), (1000, 500.0)):
+        ours, theirs = simulator.advance(n, 20.0, hz), hosts.advance(n, 20.0, hz)
+    assert np.isfinite(ours.y).all()
+    assert np.isfinite(theirs.y).all()
+
+
 @pytest.mark.parametrize('changes', CHANGES.values(), ids=CHANGES)
 def test_a_state_of_another_operation_is_no_impact(changes):
     quiet = {'defect': 'none', 'waviness': 0.0}
