@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS
@@ -27,6 +28,11 @@ FALLEN = (
 
 UNKNOWN = 0.5
 """Confidence where the level alone speaks: no simulation says how often it is right."""
+
+_NOT_JUDGED = (
+    'not judged: wear without impacts, which raises the level only; it takes a zone (unit, power '
+    'group and mounting) or a baseline'
+)
 
 _DEEP = 1.0
 """Modulation index from which on the envelope is fully modulated."""
@@ -66,7 +72,8 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
     Zone C of ISO 20816-3, twice the level of the asset's own baseline, or one that has risen for
     good (:class:`bearing_twin.diagnosis.onset.Rise`), is at least suspect;
     zone D, or four times, is a fault, of unknown place if no comb tells. *Ball or cage* is a fault
-    from twice the baseline on: the level agrees with the comb.
+    from twice the baseline on: the level agrees with the comb. A *healthy* answer that has neither
+    zone nor baseline says what it does not speak of.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.report import insufficient
@@ -78,6 +85,10 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
     """
     level, why = _asked_for(diagnosis)
     if LEVELS.index(level) <= LEVELS.index(diagnosis.level):
+        severity = diagnosis.severity
+        unknown = math.isnan(severity.level_over_baseline) and not severity.iso_zone
+        if diagnosis.result == 'healthy' and unknown:
+            return replace(diagnosis, reasons=(*diagnosis.reasons, _NOT_JUDGED))
         return diagnosis
     result, confidence = diagnosis.result, diagnosis.confidence
     if result in ('healthy', 'insufficient'):

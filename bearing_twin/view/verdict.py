@@ -173,9 +173,6 @@ def measured(diagnosis: Any) -> list[tuple[str, str]]:
         elif diagnosis.shaft_hz < SLOW_HZ:
             why = ' below 600 1/min'
         rows.append(('Zone', f'none of ISO 20816-3{why}'))
-        if diagnosis.result_name == 'healthy' and not math.isfinite(diagnosis.level_over_baseline):
-            # Rough races without a pit raise the level and make no comb.
-            rows.append(('Not judged', 'wear without impacts: it takes a zone or a baseline'))
     return rows
 
 

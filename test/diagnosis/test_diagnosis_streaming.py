@@ -171,7 +171,7 @@ def test_baseline_is_learnt_kept_and_corrected():
     faster = _push(diagnoser, 4.0 * quiet, first=len(quiet) + 1, shaft_hz=50.0)
     assert math.isnan(faster[-1].severity.level_over_baseline)
     assert faster[-1].level == 'ok'
-    assert 'not compared at this speed' in faster[-1].reasons[-1]
+    assert any('not compared at this speed' in reason for reason in faster[-1].reasons)
     # The temperature alone changes nothing as long as the machine has not shown that it does.
     warm = StreamingDiagnoser(BEARING, SHORT)
     _push(warm, quiet, temperature=20.0)
