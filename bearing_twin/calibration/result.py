@@ -9,7 +9,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing
-from bearing_twin.calibration.cloud import parameters, Situation
+from bearing_twin.calibration.cloud import parameters, Situation, unknowns
 from bearing_twin.calibration.impacts import Impacts
 from bearing_twin.calibration.posterior import weighted_quantile
 from bearing_twin.calibration.refusals import Kind
@@ -188,16 +188,19 @@ class Calibration:
             load, before = machine['load'], spectrum['level_before_db']
             refusal, impacts = values['refusal'], values['impacts']
             candidates, weights = _cloud(values['candidates'], values['weights'])
+            situation = Situation(
+                bearing=Bearing(**machine['bearing']),
+                place=str(values['defect']),
+                shaft_hz=float(machine['shaft_hz']),
+                sample_rate=float(machine['sample_rate']),
+                temperature=float(machine['temperature']),
+                load=None if load is None else (float(load[0]), float(load[1])),
+                slip=float(machine['slip']),
+            )
+            if missing := unknowns(situation).keys() - candidates.keys():
+                raise KeyError(*sorted(missing))
             return cls(
-                situation=Situation(
-                    bearing=Bearing(**machine['bearing']),
-                    place=str(values['defect']),
-                    shaft_hz=float(machine['shaft_hz']),
-                    sample_rate=float(machine['sample_rate']),
-                    temperature=float(machine['temperature']),
-                    load=None if load is None else (float(load[0]), float(load[1])),
-                    slip=float(machine['slip']),
-                ),
+                situation=situation,
                 quantities={k: Estimate(**v) for k, v in values['quantities'].items()},
                 statement=str(values['statement']),
                 refusal=None if refusal is None else Kind(refusal),

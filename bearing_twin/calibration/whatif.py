@@ -9,7 +9,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.calibration.cloud import IMPACTS, SETTLE_S, vibrations
-from bearing_twin.calibration.passage import load_range
+from bearing_twin.calibration.passage import load_range, widest
 from bearing_twin.calibration.path import REACH_S
 from bearing_twin.calibration.summaries import summarise
 from bearing_twin.diagnosis import diagnose_record
@@ -18,6 +18,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 import numpy as np
 import numpy.typing as npt
+from scipy import stats
 
 if TYPE_CHECKING:
     from bearing_twin.calibration.cloud import Situation
@@ -28,6 +29,8 @@ FloatArray = npt.NDArray[np.float64]
 
 TURNS = 60.0
 """Shaft turns simulated of each candidate: enough for a diagnosis."""
+NARROWEST_MM = 0.05
+"""Narrowest defect that the twin simulates."""
 DIAGNOSED = 12
 """Candidates that are diagnosed."""
 _DOUBT = {'crest_factor': 0.5, 'impulsiveness': 0.2}
@@ -57,8 +60,8 @@ class Expectation:
     width_mm: tuple[float, float]
     """Range."""
     vibration: dict[str, Interval]
-    verdicts: dict[str, float]
-    """Share of the candidates of each answer of the diagnosis."""
+    verdicts: dict[str, Interval]
+    """Share of such machines of each answer of the diagnosis."""
 
 
 def features(x: FloatArray, sample_rate: float, longest: float) -> dict[str, float]:
@@ -128,8 +131,9 @@ def expect(
     >>> from bearing_twin.calibration import fit
     >>> healthy = 0.01 * np.random.default_rng(1).standard_normal(25600)
     >>> found = fit(healthy, 12800.0, find_bearing('6205'), 25.0, place='none')
-    >>> expect(found, shaft_hz=30.0, candidates=16).verdicts
-    {'healthy': 1.0}
+    >>> verdicts = expect(found, shaft_hz=30.0, candidates=16).verdicts
+    >>> list(verdicts), round(verdicts['healthy'].q05, 2)
+    (['healthy'], 0.85)
 
     """
     place = found.defect
@@ -142,6 +146,13 @@ def expect(
         )
         raise BearingTwinError(msg)
     known = found.twin_situation
+    most = 1e3 * widest(known.bearing)
+    if width_mm is not None and not NARROWEST_MM <= width_mm <= most:
+        msg = (
+            f'a width of {width_mm:g} mm is outside {NARROWEST_MM:g}..{most:.3g} mm: '
+            'narrower than is simulated, or wider than half a ball or two balls apart'
+        )
+        raise BearingTwinError(msg)
     if width_mm is not None and known.place == 'none':
         msg = (
             'a width is given, and nothing was seen of the defect that was looked for: how strong '
@@ -205,11 +216,19 @@ def expect(
     return Expectation(
         shaft_hz=situation.shaft_hz,
         temperature=situation.temperature,
-        load=(float(loads.min()), float(loads.max())),
+        load=load or (float(loads.min()), float(loads.max())),
         width_mm=(0.0, 0.0) if place == 'none' else (float(widths.min()), float(widths.max())),
         vibration=vibration,
-        verdicts={name: verdicts.count(name) / len(verdicts) for name in sorted(set(verdicts))},
+        verdicts={
+            name: _share(verdicts.count(name), len(verdicts)) for name in sorted(set(verdicts))
+        },
     )
+
+
+def _share(count: int, of: int) -> Interval:
+    """Return the share of machines of an answer that ``count`` of some gave (Jeffreys)."""
+    low, median, high = stats.beta.ppf((0.05, 0.5, 0.95), count + 0.5, of - count + 0.5)
+    return Interval(q05=float(low), median=float(median), q95=float(high), unit='')
 
 
 def _gains(

@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
+import argparse
+import contextlib
 from dataclasses import asdict
 import json
 import math
 from pathlib import Path
 import sys
 from textwrap import wrap
-from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import named_bearing
 from bearing_twin.calibration import Calibration, fit
@@ -20,9 +21,7 @@ from bearing_twin.cli.signal_arguments import given_bearing, given_speed
 from bearing_twin.cli.terminal import progress
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.recording.foreign import read_signal
-
-if TYPE_CHECKING:
-    import argparse
+from bearing_twin.thermal.gate import PHYSICAL_HIGH, PHYSICAL_LOW
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +34,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help='range of the radial load, N (default: 0.003 to 0.1 of the dynamic rating)',
     )
     parser.add_argument(
-        '--temperature', type=float, help='of the outer ring, degC; else what the file says, or 30'
+        '--temperature',
+        type=outer_ring,
+        help='of the outer ring, degC; else what the file says, or 30',
     )
     parser.add_argument(
         '--place',
@@ -47,7 +48,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action='store_true',
         help='the files are of one machine at several speeds: compare them, and give one width',
     )
-    parser.add_argument('--seed', type=int, default=0, help='of all draws (default 0)')
+    parser.add_argument('--seed', type=seed, default=0, help='of all draws (default 0)')
     parser.add_argument('--json', action='store_true', help='one JSON object a file')
     parser.add_argument('--plot', metavar='DIR', help='draw machine against twin, and the width')
 
@@ -129,7 +130,29 @@ def _print_joined(fitted: list[tuple[str, Calibration]], *, as_json: bool) -> No
 def load_range(text: str) -> tuple[float, float]:
     """Return a range from ``LOW,HIGH``, or from one number."""
     low, _, high = text.partition(',')
-    return float(low), float(high or low)
+    try:
+        return float(low), float(high or low)
+    except ValueError:
+        msg = f'{text!r}: give a load in N, or the least and the largest as LOW,HIGH'
+        raise argparse.ArgumentTypeError(msg) from None
+
+
+def outer_ring(text: str) -> float:
+    """Return the temperature of an outer ring, degC."""
+    with contextlib.suppress(ValueError):
+        if PHYSICAL_LOW <= (value := float(text)) <= PHYSICAL_HIGH:
+            return value
+    raise argparse.ArgumentTypeError(
+        f'{text!r}: give degC from {PHYSICAL_LOW:g} to {PHYSICAL_HIGH:g}, or leave it out'
+    )
+
+
+def seed(text: str) -> int:
+    """Return the seed of all draws."""
+    with contextlib.suppress(ValueError):
+        if (value := int(text)) >= 0:
+            return value
+    raise argparse.ArgumentTypeError(f'{text!r}: give a whole number from 0 on')
 
 
 def _page(name: str, found: Calibration) -> str:

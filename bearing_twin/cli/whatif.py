@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.calibration import Calibration
 from bearing_twin.calibration.whatif import expect
-from bearing_twin.cli.fit import load_range
+from bearing_twin.cli.fit import load_range, seed
 from bearing_twin.errors import BearingTwinError, shown
 
 if TYPE_CHECKING:
     import argparse
+
+    from bearing_twin.calibration.whatif import Interval
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +28,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--load', type=load_range, metavar='N', help='one load or LOW,HIGH, N')
     parser.add_argument('--temperature', type=float, help='of the outer ring, degC')
     parser.add_argument('--width', type=float, metavar='MM', help='of the defect, mm')
-    parser.add_argument('--seed', type=int, default=0, help='of all draws (default 0)')
+    parser.add_argument('--seed', type=seed, default=0, help='of all draws (default 0)')
     parser.add_argument('--json', action='store_true', help='one JSON object a fitted file')
 
 
@@ -41,20 +43,24 @@ def run(args: argparse.Namespace) -> int:
         if args.json:
             print(json.dumps({'file': values.get('file', ''), **asdict(expected)}), flush=True)
             continue
+        print(f'{shown(str(values.get("file", "")))}: {shown(found.statement)}')
+        low, high = expected.load
+        narrow, wide = expected.width_mm
+        defect = f', a defect of {narrow:.2f} to {wide:.2f} mm' if wide else ''
         print(
-            f'{shown(str(values.get("file", "")))} at {expected.shaft_hz:g} Hz, '
-            f'{expected.temperature:g} degC, {expected.load[0]:.0f} to {expected.load[1]:.0f} N'
+            f'expected at {expected.shaft_hz:g} Hz, {expected.temperature:g} degC, '
+            f'{low:.0f} to {high:.0f} N{defect}'
         )
         for name, figure in expected.vibration.items():
-            print(
-                f'    {name:<18} {figure.median:>10.4g}  ({figure.q05:.4g} to {figure.q95:.4g}) '
-                f'{figure.unit}'
-            )
-        said = ', '.join(
-            f'{name} {100 * share:.0f} %' for name, share in expected.verdicts.items()
-        )
-        print(f'    verdict            {said}')
+            _print(name, figure, figure.unit)
+        for name, share in expected.verdicts.items():
+            _print(f'verdict {name}', share, 'of the machines')
     return 0
+
+
+def _print(name: str, figure: Interval, unit: str) -> None:
+    interval = f'({figure.q05:.4g} to {figure.q95:.4g})'
+    print(f'    {name:<22} {figure.median:>10.4g}  {interval} {unit}'.rstrip())
 
 
 def _fits(name: str) -> list[dict[str, object]]:

@@ -520,7 +520,8 @@ def test_one_speed_predicts_another(slot, data_dir, tmp_path, capsys):
     for name in ('crest_factor', 'impulsiveness'):
         said = expected.vibration[name]
         assert said.q05 < measured[name] < said.q95, name
-    assert max(expected.verdicts, key=expected.verdicts.get) == 'inner'
+    inner = expected.verdicts['inner']
+    assert 0.5 < inner.q05 < inner.median < inner.q95 <= 1.0
     saved = tmp_path / 'fit.json'
     saved.write_text(json.dumps({'file': 'slot', **found.to_dict()}))
     assert main(['whatif', str(saved), '--speed', '20', '--width', '1.0', '--json']) == 0
@@ -545,7 +546,8 @@ def test_a_forged_fit_is_refused_in_words(tmp_path, capsys):
     saved = tmp_path / 'fit.json'
     for changed in (
         {'weights': math.nan}, {'weights': 1.0}, {'weights': good['weights'][:-1]},
-        {'quantities': None}, {'candidates': [1]}, {'machine': {**good['machine'], 'load': {}}},
+        {'quantities': None}, {'candidates': [1]}, {'candidates': {}},
+        {'machine': {**good['machine'], 'load': {}}},
     ):  # fmt: skip
         saved.write_text(json.dumps(good | changed))
         assert main(['whatif', str(saved)]) == 1
@@ -554,8 +556,25 @@ def test_a_forged_fit_is_refused_in_words(tmp_path, capsys):
 
 def test_a_width_no_ball_fits_is_refused(slot):
     found = fit(*slot, BEARING, 15.0, candidates=64, place='inner')
-    with pytest.raises(BearingTwinError, match='half a ball'):
-        expect(found, width_mm=6.0, candidates=16)
+    for width in (6.0, 0.01, math.nan):
+        with pytest.raises(BearingTwinError, match=r'mm is outside .* half a ball'):
+            expect(found, width_mm=width, candidates=16)
+
+
+@pytest.mark.parametrize(
+    ('option', 'value', 'said'),
+    [
+        ('--load', 'a,b', 'LOW,HIGH'),
+        ('--load', '1,2,3', 'LOW,HIGH'),
+        ('--seed', '-1', 'from 0 on'),
+        ('--temperature', 'nan', 'degC from -273.15'),
+        ('--temperature', '-300', 'degC from -273.15'),
+    ],
+)
+def test_an_option_that_is_none_is_refused_with_its_limits(option, value, said, capsys):
+    with pytest.raises(SystemExit):
+        main(['fit', 'none.npz', option, value])
+    assert repr(value) in (text := capsys.readouterr().err) and said in text
 
 
 def test_a_width_of_which_nothing_was_seen_is_refused():
