@@ -125,7 +125,7 @@ def grid_point(group, inputs, growth, index, within, steps, h):
         walk = g.jitter[i] * g.walk[i]
         carried = hz * (1.0 - slip)
         # A quick ramp that begins late in a chunk is below zero in its middle.
-        turning = g.ftf_order[i] * carried + walk * math.sqrt(max(hz, 0.0))
+        turning = g.ftf_order[i] * carried + walk * math.sqrt(abs(hz))
         rolling = g.spin_order[i] / g.ftf_order[i] * turning
         g.turning[i], g.omega[i] = _TWO_PI * turning, _TWO_PI * hz
         g.pull[i] = g.unbalance[i] * (_TWO_PI * hz) ** 2
