@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.calibration.cloud import unknowns
 from bearing_twin.calibration.healthy import (
-    LOSSES_DB,
+    CONFIDENCES,
     LOUDER_DB,
     SLIPPED,
     smallest_shown,
@@ -264,18 +264,23 @@ def without_defect(
             return width, f'no width: {refusal.why}'
         return width, f'{situation.place} defect, at most {highest:.1f} mm wide'
     known = math.isfinite(acceleration_factor(unit))
-    largest, lost_db = smallest_shown(x, situation, scale, 0.0 if known else LOUDER_DB, seed)
+    largest, confidence = smallest_shown(x, situation, scale, 0.0 if known else LOUDER_DB, seed)
     statement = f'no defect above {largest:.2g} mm'
-    why = f'{statement}: of 128 wider ones on each race, added to this record, 95 % show'
-    if lost_db < LOSSES_DB[0]:
-        statement += f', if at most {lost_db:.0f} dB are lost on the way to the sensor'
-        why = f'{statement}: {why.partition(": ")[2]}'
+    if confidence < CONFIDENCES[0]:
+        statement += f', with a confidence of {100.0 * confidence:.0f} %'
+    why = (
+        f'{statement}: of wider ones on each race, added to this record, '
+        f'{100.0 * confidence:.0f} % show'
+    )
     if not math.isfinite(largest):
         largest = 1e3 * contact_speed(situation.bearing, 'outer', situation.shaft_hz)
         largest /= fault_frequencies(situation.bearing, situation.shaft_hz).impacts('outer')
         statement = 'a defect of any width may not show'
-        why = f'{statement}: of those up to {1e3 * widest(situation.bearing):.2g} mm, added to '
-        why += 'this record, none is sure to'
+        why = (
+            f'{statement}: of those of {1e3 * widest(situation.bearing):.2g} mm, added to this '
+            f'record, {100.0 * confidence:.0f} % show. Measure closer to the bearing, or longer, '
+            'or give the load'
+        )
     if not known:
         why += '; the unit is not known: give it. A machine up to 20 dB louder than the twin is '
         why += 'supposed'

@@ -4,8 +4,8 @@
 The smallest defect that a record without one would have shown.
 
 Defects of candidates are simulated, brought to the unit of the record and added to it.
-One is shown if the comb of its frequency stands out of the squared envelope spectrum and modulates
-the envelope as much as the diagnosis asks of a suspect, or if it doubles the vibration.
+One is shown if the comb of its frequency stands out of the squared envelope spectrum as noise does
+not and the record itself does not, or if it alone is louder than the record.
 """
 
 from __future__ import annotations
@@ -29,23 +29,24 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 
-SHOWN_SHARE = 0.95
-"""Least share of the candidates with a wider defect that has to show."""
-SHOWN_NEAR, _NEAR = 0.8, 16
-"""Least share of so many whose defect is barely wider."""
-LOUDER = 2.0
-"""RMS over that of the record from which on nobody calls the bearing healthy: 6 dB."""
-LOSSES_DB = 20.0, 10.0
+CONFIDENCES = 0.95, 0.9, 0.8, 0.7
+"""Least shares of the candidates with a wider defect that have to show: the first that is met."""
+_NEAR, _SHORT_OF = 8, 0.15
+"""So many whose defect is barely wider, and how far their share may be below that of all."""
+LOUDER = 1.12
+"""RMS of a defect over that of the record that cannot hold it, with 1 dB for chance."""
+LOSS_DB = 20.0
 """Most that is supposed to be lost between the twin's housing, which is one rigid mass, and the
-sensor: joints and distance take 10 dB and more each. Less only where no defect shows else."""
+sensor: joints and distance take 10 dB and more each."""
 LOUDER_DB = 20.0
 """Most that a machine of unknown unit is supposed to be louder than the healthy twin, to whose
 level it is brought: the healthy machine of CWRU is 17 dB louder."""
-_EACH = 128
-"""Candidates on each race: a batch of the cloud."""
-_SECONDS, _TURNS, _MOST_SECONDS = 1.2, 12.0, 4.0
-"""Of the record that is looked at: so many shaft turns, as far as the memory of a small computer
-holds 128 candidates."""
+_EACH = 64
+"""Candidates on each race."""
+_MOST_SAMPLES = 1 << 18
+"""Of the record that are looked at."""
+CHANCE = 1e-4
+"""Share of records of noise whose comb stands out."""
 _HARMONICS = 3
 COMB_OVER_FLOOR = 25.0
 """A line, or the mean of a comb's, over the floor: noise reaches it once in e^25 bins."""
@@ -60,9 +61,25 @@ swells with the shaft has orders of like height. An outer race that strikes at a
 than they have, is not told from them."""
 
 
-def shown(x: FloatArray, sample_rate: float, frequency: float) -> bool:
+class Comb(NamedTuple):
+    """Lines of a part in the squared envelope spectrum."""
+
+    over_floor: float
+    """Mean of the harmonics over the floor about each."""
+    chance: float
+    """What noise alone reaches in `CHANCE` of records."""
+    modulation: float
+    """Modulation index."""
+
+    @property
+    def suspect(self) -> bool:
+        """Whether it is as clear as the diagnosis asks of a suspect."""
+        return self.modulation >= INDEX_SUSPECT and self.over_floor >= COMB_OVER_FLOOR
+
+
+def comb(x: FloatArray, sample_rate: float, frequency: float) -> Comb:
     """
-    Whether a comb at a frequency stands out of the squared envelope spectrum of a signal.
+    Return how far the comb of a frequency stands out of the squared envelope spectrum of a signal.
 
     Parameters
     ----------
@@ -71,16 +88,17 @@ def shown(x: FloatArray, sample_rate: float, frequency: float) -> bool:
     sample_rate
         Hz.
     frequency
-        Of the impacts, Hz.
+        Of the impacts, Hz; slip may move them by `SLIPPED`.
 
     Examples
     --------
     >>> rng = np.random.default_rng(1)
     >>> x = rng.standard_normal(25600)
-    >>> shown(x, 25600.0, 64.0)
-    False
+    >>> found = comb(x, 25600.0, 64.0)
+    >>> found.over_floor < found.chance, found.suspect
+    (True, False)
     >>> x[::400] += 12.0
-    >>> shown(x, 25600.0, 64.0)
+    >>> comb(x, 25600.0, 64.0).suspect
     True
 
     """
@@ -88,18 +106,58 @@ def shown(x: FloatArray, sample_rate: float, frequency: float) -> bool:
     spectrum = np.abs(fft.rfft(envelope)) ** 2
     power = spectrum / max(float(spectrum[0]), 1e-300)
     step = rate / len(envelope)
-    lines = []
-    ratios = []
+    lines, ratios, bins = [], [], []
     for harmonic in range(1, _HARMONICS + 1):
         at = harmonic * frequency / step
-        near = power[math.floor(0.99 * at) : math.ceil(1.01 * at) + 1]
+        near = power[math.floor((1.0 - SLIPPED) * at) : math.ceil((1.0 + SLIPPED) * at) + 1]
         around = power[math.floor(0.8 * at) : math.ceil(1.2 * at) + 1]
         if not len(near):
             break
         lines.append(float(near.max()))
         ratios.append(lines[-1] / max(float(np.median(around)) / math.log(2.0), 1e-300))
-    index = 2.0 * math.sqrt(sum(lines))
-    return index >= INDEX_SUSPECT and float(np.mean(ratios or [0.0])) >= COMB_OVER_FLOOR
+        bins.append(len(near))
+    if not lines:
+        return Comb(0.0, math.inf, 0.0)
+    # The mean of k lines of noise is of a gamma distribution, and each is the highest of its bins.
+    once = CHANCE / math.prod(bins)
+    chance = float(scipy.special.gammainccinv(len(bins), once)) / len(bins)
+    return Comb(float(np.mean(ratios)), chance, 2.0 * math.sqrt(sum(lines)))
+
+
+def shown(x: FloatArray, added: FloatArray, sample_rate: float, frequency: float) -> bool:
+    """
+    Whether a record would have shown a defect.
+
+    Parameters
+    ----------
+    x
+        The record, shape (n,).
+    added
+        What the defect adds, in its unit, shape (n,).
+    sample_rate
+        Hz.
+    frequency
+        Of the impacts, Hz.
+
+    Examples
+    --------
+    >>> x = np.random.default_rng(1).standard_normal(25600)
+    >>> impacts = np.zeros(25600)
+    >>> impacts[::400] = 6.0
+    >>> shown(x, impacts, 25600.0, 64.0), shown(x, 0.1 * impacts, 25600.0, 64.0)
+    (True, False)
+
+    """
+    return bool(added.std() > LOUDER * x.std()) or _stands_out(
+        comb(x + added, sample_rate, frequency), comb(x, sample_rate, frequency)
+    )
+
+
+def _stands_out(with_defect: Comb, own: Comb) -> bool:
+    """Whether a comb is clear where the record's own is not: its own may be lines of the shaft."""
+    if own.over_floor < own.chance:
+        return with_defect.over_floor >= with_defect.chance
+    return with_defect.suspect and not own.suspect
 
 
 def line_over_floor(x: FloatArray, situation: Situation) -> float:
@@ -196,15 +254,15 @@ class Shown(NamedTuple):
 
     width_mm: float
     """NaN if none would."""
-    loss_db: float
-    """Most that is supposed to be lost between housing and sensor."""
+    confidence: float
+    """Share of the wider ones that show; if none would, of the widest eighth."""
 
 
 def smallest_shown(
     measured: FloatArray, situation: Situation, factor: float, louder_db: float, seed: int
 ) -> Shown:
     """
-    Return the width above which 95 % of race defects would have shown.
+    Return the width above which race defects would have shown, and how many of them.
 
     Parameters
     ----------
@@ -227,15 +285,15 @@ def smallest_shown(
     >>> machine = example('none')
     >>> quiet = 0.01 * np.random.default_rng(1).standard_normal(12800)
     >>> smallest_shown(quiet, machine, 1.0, 0.0, 0)
-    Shown(width_mm=0.1, loss_db=20.0)
+    Shown(width_mm=0.1, confidence=0.95)
 
     """
     rng = np.random.default_rng([seed, 2])
-    seconds = min(max(_SECONDS, _TURNS / situation.shaft_hz), _MOST_SECONDS)
-    n = min(len(measured), int(seconds * situation.sample_rate))
-    background = measured[:n] - measured[:n].mean()
+    rate = situation.sample_rate
+    background = measured[:_MOST_SAMPLES] - measured[:_MOST_SAMPLES].mean()
+    level = LOUDER * background.std()
     rates = fault_frequencies(situation.bearing, situation.shaft_hz, situation.slip)
-    limits = np.zeros(len(LOSSES_DB))
+    limits, widest_seen = np.zeros(len(CONFIDENCES)), 1.0
     for place in ('inner', 'outer'):
         there = replace(situation, place=place)
         prior = unknowns(there)
@@ -244,29 +302,29 @@ def smallest_shown(
         about = replace(prior['defect_width_mm'], logarithmic=True)
         drawn['defect_width_mm'] = about.place(np.arange(_EACH) / _EACH)
         drawn['noise_ratio'] = np.zeros(_EACH)
+        gains = 10.0 ** (-rng.random(_EACH) * (LOSS_DB + louder_db) / 20.0) / factor
+        own = comb(background, rate, rates.impacts(place))
         candidates = (
-            x for batch in vibrations(there, drawn, n / situation.sample_rate, seed) for x in batch
+            x for batch in vibrations(there, drawn, len(background) / rate, seed) for x in batch
         )
-        seen = np.zeros((_EACH, len(LOSSES_DB)), dtype=bool)
-        for one, (x, share) in enumerate(zip(candidates, rng.random(_EACH), strict=True)):
-            for at, loss_db in enumerate(LOSSES_DB):
-                y = background[: len(x)] + x[:n] / factor * 10.0 ** (
-                    -share * (loss_db + louder_db) / 20.0
-                )
-                louder = y.std() > LOUDER * background.std()
-                if louder or shown(y, situation.sample_rate, rates.impacts(place)):
-                    # And all the more where less is lost.
-                    seen[one, at:] = True
-                    break
+        seen = np.zeros(_EACH)
+        for one, (x, gain) in enumerate(zip(candidates, gains, strict=True)):
+            added = gain * x
+            seen[one] = added.std() > level or _stands_out(
+                comb(background[: len(x)] + added, rate, rates.impacts(place)), own
+            )
         # Of n candidates that are as wide or wider, k show: k + 1/2 of n + 1 are expected to.
-        wider = np.arange(_EACH, 0, -1)
-        share_seen = (seen[::-1].cumsum(axis=0)[::-1] + 0.5) / (wider[:, None] + 1.0)
-        near = scipy.ndimage.uniform_filter1d(
-            seen.astype(np.float64), _NEAR, axis=0, origin=-_NEAR // 2, mode='nearest'
-        )
-        enough = (share_seen >= SHOWN_SHARE) & (near >= SHOWN_NEAR)
-        first = np.argmax(enough, axis=0)
-        width = np.where(enough.any(axis=0), drawn['defect_width_mm'][first], math.nan)
-        limits = np.maximum(limits, width)
+        share_seen = (seen[::-1].cumsum()[::-1] + 0.5) / (np.arange(_EACH, 0, -1) + 1.0)
+        near = scipy.ndimage.uniform_filter1d(seen, _NEAR, origin=-_NEAR // 2, mode='nearest')
+        least = np.array(CONFIDENCES)[:, None]
+        enough = (share_seen >= least) & (near >= least - _SHORT_OF)
+        # A few of the widest tell no share.
+        enough[:, -_NEAR:] = False
+        first = np.argmax(enough, axis=1)
+        widths = np.where(enough.any(axis=1), drawn['defect_width_mm'][first], math.nan)
+        limits = np.maximum(limits, widths)
+        widest_seen = min(widest_seen, float(seen[-_NEAR:].mean()))
+    if np.isnan(limits).all():
+        return Shown(math.nan, widest_seen)
     told = int(np.argmax(np.isfinite(limits)))
-    return Shown(float(limits[told]), LOSSES_DB[told])
+    return Shown(float(limits[told]), CONFIDENCES[told])

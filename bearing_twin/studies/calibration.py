@@ -172,8 +172,8 @@ def print_tables(lines: Iterable[Row]) -> None:
     )
     print()
     print_table(
-        ('most that is lost, dB', 'healthy machines', 'limit, mm: median', 'most',
-         'wider defects added', 'shown', 'named by the diagnosis', 'called healthy'),
+        ('confidence', 'healthy machines', 'limit, mm: median', 'most', 'wider defects added',
+         'shown', 'named by the diagnosis', 'called healthy'),
         _healthy(groups.get('healthy', [])),
     )  # fmt: skip
     print()
@@ -244,13 +244,21 @@ def _resonances(rows: Sequence[Row]) -> Iterator[tuple[object, ...]]:
 
 def _healthy(rows: Sequence[Row]) -> Iterator[tuple[object, ...]]:
     """Yield how many defects wider than the limit of a healthy machine are seen."""
-    limited = [row for row in rows if math.isfinite(row['limit'])]
-    for loss_db in sorted({row['loss_db'] for row in limited}, reverse=True):
-        of = [row for row in limited if row['loss_db'] == loss_db]
-        limits = [row['limit'] for row in of]
-        counts = (sum(row[name] for row in of) for name in ('added', 'shown', 'told', 'healthy'))
-        yield f'{loss_db:.0f}', len(of), f'{np.median(limits):.2f}', f'{max(limits):.1f}', *counts
-    yield 'no limit', len(rows) - len(limited), *[''] * 6
+    records = [row for row in rows if 'limit' in row]
+    limited = [row for row in records if math.isfinite(row['limit'])]
+    for confidence in sorted({row['confidence'] for row in limited}, reverse=True):
+        limits = [row['limit'] for row in limited if row['confidence'] == confidence]
+        for kind in ('twins', 'trains of impacts'):
+            of = [
+                row for row in rows
+                if row.get('added') == kind and row['confidence'] == confidence
+            ]  # fmt: skip
+            counts = (sum(row[name] for row in of) for name in ('shown', 'told', 'healthy'))
+            yield (
+                f'{confidence:.0%}', len(limits), f'{np.median(limits):.2f}',
+                f'{max(limits):.1f}', f'{len(of)} {kind}', *counts,
+            )  # fmt: skip
+    yield 'no limit', len(records) - len(limited), *[''] * 6
 
 
 def _quantities(rows: Sequence[Row]) -> Iterator[tuple[object, ...]]:
