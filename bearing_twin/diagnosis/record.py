@@ -47,6 +47,10 @@ _SMEARED = 0.375 * INDEX_FAULT**2 / 2.0
 """Power over that of the mean, half of what lines of an index that is a fault have (a line of a
 modulation of one is 1/4 of its square, and its two neighbours half as much together)."""
 
+_LOUD = 0.5
+"""Modulation index in the loudest segments from which on a record as a whole is worth a look:
+of 573 simulated faults the 20 that it finds have 0.54 or more."""
+
 _BURSTS = 'second by second the modulation is weaker: the impacts come in bursts'
 
 
@@ -140,7 +144,7 @@ def diagnose_record(
         if whole.level == 'fault':
             found = replace(whole, reasons=(*whole.reasons, _BURSTS))
     # Where the speed moves, the lines of a fault smear over the whole and not over its parts.
-    if faint and speeds.size == 1 and _smeared(analysis):
+    if faint and found.level != 'fault' and speeds.size == 1 and _smeared(analysis):
 
         def parts(count: int) -> list[Excerpt]:
             if len(excerpt.stretches) % count == 0:
@@ -169,14 +173,15 @@ def _may_strike_in_bursts(analysis: Analysis) -> bool:
     """
     Whether the impacts of the loudest segments may make a fault of the record as a whole.
 
-    There the segments count by their power: an index is at most its mean over the segments
-    times the power of the loudest over that of the mean one.
+    There the segments count by their power: an index is about its mean over the segments times
+    the power of the loudest over that of the mean one, in its band.
     """
-    window, excerpt = analysis.window, analysis.excerpt
+    window, excerpt, said = analysis.window, analysis.excerpt, analysis.alone
     if window is None or len(excerpt.stretches) == excerpt.pieces:
         return False
-    index = max(analysis.alone.modulation_index.values())
-    return bool(analysis.before) or RIVAL * index * window.swell >= INDEX_FAULT
+    if analysis.before:
+        return True
+    return said.modulation_index[said.faults[0]] * window.swell(said.band) >= _LOUD
 
 
 def _at_another_speed(given: Diagnosis, said: Diagnosis, hertz: float) -> Diagnosis | None:

@@ -49,13 +49,19 @@ class Window:
     seconds: float
     low: NDArray[np.float32]
     """Power spectrum of the low-passed signal, bin k at k / seconds."""
-    swell: float
-    """Power of the loudest segment over the mean one's, in the band where that is most."""
+    each: tuple[NDArray[np.float32], ...]
+    """Squared amplitude spectrum of each segment, bin k at k bin_hz."""
 
     @property
     def revolutions(self) -> float:
         """Turns of the shaft."""
         return self.seconds * self.speed.shaft_hz
+
+    def swell(self, band: tuple[float, float]) -> float:
+        """Power of the loudest segment over that of the mean one, in a band of so many Hz."""
+        first, end = (round(edge / self.bin_hz) for edge in band)
+        power = [float(lines[first:end].sum()) for lines in self.each]
+        return max(power) / max(statistics.fmean(power), 1e-30)
 
 
 def analyse_window(
@@ -121,15 +127,13 @@ def analyse_window(
     low = fft.rfft(slow)
     power = low.real**2 + low.imag**2
     speed = refine_shaft_hz(power, bin_hz, spectra, shaft_hz, settings.speed_tolerance)
-    each = np.array([segment.lines for segment in segments])
-    lines = each.mean(axis=0)
-    loud = np.add.reduceat(each, layout.tree.levels[-1][1], axis=1)
+    each = tuple(segment.lines for segment in segments)
     return Window(
         order_spectra(spectra, bands, speed.shaft_hz, shaft_hz),
         speed,
         bands,
         spectra,
-        np.sqrt(lines),
+        np.sqrt(np.mean(each, axis=0)),
         layout.sample_rate / (layout.hop + layout.lap),
         measure_severity(
             Levels.together([segment.levels for segment in segments]),
@@ -141,7 +145,7 @@ def analyse_window(
         statistics.median_low(segment.kurtosis for segment in segments),
         1.0 / bin_hz,
         power,
-        float((loud.max(axis=0) / np.maximum(loud.mean(axis=0), 1e-30)).max()),
+        each,
     )
 
 
