@@ -14,7 +14,7 @@ delete the file after a change of the rules. The study fits the weights that the
 With fresh draws, which no weight has seen, it prints, and draws, how far the confidence holds.
 With ``--shipped`` it fits none and does so for the weights in use. No real record takes part. A
 twin takes 0.35 s of one processor, a machine with impacts 0.08 s: the
-default takes some fifteen minutes of one processor.
+default takes some forty minutes of one processor.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 FEWEST = 25
 """Least answers of a kind from which weights are fitted."""
 
-FIRST, FRESH = 1_600_000, 3_200_000
+FIRST, FRESH = 1_600_000, 4_800_000
 """Numbers of the first machine that weights are fitted to, and of the first that checks them."""
 
 STRIKING = ('impacts', 'impulses', 'pulses')
@@ -330,7 +330,7 @@ def _draw(path: Path, weights: dict[str, dict[str, float]], told: Sequence[Told]
 def main(argv: Sequence[str] | None = None) -> None:
     """Write the data files and print the check."""
     parser = arguments(sys.modules[__name__], writes=True, twins=400, impacts=3000)
-    parser.add_argument('--fresh', type=int, nargs=2, default=(400, 3000))
+    parser.add_argument('--fresh', type=int, nargs=2, default=(400, 8000))
     which = parser.add_mutually_exclusive_group()
     which.add_argument('--weights', type=Path, help='JSON file to write: the weights')
     which.add_argument(
