@@ -15,6 +15,9 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
+from bearing_twin.diagnosis.harmonics import MISSING
+from bearing_twin.diagnosis.spectra import whiten
+from bearing_twin.diagnosis.thresholds import CARRIER, INDEX_FAULT
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 from scipy import fft
@@ -26,12 +29,15 @@ if TYPE_CHECKING:
 
 
 STEP = 0.05
-"""Orders a bin; snapshots of up to 20 turns resolve no more, and longer ones are blurred to it."""
+"""Orders a bin; snapshots of up to 20 turns resolve no more, and longer ones are blurred to it: a
+bin has the mean power over its width, so that no line falls between two."""
 HIGHEST = 40.0
 """Highest order."""
 BANDS = ((1000.0, 5000.0), (5000.0, 20000.0))
 """Bands that are demodulated, Hz; a band above 0.45 of the sample rate is cut there."""
 HARMONICS = 3
+_FLOORS, _LEAST_FLOOR = 64, 16
+"""Blocks of the floor that whitens a snapshot, and fewest bins of one."""
 SLIP = 0.03
 """Largest slip of a race or ball looked for."""
 Z_PLACE, RIVAL = 5.0, 1.4
@@ -58,6 +64,11 @@ class Comb:
         )
 
 
+def _lines(order: float) -> NDArray[np.intp]:
+    """Bins of the harmonics of a comb."""
+    return np.asarray(np.rint(order * np.arange(1, HARMONICS + 1) / STEP).astype(int) - 1)
+
+
 class AveragedEnvelope:
     """
     Mean power of the squared envelope over orders, band by band.
@@ -74,12 +85,12 @@ class AveragedEnvelope:
     """
 
     def __init__(self) -> None:
-        self._orders = STEP * np.arange(1, round(HIGHEST / STEP) + 1)
+        self._edges = STEP * (np.arange(round(HIGHEST / STEP) + 1) + 0.5)
         self.clear()
 
     def clear(self) -> None:
         """Forget all snapshots."""
-        self.power = np.zeros((len(BANDS), len(self._orders)))
+        self.power = np.zeros((len(BANDS), len(self._edges) - 1))
         self.turns = 0.0
         self.count = 0
 
@@ -102,7 +113,9 @@ class AveragedEnvelope:
 
     def add(self, x: NDArray[np.float64], sample_rate: float, shaft_hz: float) -> None:
         """Add a snapshot: samples without their mean, shape (n,), their rate and speed in Hz."""
-        spectrum = fft.rfft(x)
+        spectrum = fft.rfft(x).astype(np.complex64)
+        # Lines that keep time, of gears and converters, beat within a band: they are capped.
+        spectrum = whiten(spectrum, max(_LEAST_FLOOR, len(spectrum) // _FLOORS))[0]
         for row, (low, high) in enumerate(BANDS):
             first, last = (
                 round(min(edge, 0.45 * sample_rate) * len(x) / sample_rate) for edge in (low, high)
@@ -117,17 +130,24 @@ class AveragedEnvelope:
             power = np.abs(fft.rfft(envelope, padded)) ** 2 / len(envelope) ** 2
             rate = sample_rate * len(envelope) / len(x)
             hertz = rate / padded * np.arange(len(power))
-            self.power[row] += np.interp(self._orders * shaft_hz, hertz, power, right=0.0)
+            below = np.concatenate(([0.0], np.cumsum(0.5 * (power[1:] + power[:-1]))))
+            edges = np.interp(self._edges * shaft_hz, hertz, below)
+            self.power[row] += np.diff(edges) * hertz[1] / (STEP * shaft_hz)
         self.turns += len(x) / sample_rate * shaft_hz
         self.count += 1
 
-    def excess(self) -> NDArray[np.float64]:
-        """Power over its local floor less one, (bands, K): zero on average where is only noise."""
+    def _floor(self) -> NDArray[np.float64]:
+        """Mean power of the noise, shape (bands, K)."""
         mean = self.power / max(self.count, 1)
         turns = self.turns / max(self.count, 1)
         # Wide against a line of this resolution, narrow against the slope of the floor.
         width = 2 * round(max(4.0 / max(turns, 1e-9), 1.5) / STEP) + 1
-        floor = median_filter(mean, size=(1, min(width, len(self._orders) | 1)), mode='nearest')
+        size = (1, min(width, self.power.shape[1] | 1))
+        return np.asarray(median_filter(mean, size=size, mode='nearest'))
+
+    def excess(self) -> NDArray[np.float64]:
+        """Power over its local floor less one, (bands, K): zero on average where is only noise."""
+        mean, floor = self.power / max(self.count, 1), self._floor()
         return np.where(floor > 0.0, mean / np.maximum(floor, 1e-30) - 1.0, 0.0)
 
     def place(self, bearing: Bearing, before: AveragedEnvelope) -> Comb | None:
@@ -188,3 +208,34 @@ class AveragedEnvelope:
             if rival * RIVAL > top and (close or abs(at - order) > STEP):
                 return None
         return Comb(place, order, top, self.count)
+
+    def strong(self, bearing: Bearing, shaft_hz: float) -> Comb | None:
+        """
+        Return the fault that modulates the envelope as much as that of a long record must.
+
+        It needs no average before: a machine may be damaged from the first snapshot on.
+        """
+        comb = self.place(bearing, AveragedEnvelope())
+        if comb is None:
+            return None
+        heights = np.log1p(np.maximum(self.excess(), 0.0))
+        band = int(np.argmax(heights[:, _lines(comb.order)].sum(axis=1)))
+        own = heights[band, _lines(comb.order)]
+        # The third harmonic alone is a line of something else, and so is every third line of it.
+        if own.min() < MISSING * own.mean():
+            return None
+        for share in (2, 3, 4) if comb.place != 'ball' else (3, 4):
+            denser = comb.order / share
+            resolved = denser * self.turns > 1.5 * self.count
+            if resolved and heights[band, _lines(denser)].sum() * RIVAL > own.sum():
+                return None
+        lines = _lines(comb.order)
+        rise = np.maximum(self.power / self.count - self._floor(), 0.0)[:, lines].sum(axis=1)
+        # A line is as wide as a bin, or as one turn over the turns of a snapshot.
+        rise *= max(1.0, STEP * self.turns / self.count)
+        lowest = np.array([low for low, _ in BANDS])
+        if comb.place == 'outer':
+            # As in :func:`sidebands.modulation_index`: below, a sound bearing shows there, too.
+            limit = min(CARRIER * comb.order * shaft_hz, 0.5 * lowest[rise > 0.0].max(initial=0.0))
+            rise[lowest < limit] = 0.0
+        return comb if 2.0 * math.sqrt(rise.max()) >= INDEX_FAULT else None

@@ -14,9 +14,9 @@ from dataclasses import asdict, dataclass, field
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import LEVELS
+from bearing_twin.bearing import LEVELS, PLACES
 from bearing_twin.diagnosis.alone import answer_alone, Answers, CONFIRMING
-from bearing_twin.diagnosis.averaging import AveragedEnvelope
+from bearing_twin.diagnosis.averaging import AveragedEnvelope, Comb
 from bearing_twin.diagnosis.averaging import LEAST as LEAST_AVERAGED
 from bearing_twin.diagnosis.baseline import Baseline, Memory, SETTLED
 from bearing_twin.diagnosis.chain import Excerpt
@@ -43,7 +43,6 @@ from scipy import fft
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.averaging import Comb
     from bearing_twin.diagnosis.result import Diagnosis
     from numpy.typing import ArrayLike, NDArray
 
@@ -70,6 +69,9 @@ class _Kept:
     rise: Rise = field(default_factory=Rise)
     points: list[SeriesPoint] = field(default_factory=list)
     answers: Answers = field(default_factory=Answers)
+    strong: Comb | None = None
+    """Fault that stands out of the envelopes of the last ``LEAST_AVERAGED`` snapshots, or of as
+    many before that are complete."""
     source: Source = field(default_factory=Source)
     held: str = 'none'
     """Level that is held."""
@@ -88,9 +90,11 @@ class _Kept:
     """Those since the last that was."""
 
     def __post_init__(self) -> None:
-        """Refuse, of a saved series, a level that none is."""
-        if self.held not in LEVELS:
-            msg = f'saved level {self.held!r:.60} is invalid; use what save() returned'
+        """Refuse, of a saved series, a level or a place that none is."""
+        place = self.strong.place if self.strong else PLACES[0]
+        if self.held not in LEVELS or place not in PLACES:
+            said = f'level {self.held!r:.60} or place {place!r:.60}'
+            msg = f'saved {said} is invalid; use what save() returned'
             raise BearingTwinError(msg)
 
 
@@ -152,6 +156,7 @@ class SeriesMonitor:
         self._levels: list[NDArray[np.float64]] = []
         self._quiet = AveragedEnvelope()
         self._loud = AveragedEnvelope()
+        self._recent = AveragedEnvelope()
 
     def add(
         self,
@@ -233,6 +238,8 @@ class SeriesMonitor:
         # That many healthy snapshots are no known machine.
         said = self._kept.answers.level
         said = said if memory.base or said != 'ok' else 'none'
+        if self._stands_out(signal, sample_rate, shaft_hz):
+            said = max(said, 'suspect', key=LEVELS.index)
         self._hold(time, max(by_level, said, key=LEVELS.index))
         if by_level in ('suspect', 'fault') and math.isnan(self._kept.risen):
             self._kept.risen = time
@@ -253,6 +260,15 @@ class SeriesMonitor:
             # What is long ago is kept more coarsely.
             del self._kept.points[: MOST // 2 : 2], self._levels[: MOST // 2 : 2]
         return point
+
+    def _stands_out(self, x: NDArray[np.float64], sample_rate: float, shaft_hz: float) -> bool:
+        """Take in an envelope; tell whether those of the newest snapshots show a strong fault."""
+        if self._bearing is not None and math.isfinite(shaft_hz):
+            self._recent.add(x, sample_rate, shaft_hz)
+            if self._recent.count == LEAST_AVERAGED:
+                self._kept.strong = self._recent.strong(self._bearing, shaft_hz)
+                self._recent.clear()
+        return self._kept.strong is not None
 
     @property
     def _teaches(self) -> bool:
@@ -395,7 +411,7 @@ class SeriesMonitor:
         base = self._kept.memory.base
         comb, place = None, ''
         if self._bearing is not None and self._kept.held in ('suspect', 'fault'):
-            comb = self._loud.place(self._bearing, self._quiet)
+            comb = self._loud.place(self._bearing, self._quiet) or self._kept.strong
             place = self._kept.answers.place or (comb.place if comb else '')
         change = self._change(self._kept.risen)
         warmer = math.nan
@@ -423,18 +439,21 @@ class SeriesMonitor:
         """Plain values and arrays worth keeping over a restart; see :meth:`load`."""
         values = {
             'kept': asdict(self._kept),
-            'averaged': [[a.count, a.turns] for a in (self._quiet, self._loud)],
+            'averaged': [[a.count, a.turns] for a in self._averages.values()],
         }
         arrays = {
             'levels': np.array(self._levels, dtype=np.float64).reshape(-1, len(MEASURES)),
-            'quiet': self._quiet.power,
-            'loud': self._loud.power,
+            **{name: a.power for name, a in self._averages.items()},
         }
         return values, arrays
 
+    @property
+    def _averages(self) -> dict[str, AveragedEnvelope]:
+        return {'quiet': self._quiet, 'loud': self._loud, 'recent': self._recent}
+
     def forget_answers(self) -> None:
-        """Drop what the snapshots said alone: it was of another bearing."""
-        self._kept.answers = Answers()
+        """Drop what the snapshots said without a rise of the level: it was of another bearing."""
+        self._kept.answers, self._kept.strong = Answers(), None
 
     def load(self, values: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
         """
@@ -451,9 +470,9 @@ class SeriesMonitor:
         if arrays['levels'].shape != (len(self._kept.points), len(MEASURES)):
             msg = f'saved levels have shape {arrays["levels"].shape}; use what save() returned'
             raise BearingTwinError(msg)
-        saved = zip(values['averaged'], (arrays['quiet'], arrays['loud']), strict=True)
-        for average, ((count, turns), power) in zip((self._quiet, self._loud), saved, strict=True):
-            average.load(int(count), float(turns), power)
+        saved = zip(self._averages.items(), values['averaged'], strict=True)
+        for (name, average), (count, turns) in saved:
+            average.load(int(count), float(turns), arrays[name])
 
     def _change(self, alarm: float) -> float:
         """Time at which the rise to an alarm began, the last zero of Page's CUSUM; NaN of none."""

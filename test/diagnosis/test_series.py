@@ -248,6 +248,42 @@ def test_place_from_snapshots_that_show_nothing_alone(name, place, said):
     assert comb.order == pytest.approx(order, rel=0.02)
 
 
+@pytest.mark.parametrize(
+    ('share', 'height', 'level'),
+    # A third of the order has harmonics there, too; three times the order every third one.
+    [
+        (1.0, 6.0, 'suspect'),
+        (1.0, 0.0, 'ok'),
+        (1.0, 0.5, 'ok'),
+        (3.0, 6.0, 'ok'),
+        (1 / 3, 6.0, 'ok'),
+    ],
+)
+def test_a_machine_that_is_damaged_from_the_first_short_snapshot_on(share, height, level):
+    """Six turns tell nothing alone, and nothing rises: the averaged envelope tells."""
+    bearing = find_bearing('6205')
+    order = share * fault_orders(bearing).impacts('outer')
+    rng = np.random.default_rng(11)
+    t = np.arange(100) / RATE
+    ring = np.exp(-1500.0 * t) * np.sin(2.0 * np.pi * 8e3 * t)
+    monitor = SeriesMonitor(bearing, DiagnosisSettings(baseline_windows=20))
+    for number in range(45):
+        hits = np.zeros(5120)
+        gap = RATE / (order * SHAFT_HZ)
+        hits[np.arange(rng.uniform(0.0, gap), 5120.0, gap).astype(int)] = height
+        x = rng.standard_normal(5120) + np.convolve(hits, ring)[:5120]
+        point = monitor.add(CYCLE * number, x, RATE, SHAFT_HZ)
+        if number == 30:
+            saved = monitor.save()
+    assert point.level == level
+    report = monitor.report()
+    assert report.place == ('outer' if level == 'suspect' else '')
+    assert ('in the average of 20 snapshots' in ' '.join(report.reasons)) == (level == 'suspect')
+    resumed = SeriesMonitor(bearing, DiagnosisSettings(baseline_windows=20))
+    resumed.load(*saved)
+    assert resumed.report().place == report.place
+
+
 def test_change_point_is_that_of_the_definition():
     rng = np.random.default_rng(5)
     levels = rng.standard_normal(500)
@@ -465,6 +501,7 @@ def test_series_is_saved_and_resumed_to_the_bit():
         ),
         ({'rise': {**kept['rise'], 'total': -1.0}}, arrays['levels']),
         ({'held': 'x'}, arrays['levels']),
+        ({'strong': {'place': 'x', 'order': 3.0, 'z': 6.0, 'snapshots': 20}}, arrays['levels']),
         ({}, arrays['levels'][:, :1]),
     ):
         forged = {**values, 'series': {**values['series'], 'kept': {**kept, **changed}}}
@@ -473,7 +510,7 @@ def test_series_is_saved_and_resumed_to_the_bit():
     # What does not fit together was met in the next snapshot only, and ended the node.
     averaged = values['series']['averaged']
     forgeries = [
-        ({}, {'averaged': [averaged[0], average]}, {})
+        ({}, {'averaged': [averaged[0], average, averaged[2]]}, {})
         for average in ([-1, 1.0], [2, -1.0], [3, 0.0], [math.inf, 1.0], [3, math.nan])
     ]
     forgeries += [
@@ -491,7 +528,8 @@ def test_series_is_saved_and_resumed_to_the_bit():
         with pytest.raises(BearingTwinError, match='use what save'):
             straight.load(pack(_VERSION, forged, {**arrays, **other_arrays}))
     # Snapshots of next to no turn resolve nothing, and say so.
-    forged = {**values, 'series': {**values['series'], 'averaged': [averaged[0], [99, 1e-300]]}}
+    absurd = [averaged[0], [99, 1e-300], [19, 1e-300]]
+    forged = {**values, 'series': {**values['series'], 'averaged': absurd}}
     resumed.load(pack(_VERSION, forged, arrays))
     assert played(resumed, range(60, 62), worn=0)[-1].level == 'fault'
     assert straight.save() == before
