@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from bearing_twin.errors import BearingTwinError
 
@@ -20,6 +20,8 @@ POISSON_STEEL = 0.3
 """Poisson's ratio of bearing steel."""
 CONFORMITY = {'inner': 0.515, 'outer': 0.525}
 """Groove radius over ball diameter."""
+Ellipse: TypeAlias = tuple[float, float, float, float]
+"""Of a contact: sum of the curvatures, 1/m, ratio of the half axes, and its K and E."""
 
 
 def elliptic_integrals(m: float) -> tuple[float, float]:
@@ -103,17 +105,43 @@ def contact_pressure(
     4.2
 
     """
-    rho_sum, ellipticity, _, e = _ellipse(bearing, race, conformity)
+    return pressure_of(force, _ellipse(bearing, race, conformity))
+
+
+def pressure_of(force: float, ellipse: Ellipse) -> float:
+    """
+    Greatest pressure in a contact, Pa, under a ``force`` in N; see `contact_pressure`.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> round(pressure_of(1000.0, ellipses(find_bearing('6205'))[0]) * 1e-9, 1)
+    2.4
+
+    """
+    rho_sum, ellipticity, _, e = ellipse
     reduced = YOUNG_STEEL / (1.0 - POISSON_STEEL**2)
     long = (2.0 * ellipticity**2 * e / math.pi * 3.0 * force / (rho_sum * reduced)) ** (1.0 / 3.0)
     return float(1.5 * force / (math.pi * long * long / ellipticity)) if force > 0.0 else 0.0
 
 
 @functools.lru_cache(maxsize=256)
-def _ellipse(
-    bearing: Bearing, race: str, conformity: float | None
-) -> tuple[float, float, float, float]:
-    """Sum of the curvatures, 1/m, ratio of the half axes of the contact, and its K and E."""
+def ellipses(bearing: Bearing) -> tuple[Ellipse, Ellipse]:
+    """
+    Contacts of a ball with inner and outer race, as `pressure_of` takes them.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> [round(contact[1], 1) for contact in ellipses(find_bearing('6205'))]
+    [11.0, 6.4]
+
+    """
+    return _ellipse(bearing, 'inner', None), _ellipse(bearing, 'outer', None)
+
+
+@functools.lru_cache(maxsize=256)
+def _ellipse(bearing: Bearing, race: str, conformity: float | None) -> Ellipse:
     conformity = CONFORMITY[race] if conformity is None else conformity
     if not 0.5 < conformity < 1.0:
         msg = f'{conformity=} of the {race} race is outside 0.5..1; typical values are 0.515..0.53'

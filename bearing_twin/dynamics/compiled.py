@@ -204,7 +204,7 @@ def _digest() -> str:
     """Return the digest of what compiled code depends on, besides the processor."""
     here = Path(__file__).parent
     digest = hashlib.sha256(nb.__version__.encode())
-    for folder in (here, here.parent / 'thermal'):
+    for folder in (here, here.parent / 'thermal', here.parent / 'bearing'):
         for source in sorted(folder.glob('*.py')):
             digest.update(source.read_bytes())
     return digest.hexdigest()[:16]

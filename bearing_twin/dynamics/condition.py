@@ -7,19 +7,49 @@ from __future__ import annotations
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.bearing import contact_pressure, fault_frequencies
-from bearing_twin.dynamics import coefficients, kernel
+from bearing_twin.bearing import fault_orders
+from bearing_twin.bearing.hertz import ellipses, pressure_of
+from bearing_twin.dynamics import kernel
+from bearing_twin.dynamics.coefficients import (
+    ALPHA,
+    BETA0,
+    CLEARANCE,
+    DEPTH,
+    EQUIVALENT,
+    evaluate,
+    FRICTION,
+    HARDNESS,
+    heaviest,
+    INNER,
+    INPUTS,
+    K_B,
+    KAPPA,
+    LIFE,
+    MOMENT,
+    OUTER,
+    SHAFT_HZ,
+    skids,
+    SLIP,
+    THERMAL_GAP,
+    VISCOSITY,
+)
 from bearing_twin.dynamics.compiled import compiled
-from bearing_twin.dynamics.limits import Limit, limits_passed
+from bearing_twin.dynamics.limits import Limit, limits_passed, Strain, which_limits
 import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
+    from bearing_twin.bearing.hertz import Ellipse
     from bearing_twin.dynamics.layout import Records
     from bearing_twin.dynamics.parameters import TwinParameters
 
 
 FloatArray = npt.NDArray[np.float64]
+
+_TWO_PI = 2.0 * math.pi
+_fault_orders = compiled()(fault_orders)
+_pressure_of = compiled()(pressure_of)
+_which_limits = compiled()(which_limits)
 
 
 class Condition(NamedTuple):
@@ -70,10 +100,6 @@ class Condition(NamedTuple):
     which it ends."""
     contact_pressure: float
     """Of the hardest pressed ball of a sound bearing at rest, Pa."""
-    limits_passed: Limit
-    """Limits of model and life that are passed."""
-    warnings: tuple[str, ...]
-    """A sentence for each of them."""
     shaft_hz: float
     """Shaft speed, Hz."""
     bpfo: float
@@ -94,6 +120,10 @@ class Condition(NamedTuple):
     """Displacement of the inner ring against the outer ring, m."""
     inner_y: float
     """m."""
+    limits_passed: Limit
+    """Limits of model and life that are passed."""
+    warnings: tuple[str, ...]
+    """A sentence for each of them."""
     ball_force: npt.NDArray[np.float32]
     """Radial contact force of each ball, N."""
 
@@ -119,63 +149,13 @@ def condition(
     1.011
 
     """
-    found, held, skids, pressed, ratings, motion, forces = _observed(
-        constants, values, at, inputs, states, tables
-    )
-    # As plain numbers at once: each look into an array takes longer.
-    of, bearing = found.tolist(), parameters.bearing
-    hz, slip = of[coefficients.SHAFT_HZ], of[coefficients.SLIP]
-    left = of[coefficients.THERMAL_GAP]
-    # The contact angle makes the ball's force larger than its radial part.
-    pressed /= math.cos(bearing.contact_angle)
-    inner, outer = contact_pressure(bearing, pressed), contact_pressure(bearing, pressed, 'outer')
-    pressure = max(inner, outer)
-    passed = limits_passed(
-        load=parameters.load,
-        equivalent=of[coefficients.EQUIVALENT],
-        dynamic_rating=ratings[0],
-        static_rating=ratings[1],
-        pressure=pressure,
-        kappa=of[coefficients.KAPPA],
-        shaft_hz=hz,
-        clearance=(left, held),
-        apart=of[coefficients.INNER] - of[coefficients.OUTER],
-        skids=skids,
-    )
     deepest = max([defect.depth for defect in parameters.defects], default=0.0)
-    bpfo, bpfi, bsf, ftf = fault_frequencies(bearing, hz, slip)
-    shaft, cage, spin, x, y = motion
-    return Condition(
-        alpha=of[coefficients.ALPHA],
-        hardness=of[coefficients.HARDNESS],
-        friction=of[coefficients.FRICTION],
-        beta0=of[coefficients.BETA0],
-        k_b=of[coefficients.K_B],
-        c_d=of[coefficients.DEPTH] * deepest,
-        radial_clearance=of[coefficients.CLEARANCE],
-        thermal_clearance=left,
-        slip=slip,
-        inner_ring_temperature=of[coefficients.INNER],
-        outer_ring_temperature=of[coefficients.OUTER],
-        viscosity=of[coefficients.VISCOSITY],
-        kappa=of[coefficients.KAPPA],
-        friction_moment=of[coefficients.MOMENT],
-        life_hours=of[coefficients.LIFE],
-        contact_pressure=pressure,
-        limits_passed=passed.which,
-        warnings=passed.sentences,
-        shaft_hz=hz,
-        bpfo=bpfo,
-        bpfi=bpfi,
-        bsf=bsf,
-        ftf=ftf,
-        shaft_angle=2.0 * math.pi * (shaft % 1.0),
-        cage_angle=2.0 * math.pi * (cage % 1.0),
-        ball_angle=2.0 * math.pi * (spin % 1.0),
-        inner_x=x,
-        inner_y=y,
-        ball_force=forces,
+    contacts = ellipses(parameters.bearing)
+    numbers, strain, passed, forces = _observed(
+        constants, values, at, inputs, states, tables, deepest, contacts
     )
+    which, sentences = limits_passed(strain, passed)
+    return Condition._make((*numbers, which, sentences, forces))
 
 
 @compiled()
@@ -186,19 +166,34 @@ def _observed(  # type: ignore[no-untyped-def]
     inputs: FloatArray,
     states: Records,
     tables: kernel.Tables,
+    deepest: float,
+    contacts: tuple[Ellipse, Ellipse],
 ):
     """
-    Return what of the condition takes arrays, in one call.
+    Work out all but the sentences in one call.
 
-    Coefficients, the clearance that the temperatures leave to the equations, whether the balls
-    skid, force on the heaviest ball, ratings, phases and displacement, forces of all balls.
+    Returns the numbers of a `Condition` in its order, the strain and the limits that it passes,
+    and the forces of all balls.
     """
-    found, state, c = values.copy(), states[0], constants[0]
+    of, state, c = values.copy(), states[0], constants[0]
     if c.physical != 0.0:
-        coefficients.evaluate(constants, at[0], at[1], at[2], found)
-    held, skids = found[coefficients.CLEARANCE], coefficients.skids(constants, found)
-    found[: coefficients.INPUTS] = inputs
-    pressed = coefficients.heaviest(constants, found)
-    motion = state.shaft, state.cage, state.spin, state.q[0] - state.q[2], state.q[1] - state.q[3]
-    forces = kernel.ball_forces(states, tables, found)
-    return found, held, skids, pressed, (c.dynamic_rating, c.static_rating), motion, forces
+        evaluate(constants, at[0], at[1], at[2], of)
+    held, skidding = of[CLEARANCE], skids(constants, of)
+    of[:INPUTS] = inputs
+    # The contact angle makes the ball's force larger than its radial part.
+    pressed = heaviest(constants, of) / c.cosine
+    pressure = max(_pressure_of(pressed, contacts[0]), _pressure_of(pressed, contacts[1]))
+    strain = Strain(
+        c.load, of[EQUIVALENT], c.dynamic_rating, c.static_rating, pressure, of[KAPPA],
+        of[SHAFT_HZ], of[THERMAL_GAP], held, of[INNER] - of[OUTER], skidding,
+    )  # fmt: skip
+    hz = of[SHAFT_HZ]
+    bpfo, bpfi, bsf, ftf = _fault_orders(c, of[SLIP])
+    numbers = (
+        of[ALPHA], of[HARDNESS], of[FRICTION], of[BETA0], of[K_B], of[DEPTH] * deepest,
+        of[CLEARANCE], of[THERMAL_GAP], of[SLIP], of[INNER], of[OUTER], of[VISCOSITY], of[KAPPA],
+        of[MOMENT], of[LIFE], pressure, hz, hz * bpfo, hz * bpfi, hz * bsf, hz * ftf,
+        _TWO_PI * (state.shaft % 1.0), _TWO_PI * (state.cage % 1.0), _TWO_PI * (state.spin % 1.0),
+        state.q[0] - state.q[2], state.q[1] - state.q[3],
+    )  # fmt: skip
+    return numbers, strain, _which_limits(strain), kernel.ball_forces(states, tables, of)

@@ -41,64 +41,76 @@ class Passed(NamedTuple):
     """One for each, with value, limit and consequence."""
 
 
+class Strain(NamedTuple):
+    """What a bearing bears, and what it can bear."""
+
+    load: float
+    """Radial load, N."""
+    equivalent: float
+    """The one of `life.equivalent_load`, which counts for the life, N."""
+    dynamic_rating: float
+    """N."""
+    static_rating: float
+    """N."""
+    pressure: float
+    """Of the hardest pressed ball at rest, Pa."""
+    kappa: float
+    """Viscosity ratio."""
+    shaft_hz: float
+    """Speed in Hz: a standing bearing has no film and needs none."""
+    left: float
+    """What the ring temperatures leave of the radial clearance, m."""
+    used: float
+    """What the model uses of it, m."""
+    apart: float
+    """Inner less outer ring temperature, K."""
+    skids: bool
+    """Whether the oil brakes the balls more than their traction holds."""
+
+
 _NOTHING = Passed(Limit(0), ())
+_LIFE_LOAD, _STATIC_LOAD, _PRESSURE, _FILM, _CLEARANCE, _SKIDDING = (int(each) for each in Limit)
 
 
-def limits_passed(
-    *,
-    load: float,
-    equivalent: float,
-    dynamic_rating: float,
-    static_rating: float,
-    pressure: float,
-    kappa: float,
-    shaft_hz: float,
-    clearance: tuple[float, float],
-    apart: float,
-    skids: bool,
-) -> Passed:
+def which_limits(strain: Strain) -> int:
     """
-    Return the limits that a bearing has passed.
+    Return the limits that are passed, as bits; compiled code takes it.
 
-    Parameters
-    ----------
-    load, equivalent
-        Radial load, and the one of `life.equivalent_load`, which counts for the life, N.
-    dynamic_rating, static_rating
-        N.
-    pressure
-        Of the hardest pressed ball at rest, Pa.
-    kappa, shaft_hz
-        Viscosity ratio, and the speed in Hz: a standing bearing has no film and needs none.
-    clearance
-        What the ring temperatures leave of the radial clearance, and what the model uses, m.
-    apart
-        Inner less outer ring temperature, K.
-    skids
-        Whether the oil brakes the balls more than their traction holds.
+    >>> which_limits(Strain(7.5e3, 7.5e3, 14e3, 7850.0, 2e9, 1.0, 25.0, 5e-6, 5e-6, 0.0, False))
+    1
+
+    """
+    of, bits = strain, 0
+    if of.equivalent > 0.5 * of.dynamic_rating:
+        bits |= _LIFE_LOAD
+    if of.equivalent > of.static_rating:
+        bits |= _STATIC_LOAD
+    if of.pressure > HIGHEST_PRESSURE:
+        bits |= _PRESSURE
+    if of.shaft_hz > 0.0 and of.kappa < LEAST_KAPPA:
+        bits |= _FILM
+    if of.left != of.used:
+        bits |= _CLEARANCE
+    if of.skids:
+        bits |= _SKIDDING
+    return bits
+
+
+def limits_passed(strain: Strain, bits: int) -> Passed:
+    """
+    Return the limits of `which_limits` with a sentence for each.
 
     Examples
     --------
-    >>> usual = {'dynamic_rating': 14e3, 'static_rating': 7850.0, 'pressure': 2e9, 'kappa': 1.0}
-    >>> usual |= {'shaft_hz': 25.0, 'clearance': (5e-6, 5e-6), 'apart': 0.0, 'skids': False}
-    >>> limits_passed(load=1000.0, equivalent=1000.0, **usual).sentences
-    ()
-    >>> limits_passed(load=7500.0, equivalent=7500.0, **usual).sentences[0]
+    >>> strain = Strain(7.5e3, 7.5e3, 14e3, 7850.0, 2e9, 1.0, 25.0, 5e-6, 5e-6, 0.0, False)
+    >>> limits_passed(strain, which_limits(strain)).sentences[0]
     'no life: the load of 7.5 kN exceeds half the dynamic rating of 14 kN, where ISO 281 ends'
 
     """
-    left, used = clearance
-    conditions = (
-        (Limit.LIFE_LOAD, equivalent > 0.5 * dynamic_rating),
-        (Limit.STATIC_LOAD, equivalent > static_rating),
-        (Limit.PRESSURE, pressure > HIGHEST_PRESSURE),
-        (Limit.FILM, shaft_hz > 0.0 and kappa < LEAST_KAPPA),
-        (Limit.CLEARANCE, left != used),
-        (Limit.SKIDDING, skids),
-    )
-    beyond = [limit for limit, holds in conditions if holds]
-    if not beyond:
+    if not bits:
         return _NOTHING
+    load, equivalent, dynamic_rating, static_rating, pressure, kappa, shaft_hz = strain[:7]
+    left, used, apart, _ = strain[7:]
     pressed = f'the load of {load * 1e-3:g} kN'
     if not math.isclose(load, equivalent, rel_tol=0.05):
         pressed += f', with this clearance as bad as {equivalent * 1e-3:.3g} kN,'
@@ -118,4 +130,4 @@ def limits_passed(
         Limit.SKIDDING: f'the balls skid: a load of {load:g} N is too small at {shaft_hz:g} Hz '
         f'for this oil; the model goes on with a cage slip of {HIGHEST_SLIP:.0%}',
     }
-    return Passed(Limit(sum(beyond)), tuple(said[limit] for limit in beyond))
+    return Passed(Limit(bits), tuple(text for limit, text in said.items() if limit & bits))
