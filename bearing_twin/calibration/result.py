@@ -197,7 +197,8 @@ class Calibration:
                 load=None if load is None else (float(load[0]), float(load[1])),
                 slip=float(machine['slip']),
             )
-            if missing := unknowns(situation).keys() - candidates.keys():
+            # An angle that is missing is zero.
+            if missing := unknowns(replace(situation, place='none')).keys() - candidates.keys():
                 raise KeyError(*sorted(missing))
             return cls(
                 situation=situation,
