@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from bearing_twin_msgs.msg import Diagnosis
 
 
-_VERSION = 2004
+_VERSION = 2005
 SHARE = 1.0 / 3.0
 """Most of one core that is used, over time: 10 s each 30 s."""
 MOST_SEEN = 100
@@ -321,14 +321,15 @@ class CalibrationCore:
 
     def save(self) -> bytes:
         """Return what is worth keeping over a restart: the healthy twin, and its residual."""
+        residuals, arrays = self._residuals.save()
         values = {
             'geometry': self._geometry,
             'reference': self._reference,
-            'residuals': self._residuals.save(),
+            'residuals': residuals,
             'repairs': self._repairs,
             'damaged': self._damaged,
         }
-        return pack(_VERSION, values, {})
+        return pack(_VERSION, values, arrays)
 
     def load(self, data: bytes) -> None:
         """
@@ -341,7 +342,7 @@ class CalibrationCore:
             unchanged.
 
         """
-        values, _ = unpack(data, _VERSION)
+        values, arrays = unpack(data, _VERSION)
         if values.get('geometry') != self._geometry:
             msg = (
                 f'the saved healthy twin is not of {self.bearing.name}; choose another state_name'
@@ -350,6 +351,6 @@ class CalibrationCore:
         reference = values.get('reference')
         if reference is not None:
             Fitted.from_dict(reference)
-        self._residuals = Residuals.of(values.get('residuals'))
+        self._residuals = Residuals.of(values.get('residuals'), arrays)
         self._reference, self._repairs = reference, int(values.get('repairs', 0))
         self._damaged = bool(values.get('damaged', False))

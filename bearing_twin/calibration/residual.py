@@ -10,7 +10,7 @@ was not there while the machine was healthy.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 import math
 from typing import Any
 
@@ -21,6 +21,8 @@ import numpy.typing as npt
 import scipy
 
 FloatArray = npt.NDArray[np.float64]
+Row = npt.NDArray[np.float32]
+"""A decision: so many are held that a byte counts."""
 
 ORDERS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0)
 """Of the shaft: imbalance, misalignment and looseness are there."""
@@ -154,10 +156,10 @@ class Unexplained:
         return self.number >= 1.0
 
 
-@dataclass
+@dataclass(eq=False)
 class Residual:
     """
-    Differences between a machine and its twin while it was healthy; plain values, to be saved.
+    Differences between a machine and its twin while it was healthy.
 
     The limit is a rank, so that no shape of the differences is assumed. If n healthy decisions and
     k new ones are independent and alike, all k are beyond the highest of the n once in
@@ -187,10 +189,10 @@ class Residual:
     """
 
     names: tuple[str, ...] = ()
-    rows: list[list[float]] = field(default_factory=list)
-    recent: list[list[float]] = field(default_factory=list)
+    rows: list[Row] = field(default_factory=list)
+    recent: list[Row] = field(default_factory=list)
     """The newest decisions, which are judged."""
-    waiting: list[list[float]] = field(default_factory=list)
+    waiting: list[Row] = field(default_factory=list)
     """Decisions that are learnt from if no alarm follows."""
     number: int = 0
     """Of its newest decision, counted over all speeds of the machine."""
@@ -204,7 +206,7 @@ class Residual:
             self.names, self.rows, self.recent, self.waiting = tuple(names), [], [], []
         if len(self.rows) < DAY:
             self._limits = []
-            self.rows.append(_plain(difference))
+            self.rows.append(np.float32(difference))
 
     def update(
         self, names: tuple[str, ...], difference: FloatArray, *, healthy: bool
@@ -218,7 +220,7 @@ class Residual:
         if found.alarm or not healthy or names != self.names:
             self.waiting = []
         if healthy and not found.alarm:
-            self.waiting.append(_plain(difference))
+            self.waiting.append(np.float32(difference))
         wait = 1 + (MOST_RUN - 1) * int(np.median(self._limits[0].apart) if self._limits else 1)
         while len(self.waiting) > min(wait, HISTORY) or (self.waiting and not self.rows):
             self.learn(names, np.array(self.waiting.pop(0)))
@@ -228,20 +230,20 @@ class Residual:
         """Compare a decision with the healthy ones."""
         alike = names == self.names
         if alike:
-            self.recent = [*self.recent, _plain(difference)][-HISTORY - BEFORE - LATELY :]
+            self.recent = [*self.recent, np.float32(difference)][-HISTORY - BEFORE - LATELY :]
         if not alike or len(self.rows) < LEAST:
             count = len(self.rows) if alike else 0
             return _nothing(f'{count} healthy decisions of {LEAST} that a limit needs')
         if len(self.recent) < LEAST_RUN:
             return _nothing(f'{len(self.recent)} decisions of {LEAST_RUN} that an alarm needs')
         if not self._limits:
-            rows = np.array(self.rows)
+            rows = np.array(self.rows, np.float64)
             steps = _steps(rows)
             allowed = DAY_DB if len(rows) < DAY else 0.0
             self._limits = [_limits(rows, allowed)]
             self._limits += [_limits(steps, 0.0)] if len(steps) >= LEAST else []
         deep = max(limits.deep for limits in self._limits)
-        recent = np.array(self.recent[-deep - BEFORE - LATELY :])
+        recent = np.array(self.recent[-deep - BEFORE - LATELY :], np.float64)
         said = ('is {:.0f} dB {} what the twin explains', ('over', 'under')), (
             'has {1} by {0:.0f} dB within the hour', ('risen', 'fallen'),
         )  # fmt: skip
@@ -262,31 +264,41 @@ class Residual:
             reason = 'the twin explains its machine'
         return Unexplained(max(number, 0.0), where, over, reason)
 
+    def save(self) -> tuple[dict[str, Any], Row]:
+        """Return plain values and all decisions, from which :meth:`of` makes it again."""
+        decisions = [*self.rows, *self.recent, *self.waiting]
+        values = {
+            'names': list(self.names), 'number': self.number, 'rows': len(self.rows),
+            'recent': len(self.recent),
+        }  # fmt: skip
+        return values, np.array(decisions, np.float32).reshape(-1, len(self.names))
+
     @classmethod
-    def of(cls, values: dict[str, Any]) -> Residual:
+    def of(cls, values: dict[str, Any], decisions: Row) -> Residual:
         """
-        Residual of saved values.
+        Residual of what was saved.
 
         Raises
         ------
         BearingTwinError
-            If they are not such values.
+            If it is not that.
 
         """
         try:
-            found = cls(tuple(map(str, values['names'])), values['rows'], values['recent'])
-            found.waiting, found.number = list(values['waiting']), int(values['number'])
-            rows = [*found.rows, *found.recent, *found.waiting]
-            sound = all(len(row) == len(found.names) for row in rows)
-            sound &= np.array(rows, dtype=np.float64).ndim < 3
-        except (KeyError, TypeError, ValueError):
-            sound = False
-        if not sound:
-            raise BearingTwinError(_NOT_SAVED)
-        return found
+            names, rows, recent = (
+                tuple(map(str, values['names'])),
+                values['rows'],
+                values['recent'],
+            )
+            if decisions.ndim != 2 or decisions.shape[1] != len(names) or min(rows, recent) < 0:
+                raise ValueError(decisions.shape)
+            learnt, newest, waiting = np.split(decisions, [rows, rows + recent])
+            return cls(names, list(learnt), list(newest), list(waiting), int(values['number']))
+        except (KeyError, TypeError, ValueError, AttributeError):
+            raise BearingTwinError(_NOT_SAVED) from None
 
 
-@dataclass
+@dataclass(eq=False)
 class Residuals:
     """
     Residuals of a machine at the speeds at which it was healthy: at another, its lines are others.
@@ -329,33 +341,36 @@ class Residuals:
         said = f'{found.reason} at {shaft_hz:.3g} Hz; known at {", ".join(speeds)} Hz'
         return replace(found, reason=said)
 
-    def save(self) -> list[dict[str, Any]]:
-        """Return plain values, from which :meth:`of` makes it again."""
-        return [{'shaft_hz': hz, **asdict(each)} for hz, each in self.known]
+    def save(self) -> tuple[list[dict[str, Any]], dict[str, Row]]:
+        """Return plain values and arrays, from which :meth:`of` makes it again."""
+        saved = [each.save() for _, each in self.known]
+        values = [
+            {'shaft_hz': hz, **plain}
+            for (hz, _), (plain, _) in zip(self.known, saved, strict=True)
+        ]  # fmt: skip
+        return values, {str(at): decisions for at, (_, decisions) in enumerate(saved)}
 
     @classmethod
-    def of(cls, values: Any) -> Residuals:
+    def of(cls, values: Any, arrays: dict[str, Row]) -> Residuals:
         """
-        Residuals of saved values.
+        Residuals of what was saved.
 
         Raises
         ------
         BearingTwinError
-            If they are not such values.
+            If it is not that.
 
         """
         try:
-            speeds = [float(each['shaft_hz']) for each in values]
+            known = [
+                (float(each['shaft_hz']), Residual.of(each, arrays[str(at)]))
+                for at, each in enumerate(values)
+            ]
         except (KeyError, TypeError, ValueError):
-            speeds = [math.nan]
-        if not all(0.0 < hz < math.inf for hz in speeds):
+            raise BearingTwinError(_NOT_SAVED) from None
+        if not all(0.0 < hz < math.inf for hz, _ in known):
             raise BearingTwinError(_NOT_SAVED)
-        return cls([(hz, Residual.of(each)) for hz, each in zip(speeds, values, strict=True)])
-
-
-def _plain(difference: FloatArray) -> list[float]:
-    """Return what is saved: hundredths of a decibel say no more."""
-    return [round(float(value), 2) for value in difference]
+        return cls(known)
 
 
 def _nothing(reason: str) -> Unexplained:
@@ -408,7 +423,11 @@ def _limits(rows: FloatArray, allowed: float) -> _Limits:
     """Limits by healthy decisions, dB; what is ``allowed`` comes on top."""
     count, bands = rows.shape
     centre = np.median(rows, axis=0)
-    memory = np.maximum(_memory(rows), _memory(np.abs(rows - centre)))
+    sizes = np.abs(rows - centre)
+    # All bands of a machine swell together, and a single one is too few to show it.
+    together = (sizes / np.maximum(sizes.mean(axis=0), 1e-9)).mean(axis=1)
+    size_memory = _memory(np.column_stack([sizes, together]))
+    memory = np.maximum(_memory(rows), np.maximum(size_memory[:-1], size_memory[-1]))
     apart = np.ceil(1.0 + MEMORY * (memory - 1.0) - 1e-9)
     centre[(LEAST_RUN - 1) * apart >= HISTORY] = math.nan
     reach = np.stack([rows.max(axis=0) - centre, centre - rows.min(axis=0)])

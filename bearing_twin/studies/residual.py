@@ -83,6 +83,25 @@ def _day(rng: Generator, shape: tuple[int, int]) -> NDArray[np.float64]:
     return np.asarray(0.3 * rng.standard_normal(shape) + turn * rng.uniform(-1, 1, shape[1]))
 
 
+def _drawn(rng: Generator, shape: tuple[int, int]) -> NDArray[np.float64]:
+    """Scatter, memory, tails, swelling and day of a machine are drawn at random."""
+    count, bands = shape
+    each = rng.standard_t(rng.uniform(4.0, 30.0), shape)
+    both = each + rng.uniform(0.0, 2.0) * rng.standard_normal((count, 1))
+    scatter = 10.0 ** rng.uniform(-1.0, 0.3, bands) * with_memory(both, rng.uniform(1.0, 30.0))
+    swelling = rng.uniform(0.0, 0.5) * with_memory(
+        rng.standard_normal((count, 1)), rng.uniform(1.0, 60.0)
+    )
+    turn = np.sin(2.0 * np.pi * (np.arange(count)[:, None] / DAY + rng.random()))
+    return np.asarray(np.exp(swelling) * scatter + turn * rng.uniform(-1.0, 1.0, bands))
+
+
+def _shifts(rng: Generator, shape: tuple[int, int]) -> NDArray[np.float64]:
+    """Each band is up to 1 dB higher or lower in every second shift of eight hours."""
+    late = (np.arange(shape[0])[:, None] + rng.integers(960)) // 480 % 2
+    return _normal(rng, shape) + late * rng.uniform(-1.0, 1.0, shape[1])
+
+
 HEALTHY: dict[str, Draw] = {
     'independent': _normal,
     'memory of 5 decisions': lambda rng, shape: with_memory(_normal(rng, shape), 5.0),
@@ -92,6 +111,8 @@ HEALTHY: dict[str, Draw] = {
     'sway of load and speed': _sway,
     'bursts of scatter': _bursts,
     'day and night': _day,
+    'all of these, drawn at random': _drawn,
+    'load in shifts': _shifts,
 }
 """Differences of healthy machines, dB, shape (decisions, bands)."""
 

@@ -2,11 +2,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the twin does not explain: changes that no fault family has, and healthy data below."""
 
-from dataclasses import asdict
 import math
+import time
 
-from bearing_twin.calibration.residual import LEAST, Residual, Residuals, spectral_levels
+from bearing_twin.calibration import residual as residual_module
+from bearing_twin.calibration.residual import (
+    DAY,
+    LEAST,
+    Residual,
+    Residuals,
+    spectral_levels,
+    SPEEDS,
+)
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.packed import pack
 from bearing_twin.studies.disturbances import with_memory
 from bearing_twin.studies.residual import decisions_until, false_alarms, HEALTHY
 import numpy as np
@@ -105,11 +114,14 @@ def test_a_machine_is_known_at_the_speeds_at_which_it_was_healthy():
         assert found.number < 1.0
         there = residuals.update(*levels(25.0), 25.0, healthy=True)
     assert there.number < 1.0
-    again = Residuals.of(residuals.save())
-    assert again == residuals
+    values, arrays = residuals.save()
+    again = Residuals.of(values, arrays).save()
+    assert again[0] == values and all(map(np.array_equal, again[1].values(), arrays.values()))
     for broken in (None, [{}], [{'shaft_hz': 0.0}], {'shaft_hz': 1.0}, [{'shaft_hz': 25.0}]):
         with pytest.raises(BearingTwinError, match='use what save'):
-            Residuals.of(broken)
+            Residuals.of(broken, arrays)
+    with pytest.raises(BearingTwinError, match='use what save'):
+        Residuals.of([{**each, 'shaft_hz': 0.0} for each in values], arrays)
     # A speed that was only passed by is given up for a new one.
     for hz in range(40, 200, 4):
         residuals.update(*levels(0.5 * hz), float(hz), healthy=True)
@@ -174,15 +186,41 @@ def test_nothing_is_said_before_the_limit_is_known_and_what_was_learnt_is_kept()
     for _ in range(2):
         found = residual.judge(names, np.array([3.0, math.nan]))
     assert found.where == '10 Hz'
-    again = Residual.of(asdict(residual))
-    assert again == residual
+    again = Residual.of(*residual.save())
+    assert again.save()[0] == residual.save()[0]
+    assert np.array_equal(again.save()[1], residual.save()[1], equal_nan=True)
     assert again.judge(names, np.array([9.0, 1.0])).number == pytest.approx(
         residual.judge(names, np.array([9.0, 1.0])).number
     )
     # Another sample rate has other bands: what was learnt is of no use.
     assert math.isnan(again.judge(('20 Hz',), np.zeros(1)).number)
-    for broken in ({}, {'names': names, 'rows': [[1.0]], 'recent': [], 'waiting': []}):
+    values, decisions = residual.save()
+    for broken in (
+        ({}, decisions), (values, None), (values, decisions[:, :1]), (values, decisions[0]),
+        (values | {'rows': -1}, decisions), (values | {'rows': 'many'}, decisions),
+    ):  # fmt: skip
         with pytest.raises(BearingTwinError, match='use what save'):
-            Residual.of(broken)
+            Residual.of(*broken)
     with pytest.raises(BearingTwinError, match='2 s of finite samples'):
         spectral_levels(np.ones(100), 25600.0, 25.0)
+
+
+def test_a_state_of_all_speeds_is_a_few_megabytes_and_packed_at_once():
+    rng = np.random.default_rng(3)
+    names = tuple(f'band {n}' for n in range(86))
+    day = list(rng.standard_normal((DAY, 86)).astype(np.float32))
+    known = [(10.0 * 1.04**k, Residual(names, list(day))) for k in range(SPEEDS)]
+    values, arrays = Residuals(known).save()
+    start = time.process_time()
+    assert len(pack(1, {'residuals': values}, arrays)) < 17e6
+    assert time.process_time() - start < 0.5
+
+
+def test_a_machine_whose_bands_swell_together_is_given_the_memory_of_all():
+    """A band alone is too few to show for how long its scatter stays larger."""
+    rng = np.random.default_rng(4)
+    swelling = np.exp(0.5 * with_memory(rng.standard_normal((200, 1)), 10.0))
+    rows = swelling * rng.standard_normal((200, 64))
+    sizes = np.abs(rows - np.median(rows, axis=0))
+    assert np.median(residual_module._memory(sizes)) < 5.0
+    assert residual_module._limits(rows, 0.0).apart.min() > 10
