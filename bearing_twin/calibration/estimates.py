@@ -23,7 +23,7 @@ from bearing_twin.calibration.passage import (
     widest,
 )
 from bearing_twin.calibration.path import noise_floor
-from bearing_twin.calibration.posterior import resolved, weighted_quantile
+from bearing_twin.calibration.posterior import longest_doubtful, weighted_quantile
 from bearing_twin.calibration.refusals import Kind, Refusal
 from bearing_twin.calibration.result import Estimate
 from bearing_twin.diagnosis.severity import acceleration_factor
@@ -162,9 +162,9 @@ def of_defect(
                 why = refusal.why
             else:
                 # What hides the spacing hides it in narrower defects too, whatever was supposed.
-                longest = max(resolved(measured), measured.spacing)
-                hidden = longest * situation.speed + taken_off(situation, 0.95)
-                high = max(high, min(about.high, 1e3 * hidden))
+                hidden = longest_doubtful(measured) * situation.speed
+                hidden += taken_off(situation, 0.95)
+                high = max(high, 1e3 * hidden)
                 low, why = 0.0, f'at most {high:.2f} mm: {refusal.why}'
         quantities[name] = Estimate(
             q05=low, median=median, q95=high, unit=about.unit,

@@ -204,7 +204,7 @@ def limit(
     """
     Draw from what is left possible where no spacing can be told.
 
-    The spacing is no longer than the one that is seen, or than what the record resolves.
+    The spacing is no longer than those that are seen, or than what the record resolves.
 
     Parameters as for :func:`sample`.
 
@@ -221,9 +221,7 @@ def limit(
     """
     prior = unknowns(situation)
     drawn, summaries = _round(situation, prior, candidates, seed)
-    longest = resolved(measured)
-    if measured.seen:
-        longest = max(longest, measured.spacing)
+    longest = longest_doubtful(measured)
     kept = np.array([not s.seen or s.spacing <= longest for s in summaries])
     if not kept.any():
         kept[:] = True
@@ -282,6 +280,23 @@ def resolved(measured: Summary) -> float:
 
     """
     return RESOLVED * measured.lobe
+
+
+def longest_doubtful(measured: Summary) -> float:
+    """
+    Longest spacing that may be that of a passage where none can be told, s.
+
+    Examples
+    --------
+    >>> from bearing_twin.calibration.summaries import summarise
+    >>> noise = np.random.default_rng(1).standard_normal(25600)
+    >>> measured = summarise(noise, 12800.0, 5e-3)
+    >>> longest_doubtful(measured) >= resolved(measured)
+    True
+
+    """
+    seen = (measured.spacing, *measured.rivals) if measured.seen else ()
+    return max(resolved(measured), *seen, 0.0)
 
 
 def _round(

@@ -124,7 +124,7 @@ class Summary:
     prominence: float
     """Of that peak; 0 if there is none."""
     rival: float
-    """Prominence of the clearest peak at another lag, over that; 0 if there is none."""
+    """Prominence of the clearest peak at another lag, a shorter one too, over that; 0 if none."""
     rivals: tuple[float, ...]
     """Other lags with a peak more than `RIVAL` as prominent, s."""
     lobe: float
@@ -308,11 +308,14 @@ def _peak(
 ) -> tuple[float, float, float, tuple[float, ...]]:
     """Lag and prominence of the clearest peak from a lag on, of its rival over it, and rivals."""
     peaks, found = scipy.signal.find_peaks(correlation, prominence=FAINTEST / 4.0)
-    prominences = np.where(peaks > shortest * rate, found['prominences'], 0.0)
-    if not (prominences >= max(SIGNIFICANT * scatter, FAINTEST)).any():
+    # A shorter lag is no spacing that is told, but where it is as clear it may be the true one.
+    prominences = found['prominences']
+    if not len(peaks):
         return math.nan, 0.0, 0.0, ()
-    best = int(np.argmax(prominences))
+    best = int(np.argmax(np.where(peaks > shortest * rate, prominences, 0.0)))
     at = int(peaks[best])
+    if at <= shortest * rate or prominences[best] < max(SIGNIFICANT * scatter, FAINTEST):
+        return math.nan, 0.0, 0.0, ()
     before, top, after = correlation[at - 1 : at + 2]
     bend = before - 2.0 * top + after
     shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0

@@ -78,3 +78,17 @@ def test_the_comb_of_a_pair_of_impacts_does_not_pass_for_a_fast_resonance():
         x = signal.lfilter([1.0], np.poly([pole, pole.conjugate()]).real, impacts)
         x += 0.05 * x.std() * rng.standard_normal(len(x))
         assert fastest_resonance(x, rate, apart / rate) == pytest.approx(1500.0, rel=0.15)
+
+
+def test_a_clearer_repetition_that_is_too_short_makes_a_longer_one_doubtful():
+    """Impacts 0.3 ms apart, as close as one is long, and an echo of half their height later."""
+    rate, rng = 20000.0, np.random.default_rng(1)
+    x = 0.01 * rng.standard_normal(60000)
+    entries = np.cumsum(rng.normal(330.0, 2.0, 170)).astype(int)
+    x[entries] += 1.0
+    x[entries + 6] += 0.8 * rng.standard_normal(170)
+    x[entries + 28] += 0.4 * rng.standard_normal(170)
+    found = summarise(signal.lfilter([1.0], [1.0, -0.5], x), rate, 5e-3)
+    assert found.spacing == pytest.approx(1.4e-3, rel=0.01)
+    assert found.rival > 1.0
+    assert min(found.rivals) == pytest.approx(0.3e-3, rel=0.05)
