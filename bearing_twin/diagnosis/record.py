@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 import functools
-import itertools
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -161,7 +160,9 @@ def diagnose_record(
     if speeds.size == 1 and analysis.window is not None:
         power, bin_hz = analysis.window.low, 1.0 / analysis.window.seconds
         for hertz in other_shafts_hz(power, bin_hz, float(speeds), settings.speed_tolerance):
-            if not analysis.may_show(hertz):
+            # The lines of a fault that is named can pass for those of a shaft.
+            own = found.level == 'fault' and abs(hertz - found.fault_hz) <= bin_hz
+            if own or not analysis.may_show(hertz):
                 continue
             turns_so = turning._replace(shaft_hz=np.array([hertz]))
             said = Excerpt.of(signal, turns_so, *fixed, **known).analyse().alone
@@ -254,12 +255,21 @@ def _moving(
     That two parts agree keeps false names as rare as those of one. Else a record that would be
     *ok* or not known is suspect where two such parts suspect one place, or one part has an alarm.
     """
-    weaker = None
+    weaker, alarms_only = None, whole.level == 'suspect'
+
+    @functools.cache
+    def said(part: Excerpt) -> Diagnosis:
+        return part.analyse().alone
+
     for count in (2, 4):
         if turns < count * _PART_TURNS:
             break
-        said = [part.analyse().alone for part in parts(count)]
-        for one, other in itertools.pairwise(said):
+        cut = parts(count)
+        for first in range(count - 1):
+            # Of each two neighbours one has an odd number, so these tell that there is no alarm.
+            if alarms_only and said(cut[first | 1]).level != 'fault':
+                continue
+            one, other = said(cut[first]), said(cut[first + 1])
             line_hz = one.sample_rate / min(one.sample_count, other.sample_count)
             moved = abs(other.fault_hz - one.fault_hz)
             if one.faults != other.faults or not moved > line_hz:
@@ -274,7 +284,9 @@ def _moving(
             less = min(one, other, key=lambda said: LEVELS.index(said.level))
             if less.level == 'suspect':
                 weaker = weaker or _of_part(whole, less, text)
-        alarm = next((part for part in said if part.level == 'fault'), None)
+        if alarms_only:
+            continue
+        alarm = next((one for one in map(said, cut) if one.level == 'fault'), None)
         if alarm and not weaker:
             text = (
                 f'only one part of {turns / count:.0f} turns is an alarm, and the speed seems to '
@@ -282,7 +294,7 @@ def _moving(
             )
             alarm = replace(alarm, level='suspect', confidence=UNKNOWN)
             weaker = _of_part(whole, alarm, text)
-    return weaker if whole.level in ('none', 'ok') else None
+    return None if alarms_only else weaker
 
 
 def _whole_turns(part: Diagnosis, moved_hz: float) -> Diagnosis:

@@ -6,8 +6,8 @@ from itertools import product
 import re
 
 from bearing_twin.bearing import fault_orders, find_bearing, own_bearing, PLACES
-from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings
-from bearing_twin.diagnosis.chain import Excerpt
+from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, record
+from bearing_twin.diagnosis.chain import Analysis, Excerpt
 from bearing_twin.diagnosis.confidence import confidence, Trust
 from bearing_twin.diagnosis.impulsive_outliers import limit_impulsive_outliers
 from bearing_twin.diagnosis.power import smallest_detectable
@@ -341,6 +341,18 @@ def test_a_shaft_that_shows_at_another_speed_is_said(rng, factor, result, level)
     assert found and float(found[1]) == pytest.approx(SHAFT_HZ, rel=0.002)
     # Lines of the given speed leave nothing to ask.
     assert diagnose_record(x, RATE, bearing, SHAFT_HZ).faults == ('inner',)
+
+
+def test_lines_of_a_named_fault_are_no_other_shaft(rng, monkeypatch):
+    bearing, asked = find_bearing('6205'), []
+    order = fault_orders(bearing, 0.005).bpfo
+    times = np.arange(0.0, SECONDS, 1.0 / (order * SHAFT_HZ))
+    at = order * SHAFT_HZ
+    monkeypatch.setattr(Analysis, 'may_show', lambda _, hertz: asked.append(hertz))
+    monkeypatch.setattr(record, 'other_shafts_hz', lambda *_: [at + 0.1, at + 1.0])
+    said = diagnose_record(_ringing(rng, times, 3000.0, 1.5), RATE, bearing, SHAFT_HZ)
+    assert said.faults == ('outer',) and said.fault_hz == pytest.approx(at, abs=0.1)
+    assert asked == [at + 1.0]
 
 
 def test_pulsation_of_blades_is_no_alarm(rng):
