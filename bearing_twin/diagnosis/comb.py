@@ -9,7 +9,7 @@ from functools import cached_property
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.kernels import best_bands, comb_sums, three_bins
+from bearing_twin.diagnosis.kernels import best_bands, comb_sums, mark_near, three_bins
 from bearing_twin.diagnosis.spectra import quantiles
 import numpy as np
 
@@ -94,15 +94,9 @@ class OrderSpectra:
 
     def near(self, orders: NDArray[np.float64], half_width: float) -> NDArray[np.bool_]:
         """(K,) mask of the bins within ``half_width`` orders of any of ``orders``."""
-        count = len(self.logs)
-        first = np.ceil((orders - half_width) / self.step) - 1.0
-        last = np.floor((orders + half_width) / self.step)
-        # How many ranges have begun by each bin, less those that have ended.
-        begun, ended = (
-            np.bincount(np.clip(edge, 0, count).astype(np.intp), minlength=count + 1)
-            for edge in (first, np.maximum(last, first))
-        )
-        return np.asarray(np.cumsum(begun - ended)[:count] > 0)
+        mask = np.zeros(len(self.logs), np.bool_)
+        mark_near(orders, half_width, self.step, mask)
+        return mask
 
     def at_given_speed(self) -> OrderSpectra:
         """Return the same over orders of the speed handed in."""

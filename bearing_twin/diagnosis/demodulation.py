@@ -19,8 +19,9 @@ from bearing_twin.diagnosis.bands import band_tree, BandTree, squared_envelopes
 from bearing_twin.diagnosis.comb import HARMONICS
 from bearing_twin.diagnosis.gate import DAMPING, HIGHEST_RINGING_HZ, SHAFT_TURNS
 from bearing_twin.diagnosis.impulsive_outliers import limit_impulsive_outliers
+from bearing_twin.diagnosis.kernels import moments
 from bearing_twin.diagnosis.severity import Levels
-from bearing_twin.diagnosis.spectra import line_cap, whiten
+from bearing_twin.diagnosis.spectra import line_cap, transform, whiten
 from bearing_twin.diagnosis.thresholds import KURTOSIS
 import numpy as np
 from scipy import fft
@@ -45,6 +46,9 @@ _CLASSES = 4
 _OVERSAMPLED, _ANGULAR = 1.03, 1.7
 """Rate of the envelope points over twice the highest frequency; more where they are taken over
 angle by interpolation."""
+
+_AT_ONCE = 16
+"""Bands that are transformed together: four fill a register, and sixteen stay in the cache."""
 
 
 def highest_fault_order(bearing: Bearing) -> float:
@@ -94,8 +98,9 @@ class Layout(NamedTuple):
 class Segment:
     """What is computed of a segment once."""
 
-    envelopes: NDArray[np.float32]
-    """(W, B, (lap + hop) / step): squared envelope of each band; its ends fade."""
+    envelopes: tuple[NDArray[np.float32], ...]
+    """Squared envelopes, whitening by whitening, ((lap + hop) / step, n) of n <= 16 bands each;
+    their ends fade."""
     slow: NDArray[np.float32]
     """((lap + hop) / step,): low-passed signal over its RMS; its ends fade."""
     lines: NDArray[np.float32]
@@ -204,8 +209,8 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
     >>> from bearing_twin.bearing import find_bearing
     >>> layout = choose_layout(25600.0, 25600, 8, find_bearing('6307'), 25.0)
     >>> segment = demodulate(np.random.default_rng(0).standard_normal(25600), layout)
-    >>> segment.envelopes.shape
-    (2, 26, 1344)
+    >>> [part.shape for part in segment.envelopes]
+    [(1344, 16), (1344, 16), (1344, 16), (1344, 4)]
 
     """
     lap, length, step = layout.lap, layout.hop + layout.lap, layout.step
@@ -229,8 +234,12 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
     if kurtosis > KURTOSIS:
         flat = fft.irfft(white[0], n=length)[length - len(x) + lap : length - lap]
         kurtosis = min(kurtosis, _kurtosis(flat))
+    rows = squared_envelopes(white, layout.tree, points).reshape(-1, points)
     return Segment(
-        squared_envelopes(white, layout.tree, points),
+        tuple(
+            np.ascontiguousarray(rows[first : first + _AT_ONCE].T)
+            for first in range(0, len(rows), _AT_ONCE)
+        ),
         slow,
         power * np.float32((2.0 * length / taper_sum) ** 2),
         levels,
@@ -239,8 +248,8 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
 
 
 def _kurtosis(x: NDArray[np.floating]) -> float:
-    square = x * x
-    return float((square * square).mean() / max(float(square.mean()) ** 2, 1e-300))
+    second, _, fourth = moments(np.asarray(x, np.float64), 0.0)
+    return fourth / len(x) / max((second / len(x)) ** 2, 1e-300)
 
 
 def _spectrum(
@@ -253,7 +262,7 @@ def _spectrum(
     part[: len(fade)] *= fade
     part[-len(fade) :] *= fade[::-1]
     padded *= np.float32(1.0 / length)
-    return np.asarray(fft.rfft(padded))
+    return transform(padded)
 
 
 @functools.lru_cache(maxsize=16)

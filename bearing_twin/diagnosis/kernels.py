@@ -20,7 +20,12 @@ NEUTRAL = 0.5963474
 
 
 @compiled(fast=FAST, borrows=True)
-def line_power(lines: NDArray[np.complex64], power: NDArray[np.float32]) -> None:
+def line_power(
+    lines: NDArray[np.complex64],
+    scale: NDArray[np.float32],
+    power: NDArray[np.float32],
+    first: int,
+) -> None:
     """
     Write the power of the lines under a Hann window relative to that of the mean.
 
@@ -29,24 +34,26 @@ def line_power(lines: NDArray[np.complex64], power: NDArray[np.float32]) -> None
     Parameters
     ----------
     lines
-        (B, > K + 1) transforms of squared envelopes.
+        (> K + 1, n) transforms of squared envelopes.
+    scale
+        (n,) one over the mean of each.
     power
-        (B, K), written: line k + 1.
+        (K, B), of which n columns are written: line k + 1.
+    first
+        First of these columns.
 
     """
-    for band in range(len(power)):
-        row, out = lines[band], power[band]
-        mean = max(row[0].real, np.float32(1e-30))
-        scale = np.float32(1.0) / mean
-        half = np.float32(0.5)
-        for k in range(len(out)):
-            below, at, above = row[k], row[k + 1], row[k + 2]
-            # The mean itself leaks into the first line.
-            if k == 0:
-                below = np.complex64(0.0)
-            real = (at.real - half * (below.real + above.real)) * scale
-            imag = (at.imag - half * (below.imag + above.imag)) * scale
-            out[k] = real * real + imag * imag
+    bands, half = len(scale), np.float32(0.5)
+    for k in range(len(power)):
+        below, at, above = lines[k], lines[k + 1], lines[k + 2]
+        out = power[k, first : first + bands]
+        # The mean itself leaks into the first line.
+        share = half if k else np.float32(0.0)
+        for band in range(bands):
+            real = at[band].real - share * below[band].real - half * above[band].real
+            imag = at[band].imag - share * below[band].imag - half * above[band].imag
+            real, imag = real * scale[band], imag * scale[band]
+            out[band] = real * real + imag * imag
 
 
 @compiled(fast=FAST, borrows=True)
@@ -64,33 +71,113 @@ def over_floor(
     Parameters
     ----------
     power
-        (B, K).
+        (K, B).
     levels
-        (B, L) floor at the bins ``first + n hop``; it is linear between them and flat outside.
+        (L, B) floor at the bins ``first + n hop``; it is linear between them and flat outside.
     first, hop
         See ``levels``.
-    ratio, excess
-        (B, K), written.
+    ratio
+        (K, B), written.
+    excess
+        (K, <= B), written: of as many bands.
 
     """
-    bands, count = power.shape
-    parts = levels.shape[1]
+    count, bands = power.shape
+    parts, wanted = len(levels), excess.shape[1]
     zero, one = np.float32(0.0), np.float32(1.0)
-    for band in range(bands):
-        for part in range(parts + 1):
-            # From each level to the next; before the first and after the last it is flat.
-            begin = 0 if part == 0 else min(max(int(np.ceil(first + (part - 1) * hop)), 0), count)
-            end = count if part == parts else min(int(np.ceil(first + part * hop)), count)
-            low = levels[band, max(part - 1, 0)]
-            rise = (levels[band, min(part, parts - 1)] - low) / np.float32(hop)
-            away = np.float32(begin - (first + (part - 1) * hop))
-            values = power[band, begin:end]
-            over, above = ratio[band, begin:end], excess[band, begin:end]
-            for k in range(len(values)):
-                floor = low + (away + np.float32(k)) * rise
-                over[k] = one + values[k] / floor
-                left = values[k] - floor
-                above[k] = left if left > zero else zero
+    for part in range(parts + 1):
+        # From each level to the next; before the first and after the last it is flat.
+        begin = 0 if part == 0 else min(max(int(np.ceil(first + (part - 1) * hop)), 0), count)
+        end = count if part == parts else min(int(np.ceil(first + part * hop)), count)
+        low, high = levels[max(part - 1, 0)], levels[min(part, parts - 1)]
+        for k in range(begin, end):
+            way = np.float32((k - (first + (part - 1) * hop)) / hop)
+            values, over, above = power[k], ratio[k], excess[k]
+            for band in range(bands):
+                over[band] = one + values[band] / (low[band] + way * (high[band] - low[band]))
+            for band in range(wanted):
+                left = values[band] - (low[band] + way * (high[band] - low[band]))
+                above[band] = left if left > zero else zero
+
+
+@compiled(fast=FAST, borrows=True)
+def join_quarters(
+    quarters: NDArray[np.complex64], turns: NDArray[np.complex64], joined: NDArray[np.complex64]
+) -> None:
+    """
+    Write the one-sided transform of a record from those of every fourth of its samples.
+
+    Parameters
+    ----------
+    quarters
+        (M // 2 + 1, 4) one-sided transforms of M samples each.
+    turns
+        (M // 2 + 1,) turn by which the second quarter is behind the first.
+    joined
+        (2 M + 1,), written.
+
+    """
+    each, last = len(joined) // 2, len(joined) - 1
+    for k in range(len(turns)):
+        one, turn = quarters[k, 0], turns[k]
+        two, three = turn * quarters[k, 1], turn * turn * quarters[k, 2]
+        four = turn * turn * turn * quarters[k, 3]
+        even, odd = one + three, two + four
+        away, across = one - three, two - four
+        # Times i.
+        across = np.complex64(complex(-across.imag, across.real))
+        joined[k] = even + odd
+        joined[each + k] = away - across
+        joined[each - k] = np.conj(away + across)
+        joined[last - k] = np.conj(even - odd)
+
+
+@compiled(fast=FAST - {'nnan', 'ninf'}, borrows=True)
+def moments(x: NDArray[np.float64], mean: float) -> tuple[float, float, float]:
+    """
+    Return the sums of the second, third and fourth power of the deviation from a mean.
+
+    Parameters
+    ----------
+    x
+        (n,).
+    mean
+        In the unit of x.
+
+    """
+    second = third = fourth = 0.0
+    for value in x:
+        away = value - mean
+        square = away * away
+        second += square
+        third += square * away
+        fourth += square * square
+    return second, third, fourth
+
+
+@compiled(borrows=True)
+def mark_near(
+    orders: NDArray[np.float64], half_width: float, step: float, mask: NDArray[np.bool_]
+) -> None:
+    """
+    Mark the rows within ``half_width`` orders of any of some orders.
+
+    Parameters
+    ----------
+    orders
+        (N,).
+    half_width, step
+        Orders; row k belongs to order (k + 1) step.
+    mask
+        (K,), written where it is so.
+
+    """
+    count = len(mask)
+    for order in orders:
+        first = np.ceil((order - half_width) / step) - 1.0
+        last = np.floor((order + half_width) / step)
+        for k in range(int(min(max(first, 0.0), count)), int(min(last, count))):
+            mask[k] = True
 
 
 @compiled(borrows=True)

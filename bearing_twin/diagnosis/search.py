@@ -87,7 +87,7 @@ class CombSearch:
         self.top = len(spectra.logs) * spectra.step
         shaft = np.arange(1.0, self.top + 1.0)
         self._silent = spectra.near(shaft, 1.25 * spectra.step)
-        self.spectra = spectra.silenced(shaft, 1.25 * spectra.step)
+        self.spectra = replace(spectra, hidden=spectra.quiet | self._silent)
         self._all = spectra
         self._columns: dict[float, NDArray[np.intp]] = {}
         self._multiples: dict[float, int] = {}

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import math
 from typing import TYPE_CHECKING
 
+from bearing_twin.diagnosis.kernels import moments
 from bearing_twin.diagnosis.result import Severity
 import numpy as np
 
@@ -121,16 +122,13 @@ class Levels:
 
         """
         mean = float(x.mean())
-        away = x - mean
-        square = away * away
-        sums = float(square.sum()), float((square * away).sum()), float((square * square).sum())
         power = 2.0 * (spectrum.real**2 + spectrum.imag**2)
         bin_hz = sample_rate / (2 * len(spectrum) - 2)
         edges = [_rows(*band, bin_hz, len(power)) for band in BANDS_HZ]
         powers = [float(power[rows].sum(dtype=np.float64)) for rows in edges]
         omega = 2.0 * math.pi * bin_hz * np.arange(edges[0].start, edges[0].stop)
         powers.append(float((power[edges[0]] / (omega * omega)).sum()))
-        return cls(len(x), mean, sums, float(x.min()), float(x.max()), tuple(powers))
+        return cls(len(x), mean, moments(x, mean), float(x.min()), float(x.max()), tuple(powers))
 
     @classmethod
     def together(cls, parts: Sequence[Levels]) -> Levels:

@@ -21,6 +21,8 @@ SHAFT_FOUND = 5.0
 
 _HARMONICS = 6
 _MARGIN = 3.0
+_BESIDE = np.concatenate((np.linspace(0.68, 0.73, 64), np.linspace(1.18, 1.23, 64)))
+"""Combs of the null over the speed: well away from the shaft and from its simple fractions."""
 _STEADY = 0.005
 _FACTOR = 4.0
 """Most by which a given speed is thought to be wrong: motors have 2, 4, 6 or 8 poles."""
@@ -80,8 +82,7 @@ def refine_shaft_hz(
     step = bin_hz / (2.0 * _HARMONICS)
     reach = max(tolerance * given_hz, step)
     near = given_hz + np.arange(-int(reach / step), int(reach / step) + 1) * step
-    # The null: combs well away from the shaft and from its simple fractions.
-    beside = given_hz * np.concatenate((np.linspace(0.68, 0.73, 64), np.linspace(1.18, 1.23, 64)))
+    beside = given_hz * _BESIDE
     last = min(int(np.ceil(8.0 * given_hz / bin_hz)), len(power) - 1, len(envelopes.logs))
     low = power[1 : last + 1]
     direct = np.log1p(low / local_floor(low, max(int(4.0 * given_hz / bin_hz), 32)))
@@ -221,14 +222,14 @@ class Turning(NamedTuple):
 
 def resample(values: NDArray[np.floating], at: NDArray[np.float64]) -> NDArray[np.floating]:
     """
-    Values at fractional positions along the last axis.
+    Values at fractional positions along the first axis.
 
     Four-point Lagrange interpolation: third order, local, exact at whole positions.
 
     Parameters
     ----------
     values
-        Shape (..., N), N at least 4.
+        Shape (N, ...), N at least 4.
     at
         Positions from 0 to N - 1, shape (M,).
 
@@ -237,15 +238,15 @@ def resample(values: NDArray[np.floating], at: NDArray[np.float64]) -> NDArray[n
     True
 
     """
-    base = np.clip(np.floor(at).astype(np.intp), 1, values.shape[-1] - 3)
-    t = (at - base).astype(values.dtype)
+    base = np.clip(np.floor(at).astype(np.intp), 1, len(values) - 3)
+    t = (at - base).astype(values.dtype).reshape(-1, *[1] * (values.ndim - 1))
     weights = (
         -t * (t - 1.0) * (t - 2.0) / 6.0,
         (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
         -(t + 1.0) * t * (t - 2.0) / 2.0,
         (t + 1.0) * t * (t - 1.0) / 6.0,
     )
-    found = np.zeros((*values.shape[:-1], len(at)), values.dtype)
+    found = np.zeros((len(at), *values.shape[1:]), values.dtype)
     for shift, weight in enumerate(weights, start=-1):
-        found += np.take(values, base + shift, axis=-1) * weight
+        found += values[base + shift] * weight
     return found

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import functools
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.kernels import line_power, over_floor
+from bearing_twin.diagnosis.kernels import join_quarters, line_power, over_floor
 import numpy as np
 from scipy import fft
 
@@ -27,6 +27,34 @@ WHITENINGS = ('capped', 'cepstral')
 
 _TINY = 1e-30
 _CAP, _CAP_TURNS = 4.0, 50.0
+
+
+def transform(x: NDArray[np.float32]) -> NDArray[np.complex64]:
+    """
+    One-sided transform of a record: of each fourth sample at once, as registers hold four.
+
+    Parameters
+    ----------
+    x
+        Shape (n,).
+
+    >>> x = np.random.default_rng(0).standard_normal(4096).astype(np.float32)
+    >>> bool(np.allclose(transform(x), np.fft.rfft(x), atol=1e-3))
+    True
+
+    """
+    if len(x) % 4:
+        return np.asarray(fft.rfft(x))
+    joined = np.empty(len(x) // 2 + 1, np.complex64)
+    join_quarters(fft.rfft(x.reshape(-1, 4), axis=0), _turns(len(x)), joined)
+    return joined
+
+
+@functools.lru_cache(maxsize=16)
+def _turns(count: int) -> NDArray[np.complex64]:
+    """Turn of each line of a quarter of so many samples from one sample of the whole on."""
+    turns = np.exp(-2j * np.pi / count * np.arange(count // 8 + 1))
+    return np.asarray(turns, np.complex64)
 
 
 def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
@@ -84,10 +112,11 @@ def floor_levels(power: NDArray[np.float32], width: int) -> tuple[NDArray[np.flo
         hop, blocks = count, 1
     # Centred on the range, so that what the blocks leave over falls on both ends alike.
     offset = (count - blocks * hop) // 2
-    tiles = power[..., offset : offset + blocks * hop].reshape(*power.shape[:-1], blocks, hop)
+    tiles = np.array(power[..., offset : offset + blocks * hop], order='C')
+    tiles = tiles.reshape(*power.shape[:-1], blocks, hop)
     middle = hop // 2
-    medians = np.partition(tiles, middle, axis=-1)[..., middle]
-    medians *= np.float32(_over_middle(hop))
+    tiles.partition(middle, axis=-1)
+    medians = tiles[..., middle] * np.float32(_over_middle(hop))
     levels = 0.5 * (medians[..., 1:] + medians[..., :-1]) if blocks > 1 else medians
     return np.maximum(levels, np.float32(_TINY)), offset + hop - 0.5, hop
 
@@ -232,7 +261,7 @@ def envelope_spectra(
     Parameters
     ----------
     envelopes
-        Squared envelopes, (n, N) of a few bands at a time, whitening by whitening.
+        Squared envelopes, (N, n) of a few bands at a time, whitening by whitening.
     rate
         Points a second.
     bands
@@ -242,32 +271,27 @@ def envelope_spectra(
     floor_width
         Bins in a block of the floor.
 
-    >>> envelopes = np.random.default_rng(0).exponential(size=(2, 4, 1280)).astype(np.float32)
+    >>> envelopes = np.random.default_rng(0).exponential(size=(2, 1280, 4)).astype(np.float32)
     >>> found = envelope_spectra(envelopes, 1280.0, bands=4, max_hz=500.0, floor_width=64)
     >>> found.logs.shape, found.power.shape, found.bin_hz
     ((500, 8), (4, 500), 1.0)
 
     """
-    begin, kept_levels = 0, []
+    begin = 0
     for part in envelopes:
-        rows, points = part.shape
         if not begin:
+            points = len(part)
             bin_hz = rate / points
             count = min(max(int(max_hz / bin_hz), 16), points // 2 - 1)
-            logs = np.empty((count, len(WHITENINGS) * bands), np.float32)
-            excess = np.empty((count, bands), np.float32)
-            kept = np.empty((bands, count), np.float32)
-        power = np.empty((rows, count), np.float32)
-        line_power(fft.rfft(part, axis=-1), power)
-        # Under a Hann window every other bin tells as much.
-        levels, first, hop = floor_levels(power[:, ::2], floor_width // 2)
-        first, hop = 2.0 * first, 2 * hop
-        ratio, above = np.empty_like(power), np.empty_like(power)
-        over_floor(power, levels, first, hop, ratio, above)
-        logs[:, begin : begin + rows] = np.log(ratio, out=ratio).T
-        mine = max(min(bands - begin, rows), 0)
-        excess[:, begin : begin + mine] = above[:mine].T
-        kept[begin : begin + mine] = power[:mine]
-        kept_levels.append(levels[:mine])
-        begin += rows
-    return EnvelopeSpectra(bin_hz, logs, excess, kept, np.concatenate(kept_levels), first, hop)
+            power = np.empty((count, len(WHITENINGS) * bands), np.float32)
+        lines = fft.rfft(part, axis=0)
+        scale = np.float32(1.0) / np.maximum(lines[0].real, np.float32(_TINY))
+        line_power(lines, scale, power, begin)
+        begin += len(scale)
+    # Under a Hann window every other bin tells as much.
+    levels, first, hop = floor_levels(power[::2].T, floor_width // 2)
+    first, hop = 2.0 * first, 2 * hop
+    logs, excess = np.empty_like(power), np.empty((count, bands), np.float32)
+    over_floor(power, np.ascontiguousarray(levels.T), first, hop, logs, excess)
+    np.log(logs, out=logs)
+    return EnvelopeSpectra(bin_hz, logs, excess, power[:, :bands].T, levels[:bands], first, hop)

@@ -12,9 +12,8 @@ from bearing_twin.diagnosis.comb import order_spectra, OrderSpectra
 from bearing_twin.diagnosis.demodulation import highest_order
 from bearing_twin.diagnosis.severity import Levels, measure_severity
 from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample, ShaftSpeed
-from bearing_twin.diagnosis.spectra import envelope_spectra
+from bearing_twin.diagnosis.spectra import envelope_spectra, transform
 import numpy as np
-from scipy import fft
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,10 +25,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.shaft import Turning
     from bearing_twin.diagnosis.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
-
-
-_AT_ONCE = 8
-"""Bands that are transformed together: four stay in one register, and eight in the cache."""
 
 
 @dataclass(frozen=True)
@@ -106,10 +101,9 @@ def analyse_window(
     """
     lap, bands = layout.lap // layout.step, layout.tree.bands
     slow = _joined([segment.slow for segment in segments], lap)
-    rows = [segment.envelopes.reshape(-1, lap + layout.hop // layout.step) for segment in segments]
     envelopes = (
-        _joined([part[begin : begin + _AT_ONCE] for part in rows], lap)
-        for begin in range(0, len(rows[0]), _AT_ONCE)
+        _joined(parts, lap)
+        for parts in zip(*(segment.envelopes for segment in segments), strict=True)
     )
     shaft_hz = turning.mean_hz
     if turning.varies:
@@ -124,7 +118,7 @@ def analyse_window(
         max_hz=highest_order(bearing) * shaft_hz,
         floor_width=max(int(4.0 * shaft_hz / bin_hz), 32),
     )
-    low = fft.rfft(slow)
+    low = transform(slow)
     power = low.real**2 + low.imag**2
     speed = refine_shaft_hz(power, bin_hz, spectra, shaft_hz, settings.speed_tolerance)
     each = tuple(segment.lines for segment in segments)
@@ -151,8 +145,8 @@ def analyse_window(
 
 def _joined(parts: Sequence[NDArray[np.float32]], lap: int) -> NDArray[np.float32]:
     """Join segments that fade into one another over ``lap`` points; leave out the first lap."""
-    hop = parts[0].shape[-1] - lap
-    whole = np.concatenate([part[..., lap:] for part in parts], axis=-1)
+    hop = len(parts[0]) - lap
+    whole = np.concatenate([part[lap:] for part in parts])
     for number, part in enumerate(parts[1:], start=1):
-        whole[..., number * hop - lap : number * hop] += part[..., :lap]
+        whole[number * hop - lap : number * hop] += part[:lap]
     return whole

@@ -70,7 +70,7 @@ def _of_log(envelopes: Iterable[_Logs], rate: float, *, share: float, **known: A
     parts = list(envelopes)
     found = envelope_spectra(parts, rate, **known)
     # The offset keeps the mean above zero; lines over their floor do not depend on it.
-    logs = [np.log(np.maximum(p / p.mean(axis=-1, keepdims=True), 1e-3)) + 14.0 for p in parts]
+    logs = [np.log(np.maximum(p / p.mean(axis=0), 1e-3)) + 14.0 for p in parts]
     other = envelope_spectra(logs, rate, **known).logs
     return replace(found, logs=np.asarray(found.logs + share * (other - found.logs)))
 

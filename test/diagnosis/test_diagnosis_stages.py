@@ -27,9 +27,8 @@ RATE = 12800.0
 def _envelope_spectra(whitened, tree, *, max_hz, floor_width):
     """Spectra of a whole record that is one segment: at each of its samples, nothing left out."""
     points = 2 * (tree.levels[0][0])
-    envelopes = squared_envelopes(whitened, tree, points)
     return envelope_spectra(
-        envelopes,
+        squared_envelopes(whitened, tree, points).transpose(0, 2, 1),
         points * tree.bin_hz,
         bands=len(tree.bands),
         max_hz=max_hz,
@@ -159,7 +158,7 @@ def test_points_of_an_envelope_do_not_change_its_spectrum(rng, points):
     tree = band_tree(12_800, 1.0, depth=3, narrowest_hz=700.0)
     few, many = (
         envelope_spectra(
-            squared_envelopes(white, tree, count),
+            squared_envelopes(white, tree, count).transpose(0, 2, 1),
             float(count),
             bands=len(tree.bands),
             max_hz=500.0,
