@@ -341,6 +341,8 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy)
     assert message.residual_alarm and message.residual_reason.endswith(
         'call ~/reset to learn it anew'
     )
+    alarmed = Machine(namespace='', calibrations=[(0.0, message)])
+    assert alarmed.unexplained.startswith(f'{message.residual_reason} (residual ')
     assert 'learnt anew' in core.forget()
     assert minute(71, 0.0).residual_reason.startswith('this calibration is the healthy twin')
     # A fault that is named while the fit runs began in the record: it teaches nothing.
@@ -355,6 +357,7 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy)
     # Report and Rerun show it.
     message.band, message.measured_level, message.twin_level = ['25 Hz'], [3.0], [1.0]
     machine = Machine(namespace='', calibrations=[(0.0, message), (30.0, message)])
+    assert machine.unexplained and Machine(namespace='').unexplained == ''
     shown = [*figures(machine, 'a'), *appended_figures(machine, 'b')]
     assert [caption.split(';')[0].split(':')[0] for caption, _ in shown] == [
         'The twin fitted to the machine',

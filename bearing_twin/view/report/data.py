@@ -67,6 +67,14 @@ class Machine:
     """Topics of vibration; ``vibration``, else the first, is shown."""
 
     @property
+    def unexplained(self) -> str:
+        """What the fitted twin does not explain at the end; '' without an alarm."""
+        if not self.calibrations or not self.calibrations[-1][1].residual_alarm:
+            return ''
+        newest = self.calibrations[-1][1]
+        return f'{newest.residual_reason} (residual {newest.residual:.2g}, an alarm)'
+
+    @property
     def name(self) -> str:
         """Name for a heading."""
         return self.namespace or '/'

@@ -189,6 +189,7 @@ def _banner(machine: Machine, worst: Any) -> str:
         *([f'Found {escape(found)}.'] if found else []),
         f'In {escape(machine.headline.span)}.',
         f'Vibration {escape(machine.source.text or "not recorded")}.',
+        *([f'Beyond the bearing: {escape(machine.unexplained)}.'] if machine.unexplained else []),
         f'Next step: {escape(next_step(worst))}',
     ]
     head = f'<b>{escape(title_of(worst))}</b>'

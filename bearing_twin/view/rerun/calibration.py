@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import samples_ns
@@ -85,6 +86,13 @@ class CalibrationPicture(Picture):
         )
 
 
+def _residual(message: Any) -> str:
+    if math.isnan(message.residual):
+        return f'no residual yet: {message.residual_reason}'
+    size = f'{message.residual:.2g}{", an alarm" if message.residual_alarm else " of 1"}'
+    return f'residual {size}: {message.residual_reason}'
+
+
 def _words(message: Any) -> str:
     """Return statement, quantities and residual in Markdown."""
     rows = zip(
@@ -94,8 +102,8 @@ def _words(message: Any) -> str:
     lines = [
         f'**{message.statement}**',
         '',
-        f'distance {message.distance_before:.1f} -> {message.distance:.1f} dB; residual: '
-        f'{message.residual_reason}',
+        f'distance {message.distance_before:.1f} -> {message.distance:.1f} dB; '
+        + _residual(message),
         '',
         '| quantity | 5 % | median | 95 % | | told | why |',
         '|---|---|---|---|---|---|---|',
