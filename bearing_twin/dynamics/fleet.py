@@ -386,9 +386,10 @@ class Fleet:
     def _tick_all(self, outer: FloatArray, hz: FloatArray) -> None:
         """Advance the inner rings by a thermal tick."""
         lanes, seconds = self._lanes, self._tick / self.sample_rate
-        inner_ring.advance_all(
-            lanes.constants[: len(outer)], outer, hz, lanes.rings, lanes.drift, self._tick, seconds
-        )
+        inner_ring.tick_all(
+            lanes.constants, lanes.values, (self._temperatures, self._shaft_hz), (outer, hz),
+            lanes.rings, lanes.drift, self._tick, seconds,
+        )  # fmt: skip
 
     def _checked(
         self, name: str, given: npt.ArrayLike, check: Callable[[float], float]

@@ -84,17 +84,26 @@ def inputs(
 
 
 def settle(
-    constants: Records, outer: float, hz: float, rings: FloatArray, drift: FloatArray
+    constants: Records,
+    alike: FloatArray,
+    outer: float,
+    hz: float,
+    rings: FloatArray,
+    drift: FloatArray,
 ) -> None:
     """
     Put the inner ring into its steady state; see the module for ``rings`` and ``drift``.
+
+    ``alike`` are the values of `coefficients.evaluate` with both rings at ``outer``.
 
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
     >>> constants = coefficients.constants_of(preset('incipient', thermal_mode='physical'))
     >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
-    >>> settle(constants, 60.0, 25.0, rings, drift)
+    >>> alike = np.empty(coefficients.CONDITION_SIZE)
+    >>> coefficients.evaluate(constants, 60.0, 60.0, 25.0, alike)
+    >>> settle(constants, alike, 60.0, 25.0, rings, drift)
     >>> rings.round(2).tolist()
     [63.34, 63.34]
     >>> round(1e6 * float(drift[0, coefficients.CLEARANCE]), 2)  # of the clearance, um
@@ -104,34 +113,46 @@ def settle(
     rings[:] = math.nan
     if constants[0].physical != 0.0:
         rings[:] = coefficients.inner_temperature(constants, outer, outer, hz, math.inf)
-    drift[0] = _difference(constants, outer, rings[0], hz)
+    drift[0] = _difference(constants, alike, outer, rings[0], hz)
     drift[1] = 0.0
 
 
 def carry(
-    constants: Records, outer: float, hz: float, rings: FloatArray, drift: FloatArray, tick: int
+    constants: Records,
+    alike: FloatArray,
+    outer: float,
+    hz: float,
+    rings: FloatArray,
+    drift: FloatArray,
+    tick: int,
 ) -> None:
     """
-    Go on from ``rings`` with other constants.
+    Go on from ``rings`` with other constants; ``alike`` as :func:`settle` takes them.
 
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
     >>> constants = coefficients.constants_of(preset('incipient', thermal_mode='physical'))
     >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
-    >>> settle(constants, 60.0, 25.0, rings, drift)
-    >>> heavy = preset('incipient', thermal_mode='physical', load=1000.0)
-    >>> carry(coefficients.constants_of(heavy), 60.0, 25.0, rings, drift, 2560)
+    >>> alike = np.empty(coefficients.CONDITION_SIZE)
+    >>> coefficients.evaluate(constants, 60.0, 60.0, 25.0, alike)
+    >>> settle(constants, alike, 60.0, 25.0, rings, drift)
+    >>> heavy = coefficients.constants_of(
+    ...     preset('incipient', thermal_mode='physical', load=1000.0)
+    ... )
+    >>> coefficients.evaluate(heavy, 60.0, 60.0, 25.0, alike)
+    >>> carry(heavy, alike, 60.0, 25.0, rings, drift, 2560)
     >>> rings.round(2).tolist()  # the ring goes on from where it was
     [63.34, 63.34]
 
     """
-    drift[0] = _difference(constants, outer, rings[0], hz)
-    drift[1] = (_difference(constants, outer, rings[1], hz) - drift[0]) / tick
+    drift[0] = _difference(constants, alike, outer, rings[0], hz)
+    drift[1] = (_difference(constants, alike, outer, rings[1], hz) - drift[0]) / tick
 
 
 def advance(
     constants: Records,
+    alike: FloatArray,
     outer: float,
     hz: float,
     rings: FloatArray,
@@ -142,13 +163,18 @@ def advance(
     """
     One tick, of ``seconds``: the ring goes on towards its balance with outer ring and shaft.
 
+    ``alike`` as :func:`settle` takes them.
+
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
     >>> constants = coefficients.constants_of(preset('incipient', thermal_mode='physical'))
     >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
-    >>> settle(constants, 60.0, 25.0, rings, drift)
-    >>> advance(constants, 80.0, 25.0, rings, drift, 2560, 0.1)
+    >>> alike = np.empty(coefficients.CONDITION_SIZE)
+    >>> coefficients.evaluate(constants, 60.0, 60.0, 25.0, alike)
+    >>> settle(constants, alike, 60.0, 25.0, rings, drift)
+    >>> coefficients.evaluate(constants, 80.0, 80.0, 25.0, alike)
+    >>> advance(constants, alike, 80.0, 25.0, rings, drift, 2560, 0.1)
     >>> rings.round(2).tolist()  # the outer ring is at 80 degC now, and the inner one follows
     [63.34, 63.61]
 
@@ -156,15 +182,16 @@ def advance(
     rings[0] = rings[1]
     rings[1] = coefficients.inner_temperature(constants, outer, rings[0], hz, seconds)
     drift[0] += drift[1] * tick
-    drift[1] = (_difference(constants, outer, rings[1], hz) - drift[0]) / tick
+    drift[1] = (_difference(constants, alike, outer, rings[1], hz) - drift[0]) / tick
 
 
 @compiled()
-def _difference(constants: Records, outer: float, inner: float, hz: float) -> FloatArray:
+def _difference(
+    constants: Records, alike: FloatArray, outer: float, inner: float, hz: float
+) -> FloatArray:
     """Return what an inner ring of another temperature adds to the inputs."""
-    apart, alike = np.empty(coefficients.CONDITION_SIZE), np.empty(coefficients.CONDITION_SIZE)
+    apart = np.empty(coefficients.CONDITION_SIZE)
     coefficients.evaluate(constants, outer, inner, hz, apart)
-    coefficients.evaluate(constants, outer, outer, hz, alike)
     return apart[: coefficients.INPUTS] - alike[: coefficients.INPUTS]
 
 
@@ -172,16 +199,43 @@ _advance = compiled()(advance)
 
 
 @compiled()
-def advance_all(
+def tick_one(
     constants: Records,
-    outer: FloatArray,
-    hz: FloatArray,
+    values: FloatArray,
+    was: tuple[float, float],
+    now: tuple[float, float],
     rings: FloatArray,
     drift: FloatArray,
     tick: int,
     seconds: float,
 ) -> None:
-    """One tick of every bearing in the physical mode; arrays with the bearing first."""
-    for i in range(constants.shape[0]):
+    """
+    One tick of a bearing in the physical mode at outer ring's temperature and speed ``now``.
+
+    ``values`` are those at ``was``: held inputs need no others.
+    """
+    alike = values
+    if now != was:
+        alike = np.empty(coefficients.CONDITION_SIZE)
+        coefficients.evaluate(constants, now[0], now[0], now[1], alike)
+    _advance(constants, alike, now[0], now[1], rings, drift, tick, seconds)
+
+
+@compiled()
+def tick_all(
+    constants: Records,
+    values: FloatArray,
+    was: tuple[FloatArray, FloatArray],
+    now: tuple[FloatArray, FloatArray],
+    rings: FloatArray,
+    drift: FloatArray,
+    tick: int,
+    seconds: float,
+) -> None:
+    """Do `tick_one` for every bearing in the physical mode; arrays with the bearing first."""
+    for i in range(now[0].shape[0]):
         if constants[i].physical != 0.0:
-            _advance(constants[i : i + 1], outer[i], hz[i], rings[i], drift[i], tick, seconds)
+            tick_one(
+                constants[i : i + 1], values[i], (was[0][i], was[1][i]), (now[0][i], now[1][i]),
+                rings[i], drift[i], tick, seconds,
+            )  # fmt: skip

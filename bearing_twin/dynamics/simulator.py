@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import zlib
 
 from bearing_twin.dynamics import coefficients, filters, inner_ring, kernel
+from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.condition import Condition, condition
 from bearing_twin.dynamics.layout import CHUNK, Records, STATE
 from bearing_twin.dynamics.parameters import check_speed
@@ -235,29 +236,13 @@ class Simulator:
         begin, end = self.values, self.values
         if (temperature, shaft_hz) != was:
             end = self._evaluate(temperature, temperature, shaft_hz)
-        start = begin[: coefficients.INPUTS]
-        growth = end[: coefficients.INPUTS] - start
-        out = np.empty((2, n), dtype=np.float32)
-        first, done = self.next_sample, 0
-        while done < n:
-            count = n - done
-            if self._parameters.thermal_mode == 'physical':
-                count = min(count, self.tick - self.next_sample % self.tick)
-            ramp = start + growth * (np.array([[done], [done + count]]) / n)
-            kernel.advance(
-                self.state, self.history, self.tables, self._resonators, self._taps, ramp,
-                self.drift, self.fade, self.faded, self.seed,
-                self.next_sample, self.next_sample % self.tick, out[:, done : done + count],
-            )  # fmt: skip
-            done += count
-            self.next_sample += count
-            if self._parameters.thermal_mode == 'physical' and self.next_sample % self.tick == 0:
-                share = done / n
-                inner_ring.advance(
-                    self.constants, was[0] + (temperature - was[0]) * share,
-                    was[1] + (shaft_hz - was[1]) * share, self.rings, self.drift, self.tick,
-                    self.tick / self.sample_rate,
-                )  # fmt: skip
+        out, first = np.empty((2, n), dtype=np.float32), self.next_sample
+        _advance(
+            self.state, self.history, self.tables, self._resonators, self._taps, self.constants,
+            (begin, end), was, (temperature, shaft_hz), self.rings, self.drift, self.fade,
+            self.faded, self.seed, first, self.tick, self.tick / self.sample_rate, out,
+        )  # fmt: skip
+        self.next_sample += n
         self._temperature, self._shaft_hz, self.values = temperature, shaft_hz, end
         return Block(first_sample=first, x=out[0], y=out[1], describe=self._describe())
 
@@ -448,13 +433,61 @@ class Simulator:
         """Put the inner ring into its steady state."""
         outer, hz = self._temperature, self._shaft_hz
         self.values = self._evaluate(outer, outer, hz)
-        inner_ring.settle(self.constants, outer, hz, self.rings, self.drift)
+        inner_ring.settle(self.constants, self.values, outer, hz, self.rings, self.drift)
 
     def _carry_rings(self) -> None:
         """Let the inner ring go on with the parameters in force."""
         outer, hz = self._temperature, self._shaft_hz
         self.values = self._evaluate(outer, outer, hz)
-        inner_ring.carry(self.constants, outer, hz, self.rings, self.drift, self.tick)
+        inner_ring.carry(self.constants, self.values, outer, hz, self.rings, self.drift, self.tick)
+
+
+@compiled()
+def _advance(
+    states: Records,
+    history: FloatArray,
+    tables: kernel.Tables,
+    resonators: FloatArray,
+    taps: FloatArray,
+    constants: Records,
+    values: tuple[FloatArray, FloatArray],
+    was: tuple[float, float],
+    to: tuple[float, float],
+    rings: FloatArray,
+    drift: FloatArray,
+    fade: FloatArray,
+    faded: int,
+    seed: int,
+    first: int,
+    tick: int,
+    seconds: float,
+    out: npt.NDArray[np.float32],
+) -> None:
+    """
+    Advance a bearing and its inner ring through a block, from tick to tick.
+
+    ``values``, and ``was`` and ``to``, temperature in degC and speed in Hz, are those of begin
+    and end; ``seconds`` are those of a tick; for the others see `kernel.advance`.
+    """
+    begin, end = values
+    n, done, physical = out.shape[1], 0, constants[0].physical != 0.0
+    ramp = np.empty((2, coefficients.INPUTS))
+    while done < n:
+        since = (first + done) % tick
+        count = min(n - done, tick - since) if physical else n - done
+        for i in range(coefficients.INPUTS):
+            growth = end[i] - begin[i]
+            ramp[0, i] = begin[i] + growth * (done / n)
+            ramp[1, i] = begin[i] + growth * ((done + count) / n)
+        kernel.advance(
+            states, history, tables, resonators, taps, ramp, drift, fade, faded, seed,
+            first + done, since, out[:, done : done + count],
+        )  # fmt: skip
+        done += count
+        if physical and (first + done) % tick == 0:
+            share = done / n
+            now = was[0] + (to[0] - was[0]) * share, was[1] + (to[1] - was[1]) * share
+            inner_ring.tick_one(constants, begin, was, now, rings, drift, tick, seconds)
 
 
 def _condition(
