@@ -367,7 +367,7 @@ class Analysis:
             combs = CombSearch(spectra, bearing, speed)
             outer_hz = combs.orders.bpfo * speed.shaft_hz
             plain = partial(low_lines, window.amplitude, window.bin_hz, outer_hz, speed.shaft_hz)
-            return Evidence(combs, turns, window.kurtosis, steps, plain)
+            return Evidence(combs, turns, steps, window.kurtosis, plain)
 
         verdict = decide(evidence(accumulate(windows), speed))
         if speed.shaft_hz == given_hz:

@@ -94,6 +94,21 @@ class Layout(NamedTuple):
     tree: BandTree
 
 
+class Flat(NamedTuple):
+    """Samples of a segment with lines capped: what few verdicts ask for."""
+
+    spectrum: NDArray[np.complex64]
+    """One-sided."""
+    length: int
+    """Samples of the segment."""
+    inside: slice
+    """Those that do not fade."""
+
+    def kurtosis(self) -> float:
+        """Kurtosis of the samples that do not fade."""
+        return _kurtosis(fft.irfft(self.spectrum, n=self.length)[self.inside])
+
+
 @dataclass(frozen=True)
 class Segment:
     """What is computed of a segment once."""
@@ -106,9 +121,19 @@ class Segment:
     lines: NDArray[np.float32]
     """Squared one-sided amplitude spectrum, bin k at k sample_rate / (hop + lap)."""
     levels: Levels
-    kurtosis: float
-    """Of the samples without single shocks; above ``KURTOSIS`` that of the whitened ones, if less:
-    there steady pulses, of belts and cams, are lines, which are capped."""
+    limited_kurtosis: float
+    """Of the samples without single shocks."""
+    flat: Flat | None
+    """The whitened samples, where that is above ``KURTOSIS``."""
+
+    @functools.cached_property
+    def kurtosis(self) -> float:
+        """
+        Of the samples without single shocks; above ``KURTOSIS`` of the whitened ones, if less.
+
+        There steady pulses, of belts and cams, are lines, which are capped.
+        """
+        return min(self.limited_kurtosis, self.flat.kurtosis() if self.flat else math.inf)
 
 
 @functools.lru_cache(maxsize=64)
@@ -230,10 +255,9 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
     slow[: len(ends)] *= ends
     slow[-len(ends) :] *= _fade(lap)[::-1][::step]
     white = whiten(scaled, layout.floor_width, cap=layout.cap)
-    kurtosis = _kurtosis(limited)
+    kurtosis, flat = _kurtosis(limited), None
     if kurtosis > KURTOSIS:
-        flat = fft.irfft(white[0], n=length)[length - len(x) + lap : length - lap]
-        kurtosis = min(kurtosis, _kurtosis(flat))
+        flat = Flat(white[0].copy(), length, slice(length - len(x) + lap, length - lap))
     rows = squared_envelopes(white, layout.tree, points).reshape(-1, points)
     return Segment(
         tuple(
@@ -244,6 +268,7 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
         power * np.float32((2.0 * length / taper_sum) ** 2),
         levels,
         kurtosis,
+        flat,
     )
 
 

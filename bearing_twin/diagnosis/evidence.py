@@ -90,10 +90,10 @@ class Evidence:
         Search in the envelope spectra.
     turns
         Shaft turns in all windows together.
-    kurtosis
-        Of the newest window's samples without single shocks, and without lines.
     steps
-        RMS of its samples in steps of the converter.
+        RMS of the newest window's samples in steps of the converter.
+    kurtosis
+        Finds that of its samples without single shocks, and without lines.
     low_lines
         Finds the share of the power at low multiples of the outer race that is in its lines.
 
@@ -103,14 +103,13 @@ class Evidence:
         self,
         combs: CombSearch,
         turns: float,
-        kurtosis: float = 3.0,
         steps: float = math.inf,
+        kurtosis: Callable[[], float] = float,
         low_lines: Callable[[], float] = float,
     ) -> None:
         self._combs = combs
-        self._low_lines = low_lines
+        self._low_lines, self._kurtosis = low_lines, kurtosis
         self.turns = turns
-        self.kurtosis = kurtosis
         self.steps = steps
 
     @classmethod
@@ -137,7 +136,6 @@ class Evidence:
         evidence = cls.__new__(cls)
         undisturbed = _UNDISTURBED | {
             'turns': turns,
-            'kurtosis': 3.0,
             'steps': math.inf,
             'bearing': find_bearing('6205'),
             'cage_turns': 0.4 / quantities.get('step', _UNDISTURBED['step']),
@@ -476,6 +474,11 @@ class Evidence:
         """
         combs = (*self.candidates.values(), self.elsewhere)
         return {c.place: self._combs.impacts(c) for c in combs}
+
+    @_measured(undisturbed=3.0)
+    def kurtosis(self) -> float:
+        """Kurtosis of the samples without single shocks and lines."""
+        return self._kurtosis()
 
     @_measured(undisturbed=0.0)
     def low_lines(self) -> float:

@@ -39,23 +39,25 @@ class Window:
     """One-sided amplitude spectrum in the signal's unit, bin k at k bin_hz."""
     bin_hz: float
     severity: Severity
-    kurtosis: float
-    """Of half of the segments at least, without single shocks."""
     seconds: float
     low: NDArray[np.float32]
     """Power spectrum of the low-passed signal, bin k at k / seconds."""
-    each: tuple[NDArray[np.float32], ...]
-    """Squared amplitude spectrum of each segment, bin k at k bin_hz."""
+    segments: Sequence[Segment]
+    """Oldest first."""
 
     @property
     def revolutions(self) -> float:
         """Turns of the shaft."""
         return self.seconds * self.speed.shaft_hz
 
+    def kurtosis(self) -> float:
+        """Kurtosis of half of the segments at least, without single shocks."""
+        return statistics.median_low(segment.kurtosis for segment in self.segments)
+
     def swell(self, band: tuple[float, float]) -> float:
         """Power of the loudest segment over that of the mean one, in a band of so many Hz."""
         first, end = (round(edge / self.bin_hz) for edge in band)
-        power = [float(lines[first:end].sum()) for lines in self.each]
+        power = [float(each.lines[first:end].sum()) for each in self.segments]
         return max(power) / max(statistics.fmean(power), 1e-30)
 
 
@@ -121,13 +123,12 @@ def analyse_window(
     low = transform(slow)
     power = low.real**2 + low.imag**2
     speed = refine_shaft_hz(power, bin_hz, spectra, shaft_hz, settings.speed_tolerance)
-    each = tuple(segment.lines for segment in segments)
     return Window(
         order_spectra(spectra, bands, speed.shaft_hz, shaft_hz),
         speed,
         bands,
         spectra,
-        np.sqrt(np.mean(each, axis=0)),
+        np.sqrt(np.mean([segment.lines for segment in segments], axis=0)),
         layout.sample_rate / (layout.hop + layout.lap),
         measure_severity(
             Levels.together([segment.levels for segment in segments]),
@@ -136,10 +137,9 @@ def analyse_window(
             mounting=settings.mounting,
             shaft_hz=shaft_hz,
         ),
-        statistics.median_low(segment.kurtosis for segment in segments),
         1.0 / bin_hz,
         power,
-        each,
+        segments,
     )
 
 
