@@ -94,6 +94,13 @@ class CalibrationCore:
         self.waiting = ''
         """What is missing for a fit, besides vibration; '' if nothing."""
 
+    @property
+    def filling(self) -> str:
+        """How much of a record is there."""
+        record = self._record
+        held = record.held / record.sample_rate if record.held else 0.0
+        return f'{held:.1f} s of vibration of the {self._values["window"]:g} s that a fit takes'
+
     def verdict(self, message: Diagnosis) -> None:
         """Take what the diagnosis says: where a defect is looked for, and what health is."""
         record = self._record

@@ -71,6 +71,7 @@ class CalibrationNode(ManagedNode):
         # Of the newest block, and of the newest fit.
         self._refused, self._problem, self._latest = '', '', None
         self._running: tuple[Task, Future[Fit]] | None = None
+        self._began = 0.0
         self._state = self.states.kept(p.values, self.get_fully_qualified_name())
         self._state.load(self._core.load, wait=True)
         self._worker = _worker()
@@ -146,6 +147,7 @@ class CalibrationNode(ManagedNode):
     def _begin(self, task: Task) -> None:
         try:
             self._running = (task, self._worker.submit(work, task))
+            self._began = time.monotonic()
         except (BrokenProcessPool, OSError):
             # Its process is made here: the machine may have no room for one.
             self._renew_worker()
@@ -200,10 +202,19 @@ class CalibrationNode(ManagedNode):
         if problem := self._state.problem:
             return Status(Level.WARN, f'the healthy twin is not kept: {problem}', values)
         if found is None:
-            return Status(Level.STALE, 'no calibration yet', values)
+            return Status(Level.STALE, f'no calibration yet: {self._pending()}', values)
         if stale := self._core.stale(time.monotonic()):
             return Status(Level.STALE, f'stale, {found.statement}: {stale}', values, kind='stale')
         return Status(Level.OK, found.statement, values, kind='calibration')
+
+    def _pending(self) -> str:
+        """Return what the first calibration waits for."""
+        if self._running is None:
+            return self._core.filling
+        return (
+            f'the first fit has run for {time.monotonic() - self._began:.0f} s; that of a new '
+            'installation compiles the twin, which takes a minute'
+        )
 
     def residual_status(self) -> Status:
         """Status of what the twin does not explain, for /diagnostics."""
