@@ -28,8 +28,10 @@ FloatArray = npt.NDArray[np.float64]
 
 HIGHEST_RATE = 52e3
 """Highest sample rate at which candidates are simulated, Hz; faster records are decimated."""
-IMPACTS = 24.0
-"""Passages simulated of each candidate."""
+IMPACTS, FEWEST = 24.0, 12.0
+"""Passages simulated of each candidate, and the least where so many last longer than a second: an
+update then takes up to ten seconds of a core. Chance moves the spacing of 12 passages by a fifth
+of what counts as a difference (`posterior.features`)."""
 SETTLE_S = 0.1
 TEMPERATURE = 30.0
 """Of the outer ring where none is given, degC."""
@@ -243,7 +245,7 @@ def simulate(situation: Situation, values: dict[str, FloatArray], seed: int) -> 
     2
 
     """
-    seconds = IMPACTS / situation.strikes
+    seconds = max(FEWEST, min(IMPACTS, situation.strikes)) / situation.strikes
     return [
         summarise(x, situation.sample_rate, situation.longest)
         for batch in vibrations(situation, values, seconds, seed)
