@@ -138,11 +138,14 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
     True
 
     """
-    # Half way to the next ball it is no longer clear which two impacts are of one.
-    farther = whole.summary(0.45 / situation.strikes)
-    # Of noise alone, the longer the lags the likelier a peak; but never one so much clearer.
-    clear = farther.prominence > measured.prominence and farther.rival <= RIVAL
-    apart = farther.spacing if clear and farther.spacing > situation.longest else 0.0
+    apart = 0.0
+    for share in (0.45, 0.9):
+        # Beyond half way the exit and the next ball's entry repeat too, but less clearly.
+        farther = whole.summary(share / situation.strikes)
+        # Of noise alone, the longer the lags the likelier a peak; but never one so much clearer.
+        clear = farther.prominence > measured.prominence and farther.rival <= RIVAL
+        if clear and farther.spacing > situation.longest:
+            apart = apart or farther.spacing
     if not apart and measured.seen and measured.spacing >= posterior.resolved(measured):
         # Balls do not keep time: two impacts of one repeat more clearly than one of each of two.
         own, reach = measured.spacing, measured.lobe

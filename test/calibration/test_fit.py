@@ -662,7 +662,9 @@ def test_the_echo_of_a_gear_in_the_whitening_is_no_passage():
     assert 'the teeth of a gear' in found.quantities['defect_width_mm'].why
 
 
-@pytest.mark.parametrize(('place', 'width'), [('outer', 13.5e-3), ('inner', 8.5e-3)])
+@pytest.mark.parametrize(
+    ('place', 'width'), [('outer', 13.5e-3), ('inner', 8.5e-3), ('outer', 9e-3)]
+)
 def test_a_defect_wider_than_half_way_to_the_next_ball_is_not_told_as_the_rest_of_the_way(
     place, width
 ):
