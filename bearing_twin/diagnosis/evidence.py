@@ -442,6 +442,7 @@ class Evidence:
 
     mains_hz = _of_leading(CombSearch.mains_hz, undisturbed=0.0)
     cage_sideband_order = _of_leading(CombSearch.cage_sideband_order, undisturbed=0.0)
+    another_cage_order = _of_leading(CombSearch.another_cage_order, undisturbed=0.0)
     cage_series_order = _of_leading(CombSearch.cage_series_order, undisturbed=0.0)
     shaft_sidebands_dominate = _of_leading(CombSearch.shaft_sidebands_dominate, undisturbed=False)
 
@@ -530,6 +531,7 @@ class Evidence:
             if c.z >= Z_FAULT
             and c.harmonics >= 2
             and not combs.cage_sideband_order(c)
+            and not combs.another_cage_order(c)
             and not combs.cage_series_order(c)
             and not combs.shaft_sidebands_dominate(c)
             and not combs.extraneous_order(c)

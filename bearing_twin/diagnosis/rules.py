@@ -566,6 +566,18 @@ def _whole_turns(e: Evidence) -> Verdict | None:
     return _say(e, text, about=e.leading, level=_unless_loose(e, e.leading))
 
 
+@_rule('suspect', "A comb with sidebands of another bearing's cage is that of its ball.")
+def _another_cage(e: Evidence) -> Verdict | None:
+    if not e.another_cage_order:
+        return None
+    text = (
+        f'its sidebands are {e.another_cage_order:.3f} orders apart, as the cage of another '
+        f'bearing turns, and not that of a {e.bearing.name}: a ball of another bearing? check '
+        'bearing and speed'
+    )
+    return _say(e, text, about=e.leading)
+
+
 @_rule('its place', 'The comb is significant, strong, and nothing else explains it.')
 def _fault(e: Evidence) -> Verdict | None:
     places = tuple(c.place for c in (e.leading, *_certain(e)) if c.index >= INDEX_FAULT)

@@ -51,6 +51,8 @@ if TYPE_CHECKING:
 
 _SIDEBANDS = 4
 _RACES = ('inner', 'outer')
+_CAGES = (0.33, 0.47)
+"""Orders between which the cages of all bearings of the catalogue turn."""
 _SHARP = 1.5
 """Bins within which a shaft at a steady speed is two thirds as clear. Simulated ones are within
 1.1, and those whose speed drifts by 3 % in 8 s are not within 2.5."""
@@ -373,6 +375,13 @@ class CombSearch:
         if candidate.place not in _RACES:
             return 0.0
         gap, ratio = self._any_cage_sideband(candidate)
+        return gap if ratio > max(LOAD_ZONE, candidate.shaft_sideband_ratio) else 0.0
+
+    def another_cage_order(self, candidate: Candidate) -> float:
+        """Order of any bearing's cage by which the sidebands of a race are spaced, 0 if none."""
+        if candidate.place not in _RACES:
+            return 0.0
+        gap, ratio = self._highest_sideband(candidate, *_CAGES)
         return gap if ratio > max(LOAD_ZONE, candidate.shaft_sideband_ratio) else 0.0
 
     def cage_series_order(self, candidate: Candidate) -> float:

@@ -263,6 +263,23 @@ def test_another_bearing_is_said_and_no_fault_is_named(rng):
     assert f'periodic impacts at {order:.1f}' in said.reasons[-1]
 
 
+def test_the_ball_of_another_bearing_is_no_race_of_this_one(rng):
+    """The ball of a bearing of 40 degrees strikes as often as the inner race of a 6407."""
+    struck = own_bearing('9,10,46,40')
+    orders = fault_orders(struck)
+    inner = fault_orders(find_bearing('6407')).bpfi
+    assert orders.impacts('ball') == pytest.approx(inner, rel=0.01)
+    gaps = (1.0 + 0.004 * rng.standard_normal(600)) / (orders.impacts('ball') * SHAFT_HZ)
+    times = np.cumsum(gaps)
+    through = 2.0 * np.pi * orders.ftf * SHAFT_HZ * times
+    x = _strikes(times, 10.0 * np.maximum(0.2 + np.cos(through), 0.0)) + rng.standard_normal(N)
+    assert diagnose_record(x, RATE, struck, SHAFT_HZ).faults == ('ball',)
+    said = diagnose_record(x, RATE, find_bearing('6407'), SHAFT_HZ)
+    assert (said.rule, said.level) == ('another_cage', 'suspect'), said.reasons
+    apart = float(re.findall(r'[\d.]+', said.reasons[-1])[0])
+    assert apart == pytest.approx(orders.ftf, rel=0.01)
+
+
 @pytest.mark.parametrize(
     ('off', 'faults', 'why'),
     [(0.95, (), '25.3 Hz (outer) would fit'), (1.05, ('outer',), 'it needs a slip of 3.2 %')],

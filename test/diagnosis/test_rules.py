@@ -197,6 +197,12 @@ CASES = {
         'fault',
         ('outer',),
     ),
+    'another_cage': (
+        Evidence.of(INNER, another_cage_order=0.43),
+        'suspect',
+        'suspect',
+        ('inner',),
+    ),
     'fault': (Evidence.of(INNER), 'inner', 'fault', ('inner',)),
 }
 
