@@ -17,6 +17,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.calibration import CalibrationCore
 from bearing_twin.assets.calibration_parameters import SPECS
 from bearing_twin.assets.calibration_task import work
+from bearing_twin.calibration.cloud import TEMPERATURE
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.diagnosis_topics import SILENT_AFTER
 from bearing_twin.ros.health import Health, Level, Status
@@ -128,7 +129,6 @@ class CalibrationNode(ManagedNode):
         now = time.monotonic()
         if not self._sources.accept(info.get('publisher_gid'), now):
             return
-        heat = self._inputs.temperature
         try:
             block = read_vibration(message, self.parameters['axis'])
         except BearingTwinError as error:
@@ -137,12 +137,17 @@ class CalibrationNode(ManagedNode):
         self._arrived, self._refused = now, ''
         task = self._core.take(
             block,
-            temperature=math.nan if heat.status is TemperatureStatus.STALE else heat.taken,
+            temperature=self._temperature(),
             shaft_hz=self._inputs.shaft_hz(block.length),
             now=now,
         )
         if task is not None and self._running is None:
             self._begin(task)
+
+    def _temperature(self) -> float:
+        """Return that of the bearing, degC; NaN where none is received."""
+        heat = self._inputs.temperature
+        return math.nan if heat.status is TemperatureStatus.STALE else heat.taken
 
     def _begin(self, task: Task) -> None:
         try:
@@ -183,7 +188,13 @@ class CalibrationNode(ManagedNode):
     def status(self) -> Status:
         """Status of the calibration for /diagnostics."""
         found = self._latest
-        values: dict[str, object] = {'bearing': f'bearing {self._core.bearing.name}'}
+        heat = self._temperature()
+        values: dict[str, object] = {
+            'bearing': f'bearing {self._core.bearing.name}',
+            'temperature': f'none received, {TEMPERATURE:g} degC are supposed'
+            if math.isnan(heat)
+            else f'{heat:.1f} degC',
+        }
         if found is not None:
             values |= {
                 'statement': found.statement,
@@ -197,6 +208,9 @@ class CalibrationNode(ManagedNode):
             return Status(Level.STALE, text, values)
         if problem := self._refused or self._problem or self._core.waiting:
             return Status(Level.WARN, f'not fitted: {problem}', values)
+        if self._sources.contested(time.monotonic()):
+            text = 'several sources on one topic: only the first is used'
+            return Status(Level.ERROR, text, values)
         if problem := next(filter(None, self._inputs.problems()), ''):
             return Status(Level.WARN, problem, values)
         if problem := self._state.problem:

@@ -393,7 +393,7 @@ def test_a_worker_ends_with_its_node():
 
 
 @pytest.mark.ros
-def test_a_second_thermometer_of_a_fitted_machine_is_told(here):
+def test_a_second_thermometer_or_sensor_of_a_fitted_machine_is_told(here):
     from bearing_twin.nodes.calibration import CalibrationNode
     from bearing_twin_msgs.msg import Vibration
     from sensor_msgs.msg import Temperature
@@ -401,10 +401,14 @@ def test_a_second_thermometer_of_a_fitted_machine_is_told(here):
     node = here(CalibrationNode, shaft_hz=25.0)
     node.trigger_configure()
     node._on_vibration(Vibration(sample_rate=RATE, y=[0.0] * 1024), {'publisher_gid': 'v'})
+    assert node.status().values['temperature'] == 'none received, 30 degC are supposed'
     node._inputs.take_temperature(Temperature(temperature=40.0), {'publisher_gid': 'a'})
+    assert node.status().values['temperature'] == '40.0 degC'
     assert node.status().message.startswith('no calibration yet: 0.0 s of vibration of the 6 s')
     node._inputs.take_temperature(Temperature(temperature=60.0), {'publisher_gid': 'b'})
     assert 'only the first is used' in node.status().message
+    node._on_vibration(Vibration(sample_rate=RATE, y=[0.0] * 1024), {'publisher_gid': 'w'})
+    assert node.status().message == 'several sources on one topic: only the first is used'
 
 
 @pytest.mark.usefixtures('compiled')
