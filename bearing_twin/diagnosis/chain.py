@@ -12,7 +12,7 @@ import threading
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
-from bearing_twin.diagnosis.comb import accumulate, OrderSpectra
+from bearing_twin.diagnosis.comb import accumulate, HARMONICS, OrderSpectra
 from bearing_twin.diagnosis.demodulation import (
     choose_layout,
     demodulate,
@@ -28,7 +28,7 @@ from bearing_twin.diagnosis.search import CombSearch
 from bearing_twin.diagnosis.severity import LEAST, Levels, measure_severity, of_length, SLOW_HZ
 from bearing_twin.diagnosis.shaft import ShaftSpeed, Turning
 from bearing_twin.diagnosis.sidebands import sideband_ratio
-from bearing_twin.diagnosis.thresholds import INDEX_FAULT, SWAY, Z_SECOND_LOOK
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT, RIVAL, SWAY, Z_SECOND_LOOK
 from bearing_twin.diagnosis.window import analyse_window
 import numpy as np
 from scipy import fft
@@ -312,20 +312,26 @@ class Analysis:
         """Diagnosis from these samples alone."""
         return self.conclude(())
 
-    def may_show(self, hertz: float) -> bool:
+    def may_show(self, hertz: float, clearest: float) -> bool:
         """
         Whether a comb of the bearing at another shaft speed is worth a diagnosis at that speed.
 
         At a faster one, up to four times, the spectra of the given speed hold the first of its
-        four lines at least, so half of its index.
+        four lines at least, so half of its index, and its score as the root of their number.
+        There it must come within 3 dB of the ``clearest`` comb of an alarm at the given speed.
         """
         if self.window is None:
             return False
         orders, speed = self.window.orders, self.window.speed
         there = replace(orders, given=hertz / speed.shaft_hz).at_given_speed()
         combs = CombSearch(there, self.excerpt.bearing, speed._replace(shaft_hz=hertz))
-        found = (combs.best(place) for place in PLACES)
-        return any(c.z >= Z_SECOND_LOOK and c.index >= 0.5 * INDEX_FAULT for c in found)
+
+        def shows(comb: Candidate) -> bool:
+            shown = min(combs.top / comb.order, HARMONICS) // 1.0 / HARMONICS
+            least = max(Z_SECOND_LOOK, clearest / RIVAL * math.sqrt(shown))
+            return comb.z >= least and comb.index >= 0.5 * INDEX_FAULT
+
+        return any(shows(combs.best(place)) for place in PLACES)
 
     def conclude(self, earlier: Sequence[OrderSpectra]) -> Diagnosis:
         """Diagnosis from these samples and the spectra of earlier windows, oldest first."""

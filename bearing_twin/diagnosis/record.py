@@ -162,7 +162,7 @@ def diagnose_record(
         for hertz in other_shafts_hz(power, bin_hz, float(speeds), settings.speed_tolerance):
             # The lines of a fault that is named can pass for those of a shaft.
             own = found.level == 'fault' and abs(hertz - found.fault_hz) <= bin_hz
-            if own or not analysis.may_show(hertz):
+            if own or not analysis.may_show(hertz, _clearest(found)):
                 continue
             turns_so = turning._replace(shaft_hz=np.array([hertz]))
             said = Excerpt.of(signal, turns_so, *fixed, **known).analyse().alone
@@ -185,6 +185,12 @@ def _may_strike_in_bursts(analysis: Analysis) -> bool:
     return said.modulation_index[said.faults[0]] * window.swell(said.band) >= _LOUD
 
 
+def _clearest(said: Diagnosis) -> float:
+    """Score of the clearest comb of an alarm; 0 where there is none."""
+    alarm = said.level == 'fault'
+    return max((said.score[place] for place in said.faults), default=0.0) if alarm else 0.0
+
+
 def _at_another_speed(given: Diagnosis, said: Diagnosis, hertz: float) -> Diagnosis | None:
     """
     Answer where the lines of a shaft show at another speed, and a fault at that; None elsewhere.
@@ -194,8 +200,7 @@ def _at_another_speed(given: Diagnosis, said: Diagnosis, hertz: float) -> Diagno
     if said.level != 'fault' or said.result not in PLACES or said.faults == given.faults:
         return None
     alarm = given.level == 'fault'
-    clearest = max((given.score[place] for place in given.faults), default=0.0)
-    if alarm and clearest > RIVAL * said.score[said.result]:
+    if _clearest(given) > RIVAL * said.score[said.result]:
         return None
     text = (
         f'no lines of a shaft show at {given.shaft_hz_given:.4g} Hz, but at {hertz:.4g} Hz, and '

@@ -365,7 +365,7 @@ def test_lines_of_a_named_fault_are_no_other_shaft(rng, monkeypatch):
     order = fault_orders(bearing, 0.005).bpfo
     times = np.arange(0.0, SECONDS, 1.0 / (order * SHAFT_HZ))
     at = order * SHAFT_HZ
-    monkeypatch.setattr(Analysis, 'may_show', lambda _, hertz: asked.append(hertz))
+    monkeypatch.setattr(Analysis, 'may_show', lambda _, hertz, clearest: asked.append(hertz))
     monkeypatch.setattr(record, 'other_shafts_hz', lambda *_: [at + 0.1, at + 1.0])
     said = diagnose_record(_ringing(rng, times, 3000.0, 1.5), RATE, bearing, SHAFT_HZ)
     assert said.faults == ('outer',) and said.fault_hz == pytest.approx(at, abs=0.1)
