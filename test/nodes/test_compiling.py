@@ -59,3 +59,16 @@ def test_the_state_of_the_first_block_waits_for_no_compiler(warm):
     )
     found = subprocess.run([sys.executable, '-c', script], capture_output=True, check=True)
     assert found.stdout.split() == [b'1']
+
+
+def test_a_thermal_tick_within_a_block_waits_for_no_compiler():
+    script = (
+        'from bearing_twin.dynamics import kernel, preset, simulator, warm_up\n'
+        'warm_up()\n'
+        "twin = simulator.Simulator(preset('paper', thermal_mode='physical'))\n"
+        'known = len(kernel.advance.signatures) + len(simulator._advance.signatures)\n'
+        'twin.advance(simulator.inner_ring.tick_length(25600.0) + 1000, 30.0, 25.0)\n'
+        'print(len(kernel.advance.signatures) + len(simulator._advance.signatures) - known)\n'
+    )
+    found = subprocess.run([sys.executable, '-c', script], capture_output=True, check=True)
+    assert found.stdout == b'0\n'
