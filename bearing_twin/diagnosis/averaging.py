@@ -207,7 +207,19 @@ class AveragedEnvelope:
             close = abs(orders.impacts(other) - orders.impacts(place)) < resolution
             if rival * RIVAL > top and (close or abs(at - order) > STEP):
                 return None
-        return Comb(place, order, top, self.count)
+        return Comb(place, order, top, self.count) if self._own(excess, place, order) else None
+
+    def _own(self, excess: NDArray[np.float64], place: str, order: float) -> bool:
+        """Whether a comb has all of its harmonics, and is no part of a denser series."""
+        heights = np.log1p(np.maximum(excess, 0.0))
+        band = int(np.argmax(heights[:, _lines(order)].sum(axis=1)))
+        own = heights[band, _lines(order)]
+        if own.min() < MISSING * own.mean():
+            return False
+        # A ball that strikes one race only has lines at its spin.
+        denser = [order / share for share in ((3, 4) if place == 'ball' else (2, 3, 4))]
+        resolved = [each for each in denser if each * self.turns > 1.5 * self.count]
+        return all(heights[band, _lines(each)].sum() * RIVAL <= own.sum() for each in resolved)
 
     def strong(self, bearing: Bearing, shaft_hz: float) -> Comb | None:
         """
@@ -218,17 +230,6 @@ class AveragedEnvelope:
         comb = self.place(bearing, AveragedEnvelope())
         if comb is None:
             return None
-        heights = np.log1p(np.maximum(self.excess(), 0.0))
-        band = int(np.argmax(heights[:, _lines(comb.order)].sum(axis=1)))
-        own = heights[band, _lines(comb.order)]
-        # The third harmonic alone is a line of something else, and so is every third line of it.
-        if own.min() < MISSING * own.mean():
-            return None
-        for share in (2, 3, 4) if comb.place != 'ball' else (3, 4):
-            denser = comb.order / share
-            resolved = denser * self.turns > 1.5 * self.count
-            if resolved and heights[band, _lines(denser)].sum() * RIVAL > own.sum():
-                return None
         lines = _lines(comb.order)
         rise = np.maximum(self.power / self.count - self._floor(), 0.0)[:, lines].sum(axis=1)
         # A line is as wide as a bin, or as one turn over the turns of a snapshot.

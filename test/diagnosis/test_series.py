@@ -284,6 +284,22 @@ def test_a_machine_that_is_damaged_from_the_first_short_snapshot_on(share, heigh
     assert resumed.report().place == report.place
 
 
+@pytest.mark.parametrize(
+    ('lines', 'place'),
+    [((1, 2, 3), 'outer'), ((1,), None), ((3,), None), ((0.5, 1, 1.5, 2, 3), None)],
+)
+def test_a_comb_is_a_place_only_with_all_of_its_harmonics_and_none_between(lines, place):
+    bearing = find_bearing('6205')
+    power = 1.0 + 0.01 * np.random.default_rng(0).standard_normal((2, 800))
+    for line in lines:
+        at = round(line * fault_orders(bearing).bpfo / 0.05) - 1
+        power[:, at - 1 : at + 2] += 2.0
+    average = AveragedEnvelope()
+    average.load(30, 300.0, 30.0 * power)
+    comb = average.place(bearing, AveragedEnvelope())
+    assert (comb and comb.place) == place
+
+
 def test_change_point_is_that_of_the_definition():
     rng = np.random.default_rng(5)
     levels = rng.standard_normal(500)
