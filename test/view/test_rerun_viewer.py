@@ -287,8 +287,13 @@ def test_the_picture_of_the_docs_is_what_is_drawn_today(tmp_path):
 def test_rerun_alone_shows_each_figure_of_a_verdict(recordings):
     with HeadlessViewer([str(next(recordings[1].glob('*.mcap')))], size=LAPTOP) as viewer:
         viewer.wait()
-        paths = {str(view.origin).strip('/') for view in viewer.client.get_state().views}
-    assert {'temperature', *(f'features/{name}' for name in FEATURES)} <= paths
+        # The viewer adds views as it comes to their data.
+        figures = {'temperature', *(f'features/{name}' for name in FEATURES)}
+        deadline, paths = time.monotonic() + 60.0, set()
+        while not figures <= paths and time.monotonic() < deadline:
+            time.sleep(0.2)
+            paths = {str(view.origin).strip('/') for view in viewer.client.get_state().views}
+    assert figures <= paths
 
 
 def test_two_recordings_fill_every_view(recordings, tmp_path):
