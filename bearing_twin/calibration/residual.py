@@ -271,7 +271,7 @@ class Residual:
             'names': list(self.names), 'number': self.number, 'rows': len(self.rows),
             'recent': len(self.recent),
         }  # fmt: skip
-        return values, np.array(decisions, np.float32).reshape(-1, len(self.names))
+        return values, np.array(decisions, np.float32).reshape(len(decisions), len(self.names))
 
     @classmethod
     def of(cls, values: dict[str, Any], decisions: Row) -> Residual:
@@ -290,7 +290,8 @@ class Residual:
                 values['rows'],
                 values['recent'],
             )
-            if decisions.ndim != 2 or decisions.shape[1] != len(names) or min(rows, recent) < 0:
+            count, shape = len(decisions), (len(decisions), len(names))
+            if decisions.shape != shape or not 0 <= rows <= rows + recent <= count:
                 raise ValueError(decisions.shape)
             learnt, newest, waiting = np.split(decisions, [rows, rows + recent])
             return cls(names, list(learnt), list(newest), list(waiting), int(values['number']))

@@ -129,6 +129,14 @@ def test_a_machine_is_known_at_the_speeds_at_which_it_was_healthy():
     assert {25, 30, 196} <= set(speeds) and 40 not in speeds and len(speeds) == 32
 
 
+def test_a_speed_at_which_nothing_was_learnt_yet_is_kept_too():
+    residuals, names = Residuals(), ('10 Hz', 'order 1')
+    residuals.update(names, np.zeros(2), 25.0, healthy=False)
+    again = Residuals.of(*residuals.save())
+    assert [(hz, each.rows) for hz, each in again.known] == [(25.0, [])]
+    assert again.update(names, np.zeros(2), 25.0, healthy=True).reason.startswith('0 healthy')
+
+
 def test_what_was_decided_at_a_speed_long_ago_is_not_judged_with_today():
     rng = np.random.default_rng(6)
     residuals, names = Residuals(), ('10 Hz', 'order 1')
@@ -198,6 +206,7 @@ def test_nothing_is_said_before_the_limit_is_known_and_what_was_learnt_is_kept()
     for broken in (
         ({}, decisions), (values, None), (values, decisions[:, :1]), (values, decisions[0]),
         (values | {'rows': -1}, decisions), (values | {'rows': 'many'}, decisions),
+        (values | {'recent': len(decisions)}, decisions),
     ):  # fmt: skip
         with pytest.raises(BearingTwinError, match='use what save'):
             Residual.of(*broken)
