@@ -113,7 +113,8 @@ class AveragedEnvelope:
 
     def add(self, x: NDArray[np.float64], sample_rate: float, shaft_hz: float) -> None:
         """Add a snapshot: samples without their mean, shape (n,), their rate and speed in Hz."""
-        spectrum = fft.rfft(x).astype(np.complex64)
+        # Single precision holds the squares of no faint or large unit.
+        spectrum = fft.rfft(x / np.abs(x).max()).astype(np.complex64)
         # Lines that keep time, of gears and converters, beat within a band: they are capped.
         spectrum = whiten(spectrum, max(_LEAST_FLOOR, len(spectrum) // _FLOORS))[0]
         for row, (low, high) in enumerate(BANDS):

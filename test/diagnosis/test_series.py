@@ -210,6 +210,15 @@ def test_noise_leaves_no_excess_and_a_single_snapshot_would():
     assert np.mean(alone) > 0.2
 
 
+@pytest.mark.parametrize('unit', [1e-90, 1e-30, 1e90])
+def test_an_averaged_envelope_is_the_same_in_any_unit(unit):
+    x = np.random.default_rng(0).standard_normal(2560)
+    average, other = AveragedEnvelope(), AveragedEnvelope()
+    average.add(x, RATE, SHAFT_HZ)
+    other.add(unit * x, RATE, SHAFT_HZ)
+    np.testing.assert_allclose(other.power, average.power, rtol=1e-3)
+
+
 @pytest.mark.parametrize(
     ('name', 'place', 'said'),
     # In three turns the inner race of the last cannot be told from the ball: BPFI 7.39, 7.18.
