@@ -145,7 +145,7 @@ def read_dataset_signal(path: Path, row: DatasetSignal) -> dict[str, Any]:
 def _physical(row: DatasetSignal) -> tuple[float, str]:
     """Return factor and unit of the acceleration that the samples are; '' if that is not known."""
     unit, factor = str(row.get('unit', '')), 1.0
-    said = re.fullmatch(r'([0-9.]+) (m?V)/\(?([^()]+)\)?', str(row.get('sensitivity', '')))
+    said = re.fullmatch(r'(\d*\.?\d*) (m?V)/\(?([^()]+)\)?', str(row.get('sensitivity', '')))
     if said and unit in VOLTS and said[1].strip('0.'):
         factor, unit = VOLTS[unit] / (float(said[1]) * VOLTS[said[2]]), said[3]
     return (factor, unit) if unit in ('g', 'm/s^2') else (1.0, '')

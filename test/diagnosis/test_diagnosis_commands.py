@@ -21,6 +21,7 @@ from bearing_twin.cli import diagnose, main
 from bearing_twin.cli.diagnose import configure, diagnose_file, Task
 from bearing_twin.diagnosis import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording import dataset
 from bearing_twin.recording.foreign import read_signal
 import numpy as np
 import pytest
@@ -264,6 +265,11 @@ def test_parquet_form_of_bearing_datasets(parquet_set, capsys):
     (parquet_set.parent / 'bad' / 'metadata.parquet').write_bytes(b'PAR1 no')
     assert main(['diagnose', str(parquet_set.parent / 'bad')]) == 1
     assert 'cannot be read as Parquet' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('said', ['1.2.3 mV/g', '. V/g', '0.0 V/g', '10 V/(mm/s)', 'none', None])
+def test_volts_of_a_sensitivity_that_tells_no_acceleration_have_no_unit(said):
+    assert dataset._physical({'unit': 'V', 'sensitivity': said}) == (1.0, '')
 
 
 def test_one_signal_of_a_parquet_set_is_shown_as_a_file_is(parquet_set, tmp_path, capsys):
