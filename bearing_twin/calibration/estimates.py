@@ -40,6 +40,9 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 
+UNBOUNDED = (Kind.NO_IMPACTS, Kind.ONE_IMPACT, Kind.TOO_WIDE)
+"""Refusals in which nothing bounds the width of a race defect."""
+
 
 def of_path(
     x: FloatArray, path: SensorPath, modes: list[Resonance], situation: Situation, unit: str
@@ -133,6 +136,7 @@ def of_defect(
 
     """
     quantities = {}
+    next_ball = 1e3 * situation.speed / situation.strikes
     for name, about in left.prior.items():
         low, median, high = (float(v) for v in left.quantiles(name))
         why = 'on simulated machines of known truth its intervals held too seldom to be told'
@@ -152,19 +156,16 @@ def of_defect(
                     'ball over the edges, without which the lower bound does; if they are one '
                     'passage, which records at another speed prove'
                 )
-            elif refusal.kind in (Kind.ONE_IMPACT, Kind.TOO_WIDE):
+            elif refusal.kind in UNBOUNDED:
                 # A ball is always in a defect that is wider than the distance of two balls.
-                low, high = 0.0, 1e3 * situation.speed / situation.strikes
-                why = refusal.why
-            elif refusal.kind is Kind.NO_IMPACTS:
-                low, high, why = 0.0, about.high, refusal.why
+                low, high, why = 0.0, next_ball, refusal.why
             elif refusal.kind is Kind.MANY_WIDTHS:
                 why = refusal.why
             else:
                 # What hides the spacing hides it in narrower defects too, whatever was supposed.
-                hidden = longest_doubtful(measured) * situation.speed
-                hidden += taken_off(situation, 0.95)
-                high = max(high, 1e3 * hidden)
+                hidden = max(longest_doubtful(measured), refusal.farther) * situation.speed
+                hidden += _most_taken_off(situation)
+                high = min(max(high, 1e3 * hidden), next_ball)
                 low, why = 0.0, f'at most {high:.2f} mm: {refusal.why}'
         quantities[name] = Estimate(
             q05=low, median=median, q95=high, unit=about.unit,
@@ -217,6 +218,15 @@ def taken_off(situation: Situation, share: float) -> float:
     )
     curvature = path_curvature(situation.bearing, situation.place)
     return 2.0 * math.sqrt(float(np.quantile(sinking, share)) / curvature)
+
+
+def _most_taken_off(situation: Situation) -> float:
+    """Return what the path of a ball takes off a slot at most, m: a limit holds at any load."""
+    prior = unknowns(situation)
+    sinking = min(
+        interference(situation.bearing, prior['load'].high), 1e-6 * prior['defect_depth_um'].high
+    )
+    return 2.0 * math.sqrt(sinking / path_curvature(situation.bearing, situation.place))
 
 
 def without_defect(

@@ -15,13 +15,13 @@ from bearing_twin.calibration.healthy import (
     SLIPPED,
 )
 from bearing_twin.calibration.passage import widest
-from bearing_twin.calibration.summaries import ELSEWHERE, RIVAL
+from bearing_twin.calibration.summaries import CLEAR, ELSEWHERE, RIVAL
+import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.calibration.cloud import Situation
     from bearing_twin.calibration.posterior import Posterior
     from bearing_twin.calibration.summaries import Correlation, Summary
-    import numpy as np
     from numpy.typing import NDArray
 
     FloatArray = NDArray[np.float64]
@@ -78,6 +78,9 @@ class Refusal(NamedTuple):
     kind: Kind
     why: str
     """In words."""
+    farther: float = 0.0
+    """Longest time between impacts, beyond those of simulated defects, that may be that of a
+    passage, s; 0 if there is none."""
 
 
 def no_impacts(x: FloatArray, situation: Situation) -> Refusal | None:
@@ -195,21 +198,45 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
             'faint, or farther away than any that is simulated',
         )
     if measured.spacing < shortest:
-        return Refusal(
+        refusal = Refusal(
             Kind.HIDDEN,
             f'the impacts of a passage are {1e3 * measured.spacing:.2f} ms apart; the ringing of '
             f'one hides a second up to {1e3 * shortest:.2f} ms',
         )
+        return _with_farther(refusal, whole, measured, situation)
     # What goes on after twice the time is no passage, but the teeth of a gear.
     far = whole.summary(2.0 * ELSEWHERE * situation.longest)
     twice = 2.0 * measured.spacing
     goes_on = any(abs(time - twice) < measured.lobe for time in (far.spacing, *far.rivals))
     if measured.rival > RIVAL or goes_on:
-        return Refusal(
+        refusal = Refusal(
             Kind.SEVERAL_SPACINGS,
             'the impacts repeat after several times that are about as clear: ringing, or a gear',
         )
+        return _with_farther(refusal, whole, measured, situation)
     return None
+
+
+def _with_farther(
+    refusal: Refusal, whole: Correlation, measured: Summary, situation: Situation
+) -> Refusal:
+    """
+    Return a refusal with the longest time between impacts that may be that of a passage.
+
+    A narrow defect repeats after the rest of the way to the next ball, too, but less clearly than
+    after its own, because balls do not keep time. What repeats more clearly is no such rest.
+    """
+    slipped = SLIPPED / situation.strikes
+    next_ball = whole.highest(1.0 / situation.strikes, slipped)[0]
+    far = whole.summary(next_ball - CLEAR * measured.lobe)
+    lags, prominences = far.repetitions()
+    for lag, prominence in zip(lags[::-1], prominences[::-1], strict=True):
+        rest = np.abs(lags - (next_ball - lag)) < max(measured.lobe, slipped)
+        least = NEXT_BALL * float(np.max(prominences, initial=0.0, where=rest))
+        if lag > situation.longest and far.significant(prominence) and prominence > least:
+            why = f'{refusal.why}; others are {1e3 * lag * situation.speed:.1f} mm apart'
+            return refusal._replace(why=why, farther=float(lag))
+    return refusal
 
 
 def untold(left: Posterior, situation: Situation, fastest: float) -> Refusal | None:

@@ -139,6 +139,15 @@ class Summary:
         """Whether a passage shows two impacts."""
         return math.isfinite(self.spacing)
 
+    def repetitions(self) -> tuple[FloatArray, FloatArray]:
+        """Return the lags of all peaks beside zero, s, and their prominences."""
+        peaks, found = scipy.signal.find_peaks(self.correlation, prominence=FAINTEST / 4.0)
+        return self.lag[peaks], found['prominences']
+
+    def significant(self, prominence: float) -> bool:
+        """Whether a peak is more than chance."""
+        return prominence >= max(SIGNIFICANT * self.scatter, FAINTEST)
+
 
 def levinson(power: FloatArray, order: int) -> tuple[FloatArray, float]:
     """

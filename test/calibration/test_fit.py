@@ -363,8 +363,9 @@ def test_impacts_of_another_part_or_speed_are_no_width(place, shaft_hz):
     assert found.refusal is Kind.NO_IMPACTS and not width.identifiable
     assert f'of the {place} race stand out: check bearing, speed and place' in width.why
     assert found.statement.startswith('no width: no impacts at')
-    # A part that does not strike says nothing of a width.
-    assert width.q95 == pytest.approx(1e3 * widest(BEARING))
+    # A part that does not strike says nothing of a width, nor that it is one that is simulated.
+    machine = replace(cloud.example(place), shaft_hz=shaft_hz)
+    assert width.q95 == pytest.approx(1e3 * machine.speed / machine.strikes)
     assert joined([found, found])[2] == found.statement
 
 
@@ -672,6 +673,24 @@ def test_a_defect_wider_than_half_way_to_the_next_ball_is_not_told_as_the_rest_o
     told = found.quantities['defect_width_mm']
     assert found.refusal is Kind.TOO_WIDE and not told.identifiable
     assert f'{1e3 * width:.1f} mm apart' in told.why and told.q95 > 1e3 * width
+
+
+@pytest.mark.parametrize(('width', 'farther'), [(0.3e-3, 0.0), (9e-3, 9e-3)])
+def test_a_limit_allows_for_impacts_beside_an_echo_that_are_no_rest_of_the_way_to_the_next_ball(
+    width, farther
+):
+    """Each impact has an echo that makes the spacing doubtful."""
+    x = impact_train(width, 'outer', 12.0, noise=0.0)
+    late = round(0.25e-3 * RATE)
+    x[late:] += 0.8 * np.diff(x, prepend=x[0])[:-late]
+    machine = replace(cloud.example(), shaft_hz=12.0, sample_rate=RATE)
+    whole = correlate(x, RATE)
+    measured = whole.summary(machine.longest)
+    refusal = unresolved(whole, measured, machine)
+    assert refusal.farther * machine.speed == pytest.approx(farther, rel=0.01)
+    left = limit(measured, machine, candidates=32)
+    told = of_defect(left, machine, measured, refusal)['defect_width_mm']
+    assert 1e3 * width < told.q95 < 1e3 * width + 4.0
 
 
 def test_what_if_of_a_healthy_machine_changes_its_level_as_machines_do_with_speed():
