@@ -137,6 +137,12 @@ class AveragedEnvelope:
         self.turns += len(x) / sample_rate * shaft_hz
         self.count += 1
 
+    def join(self, other: AveragedEnvelope) -> None:
+        """Add the snapshots of another average."""
+        self.power += other.power
+        self.turns += other.turns
+        self.count += other.count
+
     def _floor(self) -> NDArray[np.float64]:
         """Mean power of the noise, shape (bands, K)."""
         mean = self.power / max(self.count, 1)

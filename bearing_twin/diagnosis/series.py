@@ -238,16 +238,18 @@ class SeriesMonitor:
         # That many healthy snapshots are no known machine.
         said = self._kept.answers.level
         said = said if memory.base or said != 'ok' else 'none'
-        if self._stands_out(signal, sample_rate, shaft_hz):
+        newest = AveragedEnvelope()
+        if math.isfinite(shaft_hz):
+            newest.add(signal, sample_rate, shaft_hz)
+        if self._stands_out(newest, shaft_hz):
             said = max(said, 'suspect', key=LEVELS.index)
         self._hold(time, max(by_level, said, key=LEVELS.index))
         if by_level in ('suspect', 'fault') and math.isnan(self._kept.risen):
             self._kept.risen = time
         if self._teaches:
             memory.record.add(levels.tolist(), now)
-        if math.isfinite(shaft_hz) and (memory.base is not None or not self._teaches):
-            kept = self._quiet if self._teaches else self._loud
-            kept.add(signal, sample_rate, shaft_hz)
+        if memory.base is not None or not self._teaches:
+            (self._quiet if self._teaches else self._loud).join(newest)
         point = SeriesPoint(
             time=time, level=self._kept.held, over_baseline=over, rms=severity.rms,
             measure=MEASURES[measure] if memory.base else '', temperature=temperature,
@@ -261,10 +263,10 @@ class SeriesMonitor:
             del self._kept.points[: MOST // 2 : 2], self._levels[: MOST // 2 : 2]
         return point
 
-    def _stands_out(self, x: NDArray[np.float64], sample_rate: float, shaft_hz: float) -> bool:
+    def _stands_out(self, newest: AveragedEnvelope, shaft_hz: float) -> bool:
         """Take in an envelope; tell whether those of the newest snapshots show a strong fault."""
-        if self._bearing is not None and math.isfinite(shaft_hz):
-            self._recent.add(x, sample_rate, shaft_hz)
+        if self._bearing is not None:
+            self._recent.join(newest)
             if self._recent.count == LEAST_AVERAGED:
                 self._kept.strong = self._recent.strong(self._bearing, shaft_hz)
                 self._recent.clear()
