@@ -38,7 +38,7 @@ def line_power(
     scale
         (n,) one over the mean of each.
     power
-        (K, B), of which n columns are written: line k + 1.
+        (K, B); row k is line k + 1. Only n columns are written.
     first
         First of these columns.
 

@@ -372,16 +372,17 @@ class CombSearch:
         A race does not move with the cage. Such a comb belongs to a ball or to the cage, at a
         slip that was not expected.
         """
-        if candidate.place not in _RACES:
-            return 0.0
-        gap, ratio = self._any_cage_sideband(candidate)
-        return gap if ratio > max(LOAD_ZONE, candidate.shaft_sideband_ratio) else 0.0
+        return self._beside_race(candidate, *self._cage_orders())
 
     def another_cage_order(self, candidate: Candidate) -> float:
         """Order of any bearing's cage by which the sidebands of a race are spaced, 0 if none."""
+        return self._beside_race(candidate, *_CAGES)
+
+    def _beside_race(self, candidate: Candidate, low: float, high: float) -> float:
+        """Gap between two orders of the sidebands of a race, 0 if those of its load are higher."""
         if candidate.place not in _RACES:
             return 0.0
-        gap, ratio = self._highest_sideband(candidate, *_CAGES)
+        gap, ratio = self._highest_sideband(candidate, low, high)
         return gap if ratio > max(LOAD_ZONE, candidate.shaft_sideband_ratio) else 0.0
 
     def cage_series_order(self, candidate: Candidate) -> float:
