@@ -23,7 +23,7 @@ from bearing_twin.cli.terminal import plain, processes, progress, refuse_given, 
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.memory import keep_freed_memory
-from bearing_twin.recording.dataset import dataset_signals, is_dataset
+from bearing_twin.recording.dataset import chosen_signals, is_dataset
 from bearing_twin.recording.finding import SIGNAL_FILES
 from bearing_twin.recording.foreign import channels, read_signal
 from bearing_twin.view.verdict import next_step
@@ -173,16 +173,10 @@ def _tasks(args: argparse.Namespace) -> list[Task]:
 
 
 def channels_of(name: str, channel: str | None) -> list[str | None]:
-    """Channels to diagnose of a file: of a data set every signal whose id holds ``channel``."""
+    """Channels to diagnose of a file: of a data set those of :func:`chosen_signals`."""
     if not is_dataset(Path(name)):
         return [channel]
-    ids = [str(row['signal_id']) for row in dataset_signals(Path(name))]
-    found = [known for known in ids if (channel or '').casefold() in known.casefold()]
-    if not found:
-        listed = ', '.join(ids[:10]) or 'no vibration'
-        msg = f'{name} has no signal with {channel!r} in its id; it has {listed}'
-        raise BearingTwinError(msg)
-    return list(found)
+    return [str(row['signal_id']) for row in chosen_signals(Path(name), channel)]
 
 
 def _answers(tasks: Sequence[Task], args: argparse.Namespace) -> Iterator[dict[str, Any]]:

@@ -40,7 +40,9 @@ def add_signal_arguments(parser: argparse.ArgumentParser) -> None:
     speed.add_argument('--rpm', type=float, help='the same in turns a minute')
     parser.add_argument('--sample-rate', type=float, help='Hz; else what the file says')
     parser.add_argument(
-        '--channel', metavar='NAME', help='name, number or topic, or any part that only one has'
+        '--channel',
+        metavar='NAME',
+        help='name, number or topic, or any part that only one has; words of ids in a data set',
     )
     parser.add_argument('--unit', choices=UNITS, default='', help='for files that do not say it')
 

@@ -85,6 +85,25 @@ def _signals(path: Path, _changed_ns: int) -> list[DatasetSignal]:
     return signals
 
 
+def chosen_signals(path: Path, channel: str | None) -> list[DatasetSignal]:
+    """
+    Return the signals of a data set whose id holds each word of ``channel``; None: all of them.
+
+    Raises
+    ------
+    BearingTwinError
+        If there is none.
+
+    """
+    signals, words = dataset_signals(path), (channel or '').casefold().split()
+    found = [row for row in signals if all(w in str(row['signal_id']).casefold() for w in words)]
+    if not found:
+        listed = ', '.join(str(row['signal_id']) for row in signals[:10]) or 'no vibration'
+        msg = f'{path} has no signal with {channel!r} in its id; it has {listed}'
+        raise BearingTwinError(msg)
+    return found
+
+
 def fault_label(row: DatasetSignal) -> str:
     """Return what the data set says is wrong in our words; '' where they have none for it."""
     said = str(row.get('fault_type', ''))

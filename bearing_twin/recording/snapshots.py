@@ -9,6 +9,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.dataset import chosen_signals, is_dataset
 from bearing_twin.recording.finding import natural, SIGNAL_FILES
 from bearing_twin.recording.foreign import read_signal, Signal
 from bearing_twin.recording.npz import read_npz
@@ -55,7 +56,7 @@ def series_files(paths: Sequence[Path]) -> list[Path]:
     endings = (*SIGNAL_FILES, '.mcap')
     files: list[Path] = []
     for path in paths:
-        if path.is_dir():
+        if path.is_dir() and not is_dataset(path):
             inside = (item for item in path.iterdir() if item.suffix.lower() in endings)
             files += sorted(inside, key=natural)
         else:
@@ -77,8 +78,9 @@ def read_snapshots(
     Yield the snapshots of one machine, one file in memory at a time.
 
     An ``.npz`` file may hold many: ``x`` with one in each row, and their times ``t_s``. A file
-    with ``temp_t_s`` and ``temp_C`` gives the temperature of all. Any other file is one snapshot;
-    its time is ``time_s`` in it, or its place in the order times ``cycle``.
+    with ``temp_t_s`` and ``temp_C`` gives the temperature of all. A folder made by
+    ``bearing-datasets`` holds many; ``time_s`` in its table is their time. Any other file is one
+    snapshot; its time is ``time_s`` in it, or its place in the order times ``cycle``.
 
     Parameters
     ----------
@@ -125,6 +127,10 @@ def read_snapshots(
 def _of_file(
     path: Path, stamps: NDArray[np.float64] | None, channel: str | None, sample_rate: float | None
 ) -> Iterator[tuple[Signal, float | None]]:
+    if is_dataset(path):
+        for name, time in _of_dataset(path, channel):
+            yield read_signal(path, channel=name, sample_rate=sample_rate), time
+        return
     if path.suffix.lower() == '.npz':
         arrays = read_npz(path)
         table = arrays.get(channel or 'x')
@@ -140,6 +146,18 @@ def _of_file(
             return
     signal = read_signal(path, channel=channel, sample_rate=sample_rate)
     yield signal, float(stamps[0]) if stamps is not None and len(stamps) == 1 else None
+
+
+def _of_dataset(path: Path, channel: str | None) -> list[tuple[str, float | None]]:
+    """Signals of one sensor and their times, in order of time."""
+    rows = chosen_signals(path, channel)
+    sensors = {f'{row.get("run_id", "")} {row.get("channel", "")}'.strip() for row in rows}
+    if len(sensors) > 1:
+        listed = ', '.join(sorted(sensors)[:10])
+        msg = f'{path} holds {len(sensors)} sensors ({listed}); --channel WORDS of the ids of one'
+        raise BearingTwinError(msg)
+    signals = [(str(row['signal_id']), row.get('time_s')) for row in rows]
+    return sorted(signals, key=lambda signal: signal[1] or 0.0)
 
 
 def _merged(

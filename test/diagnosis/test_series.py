@@ -340,6 +340,46 @@ def test_femto_runs_to_failure(data_dir, capsys, run):
     assert all(np.sum((changed >= at) & (changed < at + 3600.0)) <= 3 for at in changed)
 
 
+def test_series_of_a_parquet_set(tmp_path, capsys):
+    """Two runs of two channels in one folder, rows not in order of time."""
+    pa = pytest.importorskip('pyarrow')
+    from pyarrow import parquet
+
+    rng = np.random.default_rng(8)
+    names = [
+        f'{run}_{number}/{channel}'
+        for number in (*range(20, 40), *range(20))
+        for run in ('A', 'B')
+        for channel in ('horizontal', 'vertical')
+    ]
+    parts = [name.replace('/', '_').split('_') for name in names]
+    runs, numbers, channels = zip(*parts, strict=True)
+    # One sensor of one run gets loud.
+    loud = [run == 'B' and int(number) >= 30 for run, number in zip(runs, numbers, strict=True)]
+    signals = [(8.0 if is_loud else 1.0) * rng.standard_normal(2560) for is_loud in loud]
+    (tmp_path / 'signals').mkdir()
+    table = pa.table({'signal_id': names, 'signal': pa.array(signals, pa.list_(pa.float64()))})
+    parquet.write_table(table, tmp_path / 'signals' / 'part.parquet')
+    columns = {
+        'signal_id': names, 'run_id': runs, 'channel': channels, 'fs': [RATE] * len(names),
+        'time_s': [10.0 * int(number) for number in numbers], 'unit': ['g'] * len(names),
+        'signal_file': ['part.parquet'] * len(names), 'signal_row_group': [0] * len(names),
+        'signal_row': list(range(len(names))), 'speed_rpm': [1800.0] * len(names),
+    }  # fmt: skip
+    parquet.write_table(pa.table(columns), tmp_path / 'metadata.parquet')
+    command = ['diagnose', '--series', str(tmp_path), '--json', '--baseline', '20', '--channel']
+    assert main([*command, 'A_ vertical']) == 0
+    *points, summary = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [point['time'] for point in points] == [10.0 * number for number in range(40)]
+    assert summary['level'] == 'ok'
+    assert main([*command, 'B_ horizontal']) == 0
+    summary = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert summary['level'] == 'fault'
+    assert summary['change_s'] == 300.0
+    assert main([*command, 'horizontal']) == 1
+    assert '2 sensors (A horizontal, B horizontal)' in capsys.readouterr().err
+
+
 def test_series_of_many_files_in_a_folder(tmp_path, capsys):
     rng = np.random.default_rng(4)
     for number in range(40):
