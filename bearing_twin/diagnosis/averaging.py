@@ -33,8 +33,9 @@ STEP = 0.05
 bin has the mean power over its width, so that no line falls between two."""
 HIGHEST = 40.0
 """Highest order."""
-BANDS = ((1000.0, 5000.0), (5000.0, 20000.0))
-"""Bands that are demodulated, Hz; a band above 0.45 of the sample rate is cut there."""
+BANDS = ((1000.0, 5000.0), (2500.0, 10000.0), (5000.0, 20000.0))
+"""Bands that are demodulated, Hz, cut at 0.45 of the sample rate. They overlap: what rings across
+the edge of two is whole in the third, of which more is left below 25 kHz than of the highest."""
 HARMONICS = 3
 _FLOORS, _LEAST_FLOOR = 64, 16
 """Blocks of the floor that whitens a snapshot, and fewest bins of one."""

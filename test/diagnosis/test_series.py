@@ -299,7 +299,7 @@ def test_a_machine_that_is_damaged_from_the_first_short_snapshot_on(share, heigh
 )
 def test_a_comb_is_a_place_only_with_all_of_its_harmonics_and_none_between(lines, place):
     bearing = find_bearing('6205')
-    power = 1.0 + 0.01 * np.random.default_rng(0).standard_normal((2, 800))
+    power = 1.0 + 0.01 * np.random.default_rng(0).standard_normal((3, 800))
     for line in lines:
         at = round(line * fault_orders(bearing).bpfo / 0.05) - 1
         power[:, at - 1 : at + 2] += 2.0
