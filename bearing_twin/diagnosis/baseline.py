@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 import math
+import statistics
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.dependence import (
@@ -40,6 +41,9 @@ SETTLED = (
     'above the lowest before'
 )
 """What levels do that make a baseline."""
+
+_ANY = 'at '
+"""Begins the name of the class of all speeds; the octaves that they are corrected to end it."""
 
 _PARTS, _LEAST = 4, 5
 """Parts of a window whose medians are compared, and least levels in one. The lowest of fewer
@@ -145,9 +149,14 @@ class Memory:
         """
         Take levels in, dB, one a measure; tell whether they made a baseline, or a lower one.
 
-        It needs ``wanted`` of them which are less than ``most`` dB above the lowest before.
+        It needs ``wanted`` of them which are less than ``most`` dB above the lowest before, at one
+        speed or where the dependence on speed is known.
         """
-        speed = _speed(now)
+        speed, laws = self._speed(now), self.laws()
+        if speed.startswith(_ANY):
+            at = now._replace(octaves=float(speed.removeprefix(_ANY)))
+            pairs = zip(levels, laws, strict=True)
+            levels, now = [level - law.correct(now, at)[0] for level, law in pairs], at
         window = self.windows.setdefault(speed, [])
         window.append([time, *now, *levels])
         del window[:-wanted]
@@ -206,7 +215,7 @@ class Memory:
         if self.base is not None:
             # Bands beyond half the sample rate are as much over it as the whole to the last bit.
             return np.asarray(np.round(levels - np.array(self.base.levels), 6))
-        speed, over = _speed(now), np.full(len(MEASURES), -math.inf)
+        speed, over = self._speed(now), np.full(len(MEASURES), -math.inf)
         known = speed in self.medians
         over[0] = self._over_lowest(speed, *self.medians[speed][1]) if known else math.nan
         return over
@@ -218,7 +227,16 @@ class Memory:
         may = mean * (heat - was) + Z90 * deviation * abs(heat - was)
         return level - lowest - (0.0 if math.isnan(may) else may)
 
-
-def _speed(now: Condition) -> str:
-    """Name of the class of a speed, in which levels are compared as they are."""
-    return str(round(now.octaves / SAME_OCTAVES)) if math.isfinite(now.octaves) else ''
+    def _speed(self, now: Condition) -> str:
+        """Name of the class of speeds in which levels are compared."""
+        if math.isnan(now.octaves):
+            return ''
+        laws = self.laws()
+        if all(law.octaves.known for law in laws):
+            name = next((name for name in self.windows if name.startswith(_ANY)), '')
+            # One that the machine had is comparable without the law, too.
+            name = name or f'{_ANY}{statistics.median_low(row[1] for row in self.record.rows)}'
+            at = Condition(octaves=float(name.removeprefix(_ANY)))
+            if all(law.comparable(now, at) for law in laws):
+                return name
+        return str(round(now.octaves / SAME_OCTAVES))

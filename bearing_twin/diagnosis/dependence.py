@@ -46,6 +46,7 @@ bearing_twin.studies.temperature coverage``)."""
 LEAST_ROWS = 30
 MOST_ROWS = 256
 """Rows kept; when there are more, every second is dropped."""
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 REFIT = 1.1
 """A law is fitted anew when the record is longer by this factor."""
 SAME_OCTAVES = math.log2(1.05)
@@ -295,6 +296,11 @@ def _slope(values: list[float]) -> Slope:
     return Slope(mean, deviation, low, high, bool(known))
 
 
+def _place(number: int, span: int) -> int:
+    """Which one of a group is kept: by turns of the golden ratio, in step with no duty cycle."""
+    return int(span * (GOLDEN * number % 1.0))
+
+
 @dataclass
 class HealthyRecord:
     """
@@ -339,12 +345,14 @@ class HealthyRecord:
     def add(self, levels: Sequence[float], condition: Condition) -> None:
         """Take the levels of a healthy machine, dB, one a measure."""
         self.passed += 1
-        if self.passed < self.span:
+        number = len(self.rows)
+        if self.passed < self.span + _place(number, self.span) - _place(number - 1, self.span):
             return
         self.passed = 0
         self.rows.append([*condition, *levels])
         if len(self.rows) >= MOST_ROWS:
-            del self.rows[::2]
+            pairs = range(len(self.rows) // 2)
+            self.rows = [self.rows[2 * pair + _place(pair, 2)] for pair in pairs]
             self.span *= 2
 
     def laws(self) -> list[Law]:

@@ -217,3 +217,12 @@ def test_table_of_a_run_to_failure(data_dir):
     assert [row[:2] for row in rows] == [('3_1 V', 'settled'), ('3_1 V', 'first 10 min')]
     assert all(row[2:5] == (0, 0, 0) for row in rows)
     assert all(float(lead) > 0.03 for row in rows for lead in row[5:8])
+
+
+def test_a_record_that_is_thinned_out_keeps_both_speeds_of_a_machine_that_alternates():
+    record = HealthyRecord()
+    for number in range(5000):
+        record.add([5.0 * (number % 2)], Condition(50.0, 5.0 + 0.5 * (number % 2)))
+    assert record.span == 32
+    assert 0.3 < np.mean([row[1] > 5.0 for row in record.rows]) < 0.7
+    assert record.laws()[0].octaves.known
