@@ -17,13 +17,14 @@ MODE = 'RMW_FASTRTPS_PUBLICATION_MODE'
 
 def set_up_fast_dds() -> None:
     """
-    Let Fast DDS neither hold up a publisher nor keep the memory of large messages.
+    Let Fast DDS neither hold up a publisher, nor lose blocks, nor keep large messages.
 
     By default its sockets block for seconds when the other host has gone, and so would every
     deadline: what a pulled cable cannot take is dropped, and sent again if it is still in the
-    writer's history. And by default each place of a queue stays as large as the largest message
-    that it has ever held. A user who has set up either, or the mode of publication, keeps it;
-    other middleware does not look at this.
+    writer's history. That a reader lacks it is found by heartbeats, by default each 3 s, which is
+    longer than a block is held. And by default each place of a queue stays as large as the
+    largest message that it has ever held. A user who has set up either, or the mode of
+    publication, keeps it; other middleware does not look at this.
     """
     if any(name in os.environ for name in PROFILES):
         return
@@ -32,6 +33,7 @@ def set_up_fast_dds() -> None:
         # Fast DDS would not look at it beside a profile.
         return
     # Fast DDS 2 (Jazzy, whose timers lack this) knows only the older name; 3 warns of that one.
-    name = PROFILES[0 if hasattr(_rclpy.Timer, 'call_timer_with_info') else 1]
-    os.environ[name] = str(Path(__file__).with_name('fastdds.xml'))
+    older = not hasattr(_rclpy.Timer, 'call_timer_with_info')
+    profiles = 'fastdds2.xml' if older else 'fastdds.xml'
+    os.environ[PROFILES[older]] = str(Path(__file__).with_name(profiles))
     os.environ.setdefault('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')
