@@ -45,6 +45,9 @@ if TYPE_CHECKING:
 BLOCK = 4096
 """Samples per block, 160 ms: to send a block costs the same as one of 40 ms."""
 
+GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+"""Any few consecutive multiples of it are spread evenly between whole numbers."""
+
 SPECS = (
     fixed('assets_file', '', 'YAML file of the assets; see config/fleet.yaml.', read_only=True),
     fixed('names', [''], 'Namespaces of assets with a twin and a diagnosis each, where no file '
@@ -131,7 +134,8 @@ class FleetNode(ManagedNode):
         self._health = Health(self, self.get_namespace())
         for index, member in enumerate(self._members):
             self._set_up_twin(member)
-            self._set_up_diagnosis(member, stagger=(index + 1) / len(self._members))
+            # Neighbours are published one after another: their verdicts belong to other blocks.
+            self._set_up_diagnosis(member, stagger=index * GOLDEN % 1.0)
         self._health.add('real time', self._cycle.status)
         self._warm()
         self.offer('~/reset', self._reset_all)
