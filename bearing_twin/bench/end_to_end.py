@@ -94,21 +94,23 @@ def _watch(nodes: NodeProcesses, seconds: float, progress: Callable[[float], Non
             progress(time.monotonic() - began)
 
 
-def wait_for(bag: Path, nodes: NodeProcesses, *, bearings: int = 1) -> None:
+def wait_for(
+    bag: Path, nodes: NodeProcesses, *, bearings: int = 1, within: float = START_TIMEOUT
+) -> None:
     """
     Wait until a recording holds blocks of each of so many bearings.
 
     Raises
     ------
     BearingTwinError
-        If a process ends, or there are no blocks within ten minutes.
+        If a process ends, or there are no blocks ``within`` seconds.
 
     """
-    deadline = time.monotonic() + START_TIMEOUT
+    deadline = time.monotonic() + within
     while sum(path.stat().st_size for path in bag.glob('*.mcap')) < RECORDED * bearings:
         nodes.check()
         if time.monotonic() > deadline:
-            msg = f'the nodes recorded no blocks within {START_TIMEOUT:g} s'
+            msg = f'blocks of {bearings} bearings were not recorded within {within:g} s'
             raise BearingTwinError(msg)
         time.sleep(0.2)
 

@@ -9,15 +9,21 @@ import os
 from pathlib import Path
 import tempfile
 import time
-from typing import NamedTuple
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bench.end_to_end import cpu_seconds, wait_for
+from bearing_twin.diagnosis import warming as diagnosis_kernels
 from bearing_twin.dynamics import Fleet, preset
+from bearing_twin.dynamics import warming as kernels
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.fleet import BLOCK
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.ros.domain import own_domain
 from bearing_twin.ros.launching import local_environment, NodeProcesses
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
 
 FEW = 16
 """Bearings of the first run, and of the equations alone."""
@@ -29,6 +35,10 @@ CLOSE = 1.25
 """Ratio of the fewest bearings that were late to the most in time, at which a search ends."""
 MORE = 1.05
 """Least ratio of a run to the one before it that kept time."""
+MOST_RUNS = 6
+"""Most runs of a search, repeated ones included."""
+START_TIMEOUT = 120.0
+"""Longest start of a fleet whose kernels are compiled, s; one of 150 takes 15 s."""
 SETTLE, SETTLE_DIAGNOSIS = 4.0, 14.0
 """Time that is not measured, s; windows of 8 s grow until the last diagnosis has a full one."""
 MEASURED = 20.0
@@ -59,13 +69,15 @@ class Search:
     """
     Runs of a fleet that grows until half of what its cost allows has run in time.
 
-    What one bearing adds is taken from the smallest and the largest run that kept time, as what 16
-    bearings take is little. No more is claimed than twice the largest number that kept time.
+    A fleet that is late runs again, as something else on the machine may have had the core for a
+    moment. What one bearing adds is taken from the smallest and the largest run that kept time, as
+    what 16 bearings take is little. No more is claimed than twice the largest number that kept
+    time.
     """
 
     def __init__(self) -> None:
         self._runs: list[FleetRun] = []
-        self._late = math.inf
+        self._late: list[int] = []
 
     def add(self, run: FleetRun) -> None:
         """
@@ -74,13 +86,13 @@ class Search:
         Raises
         ------
         BearingTwinError
-            If not even the first one kept time.
+            If the smallest fleet is late twice.
 
         """
         if run.kept_time:
             self._runs.append(run)
-        elif self._runs:
-            self._late = min(self._late, run.bearings)
+        elif self._runs or not self._late:
+            self._late.append(run.bearings)
         else:
             msg = (
                 f'of {run.bearings} bearings {run.late} blocks were late and {run.missing} were '
@@ -93,13 +105,22 @@ class Search:
         """Number of bearings of the next run; 0 where the claim is proved, or late beyond it."""
         if not self._runs:
             return FEW
-        most = self._runs[-1].bearings
+        if self.made == MOST_RUNS:
+            return 0
+        most, late = self.proved, self.late
+        if late and self._late.count(late) == 1:
+            return late
         wanted = min(math.ceil(PROVED * self._affordable), GROWTH * most)
-        if wanted >= self._late:
-            wanted = round(math.sqrt(most * self._late))
-            if self._late < CLOSE * most:
+        if late and wanted >= late:
+            wanted = round(math.sqrt(most * late))
+            if late < CLOSE * most:
                 return 0
         return wanted if wanted >= MORE * most else 0
+
+    @property
+    def made(self) -> int:
+        """Number of runs so far."""
+        return len(self._runs) + len(self._late)
 
     @property
     def claim(self) -> float:
@@ -112,9 +133,9 @@ class Search:
         return self._runs[-1].bearings
 
     @property
-    def late(self) -> float:
+    def late(self) -> int:
         """Smallest number of bearings that did not; 0 where all did."""
-        return self._late if math.isfinite(self._late) else 0.0
+        return min((late for late in self._late if late > self.proved), default=0)
 
     @property
     def per_bearing(self) -> float:
@@ -135,9 +156,14 @@ class Search:
         return (1.0 - self.process) / self.per_bearing
 
 
-def measure() -> dict[str, float]:
+def measure(say: Callable[[str], None] = lambda _: None) -> dict[str, float]:
     """
     Run fleets until half of what a core carries has run without a late or a missing block.
+
+    Parameters
+    ----------
+    say
+        Called with a sentence before and after each run.
 
     The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
 
@@ -147,15 +173,18 @@ def measure() -> dict[str, float]:
         If a fleet of 16 does not keep time.
 
     """
-    plain, diagnosed = _search(diagnosis=False), _search(diagnosis=True)
+    say('the kernels are compiled where they are not yet')
+    kernels.warm_up(fleet=True)
+    diagnosis_kernels.warm_up()
+    plain, diagnosed = (_search(say, diagnosis=diagnosis) for diagnosis in (False, True))
     without = 1.0 / _advance_share()
     return {
         'live_bearings_per_core': plain.claim,
         'live_bearings_run': float(plain.proved),
-        'live_bearings_late': plain.late,
+        'live_bearings_late': float(plain.late),
         'live_bearings_per_core_with_diagnosis': diagnosed.claim,
         'live_bearings_run_with_diagnosis': float(diagnosed.proved),
-        'live_bearings_late_with_diagnosis': diagnosed.late,
+        'live_bearings_late_with_diagnosis': float(diagnosed.late),
         'live_bearings_per_core_without_dds': without,
         'live_ratio': plain.claim / without,
         'live_ratio_with_diagnosis': diagnosed.claim / without,
@@ -164,12 +193,18 @@ def measure() -> dict[str, float]:
     }
 
 
-def _search(*, diagnosis: bool) -> Search:
+def _search(say: Callable[[str], None], *, diagnosis: bool) -> Search:
     search = Search()
+    with_what = ' with a diagnosis each' if diagnosis else ''
     while count := search.following:
+        say(f'run {search.made + 1} of at most {MOST_RUNS}: {count} bearings{with_what} ...')
+        began = time.monotonic()
         run = _run_fleet(count, diagnosis=diagnosis)
-        # Something else on the machine may have had the core for a moment.
-        search.add(run if run.kept_time else _run_fleet(count, diagnosis=diagnosis))
+        search.add(run)
+        say(
+            f'{run.share:.2f} of a core, {run.late} blocks late, {run.missing} missing, '
+            f'after {time.monotonic() - began:.0f} s'
+        )
     return search
 
 
@@ -198,7 +233,7 @@ def _run_fleet(count: int, *, diagnosis: bool) -> FleetRun:
         with NodeProcesses(folder / 'logs', environment) as nodes:
             nodes.start('recorder', {'output': str(folder / 'bag')})
             nodes.start('fleet', {'assets_file': str(folder / 'assets.yaml')})
-            wait_for(folder / 'bag', nodes, bearings=count)
+            wait_for(folder / 'bag', nodes, bearings=count, within=START_TIMEOUT)
             time.sleep(SETTLE_DIAGNOSIS if diagnosis else SETTLE)
             began, cpu = time.time_ns(), cpu_seconds(nodes.pid('fleet'))
             time.sleep(MEASURED)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 import importlib
 import json
 import os
@@ -74,7 +75,9 @@ def run(args: argparse.Namespace) -> int:
     for done, name in enumerate(names, start=1):
         _say(args, f'{by_level(name, "bold")} ({done} of {len(names)}): {BENCHES[name]} ...')
         try:
-            figures |= importlib.import_module(f'bearing_twin.bench.{name}').measure()
+            # The longest of them says how far it is.
+            known = {'say': partial(_say, args)} if name == 'live' else {}
+            figures |= importlib.import_module(f'bearing_twin.bench.{name}').measure(**known)
         except BearingTwinError as error:
             # What the others measured is not lost.
             failed = 1
