@@ -12,6 +12,7 @@ from bearing_twin.assets.template import MessageTemplate
 from bearing_twin.dynamics.condition import Condition
 from bearing_twin.dynamics.defect_text import placed_defects
 from bearing_twin.stamps import split_ns
+from bearing_twin.streams.vibration_input import VibrationBlock
 from bearing_twin_msgs.msg import TwinState, Vibration
 
 if TYPE_CHECKING:
@@ -59,6 +60,16 @@ def vibration_message(made: TwinBlock, due: Due, values: Mapping[str, Any]) -> V
         x=floats(made.block.x),
         y=floats(made.block.y),
     )
+
+
+def vibration_block(
+    made: TwinBlock, due: Due, values: Mapping[str, Any], axis: str
+) -> VibrationBlock:
+    """Return one axis of a block as a diagnosis reads it out of the message."""
+    return VibrationBlock(
+        due.first_sample, getattr(made.block, axis), values['sample_rate'], made.shaft_hz,
+        made.unit, simulated=True, stamp=due.stamp, frame_id=values['frame_id'],
+    )  # fmt: skip
 
 
 def state_message(made: TwinBlock, due: Due, values: Mapping[str, Any]) -> TwinState:

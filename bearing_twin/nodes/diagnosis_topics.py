@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 import time
 from typing import Any, TYPE_CHECKING
 
@@ -23,7 +24,7 @@ from std_msgs.msg import Float64MultiArray
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Mapping
 
-    from bearing_twin.assets.diagnosis import Verdict
+    from bearing_twin.assets.diagnosis import DueVerdict, Verdict
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
     from bearing_twin.ros.lifecycle import ManagedNode
     from bearing_twin.ros.parameters import ParameterSet
@@ -57,6 +58,7 @@ class DiagnosisTopics:
         if prefix:
             self._path = f'{node.get_namespace().rstrip("/")}/{prefix}diagnosis'
         self._core = DiagnosisCore(p.values)
+        self._due: deque[DueVerdict] = deque()
         self._measured = Inputs(receiver_clock(node), joint=p['joint'])
         self._intake = Intake()
         self._latest: DiagnosisResult | None = None
@@ -89,7 +91,7 @@ class DiagnosisTopics:
         return self._core.bearing.name
 
     def listen(self, *, sensors: bool = True) -> None:
-        """Subscribe; without ``sensors`` blocks and temperature are handed to :meth:`take`."""
+        """Subscribe; without ``sensors`` blocks and temperature are handed to :meth:`hold`."""
         self._inputs: list[Subscription[Any]] = []
         if sensors:
             self._subscribe(Vibration, 'vibration', self.take, STREAM)
@@ -115,6 +117,7 @@ class DiagnosisTopics:
 
     def reset(self) -> Awaitable[str]:
         """Start anew: window, baseline and trend; what a service answers is to be awaited."""
+        self._due.clear()
         self._core = DiagnosisCore(self.parameters.values)
         self._checkpoints.ask()
         self._latest = None
@@ -125,44 +128,63 @@ class DiagnosisTopics:
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; the window restarts where the bearing has changed."""
+        self.judge()
         self._core.reconfigure(values)
         self._checkpoints.ask()
 
-    def take(
-        self,
-        message: Vibration,
-        info: Mapping[str, Any] | None = None,
-        *,
-        temperature: float | None = None,
-    ) -> None:
-        """
-        Diagnose one block; publish the verdict if due.
-
-        At ``temperature``, degC, NaN if unknown; None: at that of the topic.
-        """
+    def take(self, message: Vibration, info: Mapping[str, Any] | None = None) -> None:
+        """Diagnose one block; publish the verdict if due."""
         intake, now = self._intake, time.monotonic()
         # Jazzy does not tell who sent it: then all is one source.
         if not intake.sources.accept((info or {}).get('publisher_gid'), now):
             return
         intake.arrived = now
-        if temperature is None:
-            temperature = self._measured.temperature.taken
         try:
             block = read_vibration(message, self.parameters['axis'])
+        except BearingTwinError as error:
+            self._refuse(error)
+            return
+        if self.hold(block, temperature=self._measured.temperature.taken):
+            self.judge()
+
+    def hold(self, block: VibrationBlock, *, temperature: float) -> bool:
+        """
+        Take one block; return whether a verdict fell due, which waits for :meth:`judge`.
+
+        At ``temperature``, degC, NaN if unknown.
+        """
+        intake = self._intake
+        intake.arrived = time.monotonic()
+        try:
             self._core.admit(block)
         except BearingTwinError as error:
-            intake.refused += 1
-            intake.problem = str(error)
-            self._node.get_logger().warning(f'block refused: {error}', throttle_duration_sec=10.0)
-            return
+            self._refuse(error)
+            return False
         intake.blocks, intake.used, intake.problem = intake.blocks + 1, intake.arrived, ''
         if intake.gaps.count(block.first_sample, block.samples.size):
             self._checkpoints.ask()
         if self._checkpoints.is_due(block.first_sample):
+            # A state is complete where no verdict waits.
+            self.judge()
             self._load_state()
             self._publish_checkpoint(block)
         joint_hz = self._measured.shaft_hz(block.length)
-        for due in self._core.take(block, temperature=temperature, joint_hz=joint_hz):
+        due = self._core.take(block, temperature=temperature, joint_hz=joint_hz)
+        if due:
+            # One at most waits, however busy the process is.
+            self.judge()
+        self._due.extend(due)
+        return bool(due)
+
+    def _refuse(self, error: BearingTwinError) -> None:
+        self._intake.refused += 1
+        self._intake.problem = str(error)
+        self._node.get_logger().warning(f'block refused: {error}', throttle_duration_sec=10.0)
+
+    def judge(self) -> None:
+        """Publish the verdicts that are due."""
+        while self._due:
+            due = self._due.popleft()
             self._publish_verdict(due.judge(due.excerpt.analyse()))
             if self.parameters['series_cycle']:
                 # The next block may come a cycle later.

@@ -17,7 +17,7 @@ from bearing_twin.assets.fleet import build_fleet, read_assets, SHARED
 from bearing_twin.assets.shared_specs import STATE_RATE, SUBSCRIBERS
 from bearing_twin.assets.spec import fixed
 from bearing_twin.assets.twin import TwinChannel, TwinInputs
-from bearing_twin.assets.twin_messages import StateTurns, TwinBlock, vibration_message
+from bearing_twin.assets.twin_messages import StateTurns, TwinBlock, vibration_block
 from bearing_twin.assets.twin_parameters import build_parameters, build_simulator
 from bearing_twin.diagnosis import warming as diagnosis
 from bearing_twin.dynamics import warming as dynamics
@@ -84,7 +84,8 @@ class FleetNode(ManagedNode):
 
     The equations of all twins are advanced in one call when a period is over; the publishing, and
     what the diagnoses do with the blocks, is spread over the next one. A diagnosis whose twin is
-    hosted too gets the blocks directly; any other one listens to its topic.
+    hosted too gets the blocks directly, and its verdicts wait where they would delay a block; any
+    other one listens to its topic.
     """
 
     def __init__(self) -> None:
@@ -123,9 +124,11 @@ class FleetNode(ManagedNode):
         self._declare()
         # First of all, as it may be refused: nothing is left behind then.
         self._cycle = BlockCycle(
-            self, p, self._compute, slots=p['slots'], between=self._publish_share
+            self, p, self._compute, slots=p['slots'], between=self._spend_slot
         )
         self._pending: deque[Pending] = deque()
+        self._verdicts: deque[DiagnosisTopics] = deque()
+        self._verdict_took = 0.0
         self._twins = [m for m in self._members if m.twin_parameters is not None]
         self._fleet = self._build_fleet()
         node = self.get_fully_qualified_name()
@@ -233,6 +236,8 @@ class FleetNode(ManagedNode):
         try:
             # They have been counted as published.
             self._publish_share(1.0)
+            while self._verdicts:
+                self._verdicts.popleft().judge()
         finally:
             # Ctrl-C has ended the context: nothing is published any more, and the states are kept.
             for member in self._members:
@@ -282,6 +287,19 @@ class FleetNode(ManagedNode):
             [shaft_hz for _, shaft_hz in inputs],
         )
 
+    def _spend_slot(self, phase: float) -> None:
+        """Publish this slot's share of the blocks; then judge for the rest of the slot."""
+        began, slots = time.perf_counter(), self.parameters['slots']
+        self._publish_share(phase)
+        # A verdict can wait for a later slot, the next block cannot.
+        slot = self._cycle.period / slots
+        end = began + (math.floor(phase * slots + 1e-6) + 1 - phase * slots) * slot
+        while self._verdicts and (begins := time.perf_counter()) + self._verdict_took < end:
+            self._verdicts.popleft().judge()
+            # The slowest of late counts; but a slot that is half empty always takes one.
+            took = time.perf_counter() - begins
+            self._verdict_took = min(max(took, 0.9 * self._verdict_took), 0.5 * slot)
+
     def _publish_share(self, phase: float) -> None:
         """Publish as many of the blocks as the part of the period that is over asks for."""
         after = max(0.0, 1.0 - phase - 1.0 / self.parameters['slots'])
@@ -302,9 +320,10 @@ class FleetNode(ManagedNode):
         topics.publish_state(made, item.due, self._cycle.fields(item.due) | took)
         if member.wait:
             member.wait -= 1
-        elif member.diagnosis is not None:
-            message = vibration_message(made, item.due, values)
-            member.diagnosis.take(message, temperature=made.temperature.taken)
+        elif (diagnosis := member.diagnosis) is not None:
+            block = vibration_block(made, item.due, values, diagnosis.parameters['axis'])
+            if diagnosis.hold(block, temperature=made.temperature.taken):
+                self._verdicts.append(diagnosis)
 
     def _publish_checkpoint(self, due: Due) -> None:
         assert self._fleet is not None

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from bearing_twin.assets import diagnosis_parameters, twin_parameters
 from bearing_twin.assets.spec import configuration, read_values
 from bearing_twin.assets.twin import Twin
-from bearing_twin.assets.twin_messages import REALTIME, TwinBlock, TwinBytes
+from bearing_twin.assets.twin_messages import REALTIME, TwinBlock, TwinBytes, vibration_block
 from bearing_twin.dynamics.limits import Limit
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.diagnosis_run import DiagnosisRun
@@ -27,7 +27,6 @@ from bearing_twin.recording.writer import RecordingWriter, whole_recording
 from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.streams.ahead import ahead
 from bearing_twin.streams.pacer import Due
-from bearing_twin.streams.vibration_input import VibrationBlock
 import yaml
 
 if TYPE_CHECKING:
@@ -319,11 +318,7 @@ class _DiagnosisSide:
     def _work(self, block: _Block) -> None:
         self._waiting.extend((made, block.now) for made in self._outputs(block))
         made, due, values = block.made, block.due, self._twin
-        # As the diagnosis would read it out of the message.
-        vibration = VibrationBlock(
-            due.first_sample, getattr(made.block, self._axis), values['sample_rate'],
-            made.shaft_hz, made.unit, simulated=True, stamp=due.stamp, frame_id=values['frame_id'],
-        )  # fmt: skip
+        vibration = vibration_block(made, due, values, self._axis)
         if self._run.needs_checkpoint(vibration):
             # The state before this block is that after all verdicts before it.
             self._settle(0)

@@ -3,6 +3,7 @@
 """Sources that fall silent, pause, change or start anew, as the nodes that hear them take it."""
 
 import array
+from dataclasses import replace
 import math
 
 from bearing_twin.dynamics import preset, Simulator
@@ -13,6 +14,7 @@ pytest.importorskip('rclpy')
 
 from bearing_twin.nodes.diagnosis import DiagnosisNode
 from bearing_twin.stamps import NANO
+from bearing_twin.streams.vibration_input import read_vibration
 from bearing_twin_msgs.msg import Vibration
 from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.time import Time
@@ -54,9 +56,32 @@ def test_a_speed_that_is_not_told_any_more_names_no_place(here):
         if second in (0, 10):
             machine = Simulator(worn, seed=1, shaft_hz=hertz, temperature=40.0)
         samples = machine.advance(RATE, 40.0, hertz).y
-        topics.take(block(second, samples), temperature=math.nan)
+        topics.take(block(second, samples))
         verdicts.append(topics._latest)
     assert {each.result for each in verdicts} == {'inner'}
     assert verdicts[9].shaft_hz == pytest.approx(25.4, rel=2e-3)
     assert math.isnan(verdicts[-1].shaft_hz)
     assert 'no velocity for 14.0 s: the last one is too old' in topics.input_status().message
+
+
+def test_a_verdict_that_waits_is_published_before_the_next_one_and_before_a_change(here):
+    node = here(DiagnosisNode, shaft_hz=25.4)
+    for trigger in (node.trigger_configure, node.trigger_activate):
+        assert trigger() is TransitionCallbackReturn.SUCCESS
+    topics, published = node._topics, []
+    topics._verdict.publish = lambda message: published.append(message.first_sample)
+    noise = np.random.default_rng(0).standard_normal((4, RATE))
+    half = RATE // 2
+    for second, samples in enumerate(noise):
+        held = read_vibration(block(second, samples), 'y')
+        middle = held.first_sample + half
+        first = replace(held, samples=held.samples[:half])
+        last = replace(held, first_sample=middle, samples=held.samples[half:])
+        assert not topics.hold(first, temperature=math.nan)
+        assert len(published) == max(second - 1, 0)
+        assert topics.hold(last, temperature=math.nan)
+        assert len(published) == second
+    topics.apply(node.parameters.values)
+    assert published == [0, 0, 0, 0]
+    topics.judge()
+    assert len(published) == 4
