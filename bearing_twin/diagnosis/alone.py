@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 CONFIRMING = 5
 """Snapshots whose median is judged: two of five may be disturbed."""
 
-_NEWEST = 2 * CONFIRMING - 1
+NEWEST = 2 * CONFIRMING - 1
 """Answers kept: the level that ``CONFIRMING`` of them reach is their median."""
 
 
@@ -66,7 +66,7 @@ class Answers:
         place = answer.faults[0] if len(answer.faults) == 1 and answer.level == 'fault' else ''
         reason = answer.reasons[0] if answer.reasons else ''
         self.newest.append([answer.level, place, reason])
-        del self.newest[:-_NEWEST]
+        del self.newest[:-NEWEST]
 
     @property
     def level(self) -> str:

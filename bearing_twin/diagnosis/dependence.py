@@ -316,7 +316,7 @@ class HealthyRecord:
     >>> for hour in range(1000):
     ...     record.add([0.05 * (hour % 24)], Condition(60.0 + hour % 24, 4.6))
     >>> len(record.rows), record.span, record.laws()[0].temperature.known
-    (250, 4, True)
+    (249, 4, True)
 
     """
 

@@ -15,7 +15,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS, PLACES
-from bearing_twin.diagnosis.alone import answer_alone, Answers, CONFIRMING
+from bearing_twin.diagnosis.alone import answer_alone, Answers, CONFIRMING, NEWEST
 from bearing_twin.diagnosis.averaging import AveragedEnvelope, Comb
 from bearing_twin.diagnosis.averaging import LEAST as LEAST_AVERAGED
 from bearing_twin.diagnosis.baseline import Baseline, Memory, SETTLED
@@ -77,6 +77,8 @@ class _Kept:
     """Level that is held."""
     low_since: float = math.nan
     """Since when the level is low while an alarm is held, s; NaN if it is not."""
+    low: int = 0
+    """Snapshots since then."""
     began: float = math.nan
     """When the level that is held last rose from 'none' or 'ok', s."""
     risen: float = math.nan
@@ -393,8 +395,11 @@ class SeriesMonitor:
         rises = LEVELS.index(wanted) > LEVELS.index(self._kept.held)
         if not rises:
             if math.isnan(self._kept.low_since):
-                self._kept.low_since = time
-            if time - self._kept.low_since < self._settings.series_hold:
+                self._kept.low_since, self._kept.low = time, 0
+            self._kept.low += 1
+            held = time - self._kept.low_since < self._settings.series_hold
+            # Where the cycle is longer than the hold: until the answers that raised it are gone.
+            if held or self._kept.low < NEWEST:
                 return
             self._loud.clear()
             if self._kept.held == 'fault':

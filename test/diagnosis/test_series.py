@@ -100,6 +100,19 @@ def test_alarm_ends_an_hour_after_the_cause():
     assert last == pytest.approx(700 * CYCLE + 3600.0, abs=10 * CYCLE)
 
 
+def test_an_alarm_of_rare_snapshots_does_not_end_with_two_of_them():
+    """Six hours apart and 2 dB more for every six of twelve: beside the threshold."""
+    rng, monitor = np.random.default_rng(9), SeriesMonitor(None)
+    for number in range(200):
+        height = 0.0 if number < 100 else 2.0 if number % 12 < 6 else 8.0
+        x = 10.0 ** (height / 20.0) * rng.standard_normal(COUNT)
+        monitor.add(6.0 * 3600.0 * number, x, RATE, SHAFT_HZ)
+    assert monitor.report().changes == 1
+    for number in range(200, 240):
+        monitor.add(6.0 * 3600.0 * number, rng.standard_normal(COUNT), RATE, SHAFT_HZ)
+    assert monitor.report().level == 'ok'
+
+
 def test_other_speeds_and_broken_snapshots_are_not_judged():
     rng = np.random.default_rng(0)
     monitor = SeriesMonitor(None, DiagnosisSettings(baseline_windows=10))
