@@ -18,6 +18,7 @@ from bearing_twin.diagnosis.dependence import (
     Z90,
 )
 from bearing_twin.diagnosis.severity import MEASURES
+from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
@@ -142,6 +143,17 @@ class Memory:
     former: list[Baseline] = field(default_factory=list)
     """Louder ones that it took the place of: another load, or before the machine ran in."""
     record: HealthyRecord = field(default_factory=HealthyRecord)
+
+    def __post_init__(self) -> None:
+        """Refuse, of a saved memory, a class of speeds at no speed."""
+        for name in filter(None, self.windows):
+            try:
+                known = math.isfinite(float(name.removeprefix(_ANY)))
+            except ValueError:
+                known = False
+            if not known:
+                msg = f'saved class of speeds {name!r:.40} is invalid; use what save() returned'
+                raise BearingTwinError(msg)
 
     def learn(
         self, time: float, levels: list[float], now: Condition, wanted: int, most: float
