@@ -35,7 +35,8 @@ def browse(page: str, *arguments: str) -> str:
         raise BearingTwinError(msg)
     with tempfile.TemporaryDirectory(prefix='bearing_twin_page_') as folder:
         source = Path(folder) / 'page.html'
-        source.write_text(page, encoding='utf-8')
+        # The mark at its head tells the browser the encoding of a page that does not say it.
+        source.write_text(page, encoding='utf-8-sig')
         command = [browser, '--headless', '--no-sandbox', '--disable-gpu', '--hide-scrollbars']
         command += ['--disable-dev-shm-usage', '--disable-background-networking']
         command += [f'--user-data-dir={folder}/profile', *arguments, source.as_uri()]
