@@ -13,6 +13,8 @@ PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
 TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
 MODE = 'RMW_FASTRTPS_PUBLICATION_MODE'
 """Settings of Fast DDS in the environment."""
+OLDER = not hasattr(_rclpy.Timer, 'call_timer_with_info')
+"""Whether it is Fast DDS 2 (Jazzy, whose timers lack this)."""
 
 
 def set_up_fast_dds() -> None:
@@ -32,8 +34,7 @@ def set_up_fast_dds() -> None:
     if MODE in os.environ:
         # Fast DDS would not look at it beside a profile.
         return
-    # Fast DDS 2 (Jazzy, whose timers lack this) knows only the older name; 3 warns of that one.
-    older = not hasattr(_rclpy.Timer, 'call_timer_with_info')
-    profiles = 'fastdds2.xml' if older else 'fastdds.xml'
-    os.environ[PROFILES[older]] = str(Path(__file__).with_name(profiles))
+    # Fast DDS 2 knows only the older name; 3 warns of that one.
+    profiles = 'fastdds2.xml' if OLDER else 'fastdds.xml'
+    os.environ[PROFILES[OLDER]] = str(Path(__file__).with_name(profiles))
     os.environ.setdefault('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')

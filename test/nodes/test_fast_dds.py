@@ -21,6 +21,7 @@ DDS = '{http://www.eprosima.com}'
         'bearing_twin/ros/fastdds.xml',
         'bearing_twin/ros/fastdds2.xml',
         'config/fastdds_localhost.xml',
+        'config/fastdds2_localhost.xml',
     ],
 )
 def test_a_reader_is_asked_what_it_lacks_while_that_is_held(profiles):

@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 
 from bearing_twin.recording.reader import recording_info
-from bearing_twin.ros.fastdds import PROFILES
+from bearing_twin.ros.fastdds import OLDER, PROFILES
 from bearing_twin.ros.launching import NodeProcesses
 from bearing_twin.view.rerun.viewer import free_port
 import psutil
@@ -17,7 +17,7 @@ from recorder_process import Source
 
 pytestmark = pytest.mark.ros
 
-PROFILE = Path(__file__).parents[2] / 'config' / 'fastdds_localhost.xml'
+PROFILE = 'fastdds2_localhost.xml' if OLDER else 'fastdds_localhost.xml'
 EPHEMERAL = 32768
 """First port that Linux hands out by itself: sockets from which is sent."""
 
@@ -25,9 +25,7 @@ EPHEMERAL = 32768
 def test_with_the_profile_every_port_is_bound_to_this_machine(
     ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # Of Fast DDS 3, and of Fast DDS 2 (Jazzy).
-    for name in PROFILES:
-        monkeypatch.setenv(name, str(PROFILE))
+    monkeypatch.setenv(PROFILES[OLDER], str(Path(__file__).parents[2] / 'config' / PROFILE))
     port = free_port()
     with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'bag'), 'rerun_port': port})
