@@ -20,43 +20,6 @@ NEUTRAL = 0.5963474
 
 
 @compiled(fast=FAST, borrows=True)
-def line_power(
-    lines: NDArray[np.complex64],
-    scale: NDArray[np.float32],
-    power: NDArray[np.float32],
-    first: int,
-) -> None:
-    """
-    Write the power of the lines under a Hann window relative to that of the mean.
-
-    In the frequency domain the window takes half of both neighbours from each line.
-
-    Parameters
-    ----------
-    lines
-        (> K + 1, n) transforms of squared envelopes.
-    scale
-        (n,) one over the mean of each.
-    power
-        (K, B); row k is line k + 1. Only n columns are written.
-    first
-        First of these columns.
-
-    """
-    bands, half = len(scale), np.float32(0.5)
-    for k in range(len(power)):
-        below, at, above = lines[k], lines[k + 1], lines[k + 2]
-        out = power[k, first : first + bands]
-        # The mean itself leaks into the first line.
-        share = half if k else np.float32(0.0)
-        for band in range(bands):
-            real = at[band].real - share * below[band].real - half * above[band].real
-            imag = at[band].imag - share * below[band].imag - half * above[band].imag
-            real, imag = real * scale[band], imag * scale[band]
-            out[band] = real * real + imag * imag
-
-
-@compiled(fast=FAST, borrows=True)
 def over_floor(
     power: NDArray[np.float32],
     levels: NDArray[np.float32],

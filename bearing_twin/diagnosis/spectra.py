@@ -12,7 +12,9 @@ from dataclasses import dataclass
 import functools
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.kernels import join_quarters, line_power, over_floor
+from bearing_twin.diagnosis.columns import line_power, pairs, transform_rows, turns
+from bearing_twin.diagnosis.kernels import join_quarters, over_floor
+from bearing_twin.dynamics.vector import L
 import numpy as np
 from scipy import fft
 
@@ -277,17 +279,17 @@ def envelope_spectra(
     ((500, 8), (4, 500), 1.0)
 
     """
-    begin = 0
+    begin, last = 0, np.empty(L, np.float32)
     for part in envelopes:
         if not begin:
             points = len(part)
             bin_hz = rate / points
             count = min(max(int(max_hz / bin_hz), 16), points // 2 - 1)
             power = np.empty((count, len(WHITENINGS) * bands), np.float32)
-        lines = fft.rfft(part, axis=0)
-        scale = np.float32(1.0) / np.maximum(lines[0].real, np.float32(_TINY))
-        line_power(lines, scale, power, begin)
-        begin += len(scale)
+        for column in range(0, part.shape[1], L):
+            some = part[:, column : column + L]
+            line_power(transform_rows(pairs(some)), turns(points), power, begin, last)
+            begin += some.shape[1]
     # Under a Hann window every other bin tells as much.
     levels, first, hop = floor_levels(power[::2].T, floor_width // 2)
     first, hop = 2.0 * first, 2 * hop

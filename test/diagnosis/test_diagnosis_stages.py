@@ -7,6 +7,7 @@ import math
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.bands import band_tree, BandTree, squared_envelopes
 from bearing_twin.diagnosis.chain import Excerpt
+from bearing_twin.diagnosis.columns import line_power, pairs, transform_rows, turns
 from bearing_twin.diagnosis.comb import accumulate, comb_scores, order_spectra
 from bearing_twin.diagnosis.demodulation import choose_layout
 from bearing_twin.diagnosis.gate import check_record
@@ -149,6 +150,28 @@ def test_band_of_a_tree_is_the_band_alone_and_the_autocorrelation(
         for lines in (found[:, i, :700], same[:, :700]):
             assert np.abs(lines / scale - 1400.0 * exact / scale)[:, 1:].max() < 1e-3
             assert lines[:, 0] == pytest.approx(1400.0 * exact[:, 0], rel=1e-5)
+
+
+@pytest.mark.parametrize('count', [1, 2, 8, 11 * 13, 1225, 1250, 1254, 2 * 1009, 5120])
+def test_columns_transformed_side_by_side_are_those_of_the_library(rng, count):
+    rows = rng.standard_normal((count, 32)).astype(np.float32)
+    exact = np.fft.fft(rows[:, :16].astype(float) + 1j * rows[:, 16:], axis=0)
+    found = transform_rows(rows)
+    assert np.abs(found[:, :16] + 1j * found[:, 16:] - exact).max() < 3e-7 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize(('points', 'bands'), [(1280, 16), (1225, 3), (1250, 20), (2 * 1009, 5)])
+def test_power_of_lines_is_that_under_a_hann_window(rng, points, bands):
+    x = rng.exponential(size=(points, bands)).astype(np.float32)
+    power = np.empty((points // 2 - 1, bands), np.float32)
+    last = np.empty(16, np.float32)
+    for first in range(0, bands, 16):
+        rows = transform_rows(pairs(x[:, first : first + 16]))
+        line_power(rows, turns(points), power, first, last)
+    relative = x / x.mean(axis=0, dtype=float) - 1.0
+    window = 1.0 - np.cos(2.0 * np.pi * np.arange(points) / points)
+    exact = np.abs(np.fft.rfft(window[:, None] * relative, axis=0) / points) ** 2
+    assert power == pytest.approx(exact[1 : points // 2], rel=1e-3, abs=1e-6 * exact.max())
 
 
 @pytest.mark.parametrize('points', [1280, 12_800])

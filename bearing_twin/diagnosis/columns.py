@@ -1,0 +1,278 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Fourier transforms of sixteen columns side by side, as a register of 512 bits holds them.
+
+Libraries that run on every processor transform four at a time. A row has sixteen complex numbers:
+32 numbers of single precision, the real parts first.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.dynamics.compiled import compiled, FAST
+from bearing_twin.dynamics.vector import chosen, L, load, splat, store
+import numpy as np
+from scipy import fft
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+ROW = 2 * L
+"""Numbers in a row."""
+
+_TINY = 1e-30
+_LARGEST = 13
+"""Largest prime factor of a length whose lines are summed one by one, which takes its square."""
+
+
+@functools.lru_cache(maxsize=16)
+def turns(count: int) -> NDArray[np.float32]:
+    """
+    Cosine and sine of each of so many parts of a turn backwards, shape (count, 2).
+
+    >>> turns(4)[1].round(6).tolist()
+    [0.0, -1.0]
+
+    """
+    angles = -2.0 * np.pi / count * np.arange(count)
+    found = np.stack((np.cos(angles), np.sin(angles)), axis=1).astype(np.float32)
+    found.flags.writeable = False
+    return found
+
+
+def transform_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
+    """
+    Discrete Fourier transform down the columns.
+
+    Parameters
+    ----------
+    rows
+        Shape (N, 32).
+
+    Returns
+    -------
+    The same shape, in another array.
+
+    >>> rows = np.random.default_rng(0).standard_normal((42, 32)).astype(np.float32)
+    >>> found = transform_rows(rows)
+    >>> exact = np.fft.fft(rows[:, :16] + 1j * rows[:, 16:], axis=0)
+    >>> bool(np.allclose(found[:, :16] + 1j * found[:, 16:], exact, atol=1e-4))
+    True
+
+    """
+    count = len(rows)
+    radices = _radices(count)
+    if radices and radices[-1] > _LARGEST:
+        found = fft.fft(rows[:, :L] + np.complex64(1j) * rows[:, L:], axis=0)
+        return np.concatenate((found.real, found.imag), axis=1)
+    spare = _aligned(count), _aligned(count)
+    left, done = count, 1
+    for number, radix in enumerate(radices):
+        left //= radix
+        if radix == 4:
+            _fours(rows, turns(count), left, done, spare[number % 2])
+        else:
+            _primes(rows, turns(count), radix, left, done, spare[number % 2])
+        rows, done = spare[number % 2], done * radix
+    return rows
+
+
+def _aligned(count: int) -> NDArray[np.float32]:
+    """Room for so many rows that no cache line is shared by two: these take twice the time."""
+    room = np.empty((count + 1) * ROW, np.float32)
+    begin = -room.ctypes.data % (4 * L) // room.itemsize
+    return room[begin : begin + count * ROW].reshape(count, ROW)
+
+
+@functools.lru_cache(maxsize=16)
+def _radices(count: int) -> tuple[int, ...]:
+    """Factors of a length: as many fours as there are, then primes."""
+    found = []
+    for radix in (4, *range(2, count + 1)):
+        while count % radix == 0:
+            found.append(radix)
+            count //= radix
+    return tuple(found)
+
+
+@compiled(inline=True, fast=FAST)
+def _times(real: Any, imag: Any, turn: Any) -> tuple[Any, Any]:
+    """Product with a turn."""
+    return real * turn[0] - imag * turn[1], real * turn[1] + imag * turn[0]
+
+
+@compiled(fast=FAST, borrows=True)
+def _fours(
+    rows: NDArray[np.float32],
+    turns: NDArray[np.float32],
+    left: int,
+    done: int,
+    out: NDArray[np.float32],
+) -> None:
+    """
+    Do one pass of the transform after Stockham, by butterflies of four rows.
+
+    Parameters
+    ----------
+    rows
+        (4 left done, 32).
+    turns
+        (N, 2) of the whole length.
+    left, done
+        Length that the later passes transform, and the one that the earlier ones did.
+    out
+        As ``rows``, written.
+
+    """
+    apart, beside = 2 * left * done, 2 * done
+    for p in range(left):
+        one, two, three = turns[p * done], turns[2 * p * done], turns[3 * p * done]
+        for q in range(done):
+            a, o = 2 * (q + done * p), 2 * (q + 4 * done * p)
+            b, c, d = a + apart, a + 2 * apart, a + 3 * apart
+            ar, ai, br, bi = load(rows, a), load(rows, a + 1), load(rows, b), load(rows, b + 1)
+            cr, ci, dr, di = load(rows, c), load(rows, c + 1), load(rows, d), load(rows, d + 1)
+            er, ei, fr, fi = ar + cr, ai + ci, ar - cr, ai - ci
+            # The difference of the other two, times -i.
+            gr, gi, hr, hi = br + dr, bi + di, bi - di, dr - br
+            _put(out, o, er + gr, ei + gi)
+            vr, vi = _times(fr + hr, fi + hi, one)
+            _put(out, o + beside, vr, vi)
+            vr, vi = _times(er - gr, ei - gi, two)
+            _put(out, o + 2 * beside, vr, vi)
+            vr, vi = _times(fr - hr, fi - hi, three)
+            _put(out, o + 3 * beside, vr, vi)
+
+
+@compiled(fast=FAST, borrows=True)
+def _primes(
+    rows: NDArray[np.float32],
+    turns: NDArray[np.float32],
+    radix: int,
+    left: int,
+    done: int,
+    out: NDArray[np.float32],
+) -> None:
+    """Do the same by butterflies of a prime number of rows."""
+    apart, beside, count = 2 * left * done, 2 * done, len(turns)
+    for p in range(left):
+        for q in range(done):
+            a, o = 2 * (q + done * p), 2 * (q + radix * done * p)
+            for k in range(radix // 2 + 1):
+                # The lines k and radix - k have sums and differences of rows in common.
+                sr, si = load(rows, a), load(rows, a + 1)
+                tr, ti = sr * 0.0, si * 0.0
+                at, b, c = 0, a, a + radix * apart
+                for _ in range(radix // 2):
+                    at += k * (count // radix)
+                    at -= count if at >= count else 0
+                    b, c, turn = b + apart, c - apart, turns[at]
+                    br, bi = load(rows, b), load(rows, b + 1)
+                    cr, ci = load(rows, c), load(rows, c + 1)
+                    # Of two rows the second is its own partner.
+                    half = turn[0] if b < c else np.float32(0.5) * turn[0]
+                    sr, si = sr + half * (br + cr), si + half * (bi + ci)
+                    tr, ti = tr - turn[1] * (bi - ci), ti + turn[1] * (br - cr)
+                vr, vi = _times(sr + tr, si + ti, turns[p * k * done])
+                _put(out, o + k * beside, vr, vi)
+                if 0 < k < radix - k:
+                    vr, vi = _times(sr - tr, si - ti, turns[p * (radix - k) * done])
+                    _put(out, o + (radix - k) * beside, vr, vi)
+
+
+@compiled(inline=True, fast=FAST)
+def _put(out: NDArray[np.float32], at: int, real: Any, imag: Any) -> None:
+    """Write sixteen complex numbers."""
+    store(out, at, real)
+    store(out, at + 1, imag)
+
+
+def pairs(x: NDArray[np.float32]) -> NDArray[np.float32]:
+    """
+    Rows of up to sixteen real columns; of an even number of samples, two are a complex number.
+
+    >>> pairs(np.ones((6, 3), np.float32)).shape, pairs(np.ones((5, 16), np.float32)).shape
+    ((3, 32), (5, 32))
+
+    """
+    count, columns = x.shape
+    if count % 2 == 0 and columns == L:
+        return np.ascontiguousarray(x).reshape(-1, ROW)
+    rows = np.zeros((count // 2, 2, L) if count % 2 == 0 else (count, 1, 2 * L), np.float32)
+    rows[..., :columns] = x.reshape(len(rows), -1, columns)
+    return rows.reshape(-1, ROW)
+
+
+@compiled(inline=True, fast=FAST)
+def _line(rows: NDArray[np.float32], turns: NDArray[np.float32], k: int) -> tuple[Any, Any]:
+    """
+    Line of sixteen real columns, of which two samples were transformed as one complex number.
+
+    Parameters
+    ----------
+    rows
+        (N / 2, 32) transforms; or (N, 32) of the columns themselves, where N is odd.
+    turns
+        (N, 2).
+    k
+        Number of the line, up to N / 2.
+
+    """
+    count = len(rows)
+    if count == len(turns):
+        return load(rows, 2 * k), load(rows, 2 * k + 1)
+    a, b = 2 * (k if k < count else 0), 2 * (count - k if k else 0)
+    ar, ai, br, bi = load(rows, a), load(rows, a + 1), load(rows, b), load(rows, b + 1)
+    # The transform of the even samples, and that of the odd ones, which are half a step behind.
+    er, ei, dr, di = 0.5 * (ar + br), 0.5 * (ai - bi), 0.5 * (ai + bi), 0.5 * (br - ar)
+    real, imag = _times(dr, di, turns[k])
+    return er + real, ei + imag
+
+
+@compiled(fast=FAST, borrows=True)
+def line_power(
+    rows: NDArray[np.float32],
+    turns: NDArray[np.float32],
+    power: NDArray[np.float32],
+    first: int,
+    last: NDArray[np.float32],
+) -> None:
+    """
+    Write the power of the lines under a Hann window relative to that of the mean.
+
+    In the frequency domain the window takes half of both neighbours from each line.
+
+    Parameters
+    ----------
+    rows, turns
+        Transforms of sixteen squared envelopes, see :func:`pairs`.
+    power
+        (K, B), written up to sixteen columns; row k is line k + 1.
+    first
+        First of these columns.
+    last
+        (16,) to work in.
+
+    """
+    columns = power.shape[1] - first
+    mean, _ = _line(rows, turns, 0)
+    scale = 1.0 / chosen(mean > _TINY, mean, splat(np.float32(_TINY)))
+    # The mean itself leaks into the first line.
+    below_real = below_imag = splat(np.float32(0.0))
+    real, imag = _line(rows, turns, 1)
+    for k in range(len(power)):
+        above_real, above_imag = _line(rows, turns, k + 2)
+        at_real = (real - 0.5 * (below_real + above_real)) * scale
+        at_imag = (imag - 0.5 * (below_imag + above_imag)) * scale
+        at = at_real * at_real + at_imag * at_imag
+        if columns >= L:
+            store(power[k, first:], 0, at)
+        else:
+            store(last, 0, at)
+            for column in range(columns):
+                power[k, first + column] = last[column]
+        below_real, below_imag, real, imag = real, imag, above_real, above_imag
