@@ -10,7 +10,6 @@ between its harmonics.
 
 from __future__ import annotations
 
-import functools
 import math
 from typing import TYPE_CHECKING
 
@@ -232,35 +231,25 @@ def denser_series(
     most = int(order / max(_SLOWEST, 4.0 * spectra.step))
     if most < 2:
         return 0.0
-    parts, lines = _between(most)
-    rows = spectra.rows(order * lines)
-    heights = line_heights(spectra, order * lines, columns)
     best, found = 0.0, 0
     hidden = hidden | mine
     away = np.abs(order / np.maximum(np.arange(most + 1), 1) - 1.0)
     shaft = away <= uncertainty + spectra.step
     alike = own - _ALIKE
-    for mask, least in ((hidden | sidebands, alike if sharp else _SHARE * own), (hidden, alike)):
-        tells = ~mask[rows]
-        counts = np.bincount(parts[tells], minlength=most + 1)
-        sums = np.bincount(parts[tells], heights[tells], minlength=most + 1)
-        means = np.asarray(sums, np.float64) / np.maximum(counts, 1)
+    masks = np.array([hidden | sidebands, hidden])
+    all_counts, all_sums = np.zeros((2, 2, most + 1))
+    kernels.denser_lines(
+        spectra.logs, order, spectra.step, HARMONICS, columns, masks, all_counts, all_sums
+    )
+    leasts = (alike if sharp else _SHARE * own), alike
+    for counts, sums, least in zip(all_counts, all_sums, leasts, strict=True):
+        means = sums / np.maximum(counts, 1.0)
         sure = means * np.sqrt(counts * spectra.weight) / _SPREAD
         sure[(counts < _FEWEST) | (means < least) | (sure < _CHANCE) | shaft] = 0.0
         part = int(np.argmax(sure))
         if sure[part] > best:
             best, found = float(sure[part]), part
     return order / found if found else 0.0
-
-
-@functools.lru_cache(maxsize=64)
-def _between(most: int) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Density (2 to ``most``) and order of each extra line of the series denser than order 1."""
-    parts = np.concatenate([np.full(HARMONICS * m, m, np.intp) for m in range(2, most + 1)])
-    lines = np.concatenate([np.arange(1.0, HARMONICS * m + 1) for m in range(2, most + 1)])
-    between = lines % parts != 0
-    parts, lines = parts[between], lines[between]
-    return parts, lines / parts
 
 
 def masked_by_shaft(

@@ -453,3 +453,147 @@ def three_bins(
             row = excess[at, first : first + columns]
             for c in range(columns):
                 out[c] += row[c]
+
+
+@compiled(fast=FAST, borrows=True)
+def _line_of_band(
+    excess: NDArray[np.float32], hidden: NDArray[np.bool_], bins: float, band: int
+) -> Any:
+    """Return the power of a line in one band: its row and the two beside it."""
+    last, total = len(excess) - 1, np.float32(0.0)
+    middle = _nearest_row(bins, len(excess))
+    for beside in range(-1, 2):
+        at = min(max(middle + beside, 0), last)
+        if not hidden[at]:
+            total += excess[at, band]
+    return total
+
+
+@compiled(fast=FAST, borrows=True)
+def sideband_ratios(
+    excess: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    order: float,
+    step: float,
+    harmonics: int,
+    band: int,
+    gaps: NDArray[np.float64],
+    ratios: NDArray[np.float32],
+) -> None:
+    """
+    Write the amplitude of the lines one and two gaps beside the harmonics of a comb, over theirs.
+
+    Parameters
+    ----------
+    excess, hidden, step
+        See :func:`three_bins`.
+    order, harmonics, band
+        Fundamental of the comb, number of its harmonics, and the column.
+    gaps
+        (G,) orders.
+    ratios
+        (G,), written.
+
+    """
+    inverse, own = 1.0 / step, np.float32(0.0)
+    for harmonic in range(1, harmonics + 1):
+        own += _line_of_band(excess, hidden, harmonic * order * inverse, band)
+    own = max(own, np.float32(1e-30))
+    for g in range(len(gaps)):
+        total = np.float32(0.0)
+        for harmonic in range(1, harmonics + 1):
+            for side in range(1, 3):
+                away = side * gaps[g]
+                line = harmonic * order
+                total += _line_of_band(excess, hidden, (line - away) * inverse, band)
+                total += _line_of_band(excess, hidden, (line + away) * inverse, band)
+        ratios[g] = np.sqrt(np.float32(0.25) * total / own)
+
+
+@compiled(fast=FAST, borrows=True)
+def strongest_band(
+    excess: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    order: float,
+    step: float,
+    harmonics: int,
+    scores: NDArray[np.float32],
+    carrier: NDArray[np.float32],
+    lowest: float,
+    power: NDArray[np.float32],
+) -> int:
+    """
+    Return the band in which a comb has most power, of those that show it.
+
+    Parameters
+    ----------
+    excess, hidden, order, step, harmonics
+        See :func:`sideband_ratios`.
+    scores
+        (C,) of the comb; it shows from 3 on, and in the band of the highest score.
+    carrier, lowest
+        (C,) lower edge of each band, and the one below which a band has no power, orders.
+    power
+        (C,) of the comb's lines, added to.
+
+    """
+    last = len(excess) - 1
+    for harmonic in range(1, harmonics + 1):
+        middle = _nearest_row(harmonic * order * (1.0 / step), len(excess))
+        for beside in range(-1, 2):
+            at = min(max(middle + beside, 0), last)
+            if not hidden[at]:
+                for c in range(len(power)):
+                    power[c] += excess[at, c]
+    highest_score, best = scores[0], -1
+    for score in scores:
+        highest_score = max(highest_score, score)
+    least = min(highest_score, np.float32(3.0))
+    for c in range(len(power)):
+        if carrier[c] < lowest:
+            power[c] = np.float32(0.0)
+        if scores[c] >= least and (best < 0 or power[c] > power[best]):
+            best = c
+    return best
+
+
+@compiled(fast=FAST, borrows=True)
+def denser_lines(
+    logs: NDArray[np.float32],
+    order: float,
+    step: float,
+    harmonics: int,
+    columns: NDArray[np.intp],
+    masks: NDArray[np.bool_],
+    counts: NDArray[np.float64],
+    sums: NDArray[np.float64],
+) -> None:
+    """
+    Add up the heights of the lines that each series denser than a comb has between its harmonics.
+
+    Parameters
+    ----------
+    logs, step, columns
+        See :func:`line_heights`.
+    order, harmonics
+        Fundamental of the comb, and number of its harmonics.
+    masks
+        (M, K) rows that do not count.
+    counts, sums
+        (M, P) number and sum of the lines of the series of 1 / p of the order, added to.
+
+    """
+    inverse = 1.0 / step
+    for part in range(2, counts.shape[1]):
+        for n in range(1, harmonics * part + 1):
+            if n % part == 0:
+                continue
+            at = _nearest_row(order * (n / part) * inverse, len(logs))
+            height = np.float32(0.0)
+            for c in columns:
+                height += logs[at, c]
+            height = height / np.float32(len(columns)) - np.float32(NEUTRAL)
+            for m in range(len(masks)):
+                if not masks[m, at]:
+                    counts[m, part] += 1.0
+                    sums[m, part] += height

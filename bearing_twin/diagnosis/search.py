@@ -21,7 +21,7 @@ from bearing_twin.diagnosis.harmonics import (
 from bearing_twin.diagnosis.kernels import highest_off, likeliest
 from bearing_twin.diagnosis.shaft import SHAFT_FOUND
 from bearing_twin.diagnosis.sidebands import (
-    comb_power,
+    comb_powers,
     modulation_index,
     sideband_ratio,
     sideband_ratios,
@@ -294,13 +294,11 @@ class CombSearch:
             return 0.0
         # Harmonics of the inner race that the shaft masks count here.
         near = np.arange(-2.0, 2.25, 0.25) * self._all.step
-        own = comb_power(self._all, other.order, other.band)
-        power = max(
-            comb_power(self._all, other.order + side + away, other.band)
-            for side in sides
-            for away in near
-        )
-        return math.sqrt(power / max(own, 1e-30))
+        beside = np.array(sides, np.float64)[:, None] + near
+        own, *powers = comb_powers(
+            self._all, other.order + np.append(0.0, beside), other.band
+        ).tolist()
+        return math.sqrt(max(powers) / max(own, 1e-30))
 
     @property
     def speed_known(self) -> bool:

@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
+from bearing_twin.diagnosis import kernels
 from bearing_twin.diagnosis.comb import HARMONICS
 from bearing_twin.diagnosis.thresholds import CARRIER
 import numpy as np
@@ -19,7 +21,6 @@ HANN_BINS = 1.5
 """Noise bandwidth of the Hann window, bins: a line spreads over three."""
 
 _HARMONICS = np.arange(1.0, HARMONICS + 1)
-_SIDES = np.array([0.0, -2.0, -1.0, 1.0, 2.0])
 
 
 def modulation_index(
@@ -42,30 +43,32 @@ def modulation_index(
     (3.27, 0)
 
     """
+    # Half of the range stays in any case, for low sample rates.
+    lowest = min(CARRIER * order, 0.5 * float(spectra.carrier.max())) if family == 'outer' else 0.0
+    power = np.zeros(len(band_scores), np.float32)
+    band = kernels.strongest_band(
+        spectra.excess, spectra.quiet, order, spectra.step, HARMONICS, band_scores,
+        spectra.carrier, lowest, power,
+    )  # fmt: skip
     # A line spreads over three bins of the Hann window, whose noise bandwidth is 1.5 bins.
-    power = spectra.line_power(order * _HARMONICS, slice(None)).sum(axis=0) / HANN_BINS
-    if family == 'outer':
-        # Half of the range stays in any case, for low sample rates.
-        limit = min(CARRIER * order, 0.5 * float(spectra.carrier.max()))
-        power[spectra.carrier < limit] = 0.0
-    index = 2.0 * np.sqrt(power)
-    shown = band_scores >= min(3.0, float(band_scores.max()))
-    band = int(np.argmax(np.where(shown, index, -1.0)))
-    return float(index[band]), band
+    return 2.0 * math.sqrt(float(power[band]) / HANN_BINS), band
 
 
-def comb_power(spectra: OrderSpectra, order: float, band: int) -> float:
+def comb_powers(
+    spectra: OrderSpectra, orders: NDArray[np.float64], band: int
+) -> NDArray[np.float32]:
     """
-    Relative power of the lines of a comb in one band.
+    Relative power of the lines of several combs in one band.
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(3.07 * np.arange(1, 5))
-    >>> comb_power(spectra, 3.07, 0)
-    4.0
+    >>> comb_powers(spectra, np.array([3.07, 6.14]), 0).tolist()
+    [4.0, 2.0]
 
     """
-    return float(spectra.line_power(order * _HARMONICS, slice(band, band + 1)).sum())
+    lines = spectra.line_power(orders[:, None] * _HARMONICS, slice(band, band + 1))
+    return np.asarray(lines.sum(axis=(1, 2)))
 
 
 def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 1.0) -> float:
@@ -95,9 +98,8 @@ def sideband_ratios(
     [1.0, 0.0]
 
     """
-    lines = gaps[:, None, None] * _SIDES[:, None] + order * _HARMONICS
-    power = spectra.line_power(lines, slice(band, band + 1)).sum(axis=(2, 3))
-    ratios: NDArray[np.float32] = np.sqrt(
-        power[:, 1:].mean(axis=1) / np.maximum(power[:, 0], 1e-30)
+    ratios = np.empty(len(gaps), np.float32)
+    kernels.sideband_ratios(
+        spectra.excess, spectra.quiet, order, spectra.step, HARMONICS, band, gaps, ratios
     )
     return ratios
