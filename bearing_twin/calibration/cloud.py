@@ -26,6 +26,10 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 
+LEAST_RATE, FASTEST_HZ = 2000.0, 500.0
+"""Lowest sample rate and highest shaft speed of a record, Hz, beside what the diagnosis asks."""
+MOST_SLIP = 0.05
+"""Most slip that is taken from the diagnosis."""
 HIGHEST_RATE = 52e3
 """Highest sample rate at which candidates are simulated, Hz; faster records are decimated."""
 IMPACTS, FEWEST = 24.0, 12.0

@@ -12,7 +12,10 @@ from typing import TYPE_CHECKING
 from bearing_twin.bearing import PLACES
 from bearing_twin.calibration import posterior
 from bearing_twin.calibration.cloud import (
+    FASTEST_HZ,
     HIGHEST_RATE,
+    LEAST_RATE,
+    MOST_SLIP,
     SETTLE_S,
     Situation,
     TEMPERATURE,
@@ -59,8 +62,6 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 
-LEAST_RATE, FASTEST_HZ = 2000.0, 500.0
-"""Lowest sample rate and highest shaft speed of a record, Hz, beside what the diagnosis asks."""
 LEAST_PASSAGES = 30.0
 NOISE = 0.1
 """White noise that is supposed in the acceleration of a healthy twin, m/s^2."""
@@ -141,7 +142,7 @@ def fit(
     elif place not in (*PLACES, 'none'):
         msg = f"place={place!r}: choose 'none' or one of {', '.join(PLACES)}"
         raise BearingTwinError(msg)
-    heard = math.isfinite(slip) and 0.0 <= slip <= 0.05
+    heard = math.isfinite(slip) and 0.0 <= slip <= MOST_SLIP
     if heard:
         situation = replace(situation, slip=abs(slip))
     x, rate = decimated(x, sample_rate)

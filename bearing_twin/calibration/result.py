@@ -8,19 +8,31 @@ from dataclasses import asdict, dataclass, field, replace
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import Bearing
-from bearing_twin.calibration.cloud import parameters, Situation, unknowns
+from bearing_twin.bearing import Bearing, PLACES
+from bearing_twin.calibration.cloud import (
+    FASTEST_HZ,
+    HIGHEST_RATE,
+    LEAST_RATE,
+    MOST_SLIP,
+    parameters,
+    Situation,
+    unknowns,
+)
 from bearing_twin.calibration.impacts import Impacts
+from bearing_twin.calibration.passage import load_range
 from bearing_twin.calibration.posterior import weighted_quantile
 from bearing_twin.calibration.refusals import Kind
-from bearing_twin.dynamics.parameters import FITTED
-from bearing_twin.dynamics.sensor_path import SensorPath
+from bearing_twin.dynamics.parameters import check_bearing, FITTED
+from bearing_twin.dynamics.sensor_path import SensorPath, window_length
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics import TwinParameters
     from numpy.typing import NDArray
+
+
+_POSITIVE = math.ulp(0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,43 +192,42 @@ class Calibration:
         Raises
         ------
         BearingTwinError
-            If a field is missing or of another kind.
+            If a field is missing, of another kind or outside what a fit gives.
 
         """
         try:
             machine, spectrum = values['machine'], values['spectrum']
-            load, before = machine['load'], spectrum['level_before_db']
+            situation = _situation(machine, values['defect'])
+            candidates, weights = _cloud(values['candidates'], values['weights'], situation)
+            path = SensorPath.from_dict(values['path'])
+            rate = situation.sample_rate
+            _number(values['path'], 'sample_rate', rate, rate)
+            levels = np.array(spectrum['machine_db'], float)
+            if levels.shape != (window_length(rate) // 2 + 1,) or not np.isfinite(levels).all():
+                raise ValueError(f'machine_db is not of {window_length(rate) // 2 + 1} numbers')
+            quantities = {k: _estimate(v) for k, v in values['quantities'].items()}
+            if 'defect_width_mm' not in quantities:
+                raise KeyError('defect_width_mm')
             refusal, impacts = values['refusal'], values['impacts']
-            candidates, weights = _cloud(values['candidates'], values['weights'])
-            situation = Situation(
-                bearing=Bearing(**machine['bearing']),
-                place=str(values['defect']),
-                shaft_hz=float(machine['shaft_hz']),
-                sample_rate=float(machine['sample_rate']),
-                temperature=float(machine['temperature']),
-                load=None if load is None else (float(load[0]), float(load[1])),
-                slip=float(machine['slip']),
-            )
-            # An angle that is missing is zero.
-            if missing := unknowns(replace(situation, place='none')).keys() - candidates.keys():
-                raise KeyError(*sorted(missing))
             return cls(
                 situation=situation,
-                quantities={k: Estimate(**v) for k, v in values['quantities'].items()},
-                statement=str(values['statement']),
+                quantities=quantities,
+                statement=_text(values, 'statement'),
                 refusal=None if refusal is None else Kind(refusal),
-                path=SensorPath.from_dict(values['path']),
-                distance_before=float(spectrum['distance_before_db']),
-                distance=float(spectrum['distance_after_db']),
-                level_before=math.nan if before is None else float(before),
-                level=float(spectrum['level_after_db']),
-                spectrum=np.array(spectrum['machine_db'], float),
-                rms=float(spectrum['machine_rms']),
+                path=path,
+                distance_before=_number(spectrum, 'distance_before_db', 0.0),
+                distance=_number(spectrum, 'distance_after_db', 0.0),
+                level_before=math.nan
+                if spectrum['level_before_db'] is None
+                else _number(spectrum, 'level_before_db'),
+                level=_number(spectrum, 'level_after_db'),
+                spectrum=levels,
+                rms=_number(spectrum, 'machine_rms', _POSITIVE),
                 candidates=candidates,
                 weights=weights,
-                sensor_unit=str(machine['unit']),
-                impacts=None if impacts is None else Impacts.of(impacts),
-                cost_s=float(values['cost_s']),
+                sensor_unit=_text(machine, 'unit'),
+                impacts=None if impacts is None else _impacts(impacts, situation),
+                cost_s=_number(values, 'cost_s', 0.0),
             )
         except (
             KeyError,
@@ -225,6 +236,7 @@ class Calibration:
             IndexError,
             AttributeError,
             OverflowError,
+            BearingTwinError,
         ) as error:
             msg = f'this is no calibration of this version ({error!r:.200}); fit the machine again'
             raise BearingTwinError(msg) from None
@@ -234,8 +246,70 @@ class Calibration:
         return replace(self, situation=replace(self.situation, **changes))
 
 
+def _number(
+    of: dict[str, Any], name: str, low: float = -math.inf, high: float = math.inf
+) -> float:
+    """Return a finite number of a range; raises a ValueError."""
+    value = of[name]
+    finite = type(value) in (int, float) and math.isfinite(value)
+    if not (finite and low <= value <= high):
+        raise ValueError(f'{name} is {value!r:.40}, no number from {low:g} to {high:g}')
+    return float(value)
+
+
+def _text(of: dict[str, Any], name: str) -> str:
+    if not isinstance(of[name], str):
+        raise ValueError(f'{name} is {of[name]!r:.40}, no text')
+    return str(of[name])
+
+
+def _estimate(of: dict[str, Any]) -> Estimate:
+    told = Estimate(**of)
+    low, high = _number(of, 'q05'), _number(of, 'q95')
+    _number(of, 'median', low, high)
+    if not isinstance(told.identifiable, bool):
+        raise ValueError(f'identifiable is {told.identifiable!r:.40}, not true or false')
+    _text(of, 'unit')
+    _text(of, 'why')
+    return told
+
+
+def _impacts(of: dict[str, Any], situation: Situation) -> Impacts:
+    """Return the impacts of a record in a situation; raises a ValueError."""
+    for name in ('spacing_s', 'lobe_s'):
+        _number(of, name, _POSITIVE)
+    seen = Impacts.of(of)
+    alike = (seen.place, seen.shaft_hz) == (situation.place, situation.shaft_hz)
+    if not (alike and all(0.0 < time < math.inf for time in seen.rivals_s)):
+        raise ValueError('the impacts are not those of this machine')
+    return seen
+
+
+def _situation(machine: dict[str, Any], place: str) -> Situation:
+    if place not in (*PLACES, 'none'):
+        raise ValueError(f'defect {place!r:.40} is none of {", ".join(PLACES)}, none')
+    load = machine['load']
+    for value in machine['bearing'].values():
+        if isinstance(value, (dict, list)):
+            raise ValueError(f'the bearing has {value!r:.40}')
+    bearing = Bearing(**machine['bearing'])
+    check_bearing(bearing)
+    if load is not None:
+        low, high = load
+        load = load_range(bearing, (float(low), float(high)))
+    return Situation(
+        bearing=bearing,
+        place=place,
+        shaft_hz=_number(machine, 'shaft_hz', _POSITIVE, FASTEST_HZ),
+        sample_rate=_number(machine, 'sample_rate', LEAST_RATE, HIGHEST_RATE),
+        temperature=_number(machine, 'temperature', -273.15),
+        load=load,
+        slip=_number(machine, 'slip', 0.0, MOST_SLIP),
+    )
+
+
 def _cloud(
-    candidates: dict[str, Any], weights: list[float]
+    candidates: dict[str, Any], weights: list[float], situation: Situation
 ) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.float64]]:
     """Return candidates and weights that can be drawn from; raises a ValueError."""
     arrays, shares = {k: np.array(v, float) for k, v in candidates.items()}, np.array(weights)
@@ -243,4 +317,10 @@ def _cloud(
     fits = each.ndim == 2 and np.isfinite(each).all() and (each[-1] >= 0.0).all()
     if not (fits and math.isclose(each[-1].sum(), 1.0, rel_tol=1e-6)):
         raise ValueError('candidates without finite values or weights of sum 1')
+    for name, about in unknowns(situation).items():
+        # An angle that is missing is zero.
+        values = arrays.get(name, np.zeros(1)) if name == 'defect_angle' else arrays[name]
+        if (np.abs(values - np.clip(values, about.low, about.high)) > 1e-9 * about.high).any():
+            said = f'{about.low:g} to {about.high:g} {about.unit}'.rstrip()
+            raise ValueError(f'candidates whose {name} is not from {said}')
     return arrays, each[-1]

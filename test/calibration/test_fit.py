@@ -548,7 +548,21 @@ def test_a_forged_fit_is_refused_in_words(tmp_path, capsys):
     for changed in (
         {'weights': math.nan}, {'weights': 1.0}, {'weights': good['weights'][:-1]},
         {'quantities': None}, {'candidates': [1]}, {'candidates': {}},
-        {'machine': {**good['machine'], 'load': {}}},
+        {'machine': {**good['machine'], 'load': {}}}, {'quantities': {}}, {'defect': 'shaft'},
+        *({'machine': {**good['machine'], name: value}} for name, value in (
+            ('shaft_hz', -25.0), ('shaft_hz', math.nan), ('shaft_hz', '25'), ('slip', 0.2),
+            ('sample_rate', 1e9), ('temperature', -300.0), ('load', [5.0, 1.0]), ('unit', None),
+            ('bearing', {**good['machine']['bearing'], 'name': [6205]}),
+        )),
+        *({'quantities': good['quantities'] | {'load': {**good['quantities']['load'], **wrong}}}
+          for wrong in ({'median': 'x'}, {'q05': 1e9}, {'identifiable': 1}, {'why': None})),
+        {'candidates': good['candidates'] | {'load': [1e9] * len(good['weights'])}},
+        *({'spectrum': {**good['spectrum'], **wrong}} for wrong in (
+            {'machine_rms': 0.0}, {'machine_db': []}, {'level_after_db': math.inf},
+        )),
+        {'path': {**good['path'], 'sample_rate': 25600.0}},
+        {'impacts': {'place': 'none', 'shaft_hz': 25.0, 'spacing_s': -1.0, 'lobe_s': 1.0,
+                     'rivals_s': []}},
     ):  # fmt: skip
         saved.write_text(json.dumps(good | changed))
         assert main(['whatif', str(saved)]) == 1
