@@ -86,7 +86,7 @@ class Extent:
             return cls(0, 0, math.nan, math.nan, 0, 0)
         low, high = float(x.min()), float(x.max())
         if not (math.isfinite(low) and math.isfinite(high)):
-            return cls(len(x), len(x) - int(np.isfinite(x).sum()), math.nan, math.nan, 0, 0)
+            return cls(len(x), len(x) - np.count_nonzero(np.isfinite(x)), math.nan, math.nan, 0, 0)
         span, steps = _ENDS * (high - low), _steps(x)
         most = len(x) if math.isfinite(steps) else _RAIL * len(x)
         at_low, at_high = (_at_end(end, most) for end in (x <= low + span, x >= high - span))
@@ -210,7 +210,7 @@ def _steps(x: NDArray[np.float64]) -> float:
 
 def _at_end(at_end: NDArray[np.bool_], most: float) -> int:
     """Return the number of true values; of those in runs of three or more where they are few."""
-    count = int(at_end.sum())
+    count = int(np.count_nonzero(at_end))
     if count > most:
         return count
     if count < _RUN:

@@ -122,13 +122,16 @@ def analyse_window(
     )
     low = transform(slow)
     power = low.real**2 + low.imag**2
+    power_sum = segments[0].lines.copy()
+    for segment in segments[1:]:
+        power_sum += segment.lines
     speed = refine_shaft_hz(power, bin_hz, spectra, shaft_hz, settings.speed_tolerance)
     return Window(
         order_spectra(spectra, bands, speed.shaft_hz, shaft_hz),
         speed,
         bands,
         spectra,
-        np.sqrt(np.mean([segment.lines for segment in segments], axis=0)),
+        np.sqrt(power_sum / np.float32(len(segments))),
         layout.sample_rate / (layout.hop + layout.lap),
         measure_severity(
             Levels.together([segment.levels for segment in segments]),
