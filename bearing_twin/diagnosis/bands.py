@@ -5,10 +5,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+import functools
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.kernels import add_bands, running_sums
+from bearing_twin.diagnosis.columns import aligned_rows, real_columns, transform_rows
+from bearing_twin.diagnosis.kernels import add_lags, tile_powers, tile_products, tiles_beside
+from bearing_twin.dynamics.vector import L
 import numpy as np
 from scipy import fft
 
@@ -67,7 +70,7 @@ def band_tree(
 
 def squared_envelopes(
     whitened: NDArray[np.complex64], tree: BandTree, points: int
-) -> NDArray[np.float32]:
+) -> list[NDArray[np.float32]]:
     """
     Demodulate every band and sample its squared envelope at equal steps.
 
@@ -78,7 +81,7 @@ def squared_envelopes(
     Parameters
     ----------
     whitened
-        (W, K) whitened spectra.
+        (2, K) whitened spectra.
     tree
         Bands.
     points
@@ -86,20 +89,24 @@ def squared_envelopes(
 
     Returns
     -------
-    Array of shape (W, B, ``points``).
+    Arrays of shape (``points``, n), up to sixteen bands each, whitening by whitening.
 
     >>> from bearing_twin.diagnosis.spectra import whiten
     >>> noise = np.random.default_rng(0).standard_normal(25600)
     >>> spectrum = np.fft.rfft(noise).astype(np.complex64)
-    >>> tree = band_tree(12800, 1.0, depth=1, narrowest_hz=500.0)
-    >>> squared_envelopes(whiten(spectrum, 256), tree, 1280).shape
-    (2, 4, 1280)
+    >>> tree = band_tree(12800, 1.0, depth=2, narrowest_hz=500.0)
+    >>> [part.shape for part in squared_envelopes(whiten(spectrum, 256), tree, 1280)]
+    [(1280, 16), (1280, 6)]
 
     """
-    lags = points // 2 + 1
-    lags_of = _lags_by_tile if _tiles_suit(tree, lags) else _lags_by_band
-    correlation = np.concatenate(lags_of(whitened, tree, lags), axis=1)
-    return np.asarray(fft.irfft(correlation, n=points, axis=-1, norm='forward'))
+    count = len(whitened) * len(tree.bands)
+    lags = np.zeros((points // 2 + 1, 2, count + 2 * L), np.float32)
+    add_to = _by_tile if _tiles_suit(tree, len(lags)) else _by_band
+    add_to(whitened, tree, lags)
+    return [
+        np.ascontiguousarray(real_columns(lags, first, points)[:, : count - first])
+        for first in range(0, count, L)
+    ]
 
 
 def _tiles_suit(tree: BandTree, lags: int) -> bool:
@@ -107,80 +114,76 @@ def _tiles_suit(tree: BandTree, lags: int) -> bool:
     (bins, _), tile = tree.levels[0], tree.levels[-1][0] // 2
     depth = len(tree.levels) - 1
     return (
-        depth > 1
+        bins % (L * tile) == 0
         and bins == tile << (depth + 1)
         and lags <= _MOST_TILES * tile
         and fft.next_fast_len(2 * tile) == 2 * tile
     )
 
 
-def _lags_by_band(
-    whitened: NDArray[np.complex64], tree: BandTree, lags: int
-) -> list[NDArray[np.complex64]]:
-    """
-    Autocorrelation of each band, one band at a time.
-
-    Returns
-    -------
-    Per level an array of shape (W, B, ``lags``).
-
-    """
-    levels = []
+def _by_band(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.float32]) -> None:
+    """Write the autocorrelation of each band, conjugated, one level at a time."""
+    column = 0
     for width, firsts in tree.levels:
-        length = fft.next_fast_len(width + min(lags, width))
+        length = fft.next_fast_len(width + min(len(lags), width))
         bands = np.zeros((len(whitened), len(firsts), length), np.complex64)
         for i, first in enumerate(firsts):
             bands[:, i, :width] = whitened[:, first : first + width]
-        envelope = _squared(fft.ifft(bands, axis=-1, norm='forward', overwrite_x=True))
-        level = fft.rfft(envelope, axis=-1, norm='forward')[..., :lags]
-        missing = lags - level.shape[-1]
-        levels.append(np.pad(level, ((0, 0), (0, 0), (0, missing))) if missing else level)
-    return levels
+        envelope = np.abs(fft.ifft(bands, axis=-1, norm='forward', overwrite_x=True)) ** 2
+        level = fft.rfft(envelope, axis=-1, norm='forward')[..., : len(lags)].T
+        for whitening in range(len(whitened)):
+            part = lags[: len(level), :, whitening * len(tree.bands) + column :]
+            part[:, 0, : len(firsts)] = level[..., whitening].real
+            part[:, 1, : len(firsts)] = -level[..., whitening].imag
+        column += len(firsts)
 
 
-def _lags_by_tile(
-    whitened: NDArray[np.complex64], tree: BandTree, lags: int
-) -> list[NDArray[np.complex64]]:
+def _by_tile(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.float32]) -> None:
     """
-    Give the same as :func:`_lags_by_band`, for a tree that is made of equal tiles.
+    Write the same, for a tree that is made of equal tiles.
 
     Bands overlap, so their autocorrelations are summed from the products within each tile and
     those of each tile with the next ones, as far as the lags reach: every bin is transformed once
     for all levels, not once per band.
     """
     tile = tree.levels[-1][0] // 2
-    rows, bins = len(whitened), tree.levels[0][0]
-    tiles, reach = bins // tile, -(-lags // tile)
-    padded = np.zeros((rows, tiles, 2 * tile), np.complex64)
-    padded[..., :tile] = whitened[:, :bins].reshape(rows, tiles, tile)
-    signal = fft.ifft(padded, axis=-1, norm='forward', overwrite_x=True)
-    within = fft.rfft(_squared(signal), axis=-1, norm='forward')[..., :tile]
-    # Products of tiles so far apart, from a lag on: the first bins of two neighbours lie one tile
-    # from one another, so theirs begin before and go on after that lag.
-    sums = [(0, 0, within[..., :lags])]
-    for apart in range(1, reach + 1):
-        across, lag = _cross(signal, apart), apart * tile
-        sums.append((apart, lag - tile, across[..., tile : lags - lag + 2 * tile]))
-        if lags > lag:
-            sums.append((apart, lag, across[..., : min(lags - lag, tile)]))
-    levels = [np.zeros((rows, len(firsts), lags), np.complex64) for _, firsts in tree.levels]
-    for apart, lag, products in sums:
-        running = np.empty((rows, 1 + products.shape[1], products.shape[2]), np.complex64)
-        running_sums(products, running)
-        for (width, _), level in zip(tree.levels, levels, strict=True):
-            add_bands(running, width // tile, apart, level[..., lag:])
-    return levels
+    groups = tree.levels[0][0] // (tile * L)
+    values = np.empty(2 * L, np.float32)
+    rows = aligned_rows(2 * tile)
+
+    def tiles(spectrum: NDArray[np.complex64], group: int) -> NDArray[np.float32]:
+        tiles_beside(spectrum, tile, groups, group, rows)
+        return transform_rows(rows)
+
+    def add(products: list[NDArray[np.float32]], whitening: int, apart: int) -> None:
+        first = whitening * len(tree.bands)
+        add_lags(np.array(products), whitening, apart, _members(tree, apart), first, values, lags)
+
+    signals = [[tiles(spectrum, group) for group in range(groups)] for spectrum in whitened]
+    within = []
+    for one, other in zip(*signals, strict=True):
+        tile_powers(one, other, rows)
+        within.append(transform_rows(rows))
+    for whitening, signal in enumerate(signals):
+        add(within, whitening, 0)
+        for apart in range(1, -(-len(lags) // tile) + 1):
+            across = []
+            for group, one in enumerate(signal):
+                shift, at = divmod(group + apart, groups)
+                tile_products(one, signal[at], shift, rows)
+                across.append(transform_rows(rows))
+            add(across, whitening, apart)
 
 
-def _cross(signal: NDArray[np.complex64], apart: int) -> NDArray[np.complex64]:
-    """Cross-correlation of each tile with the one so many further on, from their transforms."""
-    product = np.conj(signal[:, :-apart])
-    product *= signal[:, apart:]
-    return np.asarray(fft.fft(product, axis=-1, norm='forward', overwrite_x=True))
-
-
-def _squared(signal: NDArray[np.complex64]) -> NDArray[np.float32]:
-    """Squared magnitude."""
-    squared = signal.real**2
-    squared += signal.imag**2
-    return squared
+@functools.lru_cache(maxsize=16)
+def _members(tree: BandTree, apart: int) -> NDArray[np.float32]:
+    """Whether the product of a tile with one so far on belongs to a band, as `add_lags` asks."""
+    tile = tree.levels[-1][0] // 2
+    groups = tree.levels[0][0] // (tile * L)
+    bands = [(first, first + width) for width, firsts in tree.levels for first in firsts]
+    members = np.zeros((groups, L, -(-len(bands) // L) * L), np.float32)
+    for band, (begin, end) in enumerate(bands):
+        for number in range(begin // tile, end // tile - apart):
+            members[number % groups, number // groups, band] = 1.0
+    members.flags.writeable = False
+    return members

@@ -47,9 +47,6 @@ _OVERSAMPLED, _ANGULAR = 1.03, 1.7
 """Rate of the envelope points over twice the highest frequency; more where they are taken over
 angle by interpolation."""
 
-_AT_ONCE = 16
-"""Bands that are transformed together: four fill a register, and sixteen stay in the cache."""
-
 
 def highest_fault_order(bearing: Bearing) -> float:
     """
@@ -258,12 +255,8 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
     kurtosis, flat = _kurtosis(limited), None
     if kurtosis > KURTOSIS:
         flat = Flat(white[0].copy(), length, slice(length - len(x) + lap, length - lap))
-    rows = squared_envelopes(white, layout.tree, points).reshape(-1, points)
     return Segment(
-        tuple(
-            np.ascontiguousarray(rows[first : first + _AT_ONCE].T)
-            for first in range(0, len(rows), _AT_ONCE)
-        ),
+        tuple(squared_envelopes(white, layout.tree, points)),
         slow,
         power * np.float32((2.0 * length / taper_sum) ** 2),
         levels,

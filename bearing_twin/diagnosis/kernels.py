@@ -8,7 +8,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis.thresholds import SLIP_COST
 from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.vector import chosen, highest, L, load
+from bearing_twin.dynamics.vector import chosen, highest, L, load, store
 import numpy as np
 
 if TYPE_CHECKING:
@@ -144,56 +144,125 @@ def mark_near(
 
 
 @compiled(borrows=True)
-def running_sums(products: NDArray[np.complex64], sums: NDArray[np.complex64]) -> None:
+def tiles_beside(
+    spectrum: NDArray[np.complex64], tile: int, groups: int, group: int, rows: NDArray[np.float32]
+) -> None:
     """
-    Write the sum over the tiles before each, and over all.
+    Put tiles of a spectrum side by side, zeros below: every so many tiles, from one on.
+
+    Parameters
+    ----------
+    spectrum
+        (>= 16 groups tile,).
+    tile
+        Bins.
+    groups, group
+        Tiles from one to the next, and the first.
+    rows
+        (2 tile, 32), written.
+
+    """
+    for n in range(tile):
+        for k in range(L):
+            value = spectrum[(k * groups + group) * tile + n]
+            rows[n, k], rows[n, L + k] = value.real, value.imag
+    rows[tile:] = np.float32(0.0)
+
+
+@compiled(fast=FAST, borrows=True)
+def tile_powers(
+    one: NDArray[np.float32], other: NDArray[np.float32], out: NDArray[np.float32]
+) -> None:
+    """Write squared magnitudes: of one (N, 32) as real, of the other as imaginary parts."""
+    for n in range(len(out)):
+        ar, ai, br, bi = load(one[n], 0), load(one[n], 1), load(other[n], 0), load(other[n], 1)
+        store(out[n], 0, ar * ar + ai * ai)
+        store(out[n], 1, br * br + bi * bi)
+
+
+@compiled(fast=FAST, borrows=True)
+def tile_products(
+    one: NDArray[np.float32], other: NDArray[np.float32], shift: int, out: NDArray[np.float32]
+) -> None:
+    """
+    Write the products of tiles with the conjugates of those some columns further on.
+
+    Parameters
+    ----------
+    one, other
+        (N, 32); behind the other there are ``shift`` finite numbers.
+    shift
+        Columns; as many products at the end mean nothing, but are finite.
+    out
+        (N, 32), written.
+
+    """
+    flat = other.reshape(-1)
+    for n in range(len(out)):
+        at = 2 * L * n + shift
+        ar, ai = load(one[n], 0), load(one[n], 1)
+        br, bi = load(flat[at:], 0), load(flat[at + L :], 0)
+        store(out[n], 0, ar * br + ai * bi)
+        store(out[n], 1, ai * br - ar * bi)
+
+
+@compiled(fast=FAST, borrows=True)
+def add_lags(
+    products: NDArray[np.float32],
+    whitening: int,
+    apart: int,
+    members: NDArray[np.float32],
+    first: int,
+    values: NDArray[np.float32],
+    lags: NDArray[np.float32],
+) -> None:
+    """
+    Add to the autocorrelation of each band, conjugated, the products of its tiles.
 
     Parameters
     ----------
     products
-        (W, T, L).
-    sums
-        (W, T + 1, L), written.
+        (G, 2 tile, 32) transforms: of the squared magnitudes of two whitenings, or of the products
+        of tiles so far apart.
+    whitening, apart
+        See ``products``.
+    members
+        (G, 16, 16 n) one where a product of tiles belongs to a band, else zero.
+    first
+        Column of the first band.
+    values
+        (32,) to work in.
+    lags
+        (K, 2, >= first + 16 n) real and imaginary parts, added to.
 
     """
-    rows, tiles, lags = products.shape
-    for row in range(rows):
-        sums[row, 0] = 0.0
-        for tile in range(tiles):
-            before, product, after = sums[row, tile], products[row, tile], sums[row, tile + 1]
-            for lag in range(lags):
-                after[lag] = before[lag] + product[lag]
-
-
-@compiled(borrows=True)
-def add_bands(
-    sums: NDArray[np.complex64], wide: int, apart: int, bands: NDArray[np.complex64]
-) -> None:
-    """
-    Add to each band the products of its tiles with those so far apart from them.
-
-    Parameters
-    ----------
-    sums
-        (W, T + 1, L) of :func:`running_sums`.
-    wide
-        Tiles of a band. It shares half of them with the next band.
-    apart
-        Tiles; a band has ``wide - apart`` such products.
-    bands
-        (W, B, >= L), added to.
-
-    """
-    rows, count, _ = bands.shape
-    if apart >= wide:
-        return
-    for row in range(rows):
-        for band in range(count):
-            first = band * (wide // 2)
-            before, until = sums[row, first], sums[row, first + wide - apart]
-            out = bands[row, band]
-            for lag in range(len(before)):
-                out[lag] = out[lag] + until[lag] - before[lag]
+    groups, length, _ = products.shape
+    tile, count = length // 2, len(lags)
+    scale = np.float32(1.0) / np.float32(length)
+    begin, end = max((apart - 1) * tile + 1, 0), min((apart + 1) * tile, count)
+    for group in range(groups):
+        for lag in range(begin, end):
+            at = lag - apart * tile if lag >= apart * tile else lag - apart * tile + length
+            row = products[group, at]
+            real, imag = scale * load(row, 0), scale * load(row, 1)
+            if apart == 0:
+                other = products[group, length - at if at else 0]
+                mirror_real, mirror_imag = scale * load(other, 0), scale * load(other, 1)
+                if whitening == 0:
+                    real, imag = 0.5 * (real + mirror_real), 0.5 * (imag - mirror_imag)
+                else:
+                    real, imag = 0.5 * (imag + mirror_imag), 0.5 * (mirror_real - real)
+            store(values, 0, real)
+            store(values, 1, imag)
+            for column in range(0, members.shape[2], L):
+                out = lags[lag, 0, first + column :], lags[lag, 1, first + column :]
+                sums_real, sums_imag = load(out[0], 0), load(out[1], 0)
+                for k in range(L):
+                    belongs = load(members[group, k, column:], 0)
+                    sums_real = sums_real + belongs * values[k]
+                    sums_imag = sums_imag + belongs * values[L + k]
+                store(out[0], 0, sums_real)
+                store(out[1], 0, sums_imag)
 
 
 @compiled(fast=FAST)

@@ -29,7 +29,7 @@ def _envelope_spectra(whitened, tree, *, max_hz, floor_width):
     """Spectra of a whole record that is one segment: at each of its samples, nothing left out."""
     points = 2 * (tree.levels[0][0])
     return envelope_spectra(
-        squared_envelopes(whitened, tree, points).transpose(0, 2, 1),
+        squared_envelopes(whitened, tree, points),
         points * tree.bin_hz,
         bands=len(tree.bands),
         max_hz=max_hz,
@@ -135,14 +135,19 @@ def test_band_of_a_tree_is_the_band_alone_and_the_autocorrelation(
     x = rng.standard_normal(samples) * (1.0 + 0.5 * np.sin(0.01 * n)) + carrier * np.cos(0.7 * n)
     spectra = whiten((np.fft.rfft(x) / samples).astype(np.complex64), 128, cap=30.0)
     tree = band_tree(samples // 2, 1.0, depth=depth, narrowest_hz=700.0, reach=reach)
+
     # Points for 700 lags and no more, as the window has them.
-    found = np.fft.rfft(squared_envelopes(spectra, tree, 1400), axis=-1)
+    def lines_of(spectra, tree):
+        envelopes = np.concatenate(squared_envelopes(spectra, tree, 1400), axis=1)
+        return np.fft.rfft(envelopes.T.reshape(2, -1, 1400), axis=-1)
+
+    found = lines_of(spectra, tree)
     bands = [(width, first) for width, firsts in tree.levels for first in firsts]
     assert found.shape == (2, len(bands), 701)
     for i, (width, first) in enumerate(bands):
         part = spectra[:, first : first + width]
         alone = BandTree(1.0, ((width, (0,)),))
-        same = np.fft.rfft(squared_envelopes(part, alone, 1400), axis=-1)[:, 0]
+        same = lines_of(part, alone)[:, 0]
         exact = np.stack(
             [signal.correlate(row, row)[width - 1 : width + 699] for row in part.astype(complex)]
         )
@@ -181,7 +186,7 @@ def test_points_of_an_envelope_do_not_change_its_spectrum(rng, points):
     tree = band_tree(12_800, 1.0, depth=3, narrowest_hz=700.0)
     few, many = (
         envelope_spectra(
-            squared_envelopes(white, tree, count).transpose(0, 2, 1),
+            squared_envelopes(white, tree, count),
             float(count),
             bands=len(tree.bands),
             max_hz=500.0,
