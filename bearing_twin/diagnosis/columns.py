@@ -66,19 +66,12 @@ def transform_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
     """
     count = len(rows)
     radices = _radices(count)
-    if radices and radices[-1] > _LARGEST:
+    if count > 1 and radices[-1] > _LARGEST:
         found = fft.fft(rows[:, :L] + np.complex64(1j) * rows[:, L:], axis=0)
         return np.concatenate((found.real, found.imag), axis=1)
-    spare = aligned_rows(count), aligned_rows(count)
-    left, done = count, 1
-    for number, radix in enumerate(radices):
-        left //= radix
-        if radix == 4:
-            _fours(rows, turns(count), left, done, spare[number % 2])
-        else:
-            _primes(rows, turns(count), radix, left, done, spare[number % 2])
-        rows, done = spare[number % 2], done * radix
-    return rows
+    one, other = aligned_rows(count), aligned_rows(count)
+    _transform(rows, turns(count), radices, one, other)
+    return (other, one)[len(radices) % 2]
 
 
 def aligned_rows(count: int) -> NDArray[np.float32]:
@@ -94,14 +87,14 @@ def aligned_rows(count: int) -> NDArray[np.float32]:
 
 
 @functools.lru_cache(maxsize=16)
-def _radices(count: int) -> tuple[int, ...]:
-    """Factors of a length: as many fours as there are, then primes."""
-    found = []
+def _radices(count: int) -> NDArray[np.intp]:
+    """Factors of a length: as many fours as there are, then primes; at least one."""
+    found = [] if count > 1 else [1]
     for radix in (4, *range(2, count + 1)):
         while count % radix == 0:
             found.append(radix)
             count //= radix
-    return tuple(found)
+    return np.array(found)
 
 
 @compiled(inline=True, fast=FAST)
@@ -209,6 +202,28 @@ def _primes(
         _butterflies(rows, turns, 7, left, done, out)
     else:
         _butterflies(rows, turns, radix, left, done, out)
+
+
+@compiled(borrows=True)
+def _transform(
+    rows: NDArray[np.float32],
+    turns: NDArray[np.float32],
+    radices: NDArray[np.intp],
+    one: NDArray[np.float32],
+    other: NDArray[np.float32],
+) -> None:
+    """Do one pass after another, from one array into the other."""
+    left, done = len(rows), 1
+    for number, radix in enumerate(radices):
+        left //= radix
+        source, out = (other, one) if number % 2 == 0 else (one, other)
+        if number == 0:
+            source = rows
+        if radix == 4:
+            _fours(source, turns, left, done, out)
+        else:
+            _primes(source, turns, radix, left, done, out)
+        done *= radix
 
 
 @compiled(inline=True, fast=FAST)
