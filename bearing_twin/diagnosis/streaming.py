@@ -262,7 +262,7 @@ class StreamingDiagnoser:
         self._waited += len(block) / self._rate
         while len(block):
             room = cut.stretch - self._filled
-            self._hold(block[:room], shaft_hz)
+            self._hold(block[:room], shaft_hz, cut)
             block = block[room:]
             if not self._filled and (self._next - self._start) % cut.interval == 0:
                 due_now.append(self._excerpt(speed_measured, temperature, unit, sensor))
@@ -409,12 +409,12 @@ class StreamingDiagnoser:
         self._parts: list[tuple[NDArray[np.float64], float]] = []
         self._filled = 0
 
-    def _hold(self, part: NDArray[np.float64], shaft_hz: float) -> None:
+    def _hold(self, part: NDArray[np.float64], shaft_hz: float, cut: Cut) -> None:
         """Take samples of one stretch."""
         self._parts.append((part, shaft_hz))
         self._next += len(part)
         self._filled += len(part)
-        if self._filled < self._cut.stretch:
+        if self._filled < cut.stretch:
             return
         # Parts of one speed are one part, whatever the blocks in which they came.
         speeds = [
@@ -426,7 +426,7 @@ class StreamingDiagnoser:
         self._stretches.append(Stretch(samples, Turning(np.array(hertz), np.array(lengths))))
         self._parts, self._filled = [], 0
         # Two more than a window: the one before it, and what another beginning would cut off.
-        while len(self._stretches) > self._cut.window + 2:
+        while len(self._stretches) > cut.window + 2:
             self._stretches.popleft()
 
     def _cut_again(self, start: int) -> None:
@@ -440,16 +440,16 @@ class StreamingDiagnoser:
                 strict=True,
             )
         ] + self._parts
-        following = self._next
+        following, cut = self._next, self._cut
         first = following - sum(len(part) for part, _ in held)
-        skipped = max(start - first, (start - first) % self._cut.stretch)
+        skipped = max(start - first, (start - first) % cut.stretch)
         self._clear(start)
         self._next = first + skipped
         for part, hz in held:
             rest, skipped = part[skipped:], max(skipped - len(part), 0)
             while len(rest):
-                room = self._cut.stretch - self._filled
-                self._hold(rest[:room], hz)
+                room = cut.stretch - self._filled
+                self._hold(rest[:room], hz, cut)
                 rest = rest[room:]
         self._next = following
 
