@@ -373,7 +373,8 @@ class Analysis:
             combs = CombSearch(spectra, bearing, speed)
             outer_hz = combs.orders.bpfo * speed.shaft_hz
             plain = partial(low_lines, window.amplitude, window.bin_hz, outer_hz, speed.shaft_hz)
-            return Evidence(combs, turns, steps, window.kurtosis, plain)
+            passages = partial(window.ball_passages, bearing)
+            return Evidence(combs, turns, steps, window.kurtosis, plain, passages)
 
         verdict = decide(evidence(accumulate(windows), speed))
         if speed.shaft_hz == given_hz:

@@ -96,6 +96,8 @@ class Evidence:
         Finds that of its samples without single shocks, and without lines.
     low_lines
         Finds the share of the power at low multiples of the outer race that is in its lines.
+    ball_passages
+        Finds the significance of a ball that strikes in groups.
 
     """
 
@@ -106,9 +108,11 @@ class Evidence:
         steps: float = math.inf,
         kurtosis: Callable[[], float] = float,
         low_lines: Callable[[], float] = float,
+        ball_passages: Callable[[], float] = float,
     ) -> None:
         self._combs = combs
         self._low_lines, self._kurtosis = low_lines, kurtosis
+        self._ball_passages = ball_passages
         self.turns = turns
         self.steps = steps
 
@@ -480,6 +484,11 @@ class Evidence:
     def kurtosis(self) -> float:
         """Kurtosis of the samples without single shocks and lines."""
         return self._kurtosis()
+
+    @_measured(undisturbed=0.0)
+    def ball_passages(self) -> float:
+        """Significance of a ball that strikes in groups in the newest window."""
+        return self._ball_passages()
 
     @_measured(undisturbed=0.0)
     def low_lines(self) -> float:

@@ -48,6 +48,7 @@ from bearing_twin.diagnosis.thresholds import (
     UNLIKELY_SLIP,
     Z_ELSEWHERE,
     Z_FAULT,
+    Z_PASSAGES,
 )
 from bearing_twin.diagnosis.verdict import highest_comb, Verdict
 
@@ -126,6 +127,19 @@ def _ball_ripple(e: Evidence) -> Verdict | None:
     )
     level = 'fault' if ball.index >= INDEX_FAULT else 'suspect'
     return _say(e, text, about=ball, level=level)
+
+
+@_rule('ball', 'Impacts in groups, once a cage turn, keep the time of a ball within each group.')
+def _ball_passages(e: Evidence) -> Verdict | None:
+    # Both are more than a load does to the noise of sound parts.
+    strikes = e.cage_leads or (not e.remaining and e.kurtosis > KURTOSIS)
+    if not strikes or e.ball_passages < Z_PASSAGES:
+        return None
+    text = (
+        'impacts in groups, once a turn of the cage, that keep the time of a ball within each '
+        f'group: significance {e.ball_passages:.1f}'
+    )
+    return _say(e, text, about=e.candidates['ball'], level='fault')
 
 
 @_rule(
@@ -459,6 +473,9 @@ def _ball_without_cage_sidebands(e: Evidence) -> Verdict | None:
     # A short window resolves the sidebands badly: within 3 dB neither are the higher ones.
     least = max(SWAY, e.turning_sideband_ratio / (RIVAL if e.turns < HEALTHY_TURNS else 1.0))
     if e.leading.place != 'ball' or e.cage_sideband_ratio >= least:
+        return None
+    # Sidebands of impacts that keep no time from passage to passage are wide.
+    if e.ball_passages >= Z_PASSAGES:
         return None
     text = (
         f'its sidebands at the turns of the cage are {e.cage_sideband_ratio:.2f} of its height, '

@@ -23,6 +23,9 @@ IMPACTS = 1.0
 not of a smooth modulation: four times the 0.24 by which the mean of three lines of noise scatters
 in one window."""
 
+Z_PASSAGES = 4.0
+"""Significance from which impacts in groups, once a turn of the cage, are those of a ball."""
+
 INDEX_FAULT = 0.6
 """Modulation index above which a significant comb is a fault."""
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.comb import order_spectra, OrderSpectra
 from bearing_twin.diagnosis.demodulation import highest_order
+from bearing_twin.diagnosis.passages import ball_passages
 from bearing_twin.diagnosis.severity import Levels, measure_severity
 from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample, ShaftSpeed
 from bearing_twin.diagnosis.spectra import envelope_spectra, transform
@@ -44,6 +45,10 @@ class Window:
     """Power spectrum of the low-passed signal, bin k at k / seconds."""
     segments: Sequence[Segment]
     """Oldest first."""
+    lap: int
+    """Envelope points by which a segment fades into the next."""
+    equal_angles: NDArray[np.float64] | None
+    """Envelope points at equal angles where the speed varies."""
 
     @property
     def revolutions(self) -> float:
@@ -53,6 +58,16 @@ class Window:
     def kurtosis(self) -> float:
         """Kurtosis of half of the segments at least, without single shocks."""
         return statistics.median_low(segment.kurtosis for segment in self.segments)
+
+    def ball_passages(self, bearing: Bearing) -> float:
+        """Significance of a ball that strikes in groups, in the narrow bands that are capped."""
+        count = len(self.bands)
+        narrow = slice(count - (count + 1) // 2, count)
+        parts = [np.concatenate(each.envelopes, axis=1)[:, narrow] for each in self.segments]
+        joined = _joined(parts, self.lap)
+        if self.equal_angles is not None:
+            joined = resample(joined, self.equal_angles)
+        return ball_passages(joined, self.revolutions, bearing)
 
     def swell(self, band: tuple[float, float]) -> float:
         """Power of the loudest segment over that of the mean one, in a band of so many Hz."""
@@ -107,7 +122,7 @@ def analyse_window(
         _joined(parts, lap)
         for parts in zip(*(segment.envelopes for segment in segments), strict=True)
     )
-    shaft_hz = turning.mean_hz
+    shaft_hz, at = turning.mean_hz, None
     if turning.varies:
         at = turning.equal_angles(len(slow)) / layout.step
         slow, envelopes = resample(slow, at), (resample(part, at) for part in envelopes)
@@ -143,6 +158,8 @@ def analyse_window(
         1.0 / bin_hz,
         power,
         segments,
+        lap,
+        at,
     )
 
 

@@ -31,6 +31,7 @@ from bearing_twin.diagnosis.thresholds import (
     Z_CAGE,
     Z_ELSEWHERE,
     Z_FAULT,
+    Z_PASSAGES,
     Z_SECOND_LOOK,
 )
 from bearing_twin.memory import keep_freed_memory
@@ -75,6 +76,8 @@ class Reached(NamedTuple):
     """Score and index of the best comb at any order."""
     second_look: tuple[float, ...]
     """Scores on a second look, where there is one."""
+    passages: float
+    """Significance of a ball that strikes in groups."""
 
 
 def draw(number: int) -> NoiseWindow:
@@ -82,8 +85,8 @@ def draw(number: int) -> NoiseWindow:
     Window of a number; the same number is the same window.
 
     >>> window = draw(2)
-    >>> window.kind, window.seconds, len(window.x) == round(4.0 * window.sample_rate)
-    ('lines', 4.0, True)
+    >>> window.kind, window.seconds, len(window.x) == round(2.0 * window.sample_rate)
+    ('lines', 2.0, True)
 
     """
     rng = np.random.default_rng([2028, number])
@@ -142,6 +145,7 @@ def _judge(window: NoiseWindow) -> tuple[Diagnosis, Reached] | None:
             for c in candidates.values()
             if c.place != 'cage' and Z_SECOND_LOOK <= c.z < Z_FAULT
         ),
+        found.ball_passages(window.bearing),
     )
 
 
@@ -169,6 +173,7 @@ def _exceeded(reached: Sequence[Reached]) -> Iterator[tuple[str, ...]]:
         for r in reached
     ]
     yield 'Z_SECOND_LOOK', f'{Z_SECOND_LOOK:g}', share(again), share(strong)
+    yield 'Z_PASSAGES', f'{Z_PASSAGES:g}', share([r.passages >= Z_PASSAGES for r in reached]), ''
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -204,6 +209,7 @@ def main(argv: Sequence[str] | None = None) -> None:
             [max(r.indices[p] for p in PLACES[:3]) for r in reached]
         ),
         'index of any order': np.array([r.elsewhere[1] for r in reached]),
+        'groups of a ball': np.array([r.passages for r in reached]),
     }
     quantiles = (0.5, 0.95, 0.99, 0.999)
     print_table(

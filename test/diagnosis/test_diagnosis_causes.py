@@ -306,6 +306,25 @@ def test_impacts_in_bursts_of_seconds_are_an_alarm(rng):
     assert 'bursts' in said.reasons[-1]
 
 
+@pytest.mark.parametrize('timed', [True, False])
+def test_groups_of_impacts_once_a_cage_turn_are_a_ball_where_they_keep_its_time(rng, timed):
+    """From group to group the spin loses its phase: no comb of the ball is there."""
+    bearing = find_bearing('6205')
+    orders = fault_orders(bearing, 0.01)
+    gap, turn = 1.0 / (orders.impacts('ball') * SHAFT_HZ), 1.0 / (orders.ftf * SHAFT_HZ)
+    each = np.arange(0.0, 0.3 * turn, gap)
+    groups = np.arange(0.0, SECONDS - turn, turn)[:, np.newaxis]
+    if timed:
+        times = groups + gap * rng.uniform(size=groups.shape) + each
+    else:
+        times = groups + rng.uniform(0.0, 0.3 * turn, (len(groups), len(each)))
+    x = _strikes(np.sort(times.ravel()), 6.0) + rng.standard_normal(N)
+    said = diagnose_record(x, RATE, bearing, SHAFT_HZ)
+    assert said.score['ball'] < 5.5
+    expected = ('ball', 'fault') if timed else ('ambiguous', 'suspect')
+    assert (said.result, said.level) == expected, said.reasons
+
+
 def _ringing(rng, times, natural_hz, height=1.0):
     """Impacts that ring at a natural frequency, and noise; the ratio of their RMS."""
     shocks = np.zeros(N)

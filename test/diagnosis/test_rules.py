@@ -32,6 +32,12 @@ CASES = {
         'suspect',
         ('ball',),
     ),
+    'ball_passages': (
+        Evidence.of(CAGE, ball_passages=5.0),
+        'ball',
+        'fault',
+        ('ball',),
+    ),
     'cage_ripple': (
         Evidence.of(CAGE, comb('ball', index=0.2)),
         'ambiguous',
@@ -349,6 +355,17 @@ def test_a_ball_needs_higher_sidebands_of_the_cage_than_of_the_shaft():
     said = decide(Evidence.of(BALL, **short, turning_sideband_ratio=0.6))
     assert said.rule == 'ball_without_cage_sidebands'
     assert decide(Evidence.of(BALL, cage_sideband_ratio=0.4)).result == 'ball'
+    grouped = Evidence.of(BALL, cage_sideband_ratio=0.1, ball_passages=5.0)
+    assert decide(grouped).rule == 'fault'
+
+
+def test_groups_of_a_ball_are_an_alarm_only_where_more_strikes_than_a_load_modulates():
+    assert decide(Evidence.of(ball_passages=5.0)).result == 'healthy'
+    said = decide(Evidence.of(ball_passages=5.0, kurtosis=6.0))
+    assert (said.result, said.level) == ('ball', 'fault')
+    assert decide(Evidence.of(ball_passages=3.9, kurtosis=6.0)).rule == 'bursts'
+    assert decide(Evidence.of(CAGE, ball_passages=3.9)).rule == 'cage_ripple'
+    assert decide(Evidence.of(INNER, ball_passages=5.0)).result == 'inner'
 
 
 def test_a_second_look_counts_only_where_nothing_else_is_significant():
