@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import fault_frequencies
 from bearing_twin.calibration.cloud import unknowns
 from bearing_twin.calibration.healthy import (
     CONFIDENCES,
@@ -17,7 +17,6 @@ from bearing_twin.calibration.healthy import (
     SPEED_ERROR,
 )
 from bearing_twin.calibration.passage import (
-    contact_speed,
     interference,
     path_curvature,
     widest,
@@ -136,7 +135,6 @@ def of_defect(
 
     """
     quantities = {}
-    next_ball = 1e3 * situation.speed / situation.strikes
     for name, about in left.prior.items():
         low, median, high = (float(v) for v in left.quantiles(name))
         why = 'on simulated machines of known truth its intervals held too seldom to be told'
@@ -158,14 +156,14 @@ def of_defect(
                 )
             elif refusal.kind in UNBOUNDED:
                 # A ball is always in a defect that is wider than the distance of two balls.
-                low, high, why = 0.0, next_ball, refusal.why
+                low, high, why = 0.0, next_ball(situation), refusal.why
             elif refusal.kind is Kind.MANY_WIDTHS:
                 why = refusal.why
             else:
                 # What hides the spacing hides it in narrower defects too, whatever was supposed.
                 hidden = max(longest_doubtful(measured), refusal.farther) * situation.speed
                 hidden += _most_taken_off(situation)
-                high = min(max(high, 1e3 * hidden), next_ball)
+                high = min(max(high, 1e3 * hidden), next_ball(situation))
                 low, why = 0.0, f'at most {high:.2f} mm: {refusal.why}'
         quantities[name] = Estimate(
             q05=low, median=median, q95=high, unit=about.unit,
@@ -194,6 +192,20 @@ def of_slip(situation: Situation, *, heard: bool) -> Estimate:
             f'{100.0 * SPEED_ERROR:g} % of it are supposed'
         )
     return Estimate(q05=low, median=situation.slip, q95=high, unit='', identifiable=False, why=why)
+
+
+def next_ball(situation: Situation) -> float:
+    """
+    Return the distance of two balls on the damaged race, mm.
+
+    Examples
+    --------
+    >>> from bearing_twin.calibration.cloud import example
+    >>> round(next_ball(example()), 1)
+    16.4
+
+    """
+    return 1e3 * situation.speed / situation.strikes
 
 
 def taken_off(situation: Situation, share: float) -> float:
@@ -283,8 +295,7 @@ def without_defect(
         f'{100.0 * confidence:.0f} % show'
     )
     if not math.isfinite(largest):
-        largest = 1e3 * contact_speed(situation.bearing, 'outer', situation.shaft_hz)
-        largest /= fault_frequencies(situation.bearing, situation.shaft_hz).impacts('outer')
+        largest = next_ball(replace(situation, place='outer'))
         statement = 'a defect of any width may not show'
         why = (
             f'{statement}: of those of {1e3 * widest(situation.bearing):.2g} mm, added to this '

@@ -7,11 +7,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from bearing_twin.calibration.estimates import taken_off
+from bearing_twin.calibration.estimates import next_ball, taken_off
 from bearing_twin.calibration.impacts import follows_speed, ringing
 from bearing_twin.calibration.posterior import weighted_quantile
 from bearing_twin.calibration.refusals import Kind
-from bearing_twin.calibration.result import Estimate, in_words
+from bearing_twin.calibration.result import Estimate, in_words, UNTOLD
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
@@ -59,8 +59,9 @@ def compared(found: Calibration, others: Iterable[Impacts]) -> Calibration:
         refusal = ringing(seen, others)
         if refusal is None:
             return found
-        why = f'at most {width.q95:.2f} mm: {refusal.why}'
-        told = replace(width, q05=0.0, identifiable=False, why=why)
+        # Beside ringing the other edge may be anywhere.
+        high = next_ball(found.situation)
+        told = replace(width, q05=0.0, q95=high, identifiable=False, why=refusal.why)
         return _with(found, told, refusal.kind)
     alike = follows_speed(seen, others)
     if not alike:
@@ -180,5 +181,5 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     )
     if all(each.refusal is Kind.NO_IMPACTS for each in found):
         return found, width, found[0].statement
-    unlimited = [each.refusal for each in found if each.refusal is Kind.ONE_IMPACT]
+    unlimited = [each.refusal for each in found if each.refusal in UNTOLD]
     return found, width, in_words(places[0], width, *unlimited[:1])

@@ -33,6 +33,11 @@ if TYPE_CHECKING:
 
 
 _POSITIVE = math.ulp(0.0)
+UNTOLD = {
+    Kind.ONE_IMPACT: 'one impact a passage is heard',
+    Kind.SAME_AT_ANOTHER_SPEED: 'a second impact is ringing, which does not follow the speed',
+}
+"""Refusals of a race whose part strikes, in which nothing bounds the width."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,8 +78,8 @@ def in_words(place: str, width: Estimate, refusal: Kind | None = None) -> str:
     if width.identifiable:
         between = f'{width.q05:.2f} to {width.q95:.2f}'
         return f'{place} race defect, {width.median:.2f} mm wide ({between})'
-    if refusal is Kind.ONE_IMPACT:
-        return f'{place} race defect, width not told: one impact a passage is heard'
+    if refusal in UNTOLD:
+        return f'{place} race defect, width not told: {UNTOLD[refusal]}'
     return f'{place} race defect, at most {width.q95:.2f} mm wide'
 
 
