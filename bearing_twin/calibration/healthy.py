@@ -14,7 +14,6 @@ from dataclasses import replace
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.bearing import fault_frequencies
 from bearing_twin.calibration.cloud import unknowns, vibrations
 from bearing_twin.calibration.summaries import squared_envelope
 from bearing_twin.diagnosis.thresholds import INDEX_SUSPECT
@@ -77,7 +76,7 @@ class Comb(NamedTuple):
         return self.modulation >= INDEX_SUSPECT and self.over_floor >= COMB_OVER_FLOOR
 
 
-def comb(x: FloatArray, sample_rate: float, frequency: float) -> Comb:
+def comb(x: FloatArray, sample_rate: float, frequency: float, orders_of: float = 0.0) -> Comb:
     """
     Return how far the comb of a frequency stands out of the squared envelope spectrum of a signal.
 
@@ -89,6 +88,8 @@ def comb(x: FloatArray, sample_rate: float, frequency: float) -> Comb:
         Hz.
     frequency
         Of the impacts, Hz; slip may move them by `SLIPPED`.
+    orders_of
+        Speed of the shaft, Hz, whose orders are left out, of a defect too; 0: none are.
 
     Examples
     --------
@@ -98,14 +99,13 @@ def comb(x: FloatArray, sample_rate: float, frequency: float) -> Comb:
     >>> found.over_floor < found.chance, found.suspect
     (True, False)
     >>> x[::400] += 12.0
-    >>> comb(x, 25600.0, 64.0).suspect
-    True
+    >>> comb(x, 25600.0, 64.0).suspect, comb(x, 25600.0, 64.0, 16.0).suspect
+    (True, False)
 
     """
-    envelope, rate = squared_envelope(x, sample_rate)
-    spectrum = np.abs(fft.rfft(envelope)) ** 2
-    power = spectrum / max(float(spectrum[0]), 1e-300)
-    step = rate / len(envelope)
+    power, step = _spectrum(x, sample_rate)
+    if orders_of:
+        power[_on_order(power, step, orders_of)] = 0.0
     lines, ratios, bins = [], [], []
     for harmonic in range(1, _HARMONICS + 1):
         at = harmonic * frequency / step
@@ -114,7 +114,8 @@ def comb(x: FloatArray, sample_rate: float, frequency: float) -> Comb:
         if not len(near):
             break
         lines.append(float(near.max()))
-        ratios.append(lines[-1] / max(float(np.median(around)) / math.log(2.0), 1e-300))
+        floor = float(np.median(around[around > 0.0])) if around.any() else math.inf
+        ratios.append(lines[-1] / max(floor / math.log(2.0), 1e-300))
         bins.append(len(near))
     if not lines:
         return Comb(0.0, math.inf, 0.0)
@@ -124,7 +125,29 @@ def comb(x: FloatArray, sample_rate: float, frequency: float) -> Comb:
     return Comb(float(np.mean(ratios)), chance, 2.0 * math.sqrt(sum(lines)))
 
 
-def shown(x: FloatArray, added: FloatArray, sample_rate: float, frequency: float) -> bool:
+def _spectrum(x: FloatArray, sample_rate: float) -> tuple[FloatArray, float]:
+    """
+    Squared envelope spectrum over the square of the mean, and its step, Hz.
+
+    A window keeps the lines of the shaft from leaking into those beside.
+    """
+    envelope, rate = squared_envelope(x, sample_rate)
+    mean = float(envelope.mean())
+    window = scipy.signal.windows.hann(len(envelope), sym=False)
+    power = np.abs(fft.rfft(window * (envelope - mean))) ** 2
+    return power / max((mean * window.sum()) ** 2, 1e-300), rate / len(envelope)
+
+
+def _on_order(power: FloatArray, step: float, shaft_hz: float) -> npt.NDArray[np.bool_]:
+    """Whether a line at each frequency of a spectrum may be that of an order of the shaft."""
+    hertz = np.arange(len(power)) * step
+    away = np.abs(hertz - np.round(hertz / shaft_hz) * shaft_hz)
+    return np.asarray(away <= SPEED_ERROR * hertz + LOBE * step)
+
+
+def shown(
+    x: FloatArray, added: FloatArray, sample_rate: float, frequency: float, shaft_hz: float
+) -> bool:
     """
     Whether a record would have shown a defect.
 
@@ -138,23 +161,34 @@ def shown(x: FloatArray, added: FloatArray, sample_rate: float, frequency: float
         Hz.
     frequency
         Of the impacts, Hz.
+    shaft_hz
+        Shaft speed, Hz.
 
     Examples
     --------
     >>> x = np.random.default_rng(1).standard_normal(25600)
     >>> impacts = np.zeros(25600)
     >>> impacts[::400] = 6.0
-    >>> shown(x, impacts, 25600.0, 64.0), shown(x, 0.1 * impacts, 25600.0, 64.0)
-    (True, False)
+    >>> [shown(x, share * impacts, 25600.0, 64.0, 18.0) for share in (1.0, 0.1)]
+    [True, False]
 
     """
+    own, orders_of = _own(x, sample_rate, frequency, shaft_hz)
     return bool(added.std() > LOUDER * x.std()) or _stands_out(
-        comb(x + added, sample_rate, frequency), comb(x, sample_rate, frequency)
+        comb(x + added, sample_rate, frequency, orders_of), own
     )
 
 
+def _own(x: FloatArray, rate: float, frequency: float, shaft_hz: float) -> tuple[Comb, float]:
+    """Return a record's own comb; without the orders of the shaft if they are clear in it."""
+    own = comb(x, rate, frequency)
+    if own.over_floor < own.chance:
+        return own, 0.0
+    return comb(x, rate, frequency, shaft_hz), shaft_hz
+
+
 def _stands_out(with_defect: Comb, own: Comb) -> bool:
-    """Whether a comb is clear where the record's own is not: its own may be lines of the shaft."""
+    """Whether a comb is clear where the record's own is not."""
     if own.over_floor < own.chance:
         return with_defect.over_floor >= with_defect.chance
     return with_defect.suspect and not own.suspect
@@ -229,16 +263,12 @@ def order_of_the_shaft(x: FloatArray, situation: Situation) -> int:
     0
 
     """
-    envelope, rate = squared_envelope(x, situation.sample_rate)
-    windowed = scipy.signal.windows.hann(len(envelope), sym=False) * (envelope - envelope.mean())
-    power = np.abs(fft.rfft(windowed)) ** 2
-    step = rate / len(envelope)
+    power, step = _spectrum(x, situation.sample_rate)
     hertz = np.arange(len(power)) * step
     apart = hertz / situation.strikes - 1.0
     floor = float(np.median(power[np.abs(apart) < 0.2])) / math.log(2.0)
     orders = np.round(hertz / situation.shaft_hz)
-    away = np.abs(hertz - orders * situation.shaft_hz)
-    on_order = (away <= SPEED_ERROR * hertz + LOBE * step) & (orders > 0)
+    on_order = _on_order(power, step, situation.shaft_hz) & (orders > 0)
     near = np.abs(apart) < SLIPPED
     order = int(orders[np.argmax(np.where(near & on_order, power, 0.0))])
     own = float(power.max(initial=0.0, where=near & ~on_order))
@@ -292,7 +322,6 @@ def smallest_shown(
     rate = situation.sample_rate
     background = measured[:_MOST_SAMPLES] - measured[:_MOST_SAMPLES].mean()
     level = LOUDER * background.std()
-    rates = fault_frequencies(situation.bearing, situation.shaft_hz, situation.slip)
     limits, widest_seen = np.zeros(len(CONFIDENCES)), 1.0
     for place in ('inner', 'outer'):
         there = replace(situation, place=place)
@@ -303,7 +332,7 @@ def smallest_shown(
         drawn['defect_width_mm'] = about.place(np.arange(_EACH) / _EACH)
         drawn['noise_ratio'] = np.zeros(_EACH)
         gains = 10.0 ** (-rng.random(_EACH) * (LOSS_DB + louder_db) / 20.0) / factor
-        own = comb(background, rate, rates.impacts(place))
+        own, orders_of = _own(background, rate, there.strikes, there.shaft_hz)
         candidates = (
             x for batch in vibrations(there, drawn, len(background) / rate, seed) for x in batch
         )
@@ -311,7 +340,7 @@ def smallest_shown(
         for one, (x, gain) in enumerate(zip(candidates, gains, strict=True)):
             added = gain * x
             seen[one] = added.std() > level or _stands_out(
-                comb(background[: len(x)] + added, rate, rates.impacts(place)), own
+                comb(background[: len(x)] + added, rate, there.strikes, orders_of), own
             )
         # Of n candidates that are as wide or wider, k show: k + 1/2 of n + 1 are expected to.
         share_seen = (seen[::-1].cumsum()[::-1] + 0.5) / (np.arange(_EACH, 0, -1) + 1.0)

@@ -298,7 +298,7 @@ def look_at_healthy(number: int) -> list[dict[str, Any]]:
             {
                 'added': 'trains of impacts' if trains else 'twins',
                 'confidence': confidence,
-                'shown': shown(later, x, rate, there.strikes),
+                'shown': shown(later, x, rate, there.strikes, there.shaft_hz),
                 'told': said.result == there.place or there.place in said.faults,
                 'healthy': said.result == 'healthy',
             }

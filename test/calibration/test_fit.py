@@ -776,13 +776,24 @@ def test_wider_defects_than_the_limit_of_a_healthy_record_show(rms):
     defects = np.concatenate(list(vibrations(outer, drawn, 2.0, 3)))
     later = rms * NOISE[25600:51200]
     seen = [
-        shown(later, loss * x, machine.sample_rate, outer.strikes)
+        shown(later, loss * x, machine.sample_rate, outer.strikes, outer.shaft_hz)
         for loss, x in zip(losses, defects, strict=True)
     ]
     assert np.mean(seen) > limit.confidence - 2.0 * math.sqrt(0.05 / 80)
 
 
-def test_lines_of_the_shaft_where_a_part_strikes_are_not_taken_for_what_a_defect_would_show():
+def test_orders_of_the_shaft_near_a_part_do_not_hide_its_defects():
+    """Order 7 lies within 3 % of twice what the outer race of a 6205 strikes."""
+    machine = cloud.example('none')
+    order = 2.0 * np.pi * 7.0 * machine.shaft_hz * np.arange(25600) / machine.sample_rate
+    x = 0.1 * NOISE[:25600]
+    swelling = (1.0 + 0.2 * np.cos(order)) * x
+    quiet, swells = (smallest_shown(y, machine, 1.0, 0.0, seed=1) for y in (x, swelling))
+    assert swells.confidence == quiet.confidence
+    assert swells.width_mm < 1.5 * quiet.width_mm
+
+
+def test_lines_where_a_part_strikes_are_not_taken_for_what_a_defect_would_show():
     """A defect then has to be as clear as a suspect, or to be louder than all of the record."""
     machine = cloud.example('none')
     strikes = replace(machine, place='outer').strikes
