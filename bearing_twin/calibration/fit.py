@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.bearing import PLACES
 from bearing_twin.calibration import posterior
 from bearing_twin.calibration.cloud import (
+    affordable,
     FASTEST_HZ,
     HIGHEST_RATE,
     LEAST_RATE,
@@ -102,7 +103,7 @@ def fit(
     place
         Part with the defect, ``'none'`` for a healthy bearing; None: what the diagnosis says.
     candidates
-        Machines simulated in each of two rounds.
+        Machines simulated in each of two rounds; fewer at a slow shaft.
     seed
         Of all draws; the same seed gives the same calibration.
 
@@ -249,7 +250,8 @@ def _fitted(
         turning = gear(x, situation.sample_rate, measured)
         refusal = refusal or turning or too_wide(whole, situation, measured)
         refusal = refusal or unresolved(whole, measured, situation)
-        left, refusal = _defect(x, measured, situation, candidates, seed, refusal)
+        count = affordable(situation, candidates)
+        left, refusal = _defect(x, measured, situation, count, seed, refusal)
         seen = None if turning else impacts_of(whole, measured, situation)
     else:
         left = posterior.supposed(situation, seed)
