@@ -39,6 +39,7 @@ from bearing_twin.calibration.refusals import (
     too_wide,
     unresolved,
     untold,
+    with_farther,
 )
 from bearing_twin.calibration.result import Calibration, in_words
 from bearing_twin.calibration.summaries import correlate, fastest_resonance
@@ -248,7 +249,9 @@ def _fitted(
     if defective:
         refusal = no_impacts(x, situation) if named else None
         turning = gear(x, situation.sample_rate, measured)
-        refusal = refusal or turning or too_wide(whole, situation, measured)
+        # A defect beside a gear may be wider than the teeth are apart.
+        refusal = refusal or (turning and with_farther(turning, whole, measured, situation))
+        refusal = refusal or too_wide(whole, situation, measured)
         refusal = refusal or unresolved(whole, measured, situation)
         count = affordable(situation, candidates)
         left, refusal = _defect(x, measured, situation, count, seed, refusal)

@@ -203,7 +203,7 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
             f'the impacts of a passage are {1e3 * measured.spacing:.2f} ms apart; the ringing of '
             f'one hides a second up to {1e3 * shortest:.2f} ms',
         )
-        return _with_farther(refusal, whole, measured, situation)
+        return with_farther(refusal, whole, measured, situation)
     # What goes on after twice the time is no passage, but the teeth of a gear.
     far = whole.summary(2.0 * ELSEWHERE * situation.longest)
     twice = 2.0 * measured.spacing
@@ -213,11 +213,11 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
             Kind.SEVERAL_SPACINGS,
             'the impacts repeat after several times that are about as clear: ringing, or a gear',
         )
-        return _with_farther(refusal, whole, measured, situation)
+        return with_farther(refusal, whole, measured, situation)
     return None
 
 
-def _with_farther(
+def with_farther(
     refusal: Refusal, whole: Correlation, measured: Summary, situation: Situation
 ) -> Refusal:
     """
