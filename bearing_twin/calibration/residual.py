@@ -236,12 +236,7 @@ class Residual:
             return _nothing(f'{count} healthy decisions of {LEAST} that a limit needs')
         if len(self.recent) < LEAST_RUN:
             return _nothing(f'{len(self.recent)} decisions of {LEAST_RUN} that an alarm needs')
-        if not self._limits:
-            rows = np.array(self.rows, np.float64)
-            steps = _steps(rows)
-            allowed = DAY_DB if len(rows) < DAY else 0.0
-            self._limits = [_limits(rows, allowed)]
-            self._limits += [_limits(steps, 0.0)] if len(steps) >= LEAST else []
+        self._learn_limits()
         deep = max(limits.deep for limits in self._limits)
         recent = np.array(self.recent[-deep - BEFORE - LATELY :], np.float64)
         said = ('is {:.0f} dB {} what the twin explains', ('over', 'under')), (
@@ -263,6 +258,53 @@ class Residual:
         if number < 1.0:
             reason = 'the twin explains its machine'
         return Unexplained(max(number, 0.0), where, over, reason)
+
+    def numbers(self, differences: npt.ArrayLike) -> FloatArray:
+        """
+        Judge many decisions at once, each with those before it: the numbers of :meth:`judge`.
+
+        Parameters
+        ----------
+        differences
+            Machine minus twin, dB, shape (n, m), of the bands that were learnt.
+
+        Returns
+        -------
+        Numbers, shape (n,); NaN where :meth:`judge` gives none.
+
+        Raises
+        ------
+        BearingTwinError
+            If too few decisions were learnt.
+
+        Examples
+        --------
+        >>> rng = np.random.default_rng(1)
+        >>> residual = Residual()
+        >>> for _ in range(200):
+        ...     residual.learn(('10 Hz', 'order 1'), rng.standard_normal(2))
+        >>> bool(residual.numbers(rng.standard_normal((1000, 2)))[2:].max() < 1.0)
+        True
+
+        """
+        if len(self.rows) < LEAST:
+            msg = f'{len(self.rows)} healthy decisions; a limit needs {LEAST}: learn more'
+            raise BearingTwinError(msg)
+        self._learn_limits()
+        rows = np.asarray(np.asarray(differences, np.float32), np.float64)
+        found = np.full(len(rows), math.nan)
+        for table, limits in zip((rows, _steps(rows)), self._limits, strict=False):
+            newest = found[len(rows) - len(table) :]
+            newest[:] = np.fmax(newest, limits.numbers(table))
+        return found
+
+    def _learn_limits(self) -> None:
+        if not self._limits:
+            rows = np.array(self.rows, np.float64)
+            steps = _steps(rows)
+            allowed = DAY_DB if len(rows) < DAY else 0.0
+            self._limits = [_limits(rows, allowed)]
+            self._limits += [_limits(steps, 0.0)] if len(steps) >= LEAST else []
 
     def save(self) -> tuple[dict[str, Any], Row]:
         """Return plain values and all decisions, from which :meth:`of` makes it again."""
@@ -418,6 +460,25 @@ class _Limits:
         shares = np.where(back < len(held), told / self.raised[:, band], 0.0)
         greatest[side, band] = shares.max(axis=0, initial=0.0)
         return greatest
+
+    def numbers(self, table: FloatArray) -> FloatArray:
+        """Greatest share of a limit at each decision, shape (n,); NaN where no band is told."""
+        told = np.isfinite(self.centre)
+        found = np.full(len(table), 0.0 if told.any() else math.nan)
+        over = table - self.centre
+        for apart in np.unique(self.apart[told]):
+            alike = told & (self.apart == apart)
+            shares = np.hstack([over, -over])[:, np.tile(alike, 2)] / self.reach[:, alike].ravel()
+            for runs, raised in enumerate(self.raised[:, alike], LEAST_RUN):
+                size = (runs - 1) * int(apart) + 1
+                if size > min(HISTORY, len(table)):
+                    break
+                held = scipy.ndimage.minimum_filter1d(
+                    shares, size, axis=0, mode='constant', origin=(size - 1) // 2
+                )
+                np.fmax(found, (held / np.tile(raised, 2)).max(axis=1), out=found)
+        found[: LEAST_RUN - 1] = math.nan
+        return found
 
 
 def _limits(rows: FloatArray, allowed: float) -> _Limits:
