@@ -132,7 +132,7 @@ def _ball_ripple(e: Evidence) -> Verdict | None:
 @_rule('ball', 'Impacts in groups, once a cage turn, keep the time of a ball within each group.')
 def _ball_passages(e: Evidence) -> Verdict | None:
     # Both are more than a load does to the noise of sound parts.
-    strikes = e.cage_leads or (not e.remaining and e.kurtosis > KURTOSIS)
+    strikes = _cage_or_ball(e) or (not e.remaining and e.kurtosis > KURTOSIS)
     if not strikes or e.ball_passages < Z_PASSAGES:
         return None
     text = (
@@ -146,20 +146,14 @@ def _ball_passages(e: Evidence) -> Verdict | None:
     'ambiguous', 'A ball in the load zone ripples the envelope once a cage turn, as a cage does.'
 )
 def _cage_ripple(e: Evidence) -> Verdict | None:
-    if not e.cage_leads:
-        return None
-    # An impact has every harmonic, the outer race's order exactly among them. What shows the
-    # ball's order better than that is the ripple of a ball in and out of the load.
-    outer, ball, cage = (e.candidates[place] for place in ('outer', 'ball', 'cage'))
-    few_harmonics = outer.z < max(ball.z, Z_FAULT)
-    if not few_harmonics and cage.index >= INDEX_STRIKE:
+    if not _cage_or_ball(e):
         return None
     text = (
         'ball and cage coincide: the envelope ripples with the cage; a ball strikes while it '
         f'passes the load zone, once a cage turn, or the cage is damaged; the {e.ball_or_cage[0]} '
         'is likelier'
     )
-    return _say(e, text, about=cage, faults=e.ball_or_cage)
+    return _say(e, text, about=e.candidates['cage'], faults=e.ball_or_cage)
 
 
 @_rule('suspect', 'Few cage turns do not resolve the comb of a cage.')
@@ -650,6 +644,18 @@ def _trust(e: Evidence, comb: Candidate | None, rule: Rule | None = None) -> Tru
         z, index, slip, strongest.z, strongest.index, e.impacts.get(strongest.place, 0.0),
         e.turns, e.speed_known, *((rule.name, rule.at_most) if rule else ()),
     )  # fmt: skip
+
+
+def _cage_or_ball(e: Evidence) -> bool:
+    """
+    Whether the cage leads, and a ball in and out of the load may be what it shows.
+
+    An impact has every harmonic, the outer race's order exactly among them. What shows the ball's
+    order better than that is the ripple of such a ball.
+    """
+    outer, ball, cage = (e.candidates[place] for place in ('outer', 'ball', 'cage'))
+    few_harmonics = outer.z < max(ball.z, Z_FAULT)
+    return e.cage_leads and (few_harmonics or cage.index < INDEX_STRIKE)
 
 
 _NO_ALARM = f'modulation index below {INDEX_FAULT:g}: not an alarm'

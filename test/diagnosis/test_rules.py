@@ -366,6 +366,8 @@ def test_groups_of_a_ball_are_an_alarm_only_where_more_strikes_than_a_load_modul
     assert decide(Evidence.of(ball_passages=3.9, kurtosis=6.0)).rule == 'bursts'
     assert decide(Evidence.of(CAGE, ball_passages=3.9)).rule == 'cage_ripple'
     assert decide(Evidence.of(INNER, ball_passages=5.0)).result == 'inner'
+    # A cage that strikes shows at all its harmonics, those near the ball's order among them.
+    assert decide(Evidence.of(*CAGE_IMPACTS, ball_passages=5.0)).result == 'cage'
 
 
 def test_a_second_look_counts_only_where_nothing_else_is_significant():
