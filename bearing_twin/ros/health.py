@@ -5,12 +5,14 @@
 from __future__ import annotations
 
 import enum
+from itertools import islice
 import math
 import re
 import time
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.ros.qos import RESULT
+from bearing_twin.stamps import NANO
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
 
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
 
 
 PLAIN = str.maketrans({'"': "'", '\n': ' ', '\\': '/'})
+PARTS = 64
+"""Most statuses of a message: they are made in 1 to 2 ms, for which a block can wait."""
 NUMBER = re.compile(r'[-+]?\d[\d.e+-]*|\bnan\b|\binf\b')
 
 
@@ -63,8 +67,9 @@ class Health:
 
     The idiom of diagnostic_updater, which is not available from PyPI: named tasks, 1 Hz,
     names ``NODE: PART``, a fresh message even where nothing has changed so that an aggregator
-    sees the node become stale when it dies. A part that leaves OK, comes back or changes its
-    trouble is logged once, with the time that the state before has lasted.
+    sees the node become stale when it dies. Those of a large fleet are spread over the second. A
+    part that leaves OK, comes back or changes its trouble is logged once, with the time that the
+    state before has lasted.
 
     Parameters
     ----------
@@ -81,6 +86,7 @@ class Health:
         self._node = node
         self._spells: dict[str, _Spell] = {}
         self._tasks: dict[str, tuple[Callable[[], Status], str]] = {}
+        self._turn = 0
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', RESULT)
         # The wall clock: a paused /clock must not silence a node.
         self._timer = node.create_timer(
@@ -102,10 +108,7 @@ class Health:
 
         """
         self._tasks[part] = (task, hardware_id.strip('/') or self.hardware_id)
-
-    def statuses(self) -> dict[str, Status]:
-        """Ask every part; return its status by its name."""
-        return {part: task() for part, (task, _) in self._tasks.items()}
+        self._timer.timer_period_ns = NANO // math.ceil(len(self._tasks) / PARTS)
 
     def destroy(self) -> None:
         """Stop publishing."""
@@ -113,11 +116,13 @@ class Health:
         self._node.destroy_publisher(self._publisher)
 
     def publish(self) -> None:
-        """Ask every part and publish."""
+        """Ask the parts whose turn it is, of a few dozen all, and publish."""
         array = DiagnosticArray()
         array.header.stamp = self._node.get_clock().now().to_msg()
         name = self._node.get_fully_qualified_name().lstrip('/')
-        for part, status in self.statuses().items():
+        begin, self._turn = self._turn, self._turn + PARTS
+        for part, (task, hardware_id) in islice(self._tasks.items(), begin, self._turn):
+            status = task()
             self._log(part, status)
             level, message, values, _ = status
             array.status.append(
@@ -125,11 +130,13 @@ class Health:
                     level=level.value,
                     name=f'{name}: {part}',
                     message=_text(message),
-                    hardware_id=self._tasks[part][1],
+                    hardware_id=hardware_id,
                     values=[KeyValue(key=k, value=_text(v)) for k, v in known(values)],
                 )
             )
         self._publisher.publish(array)
+        if self._turn >= len(self._tasks):
+            self._turn = 0
 
     def _log(self, part: str, status: Status) -> None:
         key = (status.level, status.kind or NUMBER.sub('', status.message))

@@ -4,6 +4,7 @@
 
 import math
 import re
+import time
 
 from bearing_twin.bearing import find_bearing
 from bearing_twin.diagnosis import diagnose_record
@@ -15,7 +16,7 @@ pytest.importorskip('rclpy')
 
 from bearing_twin.assets.messages import time_message
 from bearing_twin.nodes.diagnosis_topics import verdict_status
-from bearing_twin.ros.health import _text, Health, known, Level, Status
+from bearing_twin.ros.health import _text, Health, known, Level, PARTS, Status
 from bearing_twin.stamps import NANO
 from bearing_twin.thermal.gate import TemperatureStatus
 from diagnostic_msgs.msg import DiagnosticArray
@@ -109,6 +110,21 @@ def test_what_a_status_speaks_of_is_never_the_root(node, given, named):
         rclpy.spin_once(node, timeout_sec=0.1)
     assert [status.hardware_id for status in heard[0].status] == [named, named]
     assert heard[0].status[0].name == 'line1/diagnosis: bearing'
+
+
+def test_statuses_of_a_large_fleet_are_spread_over_the_second(node):
+    heard = []
+    node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 100)
+    health, parts = Health(node, ''), [f'pump_{k} bearing' for k in range(3 * PARTS + 1)]
+    for part in parts:
+        health.add(part, lambda: Status(Level.OK, 'fine', {}))
+    began = time.monotonic()
+    while len(heard) < 8:
+        rclpy.spin_once(node, timeout_sec=0.1)
+    assert time.monotonic() - began > 1.5
+    assert [len(message.status) for message in heard[:8]] == 2 * [PARTS, PARTS, PARTS, 1]
+    names = [status.name for message in heard[4:8] for status in message.status]
+    assert names == [f'line1/diagnosis: {part}' for part in parts]
 
 
 def test_values_are_sent_so_that_a_database_keeps_their_types():
