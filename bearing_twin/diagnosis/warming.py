@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from bearing_twin.bearing import fault_orders, find_bearing
+from bearing_twin.diagnosis.comb import OrderSpectra
 from bearing_twin.diagnosis.record import diagnose_record
 import numpy as np
 
@@ -28,3 +29,5 @@ def warm_up() -> None:
     for at in (RATE * impacts).astype(int):
         x[at : at + 8] += 20.0 * (-0.7) ** np.arange(8)
     diagnose_record(x, RATE, bearing, SHAFT_HZ)
+    # Asked only beside the comb of another race, or where the cage leads.
+    OrderSpectra.of_lines(np.ones(1)).line_power(np.ones(1), slice(1))
