@@ -468,9 +468,6 @@ def _ball_without_cage_sidebands(e: Evidence) -> Verdict | None:
     least = max(SWAY, e.turning_sideband_ratio / (RIVAL if e.turns < HEALTHY_TURNS else 1.0))
     if e.leading.place != 'ball' or e.cage_sideband_ratio >= least:
         return None
-    # Sidebands of impacts that keep no time from passage to passage are wide.
-    if e.ball_passages >= Z_PASSAGES:
-        return None
     text = (
         f'its sidebands at the turns of the cage are {e.cage_sideband_ratio:.2f} of its height, '
         f'at those of the shaft {e.turning_sideband_ratio:.2f}, and a ball moves with the cage: '
