@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import math
 from typing import TYPE_CHECKING
 
+from bearing_twin.diagnosis.acceleration import acceleration_factor
 from bearing_twin.diagnosis.kernels import moments
 from bearing_twin.diagnosis.result import Severity
 import numpy as np
@@ -40,33 +41,12 @@ HIGHEST_LIMIT = max(limits[-1] for limits in ISO_LIMITS.values())
 SLOW_HZ = 10.0
 """Shaft speed below which ISO 20816-3 takes velocities from 2 Hz on."""
 
-GRAVITY = 9.80665
-"""m/s^2 in one g."""
-
 LEAST = 64
 """Samples without which nothing is measured."""
 
 SHORTEST_VELOCITY = 1.0
 """Length, s, from which on a record has a velocity: ten periods of its lowest frequency. That of
 0.1 s depends on where the turn of the shaft is cut."""
-
-_FACTORS = {
-    **dict.fromkeys(('m/s^2', 'm/s2', 'm/s²', 'm/s/s', 'm s-2', 'm s^-2', 'm/sec^2'), 1.0),
-    **dict.fromkeys(('g', 'G', 'gn', 'g_n'), GRAVITY),
-    **dict.fromkeys(('mm/s^2', 'mm/s2', 'mm/s²'), 1e-3),
-    'mg': 1e-3 * GRAVITY,
-}
-
-
-def acceleration_factor(unit: str) -> float:
-    """
-    Factor from ``unit`` to m/s^2; NaN where the unit is not known to be an acceleration.
-
-    >>> acceleration_factor('g'), acceleration_factor('V')
-    (9.80665, nan)
-
-    """
-    return _FACTORS.get(unit.strip(), math.nan)
 
 
 def iso_zone(velocity_rms: float, power_group: int, mounting: str) -> str:
