@@ -33,6 +33,7 @@ from bearing_twin.calibration.impacts import gear, impacts_of
 from bearing_twin.calibration.passage import load_range
 from bearing_twin.calibration.path import identify, REACH_S, resonances
 from bearing_twin.calibration.refusals import (
+    copied,
     Kind,
     no_impacts,
     Refusal,
@@ -253,6 +254,7 @@ def _fitted(
         refusal = refusal or (turning and with_farther(turning, whole, measured, situation))
         refusal = refusal or too_wide(whole, situation, measured)
         refusal = refusal or unresolved(whole, measured, situation)
+        refusal = refusal or copied(x, situation, measured)
         count = affordable(situation, candidates)
         left, refusal = _defect(x, measured, situation, count, seed, refusal)
         seen = None if turning else impacts_of(whole, measured, situation)

@@ -52,7 +52,7 @@ def compared(found: Calibration, others: Iterable[Impacts]) -> Calibration:
 
     """
     width, seen = found.quantities[WIDTH], found.impacts
-    if seen is None or found.refusal in (Kind.NO_IMPACTS, Kind.TOO_WIDE):
+    if seen is None or found.refusal in (Kind.NO_IMPACTS, Kind.TOO_WIDE, Kind.ALIKE):
         return found
     others = tuple(others)
     if width.identifiable:

@@ -252,6 +252,45 @@ def fastest_resonance(x: FloatArray, sample_rate: float, spacing: float) -> floa
     return max((float(at) for at in hertz if low < at < high), default=math.nan)
 
 
+def likeness(x: FloatArray, sample_rate: float, measured: Summary) -> float:
+    """
+    Return how much the second impact is a copy of the first: 1 at most, below 0 for an inverse.
+
+    The greatest autocorrelation of the whitened signal itself at the time between the impacts. Two
+    of the same shape, the second a times as high, have a / (1 + a^2).
+
+    Parameters
+    ----------
+    x
+        Samples without a mean, shape (n,).
+    sample_rate
+        Hz.
+    measured
+        Their summary, in which a second impact is seen.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> for sign in (1.0, -1.0):
+    ...     x = 1e-3 * rng.standard_normal(25600)
+    ...     x[200:25000:700] += 1.0
+    ...     x[251:25051:700] += 0.7 * sign
+    ...     print(likeness(x, 25600.0, summarise(x, 25600.0, 4e-3)) > 0.4)
+    True
+    False
+
+    """
+    whitened = scipy.signal.oaconvolve(x, _prediction(x, sample_rate, MEMORY_S), 'valid')
+    power = np.abs(fft.rfft(whitened, 2 * len(whitened))) ** 2
+    low, high = (int(share * len(whitened)) for share in (LOW_SHARE, HIGH_SHARE))
+    power[:low] = power[high:] = 0.0
+    first, last = (
+        int((measured.spacing + side * measured.lobe) * sample_rate) for side in (-1.0, 1.0)
+    )
+    correlation = fft.irfft(power)[: last + 2]
+    return float(correlation[max(first, 1) :].max() / max(correlation[0], 1e-300))
+
+
 def correlate(x: FloatArray, sample_rate: float) -> Correlation:
     """
     Correlate the squared envelope of a vibration with itself.

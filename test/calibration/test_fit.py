@@ -58,7 +58,9 @@ def ring(x):
     return out
 
 
-def impact_train(width, place, shaft_hz, seconds=4.0, seed=0, shortfall=0.0, noise=0.02):
+def impact_train(
+    width, place, shaft_hz, seconds=4.0, seed=0, shortfall=0.0, noise=0.02, heights=(0.6, -1.0)
+):
     """
     Machine that shares nothing with the twin: two impacts a passage that ring at 3 and 7 kHz.
 
@@ -70,7 +72,7 @@ def impact_train(width, place, shaft_hz, seconds=4.0, seed=0, shortfall=0.0, noi
     entries = np.cumsum(gaps)
     apart = (width - shortfall) / contact_speed(BEARING, place, shaft_hz)
     x = np.zeros(int(seconds * RATE))
-    for times, height in ((entries, 0.6), (entries + apart, -1.0)):
+    for times, height in zip((entries, entries + apart), heights, strict=True):
         at = np.round(times[times < seconds - 1.0 / RATE] * RATE).astype(int)
         np.add.at(x, at, height * (1.0 + 0.2 * rng.standard_normal(len(at))))
     ringing = ring(x)
@@ -270,6 +272,19 @@ def test_ringing_at_two_speeds_is_no_width():
     assert width.q05 <= told['q05'] < width.median < width.q95
     with pytest.raises(BearingTwinError, match='not of one defect'):
         joined([both[0], replace(moved, situation=replace(moved.situation, place='inner'))])
+
+
+def test_two_pits_are_no_entry_and_exit():
+    """Their impacts are alike; that they are as far apart at each speed proves no passage."""
+    pits = [
+        fit(impact_train(2e-3, 'outer', hz, heights=(0.6, 1.0)), RATE, BEARING, hz,
+            place='outer', candidates=64)
+        for hz in (10.0, 14.0)
+    ]  # fmt: skip
+    records, width, _ = joined(pits)
+    assert {each.refusal for each in (*pits, *records)} == {Kind.ALIKE}
+    assert not width.identifiable and 'second pit or an echo' in width.why
+    assert width.q95 > 2.0
 
 
 def seen_at(x, shaft_hz, place='outer'):
