@@ -8,6 +8,7 @@ from html.parser import HTMLParser
 import math
 from pathlib import Path
 import re
+from types import SimpleNamespace
 
 from bearing_twin import cli
 from bearing_twin.errors import BearingTwinError
@@ -17,8 +18,14 @@ from bearing_twin.view.over_temperature import STRIP_SECONDS
 from bearing_twin.view.report.appendix import off_default
 from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.page import report_page
-from bearing_twin.view.report.plots import _mark_limits, _patches, appended_figures, figures
-from bearing_twin.view.trends import zone_limits
+from bearing_twin.view.report.plots import (
+    _mark_limits,
+    _panels,
+    _patches,
+    appended_figures,
+    figures,
+)
+from bearing_twin.view.trends import LINE, Panel, Trend, zone_limits
 from copies import put
 from matplotlib.figure import Figure
 import numpy as np
@@ -433,3 +440,13 @@ def test_the_command_writes_the_page(recording, page, tmp_path, capsys):
     assert cli.main(['report', str(recording), '-o', str(output)]) == 0
     assert str(output) in capsys.readouterr().out
     assert output.read_text(encoding='utf-8') == page
+
+
+def test_a_value_between_missing_ones_is_shown():
+    """A width that one calibration alone tells was an empty panel."""
+    panel = Panel('width', 'width [mm]', (Trend('median', 'median', LINE['blue'], 'width'),))
+    values = [1.5, math.nan, 2.5, math.nan, 3.5, 4.5]
+    items = [(float(at), SimpleNamespace(width=width)) for at, width in enumerate(values)]
+    _, figure = _panels('', (panel,), items)
+    (points,) = figure.axes[0].collections
+    assert points.get_offsets().tolist() == [[0.0, 1.5], [2.0, 2.5]]

@@ -53,7 +53,7 @@ def draw_over_each_other(
         right.plot(1e3 * steps[1] * np.arange(len(turn)), turn, **look)
     left.set(title=f'power density [dB re 1 ({unit})²/Hz]', xlabel='frequency [kHz]')
     right.set(title=f'one revolution [{unit}]', xlabel='time [ms]')
-    left.legend(loc='upper right', ncols=2)
+    right.legend(ncols=2, loc='lower right', bbox_to_anchor=(1.0, 1.0))
 
 
 def explained(machine: Machine) -> tuple[str, Figure] | None:

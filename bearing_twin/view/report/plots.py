@@ -374,6 +374,10 @@ def _panels(
         for trend, values in lines:
             colour = hex_colour(trend.colour)
             axes.plot(time, values, color=colour, label=trend.label, linewidth=1.1)
+            # A line shows no value between two that are missing, nor a single one.
+            there = np.pad(np.isfinite(values), 1)
+            alone = there[1:-1] & ~there[:-2] & ~there[2:]
+            axes.scatter(time[alone], values[alone], s=9.0, color=colour)
         of = {trend.key: values for trend, values in lines}
         if panel.band and of.keys() >= set(panel.band):
             axes.fill_between(time, *(of[key] for key in panel.band), color='#bbdefb')
