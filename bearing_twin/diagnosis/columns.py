@@ -70,7 +70,7 @@ def transform_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
         found = fft.fft(rows[:, :L] + np.complex64(1j) * rows[:, L:], axis=0)
         return np.concatenate((found.real, found.imag), axis=1)
     one, other = aligned_rows(count), aligned_rows(count)
-    _transform(rows, turns(count), radices, one, other)
+    _transform(rows, turns(count), radices, aligned_rows(16), one, other)
     return (other, one)[len(radices) % 2]
 
 
@@ -88,9 +88,9 @@ def aligned_rows(count: int) -> NDArray[np.float32]:
 
 @functools.lru_cache(maxsize=16)
 def _radices(count: int) -> NDArray[np.intp]:
-    """Factors of a length: as many fours as there are, then primes; at least one."""
+    """Factors of a length: as many sixteens as there are, a four, then primes; at least one."""
     found = [] if count > 1 else [1]
-    for radix in (4, *range(2, count + 1)):
+    for radix in (16, 4, *range(2, count + 1)):
         while count % radix == 0:
             found.append(radix)
             count //= radix
@@ -101,6 +101,34 @@ def _radices(count: int) -> NDArray[np.intp]:
 def _times(real: Any, imag: Any, turn: Any) -> tuple[Any, Any]:
     """Product with a turn."""
     return real * turn[0] - imag * turn[1], real * turn[1] + imag * turn[0]
+
+
+@compiled(inline=True, fast=FAST, borrows=True)
+def _four(
+    rows: NDArray[np.float32],
+    a: int,
+    apart: int,
+    turns: NDArray[np.float32],
+    at: int,
+    out: NDArray[np.float32],
+    o: int,
+    beside: int,
+) -> None:
+    """Write the butterfly of four rows; lines are behind by one, two and three times a turn."""
+    one, two, three = turns[at], turns[2 * at], turns[3 * at]
+    b, c, d = a + apart, a + 2 * apart, a + 3 * apart
+    ar, ai, br, bi = load(rows, a), load(rows, a + 1), load(rows, b), load(rows, b + 1)
+    cr, ci, dr, di = load(rows, c), load(rows, c + 1), load(rows, d), load(rows, d + 1)
+    er, ei, fr, fi = ar + cr, ai + ci, ar - cr, ai - ci
+    # The difference of the other two, times -i.
+    gr, gi, hr, hi = br + dr, bi + di, bi - di, dr - br
+    _put(out, o, er + gr, ei + gi)
+    vr, vi = _times(fr + hr, fi + hi, one)
+    _put(out, o + beside, vr, vi)
+    vr, vi = _times(er - gr, ei - gi, two)
+    _put(out, o + 2 * beside, vr, vi)
+    vr, vi = _times(fr - hr, fi - hi, three)
+    _put(out, o + 3 * beside, vr, vi)
 
 
 @compiled(fast=FAST, borrows=True)
@@ -126,24 +154,43 @@ def _fours(
         As ``rows``, written.
 
     """
-    apart, beside = 2 * left * done, 2 * done
     for p in range(left):
-        one, two, three = turns[p * done], turns[2 * p * done], turns[3 * p * done]
         for q in range(done):
             a, o = 2 * (q + done * p), 2 * (q + 4 * done * p)
-            b, c, d = a + apart, a + 2 * apart, a + 3 * apart
-            ar, ai, br, bi = load(rows, a), load(rows, a + 1), load(rows, b), load(rows, b + 1)
-            cr, ci, dr, di = load(rows, c), load(rows, c + 1), load(rows, d), load(rows, d + 1)
-            er, ei, fr, fi = ar + cr, ai + ci, ar - cr, ai - ci
-            # The difference of the other two, times -i.
-            gr, gi, hr, hi = br + dr, bi + di, bi - di, dr - br
-            _put(out, o, er + gr, ei + gi)
-            vr, vi = _times(fr + hr, fi + hi, one)
-            _put(out, o + beside, vr, vi)
-            vr, vi = _times(er - gr, ei - gi, two)
-            _put(out, o + 2 * beside, vr, vi)
-            vr, vi = _times(fr - hr, fi - hi, three)
-            _put(out, o + 3 * beside, vr, vi)
+            _four(rows, a, 2 * left * done, turns, p * done, out, o, 2 * done)
+
+
+@compiled(fast=FAST, borrows=True)
+def _sixteens(
+    rows: NDArray[np.float32],
+    turns: NDArray[np.float32],
+    left: int,
+    done: int,
+    few: NDArray[np.float32],
+    out: NDArray[np.float32],
+) -> None:
+    """
+    Do two such passes at once, for which sixteen rows are read and written once.
+
+    Parameters
+    ----------
+    rows
+        (16 left done, 32).
+    turns, left, done, out
+        See :func:`_fours`; ``left`` is of the passes after both.
+    few
+        (16, 32) to work in.
+
+    """
+    for p in range(left):
+        for q in range(done):
+            for k in range(4):
+                at = p + left * k
+                a = 2 * (q + done * at)
+                _four(rows, a, 8 * left * done, turns, at * done, few, 8 * k, 2)
+            for k in range(4):
+                o = 2 * (q + done * (k + 16 * p))
+                _four(few, 2 * k, 8, turns, 4 * p * done, out, o, 8 * done)
 
 
 @compiled(inline=True, fast=FAST, borrows=True)
@@ -205,6 +252,7 @@ def _transform(
     rows: NDArray[np.float32],
     turns: NDArray[np.float32],
     radices: NDArray[np.intp],
+    few: NDArray[np.float32],
     one: NDArray[np.float32],
     other: NDArray[np.float32],
 ) -> None:
@@ -216,7 +264,9 @@ def _transform(
         source, out = (other, one) if number % 2 == 0 else (one, other)
         if number == 0:
             source = rows
-        if radix == 4:
+        if radix == 16:
+            _sixteens(source, turns, left, done, few, out)
+        elif radix == 4:
             _fours(source, turns, left, done, out)
         else:
             _primes(source, turns, radix, left, done, out)
