@@ -70,7 +70,7 @@ class Limit(NamedTuple):
     label: str
     value: float
     mark: str = ''
-    """Written beside it on a page."""
+    """Written at its right end on a page."""
     look: str = 'limit'
     """Name of its colour."""
 
@@ -118,11 +118,16 @@ class Panel:
     """Keys of the two quantities between which a page is filled."""
 
     @property
+    def besides(self) -> tuple[Trend, ...]:
+        """What a title has to name, since it is that of the first quantity."""
+        others = () if self.band else self.trends[1:]
+        return tuple(trend for trend in others if trend.field not in PER_FAMILY)
+
+    @property
     def named(self) -> str:
         """Title with the colours of all quantities but the first: a legend covers lines."""
         names = {colour: name for name, colour in LINE.items()}
-        others = () if self.band else self.trends[1:]
-        parts = [f'{t.label} {names[t.colour]}' for t in others if t.field not in PER_FAMILY]
+        parts = [f'{trend.label} {names[trend.colour]}' for trend in self.besides]
         return ', '.join([self.title, *parts])
 
 
@@ -188,12 +193,11 @@ OVER_LIMITS = Panel(
         for k, family in enumerate(FAMILIES)
     ),
     (
-        Limit('fault above 1', 1.0, 'fault'),
+        Limit('fault above 1', 1.0),
         Limit(
             f'suspect above {INDEX_SUSPECT / INDEX_FAULT:g} where significant',
             INDEX_SUSPECT / INDEX_FAULT,
-            'suspect',
-            'remark',
+            look='remark',
         ),
     ),
     from_zero=True,
@@ -206,7 +210,7 @@ DIAGNOSIS = (
         'Significance [σ over noise]',
         _per_family('score'),
         (
-            Limit(f'significant above {Z_FAULT:g}', Z_FAULT, f'limit {Z_FAULT:g}'),
+            Limit(f'significant above {Z_FAULT:g}', Z_FAULT, f'{Z_FAULT:g}'),
             Limit(f'cage significant above {Z_CAGE:g}', Z_CAGE, look='violet'),
         ),
     ),
@@ -215,7 +219,7 @@ DIAGNOSIS = (
         'Modulation index [1]',
         _per_family('modulation_index'),
         (
-            Limit(f'fault above {INDEX_FAULT:g}', INDEX_FAULT, f'fault {INDEX_FAULT:g}'),
+            Limit(f'fault above {INDEX_FAULT:g}', INDEX_FAULT, f'{INDEX_FAULT:g}'),
             Limit(f'suspect above {INDEX_SUSPECT:g}', INDEX_SUSPECT, look='remark'),
         ),
         from_zero=True,
@@ -230,10 +234,8 @@ DIAGNOSIS = (
             Trend('correction', 'correction', LINE['red'], 'level_correction'),
         ),
         (
-            Limit(
-                f'suspect above {SUSPECT_DB:g}', SUSPECT_DB, f'suspect {SUSPECT_DB:g}', 'remark'
-            ),
-            Limit(f'fault above {FAULT_DB:g}', FAULT_DB, f'fault {FAULT_DB:g}'),
+            Limit(f'suspect above {SUSPECT_DB:g}', SUSPECT_DB, f'{SUSPECT_DB:g}', 'remark'),
+            Limit(f'fault above {FAULT_DB:g}', FAULT_DB, f'{FAULT_DB:g}'),
         ),
     ),
     Panel(

@@ -14,7 +14,7 @@ from bearing_twin import cli
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.writer import RecordingWriter
-from bearing_twin.view.over_temperature import STRIP_SECONDS
+from bearing_twin.view.over_temperature import Strip, STRIP_SECONDS
 from bearing_twin.view.report.appendix import off_default
 from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.page import report_page
@@ -22,10 +22,11 @@ from bearing_twin.view.report.plots import (
     _mark_limits,
     _panels,
     _patches,
+    _waterfall,
     appended_figures,
     figures,
 )
-from bearing_twin.view.trends import LINE, Panel, Trend, zone_limits
+from bearing_twin.view.trends import DIAGNOSIS, LINE, Panel, Trend, zone_limits
 from copies import put
 from matplotlib.figure import Figure
 import numpy as np
@@ -306,8 +307,8 @@ def test_a_level_over_baseline_has_its_limits_and_takes_no_third_sheet(recording
         (drawn,) = (svg for caption, svg in page.items() if caption.startswith('What decides'))
         heights.append(re.search(r'height="([\d.]+)pt"', drawn)[1])
     assert heights[0] == heights[1]
-    assert '>suspect 6</text>' in drawn
-    assert '>fault 12</text>' in drawn
+    marks = re.findall(r'fill: #616161"[^>]*>([^<]*)</text>', drawn)
+    assert ', '.join(marks) == '5.5, 0.6, 6, 12'
 
 
 def test_only_parameters_off_their_defaults_are_listed():
@@ -450,3 +451,23 @@ def test_a_value_between_missing_ones_is_shown():
     _, figure = _panels('', (panel,), items)
     (points,) = figure.axes[0].collections
     assert points.get_offsets().tolist() == [[0.0, 1.5], [2.0, 2.5]]
+
+
+def test_a_level_keeps_clear_of_the_top_of_its_axis():
+    """A margin above a level that hardly moves is next to nothing."""
+    panel = next(panel for panel in DIAGNOSIS if panel.key == 'level')
+    items = [(float(at), SimpleNamespace(rms=25.0 + 0.01 * at)) for at in range(10)]
+    _, figure = _panels('', (panel,), items)
+    low, high = figure.axes[0].get_ylim()
+    assert low == 0.0 and high > 1.04 * 25.0
+
+
+def test_a_strip_without_a_temperature_takes_no_colour_from_the_others():
+    """A recording that began before its first temperature had a waterfall in one colour."""
+    samples = np.sin(np.arange(100.0))
+    strips = {k: Strip(t, 1000.0, samples) for k, t in enumerate((math.nan, 20.0, 60.0, 110.0))}
+    machine = SimpleNamespace(over_temperature=SimpleNamespace(strips=strips), unit='m/s^2')
+    _, figure = _waterfall(machine)
+    hot, *_, cold, unknown = figure.axes[0].collections[0].get_colors()
+    assert hot[0] > 0.7 > 0.1 > cold[0]
+    assert unknown[0] == unknown[1] == unknown[2]

@@ -219,15 +219,17 @@ def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
     axes = figure.subplots()
     # The largest swing reaches over one and a half of its neighbours.
     scale = 1.5 / peak
-    coldest = strips[0].temperature
+    known = [strip.temperature for strip in strips if np.isfinite(strip.temperature)]
+    coldest, hottest = (known[0], known[-1]) if known else (0.0, 0.0)
+    span = max(hottest - coldest, 1e-9)
     lines, colours = [], []
     for row, strip in reversed(list(enumerate(strips))):
         time = np.arange(strip.samples.size) / strip.sample_rate * 1e3
         low_high = _extremes(time, swings[row].astype(np.float64))
         lines.append(np.stack([low_high[0], row + scale * low_high[1]], axis=1))
-        span = max(strips[-1].temperature - coldest, 1e-9)
-        part = (strip.temperature - coldest) / span if np.isfinite(coldest) else 0.0
-        colours.append((0.08 + 0.7 * part, 0.35 - 0.2 * part, 0.75 - 0.6 * part))
+        part = (strip.temperature - coldest) / span
+        colour = (0.08 + 0.7 * part, 0.35 - 0.2 * part, 0.75 - 0.6 * part)
+        colours.append(colour if np.isfinite(part) else (0.5, 0.5, 0.5))
     axes.add_collection(LineCollection(lines, colors=colours, linewidths=0.6))
     # Rows are lower than letters.
     named = range(0, len(strips), max(2, 1 + len(strips) // 8))
@@ -239,11 +241,8 @@ def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
     duration = max(line[-1, 0] for line in lines)
     axes.set(xlim=(0.0, duration), ylim=(-1.6, len(strips) + 0.6), xlabel='time [ms]')
     axes.grid(axis='y', visible=False)
-    known = np.isfinite(temperatures).any()
-    caption = (
-        f'Waveform{" over temperature, one strip every 5 K, to one scale" if known else ""}: the '
-        f'largest swing is {peak:.3g} {pretty(machine.unit)}'
-    )
+    over = ' over temperature, one strip every 5 K, to one scale' if known else ''
+    caption = f'Waveform{over}: the largest swing is {peak:.3g} {pretty(machine.unit)}'
     return caption, figure
 
 
@@ -321,7 +320,10 @@ def _deciding(machine: Machine) -> tuple[str, ...]:
 
 def _evidence(machine: Machine) -> tuple[str, Figure] | None:
     panels = [panel for panel in DIAGNOSIS if panel.key in _deciding(machine)]
-    caption = 'What decides, window by window. Dashed: limit; dotted: of suspect, and of the cage'
+    caption = (
+        'What decides, window by window. Dashed: limit, told at its right; dotted: of suspect, '
+        'and of the cage'
+    )
     return _panels(caption, panels, machine.diagnoses, machine.source.zones)
 
 
@@ -381,10 +383,14 @@ def _panels(
         of = {trend.key: values for trend, values in lines}
         if panel.band and of.keys() >= set(panel.band):
             axes.fill_between(time, *(of[key] for key in panel.band), color='#bbdefb')
-        title = panel.title.replace('[unit]', f'[{pretty(unit)}]')
+        besides = [trend.label for trend, _ in lines if trend in panel.besides]
+        title = ', '.join([panel.title, *besides]).replace('[unit]', f'[{pretty(unit)}]')
         axes.set_title('\n'.join(wrap(title, 90 // columns)))
         _draw_limits(axes, zones if panel.key == 'velocity' else panel.limits)
         if panel.from_zero:
+            # With zero among the data, the margin above is one of the whole height.
+            axes.update_datalim([(time[0], 0.0)])
+            axes.autoscale_view(scalex=False)
             axes.set_ylim(bottom=0.0)
         if len(lines) > 1:
             for line in axes.get_lines()[: len(lines)]:
@@ -420,7 +426,7 @@ def _draw_limits(axes: Axes, limits: Sequence[Limit]) -> None:
 
 
 def _mark_limits(axes: Axes, limits: Sequence[Limit]) -> None:
-    """Name the limits at the right; those closer than letters are high, above the highest."""
+    """Name the limits right of the axes, where no curve is; those closer than letters in a row."""
     low, high = axes.get_ylim()
     rows: list[list[Limit]] = []
     for limit in sorted((limit for limit in limits if limit.mark), key=lambda limit: limit.value):
@@ -430,7 +436,7 @@ def _mark_limits(axes: Axes, limits: Sequence[Limit]) -> None:
             rows.append([limit])
     for row in rows:
         axes.annotate(
-            ', '.join(limit.mark for limit in row), (1.0, row[-1].value), (0, 1),
-            xycoords=('axes fraction', 'data'), textcoords='offset points', ha='right',
+            ', '.join(limit.mark for limit in row), (1.0, row[-1].value), (2, 0),
+            xycoords=('axes fraction', 'data'), textcoords='offset points', va='center',
             color='#616161', fontsize='small',
         )  # fmt: skip
