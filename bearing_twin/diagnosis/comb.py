@@ -10,7 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.kernels import best_bands, comb_sums, mark_near, three_bins
-from bearing_twin.diagnosis.spectra import quantiles
+from bearing_twin.diagnosis.spectra import column_quantiles, quantiles
 import numpy as np
 
 if TYPE_CHECKING:
@@ -240,7 +240,7 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
     step = spectra.step / HARMONICS
     grid = np.arange(_LOWEST_ORDER, highest_order, step)
     # Neighbours share bins: every fourth tells the distribution as well.
-    center, upper = quantiles(_sums(spectra, grid[::4]).T)
+    center, upper = column_quantiles(_sums(spectra, grid[::4]))
     inverse = np.float32(1.0) / np.maximum(upper - center, np.float32(1e-3))
     plain = CombScores(grid, grid, center, inverse, 0.0, 1.0, whitenings)
     best = plain.score(spectra, grid)

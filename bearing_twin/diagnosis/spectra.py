@@ -13,7 +13,7 @@ import functools
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.columns import line_power, pairs, transform_rows, turns
-from bearing_twin.diagnosis.kernels import join_quarters, over_floor
+from bearing_twin.diagnosis.kernels import column_ranks, join_quarters, over_floor
 from bearing_twin.dynamics.vector import L
 import numpy as np
 from scipy import fft
@@ -28,6 +28,8 @@ WHITENINGS = ('capped', 'cepstral')
 """Whitenings of :func:`whiten`, in the order of its output."""
 
 _TINY = 1e-30
+_UPPER = 0.8413
+"""Share of a normal distribution up to one standard deviation over its mean."""
 _CAP, _CAP_TURNS = 4.0, 50.0
 
 
@@ -107,20 +109,63 @@ def floor_levels(power: NDArray[np.float32], width: int) -> tuple[NDArray[np.flo
     ((31,), 127.5, 128)
 
     """
-    count = power.shape[-1]
+    hop, blocks, offset = _blocks(power.shape[-1], width)
+    tiles = np.array(power[..., offset : offset + blocks * hop], order='C')
+    tiles = tiles.reshape(*power.shape[:-1], blocks, hop)
+    middle = hop // 2
+    tiles.partition(middle, axis=-1)
+    medians = np.moveaxis(tiles[..., middle], -1, 0)
+    return np.moveaxis(_levels(medians, hop), 0, -1), offset + hop - 0.5, hop
+
+
+def column_levels(
+    power: NDArray[np.float32], width: int
+) -> tuple[NDArray[np.float32], float, int]:
+    """
+    Levels (L, B) of the floor of spectra down columns, (K, B), from every other row.
+
+    Under a Hann window the rows between tell no more. Width and rows are counted in all of them;
+    see :func:`floor_levels`.
+
+    >>> levels, first, hop = column_levels(np.ones((8192, 3), np.float32), 512)
+    >>> levels.shape, first, hop
+    ((31, 3), 255.0, 256)
+
+    """
+    hop, blocks, offset = _blocks(-(-len(power) // 2), width // 2)
+    medians = np.empty((blocks, power.shape[1]), np.float32)
+    for block, found in enumerate(medians):
+        found[:] = _ranked(power, 2 * (offset + block * hop), 2, hop, hop // 2)
+    return _levels(medians, hop), 2.0 * (offset + hop - 0.5), 2 * hop
+
+
+def _blocks(count: int, width: int) -> tuple[int, int, int]:
+    """Bins of a block of half the width, their number, and the first bin of the first."""
     hop = max(width // 2, 4)
     blocks = count // hop
     if blocks < 3:
         hop, blocks = count, 1
     # Centred on the range, so that what the blocks leave over falls on both ends alike.
-    offset = (count - blocks * hop) // 2
-    tiles = np.array(power[..., offset : offset + blocks * hop], order='C')
-    tiles = tiles.reshape(*power.shape[:-1], blocks, hop)
-    middle = hop // 2
-    tiles.partition(middle, axis=-1)
-    medians = tiles[..., middle] * np.float32(_over_middle(hop))
-    levels = 0.5 * (medians[..., 1:] + medians[..., :-1]) if blocks > 1 else medians
-    return np.maximum(levels, np.float32(_TINY)), offset + hop - 0.5, hop
+    return hop, blocks, (count - blocks * hop) // 2
+
+
+def _levels(medians: NDArray[np.float32], hop: int) -> NDArray[np.float32]:
+    """Levels from the medians of blocks along the first axis."""
+    medians = medians * np.float32(_over_middle(hop))
+    levels = 0.5 * (medians[1:] + medians[:-1]) if len(medians) > 1 else medians
+    return np.asarray(np.maximum(levels, np.float32(_TINY)))
+
+
+def _ranked(
+    values: NDArray[np.float32], first: int, step: int, count: int, rank: int, away: float = 0.0
+) -> NDArray[np.float32]:
+    """Value of a rank in each column, see `column_ranks`."""
+    columns = values.shape[1]
+    found = np.empty(max(columns, L), np.float32)
+    if columns < L:
+        values = np.pad(values, ((0, 0), (0, L - columns)))
+    column_ranks(values, first, step, count, rank, away, found)
+    return found[:columns]
 
 
 @functools.lru_cache(maxsize=16)
@@ -152,7 +197,7 @@ def quantiles(
     [50.0, 84.0]
 
     """
-    middle, upper = values.shape[-1] // 2, int(0.8413 * values.shape[-1])
+    middle, upper = values.shape[-1] // 2, int(_UPPER * values.shape[-1])
     ordered = np.array(values, order='C')
     # One at a time: numpy has no fast way for two.
     ordered.partition(middle, axis=-1)
@@ -160,6 +205,24 @@ def quantiles(
     above = ordered[..., middle:]
     above.partition(upper - middle, axis=-1)
     return center, above[..., upper - middle]
+
+
+def column_quantiles(
+    values: NDArray[np.float32],
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """
+    Median and 84 % quantile of each column.
+
+    >>> center, upper = column_quantiles(np.arange(100.0, dtype=np.float32)[:, None])
+    >>> float(center[0]), float(upper[0])
+    (50.0, 84.0)
+
+    """
+    count = len(values)
+    return (
+        _ranked(values, 0, 1, count, count // 2),
+        _ranked(values, 0, 1, count, int(_UPPER * count), 1.0),
+    )
 
 
 def line_cap(turns: float) -> float:
@@ -290,10 +353,8 @@ def envelope_spectra(
             some = part[:, column : column + L]
             line_power(transform_rows(pairs(some)), turns(points), power, begin, last)
             begin += some.shape[1]
-    # Under a Hann window every other bin tells as much.
-    levels, first, hop = floor_levels(power[::2].T, floor_width // 2)
-    first, hop = 2.0 * first, 2 * hop
+    levels, first, hop = column_levels(power, floor_width)
     logs, excess = np.empty_like(power), np.empty((count, bands), np.float32)
-    over_floor(power, np.ascontiguousarray(levels.T), first, hop, logs, excess)
+    over_floor(power, levels, first, hop, logs, excess)
     np.log(logs, out=logs)
-    return EnvelopeSpectra(bin_hz, logs, excess, power[:, :bands].T, levels[:bands], first, hop)
+    return EnvelopeSpectra(bin_hz, logs, excess, power[:, :bands].T, levels.T[:bands], first, hop)
