@@ -155,24 +155,22 @@ def _by_tile(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.f
         tiles_beside(spectrum, tile, groups, group, rows)
         return transform_rows(rows)
 
-    def add(products: list[NDArray[np.float32]], whitening: int, apart: int) -> None:
-        first = whitening * len(tree.bands)
-        add_lags(np.array(products), whitening, apart, _members(tree, apart), first, values, lags)
+    def add(products: NDArray[np.float32], group: int, whitening: int, apart: int) -> None:
+        first, members = whitening * len(tree.bands), _members(tree, apart)[group]
+        add_lags(products, whitening, apart, members, first, values, lags)
 
     signals = [[tiles(spectrum, group) for group in range(groups)] for spectrum in whitened]
-    within = []
-    for one, other in zip(*signals, strict=True):
+    for group, (one, other) in enumerate(zip(*signals, strict=True)):
         tile_powers(one, other, rows)
-        within.append(transform_rows(rows))
+        within = transform_rows(rows)
+        for whitening in range(len(signals)):
+            add(within, group, whitening, 0)
     for whitening, signal in enumerate(signals):
-        add(within, whitening, 0)
         for apart in range(1, -(-len(lags) // tile) + 1):
-            across = []
             for group, one in enumerate(signal):
                 shift, at = divmod(group + apart, groups)
                 tile_products(one, signal[at], shift, rows)
-                across.append(transform_rows(rows))
-            add(across, whitening, apart)
+                add(transform_rows(rows), group, whitening, apart)
 
 
 @functools.lru_cache(maxsize=16)

@@ -94,8 +94,9 @@ class Stretch:
         """Segment that ends with this stretch; ``before`` are the stretches right before it."""
         with self._lock:
             if layout not in self._segments:
-                parts = [stretch.samples for stretch in (*before, self)]
-                samples = np.concatenate(parts)[-(layout.hop + layout.lap) :]
+                first, *parts = [stretch.samples for stretch in (*before, self)]
+                missing = layout.hop + layout.lap - sum(map(len, parts))
+                samples = np.concatenate((first[-missing:], *parts))
                 self._segments[layout] = demodulate(samples, layout)
             return self._segments[layout]
 

@@ -222,12 +222,12 @@ def add_lags(
     Parameters
     ----------
     products
-        (G, 2 tile, 32) transforms: of the squared magnitudes of two whitenings, or of the products
+        (2 tile, 32) transforms: of the squared magnitudes of two whitenings, or of the products
         of tiles so far apart.
     whitening, apart
         See ``products``.
     members
-        (G, 16, 16 n) one where a product of tiles belongs to a band, else zero.
+        (16, 16 n) one where a product of tiles belongs to a band, else zero.
     first
         Column of the first band.
     values
@@ -236,33 +236,31 @@ def add_lags(
         (K, 2, >= first + 16 n) real and imaginary parts, added to.
 
     """
-    groups, length, _ = products.shape
+    length = len(products)
     tile, count = length // 2, len(lags)
     scale = np.float32(1.0) / np.float32(length)
-    begin, end = max((apart - 1) * tile + 1, 0), min((apart + 1) * tile, count)
-    for group in range(groups):
-        for lag in range(begin, end):
-            at = lag - apart * tile if lag >= apart * tile else lag - apart * tile + length
-            row = products[group, at]
-            real, imag = scale * load(row, 0), scale * load(row, 1)
-            if apart == 0:
-                other = products[group, length - at if at else 0]
-                mirror_real, mirror_imag = scale * load(other, 0), scale * load(other, 1)
-                if whitening == 0:
-                    real, imag = 0.5 * (real + mirror_real), 0.5 * (imag - mirror_imag)
-                else:
-                    real, imag = 0.5 * (imag + mirror_imag), 0.5 * (mirror_real - real)
-            store(values, 0, real)
-            store(values, 1, imag)
-            for column in range(0, members.shape[2], L):
-                out = lags[lag, 0, first + column :], lags[lag, 1, first + column :]
-                sums_real, sums_imag = load(out[0], 0), load(out[1], 0)
-                for k in range(L):
-                    belongs = load(members[group, k, column:], 0)
-                    sums_real = sums_real + belongs * values[k]
-                    sums_imag = sums_imag + belongs * values[L + k]
-                store(out[0], 0, sums_real)
-                store(out[1], 0, sums_imag)
+    for lag in range(max((apart - 1) * tile + 1, 0), min((apart + 1) * tile, count)):
+        at = lag - apart * tile if lag >= apart * tile else lag - apart * tile + length
+        row = products[at]
+        real, imag = scale * load(row, 0), scale * load(row, 1)
+        if apart == 0:
+            other = products[length - at if at else 0]
+            mirror_real, mirror_imag = scale * load(other, 0), scale * load(other, 1)
+            if whitening == 0:
+                real, imag = 0.5 * (real + mirror_real), 0.5 * (imag - mirror_imag)
+            else:
+                real, imag = 0.5 * (imag + mirror_imag), 0.5 * (mirror_real - real)
+        store(values, 0, real)
+        store(values, 1, imag)
+        for column in range(0, members.shape[1], L):
+            out = lags[lag, 0, first + column :], lags[lag, 1, first + column :]
+            sums_real, sums_imag = load(out[0], 0), load(out[1], 0)
+            for k in range(L):
+                belongs = load(members[k, column:], 0)
+                sums_real = sums_real + belongs * values[k]
+                sums_imag = sums_imag + belongs * values[L + k]
+            store(out[0], 0, sums_real)
+            store(out[1], 0, sums_imag)
 
 
 @compiled(fast=FAST)
@@ -553,6 +551,45 @@ def highest_off(
         if z[g] > best and beside and abs(order - max(np.rint(order), 1.0)) > slack:
             found, best = g, z[g]
     return found
+
+
+@compiled(borrows=True)
+def without_highest(
+    logs: NDArray[np.float32],
+    hertz: NDArray[np.floating],
+    bin_hz: float,
+    first: int,
+    count: int,
+    sums: NDArray[np.float64],
+) -> None:
+    """
+    Write the sum of the lines of each comb but for the two highest.
+
+    Parameters
+    ----------
+    logs
+        (K,); row k belongs to (k + 1) bin_hz.
+    hertz
+        (G,) fundamentals.
+    bin_hz
+        Hz a bin.
+    first, count
+        First harmonic that counts, and the number of harmonics, at least two.
+    sums
+        (G,), written.
+
+    """
+    for g in range(len(hertz)):
+        total, highest_line, second = 0.0, -np.inf, -np.inf
+        for number in range(first, first + count):
+            lowest = np.float64(logs[_nearest_row(hertz[g] * number / bin_hz, len(logs))])
+            if lowest > highest_line:
+                lowest, second, highest_line = second, highest_line, lowest
+            elif lowest > second:
+                lowest, second = second, lowest
+            if lowest > -np.inf:
+                total += lowest
+        sums[g] = total
 
 
 @compiled(fast=FAST, borrows=True)

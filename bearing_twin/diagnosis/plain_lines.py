@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from bearing_twin.diagnosis.kernels import without_highest
 from bearing_twin.diagnosis.spectra import local_floor, quantiles
 from bearing_twin.diagnosis.thresholds import (
     CARRIER,
@@ -29,7 +30,10 @@ _LOWEST = 4
 """Harmonic from which on lines count: the first ones are those of the passing balls."""
 
 _OTHERS = 2
-"""Highest lines that do not count: those of a gear may lie on a harmonic or two."""
+"""Highest lines, which do not count."""
+
+_BESIDE = np.concatenate((np.linspace(0.7, 0.9, 150), np.linspace(1.1, 1.3, 150)))
+"""Combs of the null over the outer race's frequency."""
 
 _FEWEST = 3
 """Fewest other lines: with fewer there is no answer."""
@@ -76,14 +80,15 @@ def low_lines(
         at = np.rint(hertz[:, None] * numbers / bin_hz).astype(np.intp) - 1
         return np.minimum(at, len(power) - 2)
 
-    def scores(hertz: NDArray[np.float64]) -> NDArray[np.float32]:
-        lines = np.sort(logs[rows(hertz)])[:, :-_OTHERS]
-        return np.asarray(lines.mean(axis=1))
+    def scores(hertz: NDArray[np.float64]) -> NDArray[np.float64]:
+        # The two highest do not count: those of a gear may lie on a harmonic or two.
+        sums = np.empty(len(hertz))
+        without_highest(logs[:-1], hertz, bin_hz, _LOWEST, len(numbers), sums)
+        return sums / (len(numbers) - _OTHERS)
 
     step = 0.5 * bin_hz / numbers[-1]
     near = np.arange((1.0 - UNLIKELY_SLIP) * outer_hz, (1.0 - SLIP[0]) * outer_hz, step)
-    beside = np.concatenate((np.linspace(0.7, 0.9, 150), np.linspace(1.1, 1.3, 150)))
-    null = scores(outer_hz * beside)
+    null = scores(outer_hz * _BESIDE)
     center, upper = (float(q) for q in quantiles(null))
     score = scores(near)
     best = int(np.argmax(score))

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
+from bearing_twin.diagnosis.kernels import without_highest
 from bearing_twin.diagnosis.spectra import local_floor, quantiles
 from bearing_twin.diagnosis.thresholds import Z_ELSEWHERE
 import numpy as np
@@ -107,13 +108,14 @@ def refine_shaft_hz(
     return ShaftSpeed(shaft_hz, min(uncertainty, tolerance), best, tolerance, spread)
 
 
-def _comb(logs: NDArray[np.float32], bin_hz: float, hertz: NDArray[np.floating]) -> NDArray[Any]:
+def _comb(
+    logs: NDArray[np.float32], bin_hz: float, hertz: NDArray[np.floating]
+) -> NDArray[np.float64]:
     """Sum over the harmonics of each fundamental, without the two highest."""
-    index = np.rint(hertz[:, None] * np.arange(1, _HARMONICS + 1) / bin_hz).astype(np.intp) - 1
-    lines = np.take(logs, index, mode='clip').astype(np.float64)
     # A fault order near an integer fakes one harmonic and its double; the shaft has more.
-    lines.sort()
-    return np.asarray(lines[:, :-2].sum(axis=1))
+    sums = np.empty(len(hertz))
+    without_highest(logs, hertz, bin_hz, 1, _HARMONICS, sums)
+    return sums
 
 
 def _standardised(scores: NDArray[Any], null: NDArray[Any]) -> NDArray[Any]:

@@ -114,8 +114,7 @@ def floor_levels(power: NDArray[np.float32], width: int) -> tuple[NDArray[np.flo
     tiles = tiles.reshape(*power.shape[:-1], blocks, hop)
     middle = hop // 2
     tiles.partition(middle, axis=-1)
-    medians = np.moveaxis(tiles[..., middle], -1, 0)
-    return np.moveaxis(_levels(medians, hop), 0, -1), offset + hop - 0.5, hop
+    return _levels(tiles[..., middle].T, hop).T, offset + hop - 0.5, hop
 
 
 def column_levels(
