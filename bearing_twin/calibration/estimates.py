@@ -184,7 +184,7 @@ def of_slip(situation: Situation, *, heard: bool) -> Estimate:
 
     """
     low, high = 0.0, SLIPPED
-    why = 'no line of a part was looked for, so that the twin has the slip 0'
+    why = 'no line of a part tells one, so that the twin has the slip 0'
     if heard:
         low, high = situation.slip - SPEED_ERROR, situation.slip + SPEED_ERROR
         why = (

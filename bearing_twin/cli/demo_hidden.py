@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.cli.terminal import wrapped
 from bearing_twin.ros.launching import NodeProcesses
 
 if TYPE_CHECKING:
@@ -46,13 +47,14 @@ class Found:
     def to_text(self) -> str:
         """Return a few lines."""
         return '\n'.join(
-            f'{name:<10} {text}'
+            line
             for name, text in (
                 ('machine', f'{HIDDEN["bearing"]} with a defect that no other node is told'),
                 ('diagnosis', f'{self.place}, confidence {self.confidence:.2f}'),
                 ('calibrated', f'{self.statement}; the hidden one is {self.width_hidden:g} mm'),
                 ('twin', f'follows: {self.followed}'),
             )
+            for line in wrapped(f'{name:<10}', text)
         )
 
 

@@ -15,6 +15,7 @@ from typing import Any
 
 from bearing_twin.bearing import PLACES
 from bearing_twin.cli.demo_amplitude import AmplitudeByTemperature
+from bearing_twin.cli.terminal import wrapped
 from bearing_twin.dynamics.presets import PRESETS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.health import sent_before
@@ -108,7 +109,7 @@ class Summary:
             *(('file', f'{name} ({size / 1e6:.2g} MB)') for name, size in self.files.items()),
         ]
         width = max(len(name) for name, _ in rows)
-        return '\n'.join(f'{name:<{width}}  {text}' for name, text in rows)
+        return '\n'.join(line for name, text in rows for line in wrapped(f'{name:<{width}}', text))
 
 
 def summarise(folder: Path, defect: str, preset: str) -> Summary:

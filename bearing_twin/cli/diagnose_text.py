@@ -4,17 +4,15 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import Any
 
 from bearing_twin.bearing import FaultFrequencies, PLACES, TITLES
-from bearing_twin.cli.terminal import by_level
+from bearing_twin.cli.terminal import by_level, wrapped
 from bearing_twin.view.style import FAMILIES
 from bearing_twin.view.verdict import facts, measured, reasons
 
 CARD = 'card'
 """Key of an answer's rows for a person, which no program needs."""
-_COLUMNS = 80
 _ORDERS = {family.key: family.label for family in FAMILIES}
 
 
@@ -24,7 +22,7 @@ def card(message: Any) -> list[list[str]]:
     rows += measured(message)
     if (given := message.shaft_hz_given) > 0.0:
         off = message.shaft_hz / given - 1.0
-        refined = f', refined by {off:+.2%}' if abs(off) > 1e-4 else ''
+        refined = f', refined by {100.0 * off:+.2f} %' if abs(off) > 1e-4 else ''
         rows.append(('Speed given', f'{given:.4g} Hz{refined}'))
     rows += [('' if index else 'Why', text) for index, text in enumerate(reasons(message))]
     return [list(row) for row in (*rows, step)]
@@ -45,7 +43,7 @@ def page(answer: dict[str, Any]) -> str:
     widest = max(len(name) for name, _ in rows)
     lines = [
         by_level(answer['source'], 'bold'),
-        *(part for name, text in rows for part in _wrapped(f'{name:<{widest}}', text)),
+        *(part for name, text in rows for part in wrapped(f'{name:<{widest}}', text)),
         *_table(answer),
     ]
     evidence = answer['evidence']
@@ -54,17 +52,6 @@ def page(answer: dict[str, Any]) -> str:
     for hertz, height in zip(evidence['line_hz'], evidence['line_level'], strict=True):
         lines.append(f'line of the envelope at {hertz:.2f} Hz, {height:.3g} x floor')
     return '\n'.join(lines)
-
-
-def _wrapped(name: str, text: str) -> list[str]:
-    return textwrap.wrap(
-        text,
-        _COLUMNS,
-        initial_indent=f'{name}  ',
-        subsequent_indent=' ' * (len(name) + 2),
-        break_long_words=False,
-        break_on_hyphens=False,
-    ) or [name]
 
 
 def _verdict(answer: dict[str, Any]) -> str:

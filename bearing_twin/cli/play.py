@@ -69,7 +69,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Play once somebody listens; status 0 at the end of the file, or when a loop is ended."""
     if not (0.0 < args.speed <= 1000.0 and 1 <= args.block <= 65536):
-        msg = f'--speed {args.speed:g}, --block {args.block}: above 0 to 1000, and 1 to 65536'
+        msg = (
+            f'--speed {args.speed:g} --block {args.block}: give a speed above 0, up to 1000, and '
+            'a block of 1 to 65536 samples'
+        )
         raise BearingTwinError(msg)
     if args.kind == 'float32_multi_array' and args.speed != 1.0:
         msg = (

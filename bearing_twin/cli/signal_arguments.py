@@ -32,7 +32,7 @@ def add_signal_arguments(parser: argparse.ArgumentParser) -> None:
     )
     kind.add_argument(
         '--geometry',
-        metavar='Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG',
+        metavar='Z,BALL,PITCH,ANGLE',
         help='number of balls, ball and pitch diameter in mm, contact angle in degrees',
     )
     speed = parser.add_mutually_exclusive_group()

@@ -12,6 +12,7 @@ import os
 from pathlib import Path
 import re
 import sys
+import textwrap
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError, shown
@@ -107,6 +108,28 @@ def processes(asked: int | None, tasks: int) -> int:
         msg = f'--jobs {asked}: at least one process is needed'
         raise BearingTwinError(msg)
     return max(1, min(asked or len(os.sched_getaffinity(0)), tasks))
+
+
+def wrapped(name: str, text: str) -> list[str]:
+    """
+    Return the lines of a row whose text begins behind its name, for 80 columns.
+
+    Examples
+    --------
+    >>> for line in wrapped('Why', 'a comb at the order of the inner race ' * 3):
+    ...     print(line)
+    Why  a comb at the order of the inner race a comb at the order of the inner race
+         a comb at the order of the inner race
+
+    """
+    return textwrap.wrap(
+        text,
+        80,
+        initial_indent=f'{name}  ',
+        subsequent_indent=' ' * (len(name) + 2),
+        break_long_words=False,
+        break_on_hyphens=False,
+    ) or [name]
 
 
 def by_level(text: str, level: str) -> str:

@@ -63,7 +63,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--at', type=float, metavar='SECONDS', help='moment of the picture (default: the end)'
     )
-    parser.add_argument('--page', default='', choices=PAGES, help='page in front')
+    parser.add_argument(
+        '--page', metavar='NAME', default='', choices=PAGES,
+        help=f'page in front: {", ".join(PAGES)}',
+    )  # fmt: skip
     parser.add_argument(
         '--size', default='1800x1100', help='of the picture, WIDTHxHEIGHT (default 1800x1100)'
     )

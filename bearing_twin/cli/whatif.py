@@ -65,16 +65,20 @@ def _print(name: str, figure: Interval, unit: str) -> None:
 
 def _fits(name: str) -> list[dict[str, object]]:
     """Return the objects of a file of JSON lines."""
+    remedy = "write one with 'bearing-twin fit FILE --json > FIT'"
     try:
         text = sys.stdin.read() if name == '-' else Path(name).read_text('utf-8')
         rows = [json.loads(line) for line in text.splitlines() if line.strip()]
-    except (OSError, ValueError, RecursionError) as error:
-        msg = f"{name} cannot be read as what 'fit --json' wrote ({error})"
+    except OSError as error:
+        msg = f'{name} cannot be read: {error.strerror}'
+        raise BearingTwinError(msg) from None
+    except (ValueError, RecursionError) as error:
+        msg = f'{name} holds no fit ({error}); {remedy}'
         raise BearingTwinError(msg) from None
     # What several records say together is no machine to run.
     rows = [row for row in rows if not isinstance(row, dict) or 'files' not in row]
     if not rows or not all(isinstance(row, dict) for row in rows):
-        msg = f"{name} holds no fit; write one with 'bearing-twin fit FILE --json > FIT'"
+        msg = f'{name} holds no fit; {remedy}'
         raise BearingTwinError(msg)
     for row in rows:
         if 'error' in row:

@@ -118,7 +118,7 @@ class TwinCalibration:
             return Status(Level.OK, f'taken: {fitted.statement}', values, kind='taken')
         values |= {'distance_db': alike.distance, 'level_over_machine_db': alike.level}
         text = (
-            f'{alike.level:+.1f} dB over the machine, log-spectral distance '
+            f'{round(alike.level, 1) + 0.0:+.1f} dB over the machine, log-spectral distance '
             f'{alike.distance:.1f} dB; {fitted.statement}'
         )
         return Status(Level.WARN if alike.far else Level.OK, text, values, kind='compared')

@@ -73,7 +73,7 @@ def test_two_demos_of_one_second_have_a_folder_each(tmp_path):
 def test_slip_is_no_error_and_losses_are_counted():
     good = dataclasses.replace(SUMMARY, blocks_dropped=0, blocks_recorded=100)
     assert good.good
-    assert '(-0.08 %)' in good.to_text()
+    assert '(-0.08 %)' in ' '.join(good.to_text().split())
     assert '100 published, 2 late, 0 lost' in good.to_text()
     assert '100 published, 2 late, 4 lost' in SUMMARY.to_text()
     assert not SUMMARY.good
