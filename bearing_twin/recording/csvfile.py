@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 import re
 from typing import Any, TYPE_CHECKING
 
@@ -29,7 +30,18 @@ SECONDS = {
     'ns': 1e-9,
 }
 """By the last word of such a heading."""
-SAID = re.compile(r'(fs|sample_?rate|rpm|unit|label|bearing_name)\s*[=:,;]\s*([^,;\s]+)', re.I)
+SAID = re.compile(
+    r'(?<![a-z])(fs|sampl(?:e|ing)[ _]?(?:rate|frequency)|rpm|unit|label|bearing_name)'
+    r'[\])]?(?: ?[\[(]hz[\])])?\s*[=:,;]\s*([^,;\s]+)(?![^,;\s]|,\d)(?: ?(k|M)(?:Hz|S/s))?',
+    re.IGNORECASE,
+)
+"""What the lines before the numbers say, and the prefix of a rate in kHz or MHz."""
+PREFIXES = {'': 1.0, 'k': 1e3, 'm': 1e6}
+QUOTED = re.compile(r'"([^"\n]*)"')
+AT_END = re.compile(r'[,;\t] *$', re.MULTILINE)
+"""A separator with nothing behind it."""
+DIGITS = re.compile(r'(?<=\d),(?=\d)')
+"""A comma between two of them."""
 DECIMAL = re.compile(r'([+-]?\d+,\d+\s+)*[+-]?\d+,\d+')
 UNIT = re.compile(r'[\[(](m/s\^?2|m/s²|g)[\])]')
 
@@ -38,8 +50,9 @@ def read_csv(path: Path) -> dict[str, Any]:
     """
     Read the columns of a text file by name, or by ``c0``, ``c1``, ... without a heading.
 
-    A column of even times in s, ms, us or ns becomes ``fs``; ``fs = ...``, ``rpm = ...`` before
-    the numbers and a unit in brackets in a heading are taken as well.
+    A column of even times in s, ms, us or ns becomes ``fs``; ``fs = ...`` or ``Sampling rate:
+    ...`` (Hz, kHz or MHz), ``rpm = ...`` before the numbers and a unit in brackets in a heading
+    are taken as well. Quotes around numbers and a separator at the end of a line are left out.
 
     Raises
     ------
@@ -49,18 +62,23 @@ def read_csv(path: Path) -> dict[str, Any]:
 
     """
     try:
-        text = path.read_text(encoding='utf-8-sig', errors='replace')
+        with path.open('rb') as file:
+            encoding = 'utf-16' if file.read(2) in (BOM_UTF16_LE, BOM_UTF16_BE) else 'utf-8-sig'
+        text = path.read_text(encoding=encoding, errors='replace')
     except OSError as error:
         msg = f'{path} cannot be read: {error.strerror}'
         raise BearingTwinError(msg) from None
+    # A comma in a quoted number is a decimal one.
+    text = AT_END.sub('', QUOTED.sub(lambda field: field[1].replace(',', '.'), text))
     head = text[:100_000].splitlines()[:HEAD]
     start, separator = _first_numbers(head)
     if start < 0:
-        msg = f'{path} has no line of numbers among its first {HEAD} lines'
+        msg = f'{path} has no line of numbers only among its first {HEAD} lines'
         raise BearingTwinError(msg)
     if separator != ',':
         # A comma is then a decimal comma.
         text = text.replace(',', '.')
+        head = [DIGITS.sub('.', line) for line in head]
     elif DECIMAL.fullmatch(text.strip()):
         msg = f'{path} has commas that may be decimal ones or part two columns: write a heading'
         raise BearingTwinError(msg)
@@ -68,7 +86,9 @@ def read_csv(path: Path) -> dict[str, Any]:
     names = _names(head[:start], separator, table.shape[1])
     found: dict[str, Any] = {}
     for line in head[:start]:
-        found |= {key.lower(): _value(value) for key, value in SAID.findall(line)}
+        for key, value, prefix in SAID.findall(line):
+            name = 'fs' if key[0] in 'sS' else key.lower()
+            found[name] = _value(value, PREFIXES[prefix.lower()])
         if unit := UNIT.search(line):
             found['unit'] = np.array(unit[1])
     for name, column in zip(names, table.T, strict=True):
@@ -122,10 +142,12 @@ def is_even(column: NDArray[Any]) -> bool:
 
     """
     values = column.ravel().astype(np.float64)
-    steps = np.diff(values)
-    step = steps.mean()
-    if not (step and np.all(steps * step >= 0.0)):
-        return False
+    # Of values that are no times, such as infinite ones, nothing is said here.
+    with np.errstate(over='ignore', invalid='ignore'):
+        steps = np.diff(values)
+        step = steps.mean()
+        if not (step and np.all(steps * step >= 0.0)):
+            return False
     # Rounded values are a multiple of their last digit apart, and both ends of the line are such.
     digit = np.abs(steps[steps != 0.0]).min()
     away = np.abs(values - values[0] - step * np.arange(len(values))).max()
@@ -172,7 +194,8 @@ def _table(path: Path, text: str, start: int, separator: str) -> Any:
         table = np.loadtxt(lines, delimiter=delimiter, ndmin=2, comments='#')
     except (ValueError, MemoryError) as error:
         msg = (
-            f'{path}: after line {start} not every line has the same columns of numbers ({error})'
+            f'{path}: after line {start} not every line has the same columns of numbers '
+            f'({str(error).partition(";")[0]})'
         )
         raise BearingTwinError(msg) from None
     return table
@@ -187,5 +210,5 @@ def _names(before: list[str], separator: str, count: int) -> list[str]:
     return fields if named else default
 
 
-def _value(text: str) -> Any:
-    return np.array(float(text)) if _is_number(text) else np.array(text)
+def _value(text: str, factor: float) -> Any:
+    return np.array(factor * float(text)) if _is_number(text) else np.array(text)

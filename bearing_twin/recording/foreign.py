@@ -39,6 +39,9 @@ LARGEST_FILE = 1024 * 1024 * 1024
 MOST_SAMPLES = 100_000_000
 """Longest signal, samples (65 min at 25.6 kHz)."""
 
+SHORTEST = 64
+"""Samples of the shortest row that is a signal; of shorter ones the columns are the signals."""
+
 RATES = ('fs', 'sample_rate', 'sampling_rate', 'samplerate', 'sr', 'rate', 'freq')
 SPEEDS = {'shaft_hz': 1.0, 'rpm': 1.0 / 60.0, 'speed_rpm': 1.0 / 60.0}
 
@@ -76,8 +79,8 @@ def read_signal(
 
     =========  ====================================================================================
     ``.npz``   array ``x`` (or the longest one), ``fs``, ``rpm``, ``bearing_name``, ``label``; of a
-               two-dimensional array the channel is the row; ``rpm`` or ``shaft_hz`` may be as
-               long as the signal
+               two-dimensional array the channel is the row, or the column where the rows are of
+               fewer than 64 values; ``rpm`` or ``shaft_hz`` may be as long as the signal
     ``.mat``   MATLAB up to version 7: the longest numeric vector or the one named, variables and
                struct fields alike; ``fs``/``sr``, ``rpm`` and CWRU's ``X123RPM``
     ``.wav``   the channel is its number from 0; full scale is 1
@@ -255,15 +258,19 @@ def _read_wav(path: Path) -> dict[str, Any]:
 
 
 def _of_wav(wav: Mapping[str, Any], path: Path, channel: str | None) -> dict[str, Any]:
-    index = _index(channel or '0', wav['table'].shape[1], f'{path}: channel')
+    count = wav['table'].shape[1]
+    index = _index(channel or '0', count, f'{path}: channel')
     x = (wav['table'][:, index].astype(np.float64) - wav['offset']) / wav['scale']
-    return {'x': x, 'fs': wav['fs'], 'where': f', channel {index}'}
+    where = f', channel {index}'
+    if channel is None and count > 1:
+        where += f' (there is also {", ".join(map(str, range(1, min(count, 11))))})'
+    return {'x': x, 'fs': wav['fs'], 'where': where}
 
 
 def _numeric(arrays: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
-    """Arrays of numbers among those of a file."""
+    """Arrays of numbers among those of a file; of tables a channel or a snapshot in each row."""
     return {
-        name: array
+        name: array.T if array.ndim == 2 and array.shape[1] < SHORTEST <= len(array) else array
         for name, array in arrays.items()
         if isinstance(array, np.ndarray) and array.dtype.kind in 'fiu' and array.size > 1
     }

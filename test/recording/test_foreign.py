@@ -12,7 +12,7 @@ import zipfile
 import zlib
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.foreign import read_signal
+from bearing_twin.recording.foreign import channels, read_signal
 from bearing_twin.recording.writer import RecordingWriter
 import numpy as np
 import pytest
@@ -110,6 +110,9 @@ def test_wav(tmp_path: Path, dtype: Any, scale: float) -> None:
         'time;acc [m/s^2];other\n{rows:;}',
         'time\tacc [m/s^2]\tother\r\n{rows:\t}',
         '# time acc[m/s^2] other\n{rows: }',
+        # As oscilloscopes and spreadsheets write them.
+        'time,acc [m/s^2],other,\n{rows:,},',
+        '"time","acc [m/s^2]","other"\n"{rows:,}"',
     ],
 )
 def test_csv(tmp_path: Path, text: str) -> None:
@@ -119,7 +122,11 @@ def test_csv(tmp_path: Path, text: str) -> None:
     if separator == ';':
         lines = [line.replace('.', ',') for line in lines]
     path = tmp_path / 'a.csv'
-    path.write_text(text[: text.index('{')] + '\n'.join(lines))
+    before, after = text.split('{')[0], text.split('}')[1]
+    if after == '"':
+        before, lines = before[:-1], [f'"{line}"'.replace(',', '","') for line in lines]
+        after = ''
+    path.write_text(before + ''.join(f'{line}{after}\n' for line in lines))
     first = 'acc [m/s^2]' if separator != ' ' else 'acc[m/s^2]'
     index = 0 if text.startswith('fs') else 1
     signal = read_signal(path, channel=first if index else 'acc [m/s^2]')
@@ -128,6 +135,54 @@ def test_csv(tmp_path: Path, text: str) -> None:
     assert signal.unit == 'm/s^2'
     if text.startswith('fs'):
         assert signal.shaft_hz == 25.0
+
+
+@pytest.mark.parametrize(
+    ('head', 'rate'),
+    [
+        ('fs = 25.6 kHz', 25600.0),
+        ('Sampling frequency [Hz]: 12000', 12000.0),
+        ('Sample Rate;12000', 12000.0),
+        ('fs: 12 kS/s', 12000.0),
+        ('fs = 25,6 kHz', None),
+        ('sampling rate [kHz]: 12', None),
+        ('offs: 3', None),
+    ],
+)
+def test_rate_before_the_numbers(tmp_path: Path, head: str, rate: float | None) -> None:
+    path = tmp_path / 'a.csv'
+    path.write_text(f'{head}\nacc,b\n' + '\n'.join(f'{v:.5f},0' for v in X[:99]))
+    if rate:
+        assert read_signal(path).sample_rate == rate
+        return
+    with pytest.raises(BearingTwinError, match='does not say its sample rate'):
+        read_signal(path)
+
+
+def test_decimal_commas_in_quotes_and_before_the_numbers(tmp_path: Path) -> None:
+    rows = [(f'{v:.5f}'.replace('.', ','), f'{k},5') for k, v in enumerate(X[:99])]
+    path = tmp_path / 'a.csv'
+    path.write_text('acc,b\n' + '\n'.join(f'"{a}","{b}"' for a, b in rows))
+    np.testing.assert_allclose(read_signal(path, sample_rate=1e3).x, X[:99], atol=1e-5)
+    text = 'fs = 25,6 kHz\nacc;b\n' + '\n'.join(f'{a};{b}' for a, b in rows)
+    path.write_text(text, encoding='utf-16')
+    assert read_signal(path).sample_rate == 25600.0
+
+
+@pytest.mark.parametrize('shape', [(2500, 2), (2, 2500)])
+def test_channels_are_the_longer_side_of_a_table(tmp_path: Path, shape: tuple[int, int]) -> None:
+    path = tmp_path / 'a.npz'
+    table = X.reshape(2, 2500)
+    np.savez(path, x=table if shape == table.shape else table.T, fs=1000.0)
+    assert channels(path) == ['x:0', 'x:1']
+    np.testing.assert_array_equal(read_signal(path, channel='1').x, X[2500:])
+
+
+def test_of_a_stereo_file_the_other_channel_is_named(tmp_path: Path) -> None:
+    path = tmp_path / 'a.wav'
+    wavfile.write(path, 20000, X.reshape(-1, 2))
+    assert read_signal(path).source.endswith('channel 0 (there is also 1)')
+    assert read_signal(path, channel='1').source.endswith('channel 1')
 
 
 def test_csv_without_any_heading(tmp_path: Path) -> None:
