@@ -9,7 +9,7 @@ import functools
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.columns import aligned_rows, real_columns, transform_rows
+from bearing_twin.diagnosis.columns import aligned, real_columns, ROW, transform_rows
 from bearing_twin.diagnosis.kernels import add_lags, tile_powers, tile_products, tiles_beside
 from bearing_twin.dynamics.vector import L
 import numpy as np
@@ -149,11 +149,14 @@ def _by_tile(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.f
     tile = tree.levels[-1][0] // 2
     groups = tree.levels[0][0] // (tile * L)
     values = np.empty(2 * L, np.float32)
-    rows = aligned_rows(2 * tile)
+    rows = aligned(2 * tile, ROW)
 
     def tiles(spectrum: NDArray[np.complex64], group: int) -> NDArray[np.float32]:
-        tiles_beside(spectrum, tile, groups, group, rows)
-        return transform_rows(rows)
+        room = aligned(2 * tile + 1, ROW)
+        # What is behind the tiles is read, and must be finite.
+        room[-1] = 0.0
+        tiles_beside(spectrum, tile, groups, group, room[:-1])
+        return transform_rows(room[:-1])
 
     def add(products: NDArray[np.float32], group: int, whitening: int, apart: int) -> None:
         first, members = whitening * len(tree.bands), _members(tree, apart)[group]

@@ -10,6 +10,7 @@ Libraries that run on every processor transform four at a time. A row has sixtee
 from __future__ import annotations
 
 import functools
+import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.dynamics.compiled import compiled, FAST
@@ -51,15 +52,15 @@ def transform_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
     Parameters
     ----------
     rows
-        Shape (N, 32).
+        Shape (N, 32); overwritten.
 
     Returns
     -------
-    The same shape, in another array; behind it there are finite numbers.
+    The same shape.
 
     >>> rows = np.random.default_rng(0).standard_normal((42, 32)).astype(np.float32)
-    >>> found = transform_rows(rows)
     >>> exact = np.fft.fft(rows[:, :16] + 1j * rows[:, 16:], axis=0)
+    >>> found = transform_rows(rows)
     >>> bool(np.allclose(found[:, :16] + 1j * found[:, 16:], exact, atol=1e-4))
     True
 
@@ -69,23 +70,28 @@ def transform_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
     if count > 1 and radices[-1] > _LARGEST:
         found = fft.fft(rows[:, :L] + np.complex64(1j) * rows[:, L:], axis=0)
         return np.concatenate((found.real, found.imag), axis=1)
-    room = aligned_rows(2 * count + 17)
-    room[count] = 0.0
-    one, other, few = room[:count], room[count + 1 : 2 * count + 1], room[2 * count + 1 :]
-    few[0] = 0.0
-    _transform(rows, turns(count), radices, few, one, other)
-    return (other, one)[len(radices) % 2]
+    # The room to work in is behind the result, where products of tiles read finite numbers.
+    room = aligned(count + 16, ROW)
+    room[count:] = 0.0
+    other = room[:count]
+    _transform(rows, turns(count), radices, room[count:], other)
+    return (rows, other)[len(radices) % 2]
 
 
-def aligned_rows(count: int) -> NDArray[np.float32]:
+def aligned(*shape: int) -> NDArray[np.float32]:
     """
-    Room for so many rows.
+    Room for numbers that begins at a cache line.
 
-    They begin at a cache line: sixteen numbers that lie on two take twice the time.
+    Sixteen that lie on two lines take twice the time.
+
+    >>> aligned(4, 32).ctypes.data % 64
+    0
+
     """
-    room = np.empty((count + 1) * ROW, np.float32)
+    size = math.prod(shape)
+    room = np.empty(size + L, np.float32)
     begin = -room.__array_interface__['data'][0] % (4 * L) // room.itemsize
-    return room[begin : begin + count * ROW].reshape(count, ROW)
+    return room[begin : begin + size].reshape(shape)
 
 
 @functools.lru_cache(maxsize=16)
@@ -255,17 +261,14 @@ def _transform(
     turns: NDArray[np.float32],
     radices: NDArray[np.intp],
     few: NDArray[np.float32],
-    one: NDArray[np.float32],
     other: NDArray[np.float32],
 ) -> None:
-    """Do one pass after another, from one array into the other."""
+    """Do one pass after another, from one array into the other and back."""
     left = len(rows)
     for number, radix in enumerate(radices):
         done = len(rows) // left
         left //= radix
-        source, out = (other, one) if number % 2 == 0 else (one, other)
-        if number == 0:
-            source = rows
+        source, out = (rows, other) if number % 2 == 0 else (other, rows)
         if radix == 16:
             _sixteens(source, turns, left, done, few, out)
         elif radix == 4:
@@ -321,7 +324,7 @@ def real_columns(lines: NDArray[np.float32], column: int, count: int) -> NDArray
     True
 
     """
-    rows = aligned_rows(count // 2 if count % 2 == 0 else count)
+    rows = aligned(count // 2 if count % 2 == 0 else count, ROW)
     _join_lines(lines, column, turns(count), rows)
     found = transform_rows(rows)
     return found.reshape(-1, L) if count % 2 == 0 else found[:, :L]

@@ -325,7 +325,7 @@ def envelope_spectra(
     Parameters
     ----------
     envelopes
-        Squared envelopes, (N, n) of a few bands at a time, whitening by whitening.
+        Squared envelopes, (N, n) of a few bands at a time, whitening by whitening; overwritten.
     rate
         Points a second.
     bands
@@ -352,6 +352,8 @@ def envelope_spectra(
             some = part[:, column : column + L]
             line_power(transform_rows(pairs(some)), turns(points), power, begin, last)
             begin += some.shape[1]
+        # Its memory is that of the next part.
+        del part, some
     levels, first, hop = column_levels(power, floor_width)
     logs, excess = np.empty_like(power), np.empty((count, bands), np.float32)
     over_floor(power, levels, first, hop, logs, excess)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import statistics
 from typing import TYPE_CHECKING
 
+from bearing_twin.diagnosis.columns import aligned
 from bearing_twin.diagnosis.comb import order_spectra, OrderSpectra
 from bearing_twin.diagnosis.demodulation import highest_order
 from bearing_twin.diagnosis.passages import ball_passages
@@ -166,7 +167,8 @@ def analyse_window(
 def _joined(parts: Sequence[NDArray[np.float32]], lap: int) -> NDArray[np.float32]:
     """Join segments that fade into one another over ``lap`` points; leave out the first lap."""
     hop = len(parts[0]) - lap
-    whole = np.concatenate([part[lap:] for part in parts])
+    whole = aligned(len(parts) * hop, *parts[0].shape[1:])
+    np.concatenate([part[lap:] for part in parts], out=whole)
     for number, part in enumerate(parts[1:], start=1):
         whole[number * hop - lap : number * hop] += part[:lap]
     return whole

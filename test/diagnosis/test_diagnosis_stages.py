@@ -171,7 +171,7 @@ def test_power_of_lines_is_that_under_a_hann_window(rng, points, bands):
     power = np.empty((points // 2 - 1, bands), np.float32)
     last = np.empty(16, np.float32)
     for first in range(0, bands, 16):
-        rows = transform_rows(pairs(x[:, first : first + 16]))
+        rows = transform_rows(pairs(x[:, first : first + 16].copy()))
         line_power(rows, turns(points), power, first, last)
     relative = x / x.mean(axis=0, dtype=float) - 1.0
     window = 1.0 - np.cos(2.0 * np.pi * np.arange(points) / points)
