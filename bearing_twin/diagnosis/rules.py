@@ -23,6 +23,7 @@ from dataclasses import replace
 from functools import wraps
 from typing import NamedTuple, TYPE_CHECKING
 
+from bearing_twin.bearing import PLACES
 from bearing_twin.diagnosis.confidence import confidence, LEAST_CONFIDENCE, Trust
 from bearing_twin.diagnosis.demodulation import highest_fault_order
 from bearing_twin.diagnosis.fits import what_fits
@@ -591,14 +592,7 @@ def _fault(e: Evidence) -> Verdict | None:
     places = tuple(c.place for c in (e.leading, *_certain(e)) if c.index >= INDEX_FAULT)
     texts = (*map(str, _in_order(e)[1:]), *((_GIVE_SPEED,) if _doubtful(e) else ()))
     found = _updated(e)
-    verdict = _say(e, *texts, about=e.leading, faults=places, level='fault', candidates=found)
-    if e.leading.slip <= UNLIKELY_SLIP:
-        return verdict
-    text = (
-        f'it needs a slip of {100.0 * e.leading.slip:.1f} %: no alarm, as a bearing under load '
-        'slips by less; check bearing and speed'
-    )
-    return replace(verdict, level='suspect', reasons=(*verdict.reasons, text))
+    return _say(e, *texts, about=e.leading, faults=places, level='fault', candidates=found)
 
 
 FAINT = frozenset(rule.name for rule in RULES if rule.faint)
@@ -628,8 +622,29 @@ def decide(evidence: Evidence) -> Verdict:
             comb = pick(named, key=lambda c: c.z, default=None)
             comb = comb or highest_comb(evidence.heard)
             trust = _trust(evidence, comb, rule)
-            return replace(verdict, result=result, rule=rule.name, trust=trust)
+            return _doubted(replace(verdict, result=result, rule=rule.name, trust=trust))
     raise AssertionError('the last rule applies to any evidence')
+
+
+def _doubted(verdict: Verdict) -> Verdict:
+    """
+    Answer that needs an unlikely slip, without an alarm and at even odds at most.
+
+    Places named together need it where one does; of several that are possible all must.
+    """
+    if verdict.result not in (*PLACES, 'ambiguous'):
+        return verdict
+    # A comb that may be chance has any slip: the answer does not rest on it.
+    slips = [c.slip for c in map(verdict.candidates.__getitem__, verdict.faults) if c.z >= Z_FAULT]
+    slip = (min if verdict.result == 'ambiguous' else max)(slips, default=0.0)
+    if slip <= UNLIKELY_SLIP:
+        return verdict
+    text = (
+        f'it needs a slip of {100.0 * slip:.1f} %: no alarm, as a bearing under load '
+        'slips by less; check bearing and speed'
+    )
+    trust = replace(verdict.trust, at_most=min(verdict.trust.at_most, EVEN))
+    return replace(verdict, level='suspect', reasons=(*verdict.reasons, text), trust=trust)
 
 
 def _trust(e: Evidence, comb: Candidate | None, rule: Rule | None = None) -> Trust:

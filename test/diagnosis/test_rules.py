@@ -346,6 +346,42 @@ def test_a_name_that_needs_an_unlikely_slip_is_no_alarm():
     assert decide(Evidence.of(comb('inner', **steady))).rule == 'slipping_race'
 
 
+SLIPPING = [comb(place, slip=0.03, shaft_sideband_ratio=0.3) for place in ('inner', 'ball')]
+SLIPPING_OUTER = comb('outer', slip=0.03, shaft_sideband_ratio=0.1)
+
+
+@pytest.mark.parametrize(
+    'evidence',
+    [
+        Evidence.of(INNER, SLIPPING_OUTER, others=(SLIPPING_OUTER,)),
+        Evidence.of(SLIPPING[0], SLIPPING_OUTER, others=(SLIPPING_OUTER,), speed_known=False),
+        Evidence.of(
+            comb('inner', z=3.0, slip=0.0),
+            comb('outer', z=12.0, slip=0.03, order=3.93, shaft_sideband_ratio=0.8),
+            **SIDEBAND,
+        ),
+        Evidence.of(
+            *SLIPPING, claims=Claims((SLIPPING[0],), ((SLIPPING[0], SLIPPING[1]),)),
+        ),
+        Evidence.of(comb('cage', z=20.0, index=3.0, slip=0.03), comb('outer', order=8 * 0.38)),
+        Evidence.of(CAGE, comb('ball', order=11 * 0.38, slip=0.03)),
+        Evidence.of(masked_candidates=(comb('ball', order=4.001, slip=0.03),)),
+    ],
+    ids=['second', 'uncertain_second', 'load_zone', 'contested', 'cage', 'ripple', 'masked'],
+)  # fmt: skip
+def test_whatever_names_a_place_at_an_unlikely_slip_is_no_alarm_and_not_sure(evidence):
+    said = decide(evidence)
+    assert said.level == 'suspect'
+    assert said.confidence <= 0.5
+    assert 'slip of 3.0 %: no alarm' in said.reasons[-1]
+
+
+def test_of_two_possible_places_one_at_a_likely_slip_is_enough():
+    likely, other = comb('outer', shaft_sideband_ratio=0.1), comb('ball', slip=0.03)
+    said = decide(Evidence.of(likely, claims=Claims((likely,), ((likely, other),))))
+    assert (said.rule, said.level) == ('contested_comb', 'fault')
+
+
 def test_a_ball_needs_higher_sidebands_of_the_cage_than_of_the_shaft():
     said = decide(Evidence.of(BALL, cage_sideband_ratio=0.4, turning_sideband_ratio=0.5))
     assert said.rule == 'ball_without_cage_sidebands'
