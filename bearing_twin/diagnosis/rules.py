@@ -149,10 +149,13 @@ def _ball_passages(e: Evidence) -> Verdict | None:
 def _cage_ripple(e: Evidence) -> Verdict | None:
     if not _cage_or_ball(e):
         return None
+    first, _ = e.ball_or_cage
+    # Within a factor 2 in power neither is nearer.
+    clear = not 1.0 / RIVAL**2 <= e.cage_high_harmonics / RIPPLE <= RIVAL**2
     text = (
         'ball and cage coincide: the envelope ripples with the cage; a ball strikes while it '
-        f'passes the load zone, once a cage turn, or the cage is damaged; the {e.ball_or_cage[0]} '
-        'is likelier'
+        'passes the load zone, once a cage turn, or the cage is damaged; '
+        f'{f"the {first}" if clear else "neither"} is likelier'
     )
     return _say(e, text, about=e.candidates['cage'], faults=e.ball_or_cage)
 

@@ -320,12 +320,20 @@ def test_a_comb_without_effect_does_not_make_health_uncertain():
     assert decide(Evidence.of(comb('outer', z=20.0, index=0.1))).result == 'healthy'
 
 
-@pytest.mark.parametrize(('high', 'first'), [(0.19, 'ball'), (0.21, 'cage')])
-def test_of_ball_and_cage_the_likelier_comes_first(high, first):
+@pytest.mark.parametrize(
+    ('high', 'first', 'likelier'),
+    [
+        (0.10, 'ball', 'the ball'),
+        (0.19, 'ball', 'neither'),
+        (0.21, 'cage', 'neither'),
+        (0.40, 'cage', 'the cage'),
+    ],
+)
+def test_of_ball_and_cage_the_likelier_comes_first(high, first, likelier):
     combs = (comb('ball', z=5.4, index=0.4), comb('outer', z=5.0, index=0.4), CAGE)
     said = decide(Evidence.of(*combs, cage_high_harmonics=high))
     assert (said.rule, said.result, said.faults[0]) == ('cage_ripple', 'ambiguous', first)
-    assert f'the {first} is likelier' in said.reasons[-1]
+    assert f'{likelier} is likelier' in said.reasons[-1]
 
 
 @pytest.mark.parametrize(('high', 'rule'), [(0.09, 'ball_ripple'), (0.11, 'cage_ripple')])
