@@ -120,14 +120,13 @@ def _where_no_comb_remains(apply: _Apply) -> _Apply:
 def _ball_ripple(e: Evidence) -> Verdict | None:
     ball = e.candidates['ball']
     smooth = e.cage_leads and e.cage_high_harmonics * RIVAL * RIVAL < RIPPLE
-    if not (smooth and ball in e.own):
+    if not (smooth and ball in e.own and ball.index >= INDEX_FAULT):
         return None
     text = (
         'the envelope ripples with the cage, without the higher harmonics of a cage that strikes: '
         'a ball in and out of the load'
     )
-    level = 'fault' if ball.index >= INDEX_FAULT else 'suspect'
-    return _say(e, text, about=ball, level=level)
+    return _say(e, text, about=ball, level='fault')
 
 
 @_rule('ball', 'Impacts in groups, once a cage turn, keep the time of a ball within each group.')
