@@ -131,9 +131,10 @@ def _ball_ripple(e: Evidence) -> Verdict | None:
 
 @_rule('ball', 'Impacts in groups, once a cage turn, keep the time of a ball within each group.')
 def _ball_passages(e: Evidence) -> Verdict | None:
-    # Both are more than a load does to the noise of sound parts.
-    strikes = _cage_or_ball(e) or (not e.remaining and e.kurtosis > KURTOSIS)
-    if not strikes or e.ball_passages < Z_PASSAGES:
+    # Both are more than a load does to the noise of sound parts. Impacts elsewhere have both a
+    # kurtosis and lines near the harmonics of the ball.
+    bursts = not e.remaining and e.kurtosis > KURTOSIS and not _strikes_elsewhere(e)
+    if not (bursts or _cage_or_ball(e)) or e.ball_passages < Z_PASSAGES:
         return None
     text = (
         'impacts in groups, once a turn of the cage, that keep the time of a ball within each '
@@ -232,12 +233,7 @@ def _low_bands(e: Evidence) -> Verdict | None:
 @_rule('suspect', 'Impacts repeat at an order that no part of this bearing makes.')
 @_where_no_comb_remains
 def _impacts_elsewhere(e: Evidence) -> Verdict | None:
-    comb = e.elsewhere
-    if comb.z < Z_ELSEWHERE or comb.index < INDEX_FAULT:
-        return None
-    if e.impacts['elsewhere'] < IMPACTS:
-        return None
-    return _elsewhere(e, 'fit no part of')
+    return _elsewhere(e, 'fit no part of') if _strikes_elsewhere(e) else None
 
 
 @_rule('insufficient', "A dead sensor has no comb either: its noise is the converter's rounding.")
@@ -670,6 +666,13 @@ def _cage_or_ball(e: Evidence) -> bool:
     outer, ball, cage = (e.candidates[place] for place in ('outer', 'ball', 'cage'))
     few_harmonics = outer.z < max(ball.z, Z_FAULT)
     return e.cage_leads and (few_harmonics or cage.index < INDEX_STRIKE)
+
+
+def _strikes_elsewhere(e: Evidence) -> bool:
+    """Whether strong impacts repeat at an order off the shaft, whatever makes them."""
+    comb = e.elsewhere
+    strong = comb.z >= Z_ELSEWHERE and comb.index >= INDEX_FAULT
+    return strong and e.impacts['elsewhere'] >= IMPACTS
 
 
 _NO_ALARM = f'modulation index below {INDEX_FAULT:g}: not an alarm'

@@ -414,6 +414,10 @@ def test_groups_of_a_ball_are_an_alarm_only_where_more_strikes_than_a_load_modul
     assert (said.result, said.level) == ('ball', 'fault')
     assert decide(Evidence.of(ball_passages=3.9, kurtosis=6.0)).rule == 'bursts'
     assert decide(Evidence.of(CAGE, ball_passages=3.9)).rule == 'cage_ripple'
+    # Another bearing's race has a kurtosis as well, and lines near the ball's harmonics.
+    struck = comb('elsewhere', order=5.116, z=32.0, index=2.4)
+    said = decide(Evidence.of(ball_passages=10.0, kurtosis=9.4, elsewhere=struck))
+    assert said.rule == 'impacts_elsewhere'
     assert decide(Evidence.of(INNER, ball_passages=5.0)).result == 'inner'
     # A cage that strikes shows at all its harmonics, those near the ball's order among them.
     assert decide(Evidence.of(*CAGE_IMPACTS, ball_passages=5.0)).result == 'cage'
