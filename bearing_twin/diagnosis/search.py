@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.diagnosis.candidate import Candidate, UNTESTED
 from bearing_twin.diagnosis.comb import comb_scores, HARMONICS, OrderSpectra
+from bearing_twin.diagnosis.gate import HEALTHY_TURNS
 from bearing_twin.diagnosis.harmonics import (
     denser_series,
     line_heights,
@@ -38,6 +39,7 @@ from bearing_twin.diagnosis.thresholds import (
     SLIP_COST,
     SLOW_CAGE,
     STEADY,
+    SWAY,
     Z_ELSEWHERE,
     Z_FAULT,
 )
@@ -53,6 +55,8 @@ _SIDEBANDS = 4
 _RACES = ('inner', 'outer')
 _CAGES = (0.33, 0.47)
 """Orders between which the cages of all bearings of the catalogue turn."""
+_CHANCE = (0.52, 0.62)
+"""Orders that no part turns at, nor at half of them, as wide as ``_CAGES``."""
 _SHARP = 1.5
 """Bins within which a shaft at a steady speed is two thirds as clear. Simulated ones are within
 1.1, and those whose speed drifts by 3 % in 8 s are not within 2.5."""
@@ -377,11 +381,22 @@ class CombSearch:
         return self._beside_race(candidate, *_CAGES)
 
     def _beside_race(self, candidate: Candidate, low: float, high: float) -> float:
-        """Gap between two orders of the sidebands of a race, 0 if those of its load are higher."""
+        """
+        Gap between two orders of the sidebands of a race, 0 if those of its load are higher.
+
+        Faint ones count where a window resolves them, and where those of the shaft and what noise
+        reaches at other gaps are lower by a factor 2: balls of several sizes modulate an outer
+        race with the cage as well, beside the unbalance.
+        """
         if candidate.place not in _RACES:
             return 0.0
         gap, ratio = self._highest_sideband(candidate, low, high)
-        return gap if ratio > max(LOAD_ZONE, candidate.shaft_sideband_ratio) else 0.0
+        least = max(LOAD_ZONE, candidate.shaft_sideband_ratio)
+        if SWAY < ratio <= least and self.spectra.step * HEALTHY_TURNS <= 1.0:
+            chance = self._highest_sideband(candidate, *_CHANCE)[1]
+            # The given shaft speed may be wrong.
+            least = RIVAL * RIVAL * max(self.turning_sideband(candidate)[1], chance)
+        return gap if ratio > least else 0.0
 
     def cage_series_order(self, candidate: Candidate) -> float:
         """

@@ -280,6 +280,32 @@ def test_the_ball_of_another_bearing_is_no_race_of_this_one(rng):
     assert apart == pytest.approx(orders.ftf, rel=0.01)
 
 
+@pytest.mark.parametrize('swell', [0.4, 0.6, 0.8])
+@pytest.mark.parametrize(('struck', 'given'), [('6318', '6214'), ('6009', '16014')])
+def test_a_ball_that_swells_a_little_with_the_cage_is_no_race(rng, swell, struck, given):
+    """The ball of one bearing strikes as often as a race of the other."""
+    orders = fault_orders(find_bearing(struck), 0.01)
+    gaps = (1.0 + 0.004 * rng.standard_normal(900)) / (orders.impacts('ball') * SHAFT_HZ)
+    times = np.cumsum(gaps)
+    load = 1.0 + swell * np.cos(2.0 * np.pi * orders.ftf * SHAFT_HZ * times)
+    x = _strikes(times, 8.0 * load) + rng.standard_normal(N)
+    said = diagnose_record(x, RATE, find_bearing(given), SHAFT_HZ)
+    assert (said.result, said.level) == ('ambiguous', 'suspect'), said.reasons
+    assert set(said.faults) == {'ball', 'cage'}
+
+
+@pytest.mark.parametrize('off', [1.0, 1.03])
+def test_an_outer_race_whose_balls_are_not_alike_is_named(rng, off):
+    """It swells with the cage as well, and with the unbalance of a shaft of unsure speed."""
+    orders = fault_orders(find_bearing('6205'), 0.01)
+    times = np.cumsum((1.0 + 0.004 * rng.standard_normal(360)) / (orders.bpfo * SHAFT_HZ))
+    turns = SHAFT_HZ * times
+    load = 1.0 + 0.25 * np.cos(2.0 * np.pi * orders.ftf * turns) + 0.15 * np.cos(2 * np.pi * turns)
+    x = _strikes(times, 8.0 * load) + rng.standard_normal(N)
+    said = diagnose_record(x, RATE, find_bearing('6205'), off * SHAFT_HZ)
+    assert (said.result, said.level) == ('outer', 'fault'), said.reasons
+
+
 @pytest.mark.parametrize(
     ('off', 'faults', 'why'),
     [(0.95, (), '25.3 Hz (outer) would fit'), (1.05, ('outer',), 'it needs a slip of 3.2 %')],
