@@ -280,7 +280,8 @@ def _statuses(node: ManagedNode) -> set[Row]:
     """Return the parts of a node on /diagnostics, and the keys of their values."""
     health: Health = node._health
     rows: set[Row] = set()
-    for part, status in health.statuses().items():
+    for part, (task, _) in health._tasks.items():
+        status = task()
         values = dict(status.values)
         if 'bearing' in part:
             # Complete from the first verdict on.
