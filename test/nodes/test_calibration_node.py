@@ -219,7 +219,8 @@ def test_the_verdict_of_a_record_is_of_its_sensor_its_bearing_and_its_time():
 def test_a_repaired_machine_is_fitted_at_once_and_its_old_impacts_are_forgotten(healthy):
     core = CalibrationCore(VALUES | {'window': 2.0, 'period': 40.0})
     impacts = {
-        'place': 'outer', 'shaft_hz': 20.0, 'spacing_s': 3e-3, 'lobe_s': 1e-4, 'rivals_s': []
+        'place': 'outer', 'shaft_hz': healthy['machine']['shaft_hz'], 'spacing_s': 3e-3,
+        'lobe_s': 1e-4, 'rivals_s': [],
     }  # fmt: skip
     outer = healthy | {'defect': 'outer', 'impacts': impacts}
     take(core, range(40))
