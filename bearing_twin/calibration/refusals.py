@@ -269,6 +269,40 @@ def with_farther(
 
     A narrow defect repeats after the rest of the way to the next ball, too, but less clearly than
     after its own, because balls do not keep time. What repeats more clearly is no such rest.
+
+    Parameters
+    ----------
+    refusal
+        Of a shorter time.
+    whole
+        Correlation of the record over all times between impacts.
+    measured
+        Summary of the record.
+    situation
+        Of the machine.
+
+    Returns
+    -------
+    refusal
+        Itself where nothing repeats later; otherwise ``farther`` is the time in seconds.
+
+    Examples
+    --------
+    A ball about each 11 ms, whose exit is 7 ms after its entry:
+
+    >>> import numpy as np
+    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.summaries import correlate
+    >>> machine, rng = example(), np.random.default_rng(1)
+    >>> x = 1e-3 * rng.standard_normal(128000)
+    >>> entries = np.arange(200, 127000, 143) + rng.integers(-9, 10, 887)
+    >>> x[entries] += 1.0
+    >>> x[entries + 90] += 0.7
+    >>> whole = correlate(x, 12800.0)
+    >>> early = Refusal(Kind.HIDDEN, 'they ring')
+    >>> with_farther(early, whole, whole.summary(machine.longest), machine).why
+    'they ring; others are 10.3 mm apart'
+
     """
     slipped = SLIPPED / situation.strikes
     next_ball = whole.highest(1.0 / situation.strikes, slipped)[0]
