@@ -9,7 +9,7 @@ from functools import cached_property
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.kernels import best_bands, comb_sums, mark_near, three_bins
+from bearing_twin.diagnosis.kernels import best_bands, comb_bands, comb_sums, mark_near, three_bins
 from bearing_twin.diagnosis.spectra import column_quantiles, quantiles
 import numpy as np
 
@@ -204,10 +204,16 @@ class CombScores:
         best /= self.best_spread
         return best
 
-    def bands(self, spectra: OrderSpectra, order: float) -> NDArray[np.float32]:
-        """Score of one comb in each band, (W, B)."""
-        sums = _sums(spectra, np.array([order]))[0]
-        return np.asarray(((sums - self.center) * self.inverse).reshape(self.whitenings, -1))
+    def bands(
+        self, spectra: OrderSpectra, order: float
+    ) -> tuple[NDArray[np.float32], NDArray[np.intp]]:
+        """Score of one comb in each band, (W B,), and the column of the highest, (W,)."""
+        scores, columns = np.empty_like(self.center), np.empty(self.whitenings, np.intp)
+        comb_bands(
+            spectra.logs, spectra.quiet, order, spectra.step, HARMONICS, self.center, self.inverse,
+            scores, columns,
+        )  # fmt: skip
+        return scores, columns
 
 
 def _sums(spectra: OrderSpectra, grid: NDArray[np.float64]) -> NDArray[np.float32]:

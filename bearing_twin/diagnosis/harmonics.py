@@ -10,7 +10,6 @@ between its harmonics.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis import kernels
@@ -119,12 +118,10 @@ def missing_harmonics(
     1
 
     """
-    lines = order * np.arange(1, HARMONICS + 1)
-    alive = ~hidden[spectra.rows(lines)]
-    heights = line_heights(spectra, lines, bands(order))
+    unshared = _unshared(spectra, order, bands(order), hidden)
     for multiple in range(HARMONICS, 1, -1):
         if (
-            _unshared(heights, alive, multiple) < _SHARE
+            unshared[multiple - 1] < _SHARE
             and unshared_height(spectra, order, multiple, bands(multiple * order), hidden)
             < MISSING
         ):
@@ -166,21 +163,16 @@ def unshared_height(
     0.1
 
     """
-    lines = order * np.arange(1, HARMONICS + 1)
-    alive = ~hidden[spectra.rows(lines)]
-    return _unshared(line_heights(spectra, lines, columns), alive, multiple)
+    return float(_unshared(spectra, order, columns, hidden)[multiple - 1])
 
 
-def _unshared(heights: NDArray[np.float64], alive: NDArray[np.bool_], multiple: int) -> float:
-    """Height of the harmonics that a series of a multiple lacks, over that of the others."""
-    on: list[float] = []
-    off: list[float] = []
-    for harmonic, (height, shows) in enumerate(zip(heights, alive, strict=True), start=1):
-        if shows:
-            (off if harmonic % multiple else on).append(float(height))
-    if not on or not off or math.fsum(on) <= 0.0:
-        return math.inf
-    return math.fsum(off) / len(off) / (math.fsum(on) / len(on))
+def _unshared(
+    spectra: OrderSpectra, order: float, columns: NDArray[np.intp], hidden: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    """Unshared heights for all multiples from 1 on."""
+    ratios = np.empty(HARMONICS)
+    kernels.unshared_heights(spectra.logs, hidden, order, spectra.step, columns, ratios)
+    return ratios
 
 
 def denser_series(

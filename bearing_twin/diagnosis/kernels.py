@@ -429,6 +429,47 @@ def column_ranks(
         store(found[d:], 0, bounds_d[0])
 
 
+@compiled(fast=FAST, borrows=True)
+def comb_bands(
+    logs: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    order: float,
+    step: float,
+    harmonics: int,
+    center: NDArray[np.float32],
+    inverse: NDArray[np.float32],
+    scores: NDArray[np.float32],
+    highest_columns: NDArray[np.intp],
+) -> None:
+    """
+    Write the standardised sum over the harmonics of one comb, and where it is highest.
+
+    Parameters
+    ----------
+    logs, hidden, step, harmonics
+        See :func:`comb_sums`; columns are bands, whitening by whitening.
+    order
+        Fundamental order.
+    center, inverse
+        (C,) median, and one over the spread, of each column.
+    scores
+        (C,), written.
+    highest_columns
+        (W,), written: the column of the highest score of each whitening.
+
+    """
+    _add_harmonics(logs, hidden, order, step, harmonics, scores)
+    for c in range(len(scores)):
+        scores[c] = (scores[c] - center[c]) * inverse[c]
+    bands = len(scores) // len(highest_columns)
+    for whitening in range(len(highest_columns)):
+        best = whitening * bands
+        for c in range(best + 1, (whitening + 1) * bands):
+            if scores[c] > scores[best]:
+                best = c
+        highest_columns[whitening] = best
+
+
 @compiled(inline=True, fast=FAST, borrows=True)
 def _sixteen(one: Any, two: Any, three: Any, four: Any, center: Any, inverse: Any, at: int) -> Any:
     """Standardised sums over four rows in the sixteen columns from ``at`` on."""
@@ -593,6 +634,82 @@ def without_highest(
 
 
 @compiled(fast=FAST, borrows=True)
+def _height(logs: NDArray[np.float32], at: int, columns: NDArray[np.intp]) -> Any:
+    """Return the mean of some columns of a row, noise taken off."""
+    total = np.float32(0.0)
+    for c in columns:
+        total += logs[at, c]
+    return total / np.float32(len(columns)) - np.float32(NEUTRAL)
+
+
+@compiled(fast=FAST, borrows=True)
+def mean_height(
+    logs: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    order: float,
+    step: float,
+    harmonics: tuple[int, int],
+    columns: NDArray[np.intp],
+) -> float:
+    """
+    Return the mean height over noise of some harmonics of a comb; 0 where none is known.
+
+    Parameters
+    ----------
+    logs, hidden, step, columns
+        See :func:`comb_sums` and :func:`line_heights`.
+    order, harmonics
+        Fundamental order; first and last harmonic. Those beyond the end are unknown.
+
+    """
+    total, count = 0.0, 0
+    for n in range(harmonics[0], harmonics[1] + 1):
+        at = _nearest_row(order * n * (1.0 / step), len(logs))
+        if order * n <= len(logs) * step and not hidden[at]:
+            total += _height(logs, at, columns)
+            count += 1
+    return total / max(count, 1)
+
+
+@compiled(fast=FAST - {'ninf'}, borrows=True)
+def unshared_heights(
+    logs: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    order: float,
+    step: float,
+    columns: NDArray[np.intp],
+    ratios: NDArray[np.float64],
+) -> None:
+    """
+    Write the height of the harmonics that the series of each multiple lacks, over the others'.
+
+    Parameters
+    ----------
+    logs, hidden, step, columns
+        See :func:`comb_sums` and :func:`line_heights`.
+    order
+        Fundamental order of the comb; it has as many harmonics as there are multiples.
+    ratios
+        (M,), written: for the multiple m in place m - 1. Infinite where nothing is shared.
+
+    """
+    for multiple in range(1, len(ratios) + 1):
+        shared = lacking = 0.0
+        on = off = 0
+        for n in range(1, len(ratios) + 1):
+            at = _nearest_row(order * n * (1.0 / step), len(logs))
+            if hidden[at]:
+                continue
+            height = _height(logs, at, columns)
+            if n % multiple == 0:
+                shared, on = shared + height, on + 1
+            else:
+                lacking, off = lacking + height, off + 1
+        known = on > 0 and off > 0 and shared > 0.0
+        ratios[multiple - 1] = lacking / off / (shared / on) if known else np.inf
+
+
+@compiled(fast=FAST, borrows=True)
 def line_heights(
     logs: NDArray[np.float32],
     orders: NDArray[np.float64],
@@ -616,11 +733,7 @@ def line_heights(
 
     """
     for n in range(len(orders)):
-        at = _nearest_row(orders[n] * (1.0 / step), len(logs))
-        total = np.float32(0.0)
-        for c in columns:
-            total += logs[at, c]
-        heights[n] = total / np.float32(len(columns)) - np.float32(NEUTRAL)
+        heights[n] = _height(logs, _nearest_row(orders[n] * (1.0 / step), len(logs)), columns)
 
 
 @compiled(fast=FAST, borrows=True)
@@ -799,10 +912,7 @@ def denser_lines(
             if n % part == 0:
                 continue
             at = _nearest_row(order * (n / part) * inverse, len(logs))
-            height = np.float32(0.0)
-            for c in columns:
-                height += logs[at, c]
-            height = height / np.float32(len(columns)) - np.float32(NEUTRAL)
+            height = _height(logs, at, columns)
             for m in range(len(masks)):
                 if not masks[m, at]:
                     counts[m, part] += 1.0

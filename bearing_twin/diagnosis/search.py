@@ -19,7 +19,7 @@ from bearing_twin.diagnosis.harmonics import (
     MISSING,
     missing_harmonics,
 )
-from bearing_twin.diagnosis.kernels import highest_off, likeliest
+from bearing_twin.diagnosis.kernels import highest_off, likeliest, mean_height
 from bearing_twin.diagnosis.shaft import SHAFT_FOUND
 from bearing_twin.diagnosis.sidebands import (
     comb_powers,
@@ -106,8 +106,7 @@ class CombSearch:
         """Best comb of a place within a range of slip; in other spectra where they are given."""
         spectra = spectra or self.spectra
         found, slip, z = self._peak(place, spectra, slips)
-        bands = self._scores.bands(spectra, found)
-        index, band = modulation_index(spectra, found, bands[0], place)
+        index, band = self._index(spectra, found, place)
         harmonics = found * np.arange(1, HARMONICS + 1)
         alive = int((~self._silent[spectra.rows(harmonics)]).sum())
         tested = place in _RACES and z >= Z_FAULT
@@ -162,14 +161,17 @@ class CombSearch:
         cage = self._cage_orders()
         at = highest_off(z, grid, self._uncertainty, 1.25 * self.spectra.step, *cage)
         order = float(grid[at])
-        bands = self._scores.bands(spectra, order)
-        index, band = modulation_index(spectra, order, bands[0], 'inner')
+        index, band = self._index(spectra, order, 'inner')
         return Candidate('elsewhere', order, 0.0, float(z[at]), index, band)
 
     def index_in_all_bands(self, candidate: Candidate) -> float:
         """Modulation index of a comb, also in the bands of the variable compliance."""
-        bands = self._scores.bands(self.spectra, candidate.order)
-        return modulation_index(self.spectra, candidate.order, bands[0], 'any')[0]
+        return self._index(self.spectra, candidate.order, 'any')[0]
+
+    def _index(self, spectra: OrderSpectra, order: float, family: str) -> tuple[float, int]:
+        """Modulation index of a comb, and the band that it is of, from the first whitening."""
+        scores, _ = self._scores.bands(spectra, order)
+        return modulation_index(spectra, order, scores[: spectra.excess.shape[1]], family)
 
     def second_look(self, candidate: Candidate) -> Candidate:
         """
@@ -205,13 +207,8 @@ class CombSearch:
 
     def impacts(self, candidate: Candidate) -> float:
         """Mean log score, noise taken off, of the second to fourth harmonic of a comb."""
-        lines = candidate.order * np.arange(2, HARMONICS + 1)
-        # Harmonics beyond the spectrum are unknown, not noise.
-        lines = lines[lines <= self.top]
-        lines = lines[~self._silent[self.spectra.rows(lines)]]
-        if not len(lines):
-            return 0.0
-        return float(line_heights(self.spectra, lines, self.columns(candidate.order)).mean())
+        logs, step, columns = self._all.logs, self._all.step, self.columns(candidate.order)
+        return mean_height(logs, self._silent, candidate.order, step, (2, HARMONICS), columns)
 
     def smooth(self, candidate: Candidate, *, masked: bool = False) -> bool:
         """
@@ -478,9 +475,7 @@ class CombSearch:
     def columns(self, order: float) -> NDArray[np.intp]:
         """Bands in which the comb at an order is highest, one of each whitening."""
         if order not in self._columns:
-            bands = self._scores.bands(self._all, order)
-            highest = bands.argmax(axis=1) + bands.shape[1] * np.arange(len(bands))
-            self._columns[order] = np.asarray(highest)
+            _, self._columns[order] = self._scores.bands(self._all, order)
         return self._columns[order]
 
     def _multiple(self, order: float) -> int:
