@@ -23,7 +23,7 @@ from bearing_twin.diagnosis.evidence import Evidence
 from bearing_twin.diagnosis.gate import check_extents, Extent, FAINTEST, LARGEST
 from bearing_twin.diagnosis.plain_lines import low_lines
 from bearing_twin.diagnosis.report import insufficient, not_shown, report
-from bearing_twin.diagnosis.rules import decide
+from bearing_twin.diagnosis.rules import answer, trusted
 from bearing_twin.diagnosis.search import CombSearch
 from bearing_twin.diagnosis.severity import LEAST, Levels, measure_severity, of_length, SLOW_HZ
 from bearing_twin.diagnosis.shaft import ShaftSpeed, Turning
@@ -377,9 +377,10 @@ class Analysis:
             passages = partial(window.ball_passages, bearing)
             return Evidence(combs, turns, steps, window.kurtosis, plain, passages)
 
-        verdict = decide(evidence(accumulate(windows), speed))
+        refined = evidence(accumulate(windows), speed)
+        verdict = answer(refined)
         if speed.shaft_hz == given_hz:
-            return verdict, speed
+            return trusted(refined, verdict), speed
         # A fault beside an integer order can pass for a shaft that runs a little off: the speed
         # under which the fault shows more clearly is then the right one. Places that do not part
         # at the given speed show nothing more clearly: so do the lines of a loose shaft beside it.
@@ -390,13 +391,13 @@ class Analysis:
         least = _CLEARER * verdict.weight
         clear = (comb for comb in at_this.candidates.values() if comb.weight > least)
         if not any(_mistaken(at_given, comb, gap) for comb in clear):
-            return verdict, speed
-        other = decide(at_this)
+            return trusted(refined, verdict), speed
+        other = answer(at_this)
         sure = other.level == 'fault' and other.result in PLACES
         clearer = sure and other.weight > least
         if clearer and other.strongest and _mistaken(at_given, other.strongest, gap):
-            return other, given
-        return verdict, speed
+            return trusted(at_this, other), given
+        return trusted(refined, verdict), speed
 
 
 def _mistaken(at_given: OrderSpectra, found: Candidate, gap: float) -> bool:

@@ -610,39 +610,52 @@ def decide(evidence: Evidence) -> Verdict:
     'mains_pulses'
 
     """
+    return trusted(evidence, answer(evidence))
+
+
+def answer(evidence: Evidence) -> Verdict:
+    """Verdict of the first rule that applies, without what its confidence rests on."""
     for rule in RULES:
         verdict = rule.apply(evidence)
         if verdict is not None:
             result = verdict.faults[0] if rule.answer == 'its place' else rule.answer
-            named = (verdict.candidates[place] for place in verdict.faults)
-            # Of two faults both must be there; of several places one.
-            pick = min if result in verdict.faults else max
-            comb = pick(named, key=lambda c: c.z, default=None)
-            comb = comb or highest_comb(evidence.heard)
-            trust = _trust(evidence, comb, rule)
-            return _doubted(replace(verdict, result=result, rule=rule.name, trust=trust))
+            verdict = replace(verdict, result=result, rule=rule.name)
+            slip = _unlikely_slip(verdict)
+            if not slip:
+                return verdict
+            text = (
+                f'it needs a slip of {100.0 * slip:.1f} %: no alarm, as a bearing under load '
+                'slips by less; check bearing and speed'
+            )
+            return replace(verdict, level='suspect', reasons=(*verdict.reasons, text))
     raise AssertionError('the last rule applies to any evidence')
 
 
-def _doubted(verdict: Verdict) -> Verdict:
+def trusted(evidence: Evidence, verdict: Verdict) -> Verdict:
+    """Return an answer with what its confidence rests on: even odds at an unlikely slip."""
+    rule = next(rule for rule in RULES if rule.name == verdict.rule)
+    named = (verdict.candidates[place] for place in verdict.faults)
+    # Of two faults both must be there; of several places one.
+    pick = min if verdict.result in verdict.faults else max
+    comb = pick(named, key=lambda c: c.z, default=None)
+    trust = _trust(evidence, comb or highest_comb(evidence.heard), rule)
+    if _unlikely_slip(verdict):
+        trust = replace(trust, at_most=min(trust.at_most, EVEN))
+    return replace(verdict, trust=trust)
+
+
+def _unlikely_slip(verdict: Verdict) -> float:
     """
-    Answer that needs an unlikely slip, without an alarm and at even odds at most.
+    Slip that an answer needs if that is an unlikely one, else 0.
 
     Places named together need it where one does; of several that are possible all must.
     """
     if verdict.result not in (*PLACES, 'ambiguous'):
-        return verdict
+        return 0.0
     # A comb that may be chance has any slip: the answer does not rest on it.
     slips = [c.slip for c in map(verdict.candidates.__getitem__, verdict.faults) if c.z >= Z_FAULT]
     slip = (min if verdict.result == 'ambiguous' else max)(slips, default=0.0)
-    if slip <= UNLIKELY_SLIP:
-        return verdict
-    text = (
-        f'it needs a slip of {100.0 * slip:.1f} %: no alarm, as a bearing under load '
-        'slips by less; check bearing and speed'
-    )
-    trust = replace(verdict.trust, at_most=min(verdict.trust.at_most, EVEN))
-    return replace(verdict, level='suspect', reasons=(*verdict.reasons, text), trust=trust)
+    return slip if slip > UNLIKELY_SLIP else 0.0
 
 
 def _trust(e: Evidence, comb: Candidate | None, rule: Rule | None = None) -> Trust:
