@@ -354,6 +354,37 @@ def _join_lines(
         _put(rows[k], 0, ar + br - di, ai - bi + dr)
 
 
+def power_of_lines(x: NDArray[np.float32], power: NDArray[np.float32], first: int) -> None:
+    """
+    Write the power of the lines of some squared envelopes relative to that of their mean.
+
+    The lines are those under a Hann window, which takes half of both neighbours from each.
+
+    Parameters
+    ----------
+    x
+        Up to sixteen columns, shape (N, n); overwritten.
+    power
+        (K, B), n columns of it written; row k is line k + 1.
+    first
+        First of these columns.
+
+    >>> x = 1.0 + np.cos(2.0 * np.pi * 3.0 / 64.0 * np.arange(64.0))[:, np.newaxis]
+    >>> power = np.empty((6, 1), np.float32)
+    >>> power_of_lines(x.astype(np.float32), power, 0)
+    >>> power[:, 0].round(4).tolist()
+    [0.0, 0.0625, 0.25, 0.0625, 0.0, 0.0]
+
+    """
+    count, columns = x.shape
+    if columns == 4 and count % 8 == 0:
+        rows = transform_rows(x.reshape(-1, ROW))
+        quarters, lines = aligned(count // 8 + 1, ROW), aligned(len(power) + 2, 8)
+        four_line_power(rows, turns(count // 4), turns(count), quarters, lines, power, first)
+    else:
+        line_power(transform_rows(pairs(x)), turns(count), power, first, np.empty(L, np.float32))
+
+
 @compiled(inline=True, fast=FAST)
 def _line(rows: NDArray[np.float32], turns: NDArray[np.float32], k: int) -> tuple[Any, Any]:
     """
@@ -423,3 +454,62 @@ def line_power(
             for column in range(columns):
                 power[k, first + column] = last[column]
         below_real, below_imag, real, imag = real, imag, above_real, above_imag
+
+
+@compiled(fast=FAST, borrows=True)
+def four_line_power(
+    rows: NDArray[np.float32],
+    turns: NDArray[np.float32],
+    all_turns: NDArray[np.float32],
+    quarters: NDArray[np.float32],
+    lines: NDArray[np.float32],
+    power: NDArray[np.float32],
+    first: int,
+) -> None:
+    """
+    Write the same of four columns, of which every fourth sample was transformed as a column.
+
+    Parameters
+    ----------
+    rows, turns
+        Transforms of sixteen columns of a quarter of the length: the first samples of each four,
+        then the second ones, and so on; see :func:`line_power`.
+    all_turns
+        (N, 2) of the whole length.
+    quarters
+        (N / 8 + 1, 32) to work in.
+    lines
+        (K + 2, 8) to work in.
+    power, first
+        (K, B), written from the first of four columns on; row k is line k + 1.
+
+    """
+    count, whole = len(turns), len(all_turns)
+    for k in range(len(quarters)):
+        real, imag = _line(rows, turns, k)
+        _put(quarters[k], 0, real, imag)
+    for k in range(len(lines)):
+        at = k % count
+        sign = np.float32(1.0 if at < len(quarters) else -1.0)
+        row = quarters[at if at < len(quarters) else count - at]
+        line = lines[k]
+        for c in range(4):
+            line[c], line[4 + c] = row[c], sign * row[L + c]
+        for quarter in range(1, 4):
+            turn = all_turns[quarter * k % whole]
+            for c in range(4):
+                a, b = row[4 * quarter + c], sign * row[L + 4 * quarter + c]
+                line[c] += a * turn[0] - b * turn[1]
+                line[4 + c] += a * turn[1] + b * turn[0]
+    means = quarters[0]
+    for c in range(4):
+        means[c] = np.float32(1.0) / max(lines[0, c], np.float32(_TINY))
+    # The mean itself leaks into the first line.
+    lines[0] = np.float32(0.0)
+    half = np.float32(0.5)
+    for k in range(len(power)):
+        for c in range(4):
+            real = (lines[k + 1, c] - half * (lines[k, c] + lines[k + 2, c])) * means[c]
+            imag = lines[k + 1, 4 + c] - half * (lines[k, 4 + c] + lines[k + 2, 4 + c])
+            imag *= means[c]
+            power[k, first + c] = real * real + imag * imag

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import functools
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.columns import line_power, pairs, transform_rows, turns
+from bearing_twin.diagnosis.columns import power_of_lines
 from bearing_twin.diagnosis.kernels import column_ranks, join_quarters, over_floor
 from bearing_twin.dynamics.vector import L
 import numpy as np
@@ -341,7 +341,7 @@ def envelope_spectra(
     ((500, 8), (4, 500), 1.0)
 
     """
-    begin, last = 0, np.empty(L, np.float32)
+    begin = 0
     for part in envelopes:
         if not begin:
             points = len(part)
@@ -350,7 +350,7 @@ def envelope_spectra(
             power = np.empty((count, len(WHITENINGS) * bands), np.float32)
         for column in range(0, part.shape[1], L):
             some = part[:, column : column + L]
-            line_power(transform_rows(pairs(some)), turns(points), power, begin, last)
+            power_of_lines(some, power, begin)
             begin += some.shape[1]
         # Its memory is that of the next part.
         del part, some
