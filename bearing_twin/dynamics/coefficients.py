@@ -63,6 +63,8 @@ _CONSTANT, _MU_PROPORTIONAL, _TRACTION = (
     SLIP_MODELS.index(name) for name in ('constant', 'mu_proportional', 'traction')
 )
 
+_SKIDDING = slip.HIGHEST_SLIP * (1.0 - 1e-12)
+
 _viscosity = compiled()(lubricant.viscosity)
 _rated_viscosity = compiled()(lubricant.rated_viscosity)
 _sliding_friction = compiled()(friction.sliding_friction)
@@ -151,10 +153,7 @@ def evaluate(constants: Records, outer: float, inner: float, hz: float, out: Flo
         out[INNER] = out[OUTER] = math.nan
         _lubricate(c, outer, outer, hz, out)
     else:
-        out[DEPTH] = out[BETA0] = 1.0
-        out[INNER], out[OUTER] = inner, outer
-        _fit(c, outer, inner, out)
-        _lubricate(c, outer, inner, hz, out)
+        at_rings(c, outer, inner, hz, out)
     held = Supports((c.across, c.skew, c.along), c.aside)
     spring = spring_position(c.load, _contact(out), out[CLEARANCE], held, int(c.n_balls))
     out[FOOT_X] = c.up_x * spring + c.up_y * c.aside
@@ -169,9 +168,20 @@ def evaluate(constants: Records, outer: float, inner: float, hz: float, out: Flo
 
 
 @compiled()
+def at_rings(c: Record, outer: float, inner: float, hz: float, out: FloatArray) -> None:
+    """Fill ``out`` with all that follows from ring temperatures but the foot and the slip."""
+    out[DEPTH] = out[BETA0] = 1.0
+    out[INNER], out[OUTER] = inner, outer
+    _fit(c, outer, inner, out)
+    _lubricate(c, outer, inner, hz, out)
+
+
+@compiled()
 def skids(constants: Records, values: FloatArray) -> bool:
     """
     Whether the traction of the balls does not suffice; ``values`` of `evaluate`.
+
+    A slip that has been put together from parts may differ from the highest one in the last bit.
 
     Examples
     --------
@@ -183,7 +193,7 @@ def skids(constants: Records, values: FloatArray) -> bool:
     True
 
     """
-    return bool(constants[0].slip_model == _TRACTION and values[SLIP] >= slip.HIGHEST_SLIP)
+    return bool(constants[0].slip_model == _TRACTION and values[SLIP] >= _SKIDDING)
 
 
 @compiled()

@@ -5,18 +5,19 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders
-from bearing_twin.bearing.hertz import ellipses, pressure_of
+from bearing_twin.bearing.hertz import pressure_of
 from bearing_twin.dynamics import kernel
 from bearing_twin.dynamics.coefficients import (
     ALPHA,
+    at_rings,
     BETA0,
     CLEARANCE,
+    CONDITION_SIZE,
     DEPTH,
     EQUIVALENT,
-    evaluate,
     FRICTION,
     HARDNESS,
     heaviest,
@@ -34,19 +35,23 @@ from bearing_twin.dynamics.coefficients import (
     VISCOSITY,
 )
 from bearing_twin.dynamics.compiled import compiled
+from bearing_twin.dynamics.layout import STATE
 from bearing_twin.dynamics.limits import Limit, limits_passed, Strain, which_limits
 import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from bearing_twin.bearing.hertz import Ellipse
-    from bearing_twin.dynamics.layout import Records
-    from bearing_twin.dynamics.parameters import TwinParameters
+    from bearing_twin.dynamics.objects import Equations
 
 
 FloatArray = npt.NDArray[np.float64]
 
 _TWO_PI = 2.0 * math.pi
+MOTION = STATE.itemsize // 8
+VALUES = MOTION + INPUTS
+"""Where the inputs, and the values of `evaluate`, begin in what was seen."""
+SEEN = VALUES + CONDITION_SIZE + 1
+"""Numbers from which a condition is put together, see :func:`condition`."""
 _fault_orders = compiled()(fault_orders)
 _pressure_of = compiled()(pressure_of)
 _which_limits = compiled()(which_limits)
@@ -128,72 +133,63 @@ class Condition(NamedTuple):
     """Radial contact force of each ball, N."""
 
 
-def condition(
-    parameters: TwinParameters,
-    constants: Records,
-    values: FloatArray,
-    at: tuple[float, float, float],
-    inputs: FloatArray,
-    states: Records,
-    tables: kernel.Tables,
-) -> Condition:
+def condition(equations: Equations, seen: FloatArray) -> Condition:
     """
-    Put together the condition from the state of motion.
+    Put together the condition from what was seen of a bearing at one instant.
 
-    ``values`` are those of `coefficients.evaluate` with the outer ring's temperature for both;
-    ``at`` are the temperatures of outer and inner ring, degC, and the shaft speed, Hz; ``inputs``
-    those of the equations, which follow a quick change of these within a tick of `inner_ring`.
+    Parameters
+    ----------
+    equations
+        The bearing.
+    seen : float64[SEEN]
+        Its state of motion, a record `layout.STATE` as numbers; the inputs of the equations, which
+        follow a quick change of temperature within a tick of `inner_ring`; the values of
+        `coefficients.evaluate` with the outer ring's temperature for both; and the temperature of
+        the inner ring, degC.
 
+    Examples
+    --------
     >>> from bearing_twin.dynamics import preset, Simulator
     >>> round(Simulator(preset('paper'), temperature=60.0).condition().beta0, 3)
     1.011
 
     """
-    deepest = max([defect.depth for defect in parameters.defects], default=0.0)
-    contacts = ellipses(parameters.bearing)
-    numbers, strain, passed, forces = _observed(
-        constants, values, at, inputs, states, tables, deepest, contacts
-    )
-    which, sentences = limits_passed(strain, passed)
+    numbers, strain, passed, forces = _observed(equations, seen)
+    which, sentences = limits_passed(Strain._make(strain), passed)
     return Condition._make((*numbers, which, sentences, forces))
 
 
 @compiled()
-def _observed(  # type: ignore[no-untyped-def]
-    constants: Records,
-    values: FloatArray,
-    at: tuple[float, float, float],
-    inputs: FloatArray,
-    states: Records,
-    tables: kernel.Tables,
-    deepest: float,
-    contacts: tuple[Ellipse, Ellipse],
-):
+def _observed(equations: Any, seen: FloatArray) -> Any:
     """
     Work out all but the sentences in one call.
 
-    Returns the numbers of a `Condition` in its order, the strain and the limits that it passes,
-    and the forces of all balls.
+    Returns the numbers of a `Condition` in its order, those of a `Strain`, the limits that it
+    passes, and the forces of all balls. A named tuple would be given back more slowly.
     """
-    of, state, c = values.copy(), states[0], constants[0]
+    c, state = equations.constants[0], seen[:MOTION].view(STATE)
+    inputs, of = seen[MOTION:VALUES], seen[VALUES:-1].copy()
     if c.physical != 0.0:
-        evaluate(constants, at[0], at[1], at[2], of)
-    held, skidding = of[CLEARANCE], skids(constants, of)
+        at_rings(c, of[OUTER], seen[-1], of[SHAFT_HZ], of)
+    held = of[CLEARANCE]
     of[:INPUTS] = inputs
     # The contact angle makes the ball's force larger than its radial part.
-    pressed = heaviest(constants, of) / c.cosine
-    pressure = max(_pressure_of(pressed, contacts[0]), _pressure_of(pressed, contacts[1]))
-    strain = Strain(
+    pressed = heaviest(equations.constants, of) / c.cosine
+    inner, outer = equations.contacts
+    pressure = max(_pressure_of(pressed, inner), _pressure_of(pressed, outer))
+    strain = (
         c.load, of[EQUIVALENT], c.dynamic_rating, c.static_rating, pressure, of[KAPPA],
-        of[SHAFT_HZ], of[THERMAL_GAP], held, of[INNER] - of[OUTER], skidding,
+        of[SHAFT_HZ], of[THERMAL_GAP], held, of[INNER] - of[OUTER],
+        skids(equations.constants, of),
     )  # fmt: skip
-    hz = of[SHAFT_HZ]
+    passed = _which_limits(Strain(*strain))
+    hz, moved = of[SHAFT_HZ], state[0]
     bpfo, bpfi, bsf, ftf = _fault_orders(c, of[SLIP])
     numbers = (
-        of[ALPHA], of[HARDNESS], of[FRICTION], of[BETA0], of[K_B], of[DEPTH] * deepest,
+        of[ALPHA], of[HARDNESS], of[FRICTION], of[BETA0], of[K_B], of[DEPTH] * equations.deepest,
         of[CLEARANCE], of[THERMAL_GAP], of[SLIP], of[INNER], of[OUTER], of[VISCOSITY], of[KAPPA],
         of[MOMENT], of[LIFE], pressure, hz, hz * bpfo, hz * bpfi, hz * bsf, hz * ftf,
-        _TWO_PI * (state.shaft % 1.0), _TWO_PI * (state.cage % 1.0), _TWO_PI * (state.spin % 1.0),
-        state.q[0] - state.q[2], state.q[1] - state.q[3],
+        _TWO_PI * (moved.shaft % 1.0), _TWO_PI * (moved.cage % 1.0), _TWO_PI * (moved.spin % 1.0),
+        moved.q[0] - moved.q[2], moved.q[1] - moved.q[3],
     )  # fmt: skip
-    return numbers, strain, _which_limits(strain), kernel.ball_forces(states, tables, of)
+    return numbers, strain, passed, kernel.ball_forces(state, equations.tables, of)

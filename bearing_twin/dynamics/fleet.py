@@ -214,15 +214,13 @@ class Fleet:
     def condition(self, index: int) -> Condition:
         """State of one bearing at the next sample."""
         self._check_index(index)
-        p, lanes = self._parameters[index], self._lanes
+        lanes = self._lanes
         inner = inner_ring.temperature(
             lanes.rings[index], self.next_sample % self._tick, self._tick
         )
-        at = self._temperatures[index], inner, self._shaft_hz[index]
-        return condition(
-            p, lanes.constants[index : index + 1], lanes.values[index], at, self._inputs(index),
-            lanes.motion(index, self.next_sample), lanes.tables(index),
-        )  # fmt: skip
+        moved = lanes.motion(index, self.next_sample).view(float)
+        seen = np.concatenate([moved, self._inputs(index), lanes.values[index], [inner]])
+        return condition(lanes.equations(index, self._parameters[index]), seen)
 
     def _inputs(self, index: int | slice) -> FloatArray:
         """Return the inputs of the equations of some bearings at the next sample."""

@@ -12,6 +12,7 @@ from bearing_twin.dynamics import coefficients, filters, layout
 from bearing_twin.dynamics import fleet_layout as fl
 from bearing_twin.dynamics.fleet_kernel import room_size
 from bearing_twin.dynamics.fleet_kinematics import first_slot
+from bearing_twin.dynamics.tables import equations_of
 from bearing_twin.dynamics.vector import aligned, L
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from bearing_twin.dynamics.kernel import Tables
+    from bearing_twin.dynamics.objects import Equations
     from bearing_twin.dynamics.parameters import TwinParameters
     from bearing_twin.dynamics.simulator import Simulator
     from bearing_twin.dynamics.waviness import Surfaces
@@ -68,6 +70,7 @@ class Lanes:
         self.balls = aligned((groups, slots, fl.BALL_ROWS, L), np.float32)
         self.surfaces = np.zeros((self.size, 0), np.float32)
         self._tables: dict[int, Tables] = {}
+        self._equations: dict[int, Equations] = {}
         self.constants = np.zeros(self.size, coefficients.CONSTANTS)
         self.values = np.zeros((self.size, coefficients.CONDITION_SIZE))
         self.drift = np.zeros((self.size, 2, coefficients.INPUTS))
@@ -167,16 +170,22 @@ class Lanes:
         missing = len(table) - self.surfaces.shape[1]
         if missing > 0:
             self.surfaces = np.pad(self.surfaces, ((0, 0), (0, missing)))
+            self._equations.clear()
         self.surfaces[index, : len(table)] = table
         for name in ('outer', 'inner', 'ball'):
             group[name + '_nodes'][lane] = getattr(surfaces, name)
         group['highest'][lane] = surfaces.highest
         self._tables[index] = self._tables[index]._replace(surfaces=surfaces._replace(table=None))
+        self._equations.pop(index, None)
 
-    def tables(self, index: int) -> Tables:
-        """One bearing as the kernel of single bearings takes it."""
-        tables = self._tables[index]
-        return tables._replace(surfaces=tables.surfaces._replace(table=self.surfaces[index]))
+    def equations(self, index: int, parameters: TwinParameters) -> Equations:
+        """One bearing, of these parameters, as compiled code for single bearings takes it."""
+        if index not in self._equations:
+            tables = self._tables[index]
+            tables = tables._replace(surfaces=tables.surfaces._replace(table=self.surfaces[index]))
+            constants = self.constants[index : index + 1]
+            self._equations[index] = equations_of(parameters, constants, tables)
+        return self._equations[index]
 
     def state(self) -> list[Array]:
         """Motion, phases, decimators, inner rings, what still fades and whose it is, as views."""

@@ -45,6 +45,7 @@ def tick_length(sample_rate: float) -> int:
     return max(1, round(_TICK * sample_rate))
 
 
+@compiled()
 def temperature(rings: FloatArray, since_tick: int, tick: int) -> float:
     """
     Temperature ``since_tick`` samples after the last tick, degC.
@@ -55,7 +56,8 @@ def temperature(rings: FloatArray, since_tick: int, tick: int) -> float:
     60.25
 
     """
-    return float(rings[0] + (rings[1] - rings[0]) * (since_tick / tick))
+    inner: float = rings[0] + (rings[1] - rings[0]) * (since_tick / tick)
+    return inner
 
 
 @compiled()

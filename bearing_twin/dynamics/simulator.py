@@ -8,17 +8,17 @@ from dataclasses import dataclass, field
 import functools
 import math
 import struct
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 import zlib
 
-from bearing_twin.dynamics import coefficients, filters, inner_ring, kernel
+from bearing_twin.dynamics import coefficients, filters, inner_ring, kernel, objects
 from bearing_twin.dynamics.compiled import compiled
-from bearing_twin.dynamics.condition import Condition, condition
-from bearing_twin.dynamics.layout import CHUNK, Records, STATE
+from bearing_twin.dynamics.condition import Condition, condition, MOTION, SEEN, VALUES
+from bearing_twin.dynamics.layout import CHUNK, STATE
 from bearing_twin.dynamics.parameters import check_speed
 from bearing_twin.dynamics.saved import Envelope, identity
 from bearing_twin.dynamics.stability import steps
-from bearing_twin.dynamics.tables import ball_table, defect_table, machine
+from bearing_twin.dynamics.tables import ball_table, defect_table, equations_of, machine
 from bearing_twin.dynamics.waviness import surfaces
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import check_whole
@@ -29,6 +29,7 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from bearing_twin.dynamics.layout import Records
     from bearing_twin.dynamics.parameters import TwinParameters
 
 
@@ -138,6 +139,8 @@ class Simulator:
         self.fade, self.faded = np.zeros(coefficients.INPUTS), 0
         self.rings = np.full(2, math.nan)
         self.values = np.zeros(coefficients.CONDITION_SIZE)
+        self.history = np.zeros((2, len(self._taps) - self._oversample))
+        self.state = np.zeros(1, STATE)
         self.seed = _checked(seed)
         self._configure(parameters)
         self.reset()
@@ -171,8 +174,8 @@ class Simulator:
         """
         self.next_sample = 0
         self._temperature, self._shaft_hz = self.start
-        self.history = np.zeros((2, len(self._taps) - self._oversample))
-        self.state = np.zeros(1, STATE)
+        self.history[:] = 0.0
+        self.state[:] = np.zeros(1, STATE)
         self._come_from(None)
         self._settle_ring()
         self._run_in()
@@ -232,32 +235,26 @@ class Simulator:
             raise BearingTwinError(msg)
         temperature = check_temperature(float(temperature))
         shaft_hz = check_speed(shaft_hz)
-        was = self._temperature, self._shaft_hz
-        begin, end = self.values, self.values
-        if (temperature, shaft_hz) != was:
-            end = self._evaluate(temperature, temperature, shaft_hz)
         out, first = np.empty((2, n), dtype=np.float32), self.next_sample
+        seen = np.empty(SEEN)
         _advance(
-            self.state, self.history, self.tables, self._resonators, self._taps, self.constants,
-            (begin, end), was, (temperature, shaft_hz), self.rings, self.drift, self.fade,
-            self.faded, self.seed, first, self.tick, self.tick / self.sample_rate, out,
+            self._motion, self._temperature, self._shaft_hz, temperature, shaft_hz, self.faded,
+            self.seed, first, self.tick, self.tick / self.sample_rate, out, seen,
         )  # fmt: skip
         self.next_sample += n
-        self._temperature, self._shaft_hz, self.values = temperature, shaft_hz, end
-        return Block(first_sample=first, x=out[0], y=out[1], describe=self._describe())
+        self._temperature, self._shaft_hz = temperature, shaft_hz
+        return Block(
+            first_sample=first,
+            x=out[0],
+            y=out[1],
+            describe=functools.partial(condition, self._equations, seen),
+        )
 
     def condition(self) -> Condition:
         """State at the next sample."""
-        return self._describe()()
-
-    def _describe(self) -> Callable[[], Condition]:
-        """Return what works out the present condition, whatever becomes of the state."""
-        inner = inner_ring.temperature(self.rings, self.next_sample % self.tick, self.tick)
-        return functools.partial(
-            _condition, self._parameters, self.constants, self.values,
-            (self._temperature, inner, self._shaft_hz), self.inputs(), self.state.tobytes(),
-            self.tables,
-        )  # fmt: skip
+        seen = np.empty(SEEN)
+        _see(self._motion, self.faded, self.next_sample, self.tick, seen)
+        return condition(self._equations, seen)
 
     def save(self) -> bytes:
         """
@@ -316,12 +313,12 @@ class Simulator:
         values_at = self._evaluate(
             check_temperature(temperature), temperature, check_speed(shaft_hz)
         )
-        self._temperature, self._shaft_hz, self.values = temperature, shaft_hz, values_at
+        self._temperature, self._shaft_hz, self.values[:] = temperature, shaft_hz, values_at
         self._reseed(seed)
         self.next_sample = next_sample
-        self.state = state.copy()
-        self.history = history.reshape(self.history.shape).copy()
-        self.drift = drift.reshape(self.drift.shape).copy()
+        self.state[:] = state
+        self.history[:] = history.reshape(self.history.shape)
+        self.drift[:] = drift.reshape(self.drift.shape)
         self.fade[:], self.faded = fade, faded
         physical = self._parameters.thermal_mode == 'physical'
         self.rings[:] = rings if physical else math.nan
@@ -370,18 +367,27 @@ class Simulator:
         self._parameters = p
         self.constants = coefficients.constants_of(p)
         found = surfaces(p, self.seed)
-        self.tables = kernel.Tables(machines, defect_table(p), ball_table(p), found)
+        self._take(kernel.Tables(machines, defect_table(p), ball_table(p), found))
         springs = np.array([p.inner_stiffness, *p.housing_stiffness])
         tables = machines, self.constants, self.tables.defects, np.array([p.waviness])
         whole = zlib.crc32(b''.join(table.tobytes() for table in tables))
         self.marks = whole, zlib.crc32(springs.tobytes())
         """Checksums of what the equations take, and of the springs, whose foot jumps with them."""
 
+    def _take(self, tables: kernel.Tables) -> None:
+        """Take the tables of the parameters in force."""
+        self.tables = tables
+        self._equations = equations_of(self._parameters, self.constants, tables)
+        self._motion = objects.motion(
+            self._equations, self._resonators, self._taps, self.state, self.history, self.values,
+            self.rings, self.drift, self.fade,
+        )  # fmt: skip
+
     def _reseed(self, seed: int) -> None:
         """Take another seed: the random numbers change, and with them the surfaces."""
         if seed != self.seed:
             self.seed = seed
-            self.tables = self.tables._replace(surfaces=surfaces(self._parameters, seed))
+            self._take(self.tables._replace(surfaces=surfaces(self._parameters, seed)))
 
     def _evaluate(self, outer: float, inner: float, shaft_hz: float) -> FloatArray:
         values = np.empty(coefficients.CONDITION_SIZE)
@@ -432,44 +438,56 @@ class Simulator:
     def _settle_ring(self) -> None:
         """Put the inner ring into its steady state."""
         outer, hz = self._temperature, self._shaft_hz
-        self.values = self._evaluate(outer, outer, hz)
+        self.values[:] = self._evaluate(outer, outer, hz)
         inner_ring.settle(self.constants, self.values, outer, hz, self.rings, self.drift)
 
     def _carry_rings(self) -> None:
         """Let the inner ring go on with the parameters in force."""
         outer, hz = self._temperature, self._shaft_hz
-        self.values = self._evaluate(outer, outer, hz)
+        self.values[:] = self._evaluate(outer, outer, hz)
         inner_ring.carry(self.constants, self.values, outer, hz, self.rings, self.drift, self.tick)
+
+
+# The first arguments are objects of numba, whose fields mypy does not know.
+@compiled()
+def _see(motion: Any, faded: int, at: int, tick: int, seen: FloatArray) -> None:
+    """Put aside what the condition at sample ``at`` follows from, see `condition`."""
+    since, behind = at % tick, motion.fade * min(at - faded, 0)
+    seen[:MOTION].view(STATE)[0] = motion.states[0]
+    seen[MOTION:VALUES] = inner_ring.inputs(motion.values, behind, motion.drift, since)
+    seen[VALUES:-1] = motion.values
+    seen[-1] = inner_ring.temperature(motion.rings, since, tick)
 
 
 @compiled()
 def _advance(
-    states: Records,
-    history: FloatArray,
-    tables: kernel.Tables,
-    resonators: FloatArray,
-    taps: FloatArray,
-    constants: Records,
-    values: tuple[FloatArray, FloatArray],
-    was: tuple[float, float],
-    to: tuple[float, float],
-    rings: FloatArray,
-    drift: FloatArray,
-    fade: FloatArray,
+    motion: Any,
+    was_temperature: float,
+    was_hz: float,
+    temperature: float,
+    shaft_hz: float,
     faded: int,
     seed: int,
     first: int,
     tick: int,
     seconds: float,
     out: npt.NDArray[np.float32],
+    seen: FloatArray,
 ) -> None:
     """
     Advance a bearing and its inner ring through a block, from tick to tick.
 
-    ``values``, and ``was`` and ``to``, temperature in degC and speed in Hz, are those of begin
-    and end; ``seconds`` are those of a tick; for the others see `kernel.advance`.
+    A tick takes ``seconds``; for the others see `kernel.advance` and `_see`.
     """
-    begin, end = values
+    was, to, constants = (
+        (was_temperature, was_hz),
+        (temperature, shaft_hz),
+        motion.equations.constants,
+    )
+    begin, end = motion.values, motion.values
+    if to != was:
+        end = np.empty(coefficients.CONDITION_SIZE)
+        coefficients.evaluate(constants, temperature, temperature, shaft_hz, end)
     n, done, physical = out.shape[1], 0, constants[0].physical != 0.0
     ramp = np.empty((2, coefficients.INPUTS))
     while done < n:
@@ -480,29 +498,19 @@ def _advance(
             ramp[0, i] = begin[i] + growth * (done / n)
             ramp[1, i] = begin[i] + growth * ((done + count) / n)
         kernel.advance(
-            states, history, tables, resonators, taps, ramp, drift, fade, faded, seed,
-            first + done, since, out[:, done : done + count],
+            motion.states, motion.history, motion.equations.tables, motion.resonators, motion.taps,
+            ramp, motion.drift, motion.fade, faded, seed, first + done, since,
+            out[:, done : done + count],
         )  # fmt: skip
         done += count
         if physical and (first + done) % tick == 0:
             share = done / n
             now = was[0] + (to[0] - was[0]) * share, was[1] + (to[1] - was[1]) * share
-            inner_ring.tick_one(constants, begin, was, now, rings, drift, tick, seconds)
-
-
-def _condition(
-    parameters: TwinParameters,
-    constants: Records,
-    values: FloatArray,
-    at: tuple[float, float, float],
-    inputs: FloatArray,
-    state: bytes,
-    tables: kernel.Tables,
-) -> Condition:
-    """Return the condition at a state that has been put aside as bytes, which is quickest."""
-    # Bytes are copied sooner than records.
-    states = np.frombuffer(bytearray(state), STATE)
-    return condition(parameters, constants, values, at, inputs, states, tables)
+            inner_ring.tick_one(
+                constants, begin, was, now, motion.rings, motion.drift, tick, seconds
+            )
+    motion.values[:] = end
+    _see(motion, faded, first + n, tick, seen)
 
 
 def _checked(seed: int) -> int:

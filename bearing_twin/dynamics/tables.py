@@ -8,7 +8,8 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
-from bearing_twin.dynamics import filters, layout
+from bearing_twin.bearing.hertz import ellipses
+from bearing_twin.dynamics import filters, layout, objects
 from bearing_twin.dynamics.layout import CHUNK, COS, DEFECT, GAP, LANES, SIN
 from bearing_twin.dynamics.model import PROFILES
 from bearing_twin.dynamics.statics import upwards
@@ -16,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
+    from bearing_twin.dynamics.kernel import Tables
     from bearing_twin.dynamics.layout import Records
     from bearing_twin.dynamics.parameters import TwinParameters
 
@@ -109,3 +111,19 @@ def ball_table(p: TwinParameters) -> FloatArray:
     angle = 2.0 * math.pi * np.arange(n) / n
     table[COS, :n], table[SIN, :n] = np.cos(angle), np.sin(angle)
     return table
+
+
+def equations_of(p: TwinParameters, constants: Records, tables: Tables) -> objects.Equations:
+    """
+    Put together what the equations of one bearing take, of its records.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset, Simulator
+    >>> simulator, p = Simulator(preset('paper')), preset('paper')
+    >>> isinstance(equations_of(p, simulator.constants, simulator.tables), objects.Equations)
+    True
+
+    """
+    deepest = max([defect.depth for defect in p.defects], default=0.0)
+    return objects.equations(constants, tables, ellipses(p.bearing), deepest)

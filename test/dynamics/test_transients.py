@@ -5,7 +5,8 @@
 from dataclasses import replace
 import math
 
-from bearing_twin.dynamics import Fleet, preset, Simulator
+from bearing_twin.dynamics import coefficients, Fleet, preset, Simulator
+from bearing_twin.dynamics.limits import Limit
 from bearing_twin.dynamics.trend import amplitude_change
 import numpy as np
 import pytest
@@ -267,3 +268,29 @@ def test_a_change_of_operation_takes_a_time_whatever_the_blocks_and_survives_a_s
     reached, fresh = blocks[0].condition, Simulator(changed).condition()
     for name in ('k_b', 'radial_clearance', 'contact_pressure', 'slip'):
         assert getattr(reached, name) == pytest.approx(getattr(fresh, name), rel=1e-9)
+
+
+# --- between two thermal ticks -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(('load', 'hz'), [(500.0, HZ), (40.0, 60.0)], ids=['held', 'skidding'])
+def test_the_condition_is_of_the_ring_temperatures_of_its_sample(load, hz):
+    parameters = smooth('incipient', thermal_mode='physical', load=load)
+    simulator, at = Simulator(parameters, shaft_hz=hz), np.empty(coefficients.CONDITION_SIZE)
+    # The inner ring lags behind by tens of kelvins; the last block ends within a tick.
+    simulator.advance(25600, 80.0, hz)
+    simulator.advance(25600, 80.0, hz)
+    state = simulator.advance(1000, 80.0, hz).condition
+    rings = state.outer_ring_temperature, state.inner_ring_temperature
+    assert rings[0] - rings[1] > 10.0
+    coefficients.evaluate(coefficients.constants_of(parameters), *rings, hz, at)
+    for name in ('viscosity', 'kappa', 'friction_moment', 'life_hours', 'thermal_clearance'):
+        row = {
+            'friction_moment': 'MOMENT',
+            'life_hours': 'LIFE',
+            'thermal_clearance': 'THERMAL_GAP',
+        }
+        value = at[getattr(coefficients, row.get(name, name.upper()))]
+        assert getattr(state, name) == value or math.isnan(value)
+    assert state.slip == pytest.approx(at[coefficients.SLIP], rel=1e-4)
+    assert (Limit.SKIDDING in state.limits_passed) == (load == 40.0)
