@@ -25,7 +25,7 @@ from bearing_twin.streams.vibration_input import Inputs
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from bearing_twin.assets.fitted import Fitted
     from bearing_twin.dynamics.parameters import TwinParameters
@@ -80,6 +80,12 @@ class TwinChannel(Inputs):
     def _settle_first(self, temperature: float) -> None:
         if self.values['thermal_mode'] == 'physical':
             self._settle(temperature)
+
+    @property
+    def inputs(self) -> TwinInputs:
+        """What a block that ends now is computed with."""
+        now = self.clock()
+        return TwinInputs(self.gate.at(now), self.shaft.at(now))
 
     @property
     def start_temperature(self) -> float:
@@ -243,9 +249,13 @@ class Twin(TwinChannel):
         """Let a checkpoint precede the next block."""
         self._checkpoints.ask()
 
+    def needs_checkpoint(self, due: Due) -> bool:
+        """Whether a checkpoint is to precede the block ``due``."""
+        return self._checkpoints.is_due(due.first_sample)
+
     def checkpoint(self, due: Due, configuration: str) -> Checkpoint | None:
         """Return the checkpoint before the block ``due``; None if it is not time for one."""
-        if not self._checkpoints.is_due(due.first_sample):
+        if not self.needs_checkpoint(due):
             return None
         return self._checkpoints.make(
             due.first_sample,
@@ -257,25 +267,40 @@ class Twin(TwinChannel):
 
     def advance(self, inputs: TwinInputs | None = None, n: int | None = None) -> TwinBlock:
         """Compute the next block as the sensor gives it: of the inputs and the length in force."""
-        now, n = self.clock(), n or self.values['block_size']
-        temperature, shaft_hz = inputs or TwinInputs(self.gate.at(now), self.shaft.at(now))
+        n = n or self.values['block_size']
+        inputs = inputs or self.inputs
         if self._changing:
-            block = self._fade(n, temperature.used, shaft_hz)
-        else:
-            block = self.simulator.advance(n, temperature.used, shaft_hz)
-            block = block if self.sensor is None else self.sensor.take(block)
+            return self._made(self._fade(n, inputs.temperature.used, inputs.shaft_hz), inputs)
+        block = self.simulator.advance(n, inputs.temperature.used, inputs.shaft_hz)
+        return self._made(self._sensed(block), inputs)
+
+    def advance_all(self, inputs: Sequence[TwinInputs], n: int) -> list[TwinBlock]:
+        """Compute blocks of ``n`` samples as :meth:`advance` does, in one go."""
+        if inputs and self._changing:
+            return [self.advance(inputs[0], n), *self.advance_all(inputs[1:], n)]
+        temperatures = [each.temperature.used for each in inputs]
+        blocks = self.simulator.advance_all(n, temperatures, [each.shaft_hz for each in inputs])
+        return [
+            self._made(self._sensed(block), each)
+            for block, each in zip(blocks, inputs, strict=True)
+        ]
+
+    def _sensed(self, block: Block) -> Block:
+        """Return a block as the sensor of the machine gives it."""
+        return block if self.sensor is None else self.sensor.take(block)
+
+    def _made(self, block: Block, inputs: TwinInputs) -> TwinBlock:
         fitted = self.fitted
         injected = defect_places(self.values['defect']) != 'none'
         defect = fitted.defect if fitted and not injected else ''
-        return TwinBlock(block, temperature, shaft_hz, self.unit, defect)
+        return TwinBlock(block, *inputs, self.unit, defect)
 
     def _fade(self, n: int, temperature: float, shaft_hz: float) -> Block:
         """Compute a block that goes over from one calibration to the next."""
         following, before = successor(self.simulator, self._parameters(self._next))
         old = self.simulator.advance(n, temperature, shaft_hz)
         new = following.advance(n, temperature, shaft_hz)
-        if self.sensor is not None:
-            old = self.sensor.take(old)
+        old = self._sensed(old)
         self.simulator, self.sensor = following, None
         if self._next is not None:
             self.sensor = Sensor(self._next)

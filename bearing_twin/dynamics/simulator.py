@@ -27,7 +27,7 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from bearing_twin.dynamics.layout import Records
     from bearing_twin.dynamics.parameters import TwinParameters
@@ -230,9 +230,7 @@ class Simulator:
             If a value is out of its range; the state is then unchanged.
 
         """
-        if not 1 <= n <= _MAX_BLOCK:
-            msg = f'block of {n} samples is outside 1..{_MAX_BLOCK}'
-            raise BearingTwinError(msg)
+        _check_size(n)
         temperature = check_temperature(float(temperature))
         shaft_hz = check_speed(shaft_hz)
         out, first = np.empty((2, n), dtype=np.float32), self.next_sample
@@ -243,12 +241,44 @@ class Simulator:
         )  # fmt: skip
         self.next_sample += n
         self._temperature, self._shaft_hz = temperature, shaft_hz
-        return Block(
-            first_sample=first,
-            x=out[0],
-            y=out[1],
-            describe=functools.partial(condition, self._equations, seen),
-        )
+        return self._block(first, out, seen)
+
+    def _block(self, first: int, out: npt.NDArray[np.float32], seen: FloatArray) -> Block:
+        describe = functools.partial(condition, self._equations, seen)
+        return Block(first_sample=first, x=out[0], y=out[1], describe=describe)
+
+    def advance_all(
+        self, n: int, temperatures: Sequence[float], speeds: Sequence[float]
+    ) -> list[Block]:
+        """
+        Advance by blocks of ``n`` samples, one after the other, in one call.
+
+        The same as :meth:`advance` with each temperature, degC, and speed, Hz, but other threads
+        have the interpreter meanwhile.
+
+        Examples
+        --------
+        >>> from bearing_twin.dynamics import preset
+        >>> one, other = Simulator(preset('paper')), Simulator(preset('paper'))
+        >>> blocks = one.advance_all(256, [20.0, 30.0], [25.0, 25.0])
+        >>> again = [other.advance(256, each, 25.0) for each in (20.0, 30.0)]
+        >>> [bool((a.y == b.y).all()) for a, b in zip(blocks, again)]
+        [True, True]
+
+        """
+        _check_size(n)
+        outer = np.array([check_temperature(float(each)) for each in temperatures])
+        hz = np.array([check_speed(each) for each in speeds])
+        count, first = len(outer), self.next_sample
+        out, seen = np.empty((count, 2, n), dtype=np.float32), np.empty((count, SEEN))
+        _advance_all(
+            self._motion, self._temperature, self._shaft_hz, outer, hz, self.faded, self.seed,
+            first, self.tick, self.tick / self.sample_rate, out, seen,
+        )  # fmt: skip
+        self.next_sample += count * n
+        if count:
+            self._temperature, self._shaft_hz = float(outer[-1]), float(hz[-1])
+        return [self._block(first + i * n, out[i], seen[i]) for i in range(count)]
 
     def condition(self) -> Condition:
         """State at the next sample."""
@@ -511,6 +541,36 @@ def _advance(
             )
     motion.values[:] = end
     _see(motion, faded, first + n, tick, seen)
+
+
+@compiled()
+def _advance_all(
+    motion: Any,
+    was_temperature: float,
+    was_hz: float,
+    temperatures: FloatArray,
+    speeds: FloatArray,
+    faded: int,
+    seed: int,
+    first: int,
+    tick: int,
+    seconds: float,
+    out: npt.NDArray[np.float32],
+    seen: FloatArray,
+) -> None:
+    """Do `_advance` for blocks that follow each other; arrays with the block first."""
+    for i in range(out.shape[0]):
+        _advance(
+            motion, was_temperature, was_hz, temperatures[i], speeds[i], faded, seed,
+            first + i * out.shape[2], tick, seconds, out[i], seen[i],
+        )  # fmt: skip
+        was_temperature, was_hz = temperatures[i], speeds[i]
+
+
+def _check_size(n: int) -> None:
+    if not 1 <= n <= _MAX_BLOCK:
+        msg = f'block of {n} samples is outside 1..{_MAX_BLOCK}'
+        raise BearingTwinError(msg)
 
 
 def _checked(seed: int) -> int:

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.assets.diagnosis import DueVerdict
+    from bearing_twin.assets.twin import TwinInputs
     from bearing_twin.diagnosis.chain import Analysis
     from bearing_twin.dynamics.condition import Condition
     from bearing_twin.recording.catalogue import RecordedMessage
@@ -179,6 +180,16 @@ class _Block(NamedTuple):
     checkpoint: Output | None
 
 
+class _Planned(NamedTuple):
+    """One block that the twin is to make; the fields are those of `_Block`."""
+
+    now: int
+    due: Due
+    inputs: TwinInputs
+    temperature: float
+    checkpoint: Output | None
+
+
 class _TwinSide:
     """The inputs and the twin on one time line."""
 
@@ -189,6 +200,8 @@ class _TwinSide:
         self._temperature = math.nan
         self._start = self._latest = start
         self._next_sample = 0
+        # Blocks are made many at a time: after each, the twin would wait for the interpreter.
+        self._waiting: list[RecordedMessage | _Planned] = []
 
     def run(
         self, messages: Iterable[RecordedMessage], end: int
@@ -197,10 +210,14 @@ class _TwinSide:
         for message in messages:
             self._refuse_pause(message.log_time, f'the next message of {message.topic}')
             yield from self._blocks_until(message.log_time)
-            yield message
+            if not self._twin.settled:
+                # The first temperature may change the twin at once.
+                yield from self._made()
+            self._waiting.append(message)
             self._take(message)
         self._refuse_pause(end, 'the end of the recording')
         yield from self._blocks_until(end)
+        yield from self._made()
 
     def _refuse_pause(self, time: int, what: str) -> None:
         if time - self._latest > LONGEST_PAUSE:
@@ -225,29 +242,37 @@ class _TwinSide:
         else:
             self._twin.take_joints(decoded)
 
-    def _blocks_until(self, time: int) -> Iterator[_Block]:
-        """Yield every block whose last sample has been taken before ``time`` (ns)."""
+    def _blocks_until(self, time: int) -> Iterator[RecordedMessage | _Block]:
+        """Let every block whose last sample has been taken before ``time`` (ns) be made."""
         length = self._twin.values['block_size']
         rate = self._twin.values['sample_rate']
         while True:
             now = self._start + samples_ns(self._next_sample + length, rate)
             if now > time:
                 return
-            stamp = self._start + samples_ns(self._next_sample, rate)
-            yield self._block(Due(self._next_sample, stamp, 0.0), now)
+            due = Due(self._next_sample, self._start + samples_ns(self._next_sample, rate), 0.0)
+            if self._twin.needs_checkpoint(due) or len(self._waiting) >= BATCH:
+                yield from self._made()
+            self._now = now / NANO
+            checkpoint = self._twin.checkpoint(due, self._text)
+            self._waiting.append(
+                _Planned(
+                    now, due, self._twin.inputs, self._temperature,
+                    output('/twin_checkpoint', checkpoint) if checkpoint is not None else None,
+                )
+            )  # fmt: skip
             self._next_sample += length
 
-    def _block(self, due: Due, now: int) -> _Block:
-        self._now = now / NANO
-        checkpoint = self._twin.checkpoint(due, self._text)
-        made = self._twin.advance()
-        return _Block(
-            now,
-            due,
-            made,
-            self._temperature,
-            output('/twin_checkpoint', checkpoint) if checkpoint is not None else None,
-        )
+    def _made(self) -> Iterator[RecordedMessage | _Block]:
+        """Make the blocks that wait, in one go, and yield them and the inputs between them."""
+        waiting, self._waiting = self._waiting, []
+        inputs = [each.inputs for each in waiting if isinstance(each, _Planned)]
+        made = iter(self._twin.advance_all(inputs, self._twin.values['block_size']))
+        for each in waiting:
+            if isinstance(each, _Planned):
+                yield _Block(each.now, each.due, next(made), each.temperature, each.checkpoint)
+            else:
+                yield each
 
 
 class _Analysed(NamedTuple):

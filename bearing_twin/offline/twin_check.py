@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from bearing_twin.recording.catalogue import RecordedMessage
 
 
+_TOGETHER = 25
+"""Blocks of one twin that are made again at a time."""
+
+
 class Recorded(NamedTuple):
     """A recorded block and what its state says of it."""
 
@@ -48,6 +52,8 @@ class TwinCheck:
         self._of_twin = False
         self._sparse = False
         self._last: Recorded | None = None
+        # Blocks are made many at a time: after each, the twin would wait for the interpreter.
+        self._waiting: list[Recorded] = []
         # Of blocks of one length: another length needs another one.
         self._bytes: dict[int, TwinBytes] = {}
 
@@ -57,12 +63,14 @@ class TwinCheck:
 
     def join(self, fleet: FleetCheck) -> None:
         """Let a fleet's re-run make the blocks."""
+        self._make()
         self._of_twin = self._sparse = True
         self._fleet = fleet
 
     def checkpoint(self, checkpoint: Any) -> None:
         """Go on from here, unless that is where the re-run is anyway."""
         self.settle()
+        self._make()
         self._of_twin = True
         self._sparse = float(configuration_values(checkpoint).get('state_rate', 0.0)) > 0.0
         twin = self._twin
@@ -142,6 +150,7 @@ class TwinCheck:
 
     def _rerun(self, block: Recorded) -> None:
         if self._pending is not None and int(self._pending.first_sample) == block.due.first_sample:
+            self._make()
             self._twin = Twin(configuration_values(self._pending))
             self._twin.load(bytes(self._pending.state))
             self._pending = None
@@ -151,7 +160,20 @@ class TwinCheck:
         if self._twin is None:
             self.skip()
             return
-        self.compare(block, self._twin.advance(block.inputs, block.length), self._twin.values)
+        if self._waiting and block.length != self._waiting[0].length:
+            self._make()
+        self._waiting.append(block)
+        if len(self._waiting) == _TOGETHER:
+            self._make()
+
+    def _make(self) -> None:
+        """Make the blocks that wait again; compare."""
+        waiting, self._waiting = self._waiting, []
+        if waiting and self._twin is not None:
+            inputs = [block.inputs for block in waiting]
+            made = self._twin.advance_all(inputs, waiting[0].length)
+            for block, again in zip(waiting, made, strict=True):
+                self.compare(block, again, self._twin.values)
 
     def compare(self, block: Recorded, made: TwinBlock, values: Mapping[str, Any]) -> None:
         """Compare a recorded block with the one that was made again."""
@@ -168,11 +190,13 @@ class TwinCheck:
     def finish(self) -> None:
         """Count what is left; sensor data cannot be re-run."""
         self.settle()
+        self._make()
         if not self._of_twin and self._result.topics.pop(self.topic, None) is not None:
             self._note('no twin was recorded with it; it is taken as measured')
 
     def _lose(self) -> None:
         """Wait for the next checkpoint: a block is missing in the recording."""
+        self._make()
         if self._twin is not None:
             self._note(
                 f'blocks are missing after block {self._published}; '
