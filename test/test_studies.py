@@ -178,7 +178,10 @@ def test_calibration_goes_on_after_a_machine_that_is_not_fitted(tmp_path, monkey
 
 def test_a_count_of_intervals_that_hold():
     """Three of four told hold, one of them narrowly; what is not told counts apart."""
-    row = {'place': 'inner', 'q25': 0.9, 'q75': 1.1, 'identifiable': True, 'rank': 0.5}
+    row = {
+        'place': 'inner', 'q25': 0.9, 'q75': 1.1, 'own_q05': 0.85, 'own_q95': 1.2,
+        'identifiable': True, 'rank': 0.5,
+    }  # fmt: skip
     rows = [
         row | {'width': width, 'q05': 0.8, 'median': 1.0, 'q95': 1.25}
         for width in (0.8, 1.0, 1.25, 2.0)
@@ -188,4 +191,5 @@ def test_a_count_of_intervals_that_hold():
     said = calibration.summary(rows)
     assert (said['faulty'], said['told']) == (5, 4)
     assert (said['within_90'], said['within_50'], said['within_90_all']) == (0.75, 0.25, 0.8)
+    assert said['within_90_own'] == 0.25
     assert said['median_error'] == pytest.approx(0.225)
