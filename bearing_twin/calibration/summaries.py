@@ -254,10 +254,12 @@ def fastest_resonance(x: FloatArray, sample_rate: float, spacing: float) -> floa
 
 def likeness(x: FloatArray, sample_rate: float, measured: Summary) -> float:
     """
-    Return how much the second impact is a copy of the first: 1 at most, below 0 for an inverse.
+    Return how coherent two impacts are: 1 if the second is a copy of the first, -1 for an inverse.
 
-    The greatest autocorrelation of the whitened signal itself at the time between the impacts. Two
-    of the same shape, the second a times as high, have a / (1 + a^2).
+    The greatest autocorrelation of the whitened signal itself at the time between the impacts,
+    over that of copies. If the second is a times as high, copies have a / (1 + a^2), and those of
+    the squared envelope a^2 / (1 + a^4), which is the prominence p: so the first is
+    sqrt(p / (1 + 2 p)), however strong the second is. Noise takes from it.
 
     Parameters
     ----------
@@ -275,9 +277,9 @@ def likeness(x: FloatArray, sample_rate: float, measured: Summary) -> float:
     ...     x = 1e-3 * rng.standard_normal(25600)
     ...     x[200:25000:700] += 1.0
     ...     x[251:25051:700] += 0.7 * sign
-    ...     print(likeness(x, 25600.0, summarise(x, 25600.0, 4e-3)) > 0.4)
-    True
-    False
+    ...     print(round(likeness(x, 25600.0, summarise(x, 25600.0, 4e-3)), 1))
+    1.0
+    0.2
 
     """
     whitened = scipy.signal.oaconvolve(x, _prediction(x, sample_rate, MEMORY_S), 'valid')
@@ -288,7 +290,8 @@ def likeness(x: FloatArray, sample_rate: float, measured: Summary) -> float:
         int((measured.spacing + side * measured.lobe) * sample_rate) for side in (-1.0, 1.0)
     )
     correlation = fft.irfft(power)[: last + 2]
-    return float(correlation[max(first, 1) :].max() / max(correlation[0], 1e-300))
+    found = correlation[max(first, 1) :].max() / max(correlation[0], 1e-300)
+    return float(found * math.sqrt(2.0 + 1.0 / measured.prominence))
 
 
 def correlate(x: FloatArray, sample_rate: float) -> Correlation:

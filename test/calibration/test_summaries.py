@@ -3,7 +3,8 @@
 """What is compared of a record: wherever it ends."""
 
 from bearing_twin.calibration.path import identify
-from bearing_twin.calibration.summaries import fastest_resonance, summarise
+from bearing_twin.calibration.refusals import COPY
+from bearing_twin.calibration.summaries import fastest_resonance, likeness, summarise
 from bearing_twin.dynamics.sensor_path import band_levels, distance
 import numpy as np
 import pytest
@@ -92,3 +93,17 @@ def test_a_clearer_repetition_that_is_too_short_makes_a_longer_one_doubtful():
     assert found.spacing == pytest.approx(1.4e-3, rel=0.01)
     assert found.rival > 1.0
     assert min(found.rivals) == pytest.approx(0.3e-3, rel=0.05)
+
+
+@pytest.mark.parametrize('height', [1.0, 0.5, 0.2])
+def test_a_copy_is_told_from_an_inverse_however_faint_it_is(height):
+    """A faint second pit is as much a copy of the first as a strong one."""
+    rate = 25600.0
+    found = []
+    for sign in (1.0, -1.0):
+        x = 1e-3 * np.random.default_rng(1).standard_normal(51200)
+        x[200:51000:700] += 1.0
+        x[251:51051:700] += sign * height
+        x = signal.lfilter([1.0], [1.0, -1.45, 0.96], x)
+        found.append(likeness(x, rate, summarise(x, rate, 4e-3)))
+    assert found[0] > 0.9 and found[1] < COPY
