@@ -113,6 +113,11 @@ def _drift(values: NDArray[np.float64]) -> float:
     return 2.0 * abs(float(np.median(late)) - float(np.median(early)))
 
 
+def _median(values: list[float]) -> float:
+    """Return the median; NaN where one of the values is."""
+    return math.nan if any(map(math.isnan, values)) else statistics.median(values)
+
+
 @dataclass
 class Memory:
     """
@@ -174,7 +179,7 @@ class Memory:
         del window[:-wanted]
         count = min(max(wanted // _PARTS, _LEAST), wanted)
         if len(window) >= count:
-            last = np.median(np.array(window[-count:])[:, [3, 1]], axis=0).tolist()
+            last = [_median([row[column] for row in window[-count:]]) for column in (3, 1)]
             self.medians[speed] = [min(self.medians.get(speed, [last])[0], last), last]
         if len(window) < wanted:
             return False
