@@ -26,6 +26,8 @@ ROW = 2 * L
 """Numbers in a row."""
 
 _TINY = 1e-30
+_TOGETHER = 16, 20
+"""Factors by which two passes are done at once: fours and fours, fours and fives."""
 _LARGEST = 13
 """Largest prime factor of a length whose lines are summed one by one, which takes its square."""
 
@@ -67,11 +69,11 @@ def transform_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
     """
     count = len(rows)
     radices = _radices(count)
-    if count > 1 and radices[-1] > _LARGEST:
+    if radices[-1] > _LARGEST and radices[-1] not in _TOGETHER:
         found = fft.fft(rows[:, :L] + np.complex64(1j) * rows[:, L:], axis=0)
         return np.concatenate((found.real, found.imag), axis=1)
     # The room to work in is behind the result, where products of tiles read finite numbers.
-    room = aligned(count + 16, ROW)
+    room = aligned(count + 20, ROW)
     room[count:] = 0.0
     other = room[:count]
     _transform(rows, turns(count), radices, room[count:], other)
@@ -96,9 +98,9 @@ def aligned(*shape: int) -> NDArray[np.float32]:
 
 @functools.lru_cache(maxsize=16)
 def _radices(count: int) -> NDArray[np.intp]:
-    """Factors of a length: as many sixteens as there are, a four, then primes; at least one."""
+    """Factors of a length: those that go together, a four, then primes; at least one."""
     found = [] if count > 1 else [1]
-    for radix in (16, 4, *range(2, count + 1)):
+    for radix in (*_TOGETHER, 4, *range(2, count + 1)):
         while count % radix == 0:
             found.append(radix)
             count //= radix
@@ -201,6 +203,63 @@ def _sixteens(
                 _four(few, 2 * k, 8, turns, 4 * p * done, out, o, 8 * done)
 
 
+@compiled(fast=FAST, borrows=True)
+def _twenties(
+    rows: NDArray[np.float32],
+    turns: NDArray[np.float32],
+    left: int,
+    done: int,
+    few: NDArray[np.float32],
+    out: NDArray[np.float32],
+) -> None:
+    """Do a pass by fours and one by fives at once, as :func:`_sixteens` does two by fours."""
+    for p in range(left):
+        for q in range(done):
+            for k in range(5):
+                at = p + left * k
+                a = 2 * (q + done * at)
+                _four(rows, a, 10 * left * done, turns, at * done, few, 8 * k, 2)
+            for k in range(4):
+                o = 2 * (q + done * (k + 20 * p))
+                _prime(few, 2 * k, 8, turns, 4 * p * done, 5, out, o, 8 * done)
+
+
+@compiled(inline=True, fast=FAST, borrows=True)
+def _prime(
+    rows: NDArray[np.float32],
+    a: int,
+    apart: int,
+    turns: NDArray[np.float32],
+    at: int,
+    radix: int,
+    out: NDArray[np.float32],
+    o: int,
+    beside: int,
+) -> None:
+    """Write the butterfly of a prime number of rows, as :func:`_four` does."""
+    count = len(turns)
+    for k in range(radix // 2 + 1):
+        # The lines k and radix - k have sums and differences of rows in common.
+        sr, si = load(rows, a), load(rows, a + 1)
+        tr, ti = sr * 0.0, si * 0.0
+        angle, b, c = 0, a, a + radix * apart
+        for _ in range(radix // 2):
+            angle += k * (count // radix)
+            angle -= count if angle >= count else 0
+            b, c, turn = b + apart, c - apart, turns[angle]
+            br, bi = load(rows, b), load(rows, b + 1)
+            cr, ci = load(rows, c), load(rows, c + 1)
+            # Of two rows the second is its own partner.
+            half = turn[0] if b < c else np.float32(0.5) * turn[0]
+            sr, si = sr + half * (br + cr), si + half * (bi + ci)
+            tr, ti = tr - turn[1] * (bi - ci), ti + turn[1] * (br - cr)
+        vr, vi = _times(sr + tr, si + ti, turns[at * k])
+        _put(out, o + k * beside, vr, vi)
+        if 0 < k < radix - k:
+            vr, vi = _times(sr - tr, si - ti, turns[at * (radix - k)])
+            _put(out, o + (radix - k) * beside, vr, vi)
+
+
 @compiled(inline=True, fast=FAST, borrows=True)
 def _butterflies(
     rows: NDArray[np.float32],
@@ -211,30 +270,10 @@ def _butterflies(
     out: NDArray[np.float32],
 ) -> None:
     """Do the same by butterflies of a prime number of rows."""
-    apart, beside, count = 2 * left * done, 2 * done, len(turns)
     for p in range(left):
         for q in range(done):
             a, o = 2 * (q + done * p), 2 * (q + radix * done * p)
-            for k in range(radix // 2 + 1):
-                # The lines k and radix - k have sums and differences of rows in common.
-                sr, si = load(rows, a), load(rows, a + 1)
-                tr, ti = sr * 0.0, si * 0.0
-                at, b, c = 0, a, a + radix * apart
-                for _ in range(radix // 2):
-                    at += k * (count // radix)
-                    at -= count if at >= count else 0
-                    b, c, turn = b + apart, c - apart, turns[at]
-                    br, bi = load(rows, b), load(rows, b + 1)
-                    cr, ci = load(rows, c), load(rows, c + 1)
-                    # Of two rows the second is its own partner.
-                    half = turn[0] if b < c else np.float32(0.5) * turn[0]
-                    sr, si = sr + half * (br + cr), si + half * (bi + ci)
-                    tr, ti = tr - turn[1] * (bi - ci), ti + turn[1] * (br - cr)
-                vr, vi = _times(sr + tr, si + ti, turns[p * k * done])
-                _put(out, o + k * beside, vr, vi)
-                if 0 < k < radix - k:
-                    vr, vi = _times(sr - tr, si - ti, turns[p * (radix - k) * done])
-                    _put(out, o + (radix - k) * beside, vr, vi)
+            _prime(rows, a, 2 * left * done, turns, p * done, radix, out, o, 2 * done)
 
 
 @compiled(fast=FAST, borrows=True)
@@ -271,6 +310,8 @@ def _transform(
         source, out = (rows, other) if number % 2 == 0 else (other, rows)
         if radix == 16:
             _sixteens(source, turns, left, done, few, out)
+        elif radix == 20:
+            _twenties(source, turns, left, done, few, out)
         elif radix == 4:
             _fours(source, turns, left, done, out)
         else:
