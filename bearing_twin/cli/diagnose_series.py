@@ -15,7 +15,7 @@ from bearing_twin.cli.signal_arguments import given_bearing
 from bearing_twin.cli.terminal import by_level, plain, progress
 from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.quantity import quantities
 from bearing_twin.recording.snapshots import read_snapshots, series_files
 
@@ -44,8 +44,13 @@ def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
     monitor = None
     bearing: Bearing | None = None
     said = ''
+    unread: list[BearingTwinError] = []
     snapshots = read_snapshots(
-        files, channel=args.channel, sample_rate=args.sample_rate, cycle=args.cycle
+        files,
+        channel=args.channel,
+        sample_rate=args.sample_rate,
+        cycle=args.cycle,
+        unread=unread.append,
     )
     for count, snapshot in enumerate(snapshots, start=1):
         signal = snapshot.signal
@@ -68,14 +73,16 @@ def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
             progress(count, count + 1, 'snapshots')
     if monitor is None:
         msg = f'{files[0]}: no snapshot in it; is x the name of the samples?'
-        raise BearingTwinError(msg)
+        raise unread[-1] if unread else BearingTwinError(msg)
+    for error in unread:
+        print(f'bearing-twin diagnose: left out: {shown(str(error))}', file=sys.stderr)
     report = monitor.report()
     summary = _summary(report, bearing)
     if args.json:
         print(json.dumps({'series': said, **summary}))
     else:
         print(_page(said, report, summary))
-    return 0
+    return 1 if unread else 0
 
 
 def _bearing(args: argparse.Namespace, said: Bearing | str) -> Bearing | None:

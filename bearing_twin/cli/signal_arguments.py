@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 SAID = ('bearing', 'geometry', 'shaft_hz', 'rpm', 'sample_rate', 'channel', 'unit')
 """Options that describe vibration files."""
+FASTEST = 1e5
+"""Hz."""
 UNITS = ('m/s^2', 'g')
 
 
@@ -56,11 +58,14 @@ def given_bearing(args: argparse.Namespace) -> Bearing | None:
 
 def given_speed(args: argparse.Namespace) -> float:
     """Return the speed that was given, Hz; NaN if none was."""
-    shaft_hz: float | None = args.shaft_hz if args.rpm is None else args.rpm / 60.0
-    if shaft_hz is None:
+    name, given, factor = ('--rpm', args.rpm, 1.0 / 60.0)
+    if given is None:
+        name, given, factor = ('--shaft-hz', args.shaft_hz, 1.0)
+    if given is None:
         return math.nan
-    if not 0.0 < shaft_hz < 1e5:
-        msg = f'--shaft-hz {shaft_hz:g}: give a positive speed in Hz, or in 1/min as --rpm'
+    shaft_hz: float = factor * given
+    if not 0.0 < shaft_hz < FASTEST:
+        msg = f'{name} {given:g}: give a speed above 0 and below {FASTEST / factor:g}'
         raise BearingTwinError(msg)
     return shaft_hz
 

@@ -210,9 +210,6 @@ def _reader(path: Path) -> Callable[[Path], dict[str, Any]]:
     """Return what reads the arrays of a file, which is there and not too large."""
     readers = (read_npz, read_mat, _read_wav, read_csv, read_csv, read_csv)
     reader = dict(zip(SIGNAL_FILES, readers, strict=True)).get(path.suffix.lower())
-    if reader is None:
-        msg = f'{path}: files ending in {", ".join(SIGNAL_FILES)} and .mcap are read'
-        raise BearingTwinError(msg)
     refuse_special(path)
     try:
         size = path.stat().st_size
@@ -222,6 +219,9 @@ def _reader(path: Path) -> Callable[[Path], dict[str, Any]]:
     except OSError as error:
         msg = f'{path} cannot be read: {error.strerror}'
         raise BearingTwinError(msg) from None
+    if reader is None:
+        msg = f'{path}: files ending in {", ".join(SIGNAL_FILES)} and .mcap are read'
+        raise BearingTwinError(msg)
     if size == 0:
         msg = f'{path} is empty'
         raise BearingTwinError(msg)

@@ -5,7 +5,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from datetime import datetime, timezone
 import math
+import re
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -16,10 +18,16 @@ from bearing_twin.recording.npz import read_npz
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
+
+
+NAMED_TIME = re.compile(
+    r'(?<!\d)((?:19|20)\d\d)[-_.]?(\d\d)[-_.]?(\d\d)[-_.T ]?(\d\d)[-_.]?(\d\d)[-_.]?(\d\d)(?!\d)'
+)
+"""Year to second in the name of a file."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +81,7 @@ def read_snapshots(
     channel: str | None = None,
     sample_rate: float | None = None,
     cycle: float | None = None,
+    unread: Callable[[BearingTwinError], object] | None = None,
 ) -> Iterator[Snapshot]:
     """
     Yield the snapshots of one machine, one file in memory at a time.
@@ -80,7 +89,8 @@ def read_snapshots(
     An ``.npz`` file may hold many: ``x`` with one in each row, and their times ``t_s``. A file
     with ``temp_t_s`` and ``temp_C`` gives the temperature of all. A folder made by
     ``bearing-datasets`` holds many; ``time_s`` in its table is their time. Any other file is one
-    snapshot; its time is ``time_s`` in it, or its place in the order times ``cycle``.
+    snapshot; its time is ``time_s`` in it, or its place in the order times ``cycle``, or without a
+    cycle date and time in its name. Where all files have times they may be in any order.
 
     Parameters
     ----------
@@ -90,28 +100,60 @@ def read_snapshots(
         See :func:`bearing_twin.recording.foreign.read_signal`.
     cycle
         Seconds from one snapshot to the next, where the files do not say their times.
+    unread
+        Called with what is wrong with a file, which is then left out; None: it is raised.
 
     Raises
     ------
     BearingTwinError
         If a file cannot be read, or no time of a snapshot is known.
 
+    Examples
+    --------
+    >>> from datetime import datetime, timezone
+    >>> time = _named_time('2004.02.12.10.32.39.csv')
+    >>> str(datetime.fromtimestamp(time, tz=timezone.utc))
+    '2004-02-12 10:32:39+00:00'
+
     """
     times, values = [], []
     tables: dict[Path, NDArray[np.float64]] = {}
+    timed = True
     for path in files:
+        said = {}
         if path.suffix.lower() == '.npz':
-            said = read_npz(path, ('temp_t_s', 'temp_C', 't_s', 'time_s'))
-            if 'temp_t_s' in said and 'temp_C' in said:
-                times.append(np.asarray(said['temp_t_s'], dtype=np.float64))
-                values.append(np.asarray(said['temp_C'], dtype=np.float64))
-            stamps = said.get('t_s', said.get('time_s'))
-            if stamps is not None:
-                tables[path] = np.atleast_1d(np.asarray(stamps, dtype=np.float64))
+            try:
+                said = read_npz(path, ('temp_t_s', 'temp_C', 't_s', 'time_s'))
+            except BearingTwinError:
+                # It is told when it is its turn.
+                continue
+        if 'temp_t_s' in said and 'temp_C' in said:
+            times.append(np.asarray(said['temp_t_s'], dtype=np.float64))
+            values.append(np.asarray(said['temp_C'], dtype=np.float64))
+        stamps = said.get('t_s', said.get('time_s'))
+        if stamps is None and cycle is None:
+            stamps = _named_time(path.name)
+        if stamps is not None:
+            tables[path] = np.atleast_1d(np.asarray(stamps, dtype=np.float64))
+        elif 'temp_C' not in said:
+            timed = False
+    if timed:
+        files = sorted(files, key=lambda path: min(tables.get(path, ()), default=-math.inf))
     heat = _Temperatures(*_merged(times, values))
     number = 0
     for path in files:
-        for signal, stamp in _of_file(path, tables.get(path), channel, sample_rate):
+        signals = _of_file(path, tables.get(path), channel, sample_rate)
+        while True:
+            try:
+                signal, stamp = next(signals)
+            except StopIteration:
+                break
+            except BearingTwinError as error:
+                if unread is None:
+                    raise
+                unread(error)
+                number += 1
+                break
             if stamp is None and cycle is None:
                 msg = f'{path} does not say when it was taken; give --cycle SECONDS'
                 raise BearingTwinError(msg)
@@ -122,6 +164,16 @@ def read_snapshots(
                 time,
                 signal if math.isfinite(known) else replace(signal, temperature=heat.at(time)),
             )
+
+
+def _named_time(name: str) -> float | None:
+    """Date and time in a name, s since 1970 in UTC; None where there is none."""
+    found = NAMED_TIME.search(name)
+    try:
+        when = datetime.strptime(' '.join(found.groups()), '%Y %m %d %H %M %S') if found else None
+    except ValueError:
+        return None
+    return when.replace(tzinfo=timezone.utc).timestamp() if when else None
 
 
 def _of_file(
@@ -136,7 +188,7 @@ def _of_file(
         table = arrays.get(channel or 'x')
         if table is None and 'temp_C' in arrays:
             return
-        if table is not None and table.ndim == 2 and stamps is not None:
+        if table is not None and table.ndim == 2 and stamps is not None and len(stamps) > 1:
             if len(stamps) != len(table):
                 msg = f'{path}: {len(table)} snapshots and {len(stamps)} times (t_s); one each'
                 raise BearingTwinError(msg)

@@ -18,6 +18,7 @@ from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.snapshots import _VERSION, SeriesDiagnoser
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, unpack
+from bearing_twin.recording.snapshots import read_snapshots
 import numpy as np
 import pytest
 from scipy.io import wavfile
@@ -420,6 +421,36 @@ def test_series_of_many_files_in_a_folder(tmp_path, capsys):
     (tmp_path / 'empty').mkdir()
     assert main(['diagnose', '--series', str(tmp_path / 'empty')]) == 1
     assert 'no file ends in' in capsys.readouterr().err
+
+
+def test_files_in_any_order_with_one_that_cannot_be_read(tmp_path, capsys):
+    rng = np.random.default_rng(4)
+    for number in range(40):
+        x = (1.0 if number < 30 else 8.0) * rng.standard_normal(COUNT)
+        said = {'x': x, 'fs': RATE, 'rpm': 1800.0, 'time_s': 600.0 * number}
+        np.savez(tmp_path / f's{17 * number % 40}.npz', **said)
+    (tmp_path / 's17.npz').write_bytes(b'PK torn')
+    args = ['diagnose', '--series', str(tmp_path), '--bearing', '6205', '--baseline', '10']
+    assert main([*args, '--json']) == 1
+    text = capsys.readouterr()
+    summary = json.loads(text.out.splitlines()[-1])
+    assert (summary['level'], summary['snapshots'], summary['change_s']) == ('fault', 39, 18000.0)
+    assert 'left out: ' in text.err
+    assert 's17.npz' in text.err
+    assert main([*args, '--channel', 'nothing']) == 1
+    assert "no channel 'nothing'" in capsys.readouterr().err
+
+
+def test_times_in_the_names_of_files(tmp_path):
+    days = ['2004.02.28', '2004.02.29', '2004.02.30', '20040301']
+    files = [tmp_path / f'{day}.10.32.39.csv' for day in days]
+    for path in files:
+        np.savetxt(path, np.arange(9) % 4, header='fs = 1000')
+    times = [snapshot.time for snapshot in read_snapshots([files[3], files[0], files[1]])]
+    assert np.diff(times).tolist() == [86400.0, 86400.0]
+    assert [snap.time for snap in read_snapshots(files, cycle=5.0)] == [0.0, 5.0, 10.0, 15.0]
+    with pytest.raises(BearingTwinError, match=r'02\.30.*does not say when'):
+        list(read_snapshots(files))
 
 
 def played(diagnoser, numbers, *, worn, index=None, height=5.0):
