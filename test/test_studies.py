@@ -20,6 +20,7 @@ from bearing_twin.studies import (
     reliability,
     twin_machines,
 )
+from bearing_twin.studies.generalisation import judge_case
 import numpy as np
 import pytest
 from scipy import special
@@ -73,6 +74,13 @@ def test_what_is_not_rated_are_rules():
         'record_gate',
         'another_speed',
     }
+
+
+def test_a_name_at_an_unlikely_slip_is_not_rated():
+    """Its speed is 3 to 5 % off: what it is sure of is a decision, and no share."""
+    case, said = judge_case('impacts', 4_800_171, misled=True)
+    assert (said.faults, said.level, said.confidence) == ((case.condition,), 'suspect', 0.5)
+    assert reliability.tell(case, said) is None
 
 
 def test_half_of_the_machines_are_sound_whatever_the_diagnosis_is_given():

@@ -29,6 +29,7 @@ import sys
 from typing import Any, NamedTuple, TYPE_CHECKING, TypeAlias
 
 from bearing_twin.diagnosis.confidence import KINDS, share_right, shipped_weights, Trust
+from bearing_twin.diagnosis.rules import RULES
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies import impact_machines, twin_machines
@@ -56,6 +57,9 @@ STRIKING = ('impacts', 'impulses', 'pulses')
 
 UNRATED = ('record_gate', 'another_speed', 'two_faint_places')
 """Rules whose answers do not have the confidence of their kind."""
+
+AT_MOST = {rule.name: rule.at_most for rule in RULES}
+"""Confidence that the answers of a rule cannot pass."""
 
 BINS = 10
 """Equal ranges of confidence in which answers are counted together."""
@@ -96,7 +100,9 @@ class Told(NamedTuple):
 
 def tell(case: Machine, said: Diagnosis) -> Told | None:
     """Return an answer with its kind, and whether it is right; None if not rated."""
-    if said.rule in UNRATED:
+    # A name at an unlikely slip is at even odds by decision, not by how often it is right.
+    doubted = said.trust.at_most < AT_MOST.get(said.rule, 1.0)
+    if doubted or said.rule in UNRATED:
         return None
     sound = case.condition == 'none'
     # What is not called healthy for its confidence, or for its length, counts among the healthy.
