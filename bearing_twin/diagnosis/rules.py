@@ -376,7 +376,12 @@ def _no_comb(e: Evidence) -> Verdict | None:
         f'no fault comb above a significance of {Z_FAULT:g} with modulation index '
         f'{INDEX_SUSPECT:g}'
     )
-    heard = (f'{c}: too weak for a remark alone; compare with an earlier record' for c in e.faint)
+    heard = [f'{c}: too weak for a remark alone; compare with an earlier record' for c in e.faint]
+    if e.elsewhere.z >= Z_ELSEWHERE and e.impacts['elsewhere'] >= IMPACTS:
+        heard.append(
+            f'{_impacts(e.elsewhere)}: of no part of a {e.bearing.name}, and too weak for a '
+            'remark alone; check bearing and speed'
+        )
     return _say(e, text, *heard, level='ok')
 
 
@@ -760,8 +765,11 @@ def _elsewhere(e: Evidence, what: str) -> Verdict:
     else:
         text = f'periodic impacts at {comb.order:.3f} orders {what} a {e.bearing.name}: check '
         text += f'bearing and speed{what_fits(comb.order, 2.0 * e.step, e.shaft_hz, e.bearing)}'
-    found = str(comb).replace('elsewhere: comb', 'impacts')
-    return _say(e, found, text)
+    return _say(e, _impacts(comb), text)
+
+
+def _impacts(comb: Candidate) -> str:
+    return str(comb).replace('elsewhere: comb', 'impacts')
 
 
 def _rings_low(e: Evidence) -> str:

@@ -491,6 +491,12 @@ def test_healthy_says_which_comb_it_heard():
     assert 'significance 8.3' in said.reasons[-1]
     assert 'too weak' in said.reasons[-1]
     assert len(decide(Evidence.of()).reasons) == 1
+    # And which impacts of no part of the bearing; a smooth swell is none.
+    struck = Evidence.of(elsewhere=comb('elsewhere', order=3.76, z=9.6, index=0.3))
+    assert decide(struck).result == 'healthy'
+    assert 'impacts at 3.760 orders' in decide(struck).reasons[-1]
+    swell = Evidence.of(elsewhere=struck.elsewhere, impacts={'elsewhere': 0.9})
+    assert len(decide(swell).reasons) == 1
     # So does a window that is too short to say it.
     short = decide(Evidence.of(comb('outer', z=9.1, index=0.18), turns=33.0))
     assert short.rule == 'few_shaft_turns'
