@@ -46,7 +46,7 @@ def add_signal_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='NAME',
         help='name, number or topic, or any part that only one has; words of ids in a data set',
     )
-    parser.add_argument('--unit', choices=UNITS, default='', help='for files that do not say it')
+    parser.add_argument('--unit', choices=UNITS, default='', help='else what the file says')
 
 
 def given_bearing(args: argparse.Namespace) -> Bearing | None:

@@ -79,6 +79,9 @@ def _signals(path: Path, _changed_ns: int) -> list[DatasetSignal]:
     ]
     rows: list[DatasetSignal] = table.rename_columns(names).select(plain).to_pylist()
     signals = [row for row in rows if str(row.get('quantity', 'unknown')) in VIBRATION]
+    if len({row['signal_id'] for row in signals}) < len(signals):
+        msg = f'{path / TABLE} has one signal_id twice; each signal needs its own'
+        raise BearingTwinError(msg)
     for row in signals:
         if row.get('speed_profile') not in (None, 'constant', 'unknown'):
             row.pop('speed_rpm', None)
@@ -138,12 +141,12 @@ def read_dataset_signal(path: Path, row: DatasetSignal) -> dict[str, Any]:
 
     """
     name = Path(str(row['signal_file'])).name
-    group, index = int(row['signal_row_group']), int(row['signal_row'])
+    group, index = row['signal_row_group'], row['signal_row']
     file = path / 'signals' / name
-    column = _read(file, lambda parquet: parquet.read_row_group(group, columns=['signal']))
     try:
+        column = _read(file, lambda parquet: parquet.read_row_group(group, columns=['signal']))
         x = column.column(0).combine_chunks()[index].values.to_numpy(zero_copy_only=False)
-    except (IndexError, AttributeError) as error:
+    except (IndexError, AttributeError, TypeError) as error:
         msg = f'{file} has no signal {row["signal_id"]} in row {index} of group {group} ({error})'
         raise BearingTwinError(msg) from None
     factor, unit = _physical(row)

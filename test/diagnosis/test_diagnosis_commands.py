@@ -9,6 +9,7 @@ import functools
 import io
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -265,6 +266,28 @@ def test_parquet_form_of_bearing_datasets(parquet_set, capsys):
     (parquet_set.parent / 'bad' / 'metadata.parquet').write_bytes(b'PAR1 no')
     assert main(['diagnose', str(parquet_set.parent / 'bad')]) == 1
     assert 'cannot be read as Parquet' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ('column', 'values', 'why'),
+    [
+        ('signal_row_group', [None, 0, 1], 'has no signal r0/DE in row 0 of group None'),
+        ('signal_row', ['a', '1', '0'], 'has no signal r0/DE in row a of group 0'),
+        ('signal_id', ['r0/DE', 'r0/DE', 'r1/DE'], 'has one signal_id twice'),
+    ],
+)
+def test_a_parquet_set_that_contradicts_itself(parquet_set, tmp_path, capsys, column, values, why):
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    shutil.copytree(parquet_set, tmp_path / 'rig')
+    table = parquet.read_table(parquet_set / 'metadata.parquet')
+    index = table.column_names.index(column)
+    parquet.write_table(
+        table.set_column(index, column, pa.array(values)), tmp_path / 'rig' / 'metadata.parquet'
+    )
+    assert main(['diagnose', str(tmp_path / 'rig'), '--jobs', '1']) == 1
+    assert why in capsys.readouterr().err
 
 
 @pytest.mark.parametrize('said', ['1.2.3 mV/g', '. V/g', '0.0 V/g', '10 V/(mm/s)', 'none', None])
