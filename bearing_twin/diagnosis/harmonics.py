@@ -10,6 +10,7 @@ between its harmonics.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis import kernels
@@ -223,24 +224,12 @@ def denser_series(
     most = int(order / max(_SLOWEST, 4.0 * spectra.step))
     if most < 2:
         return 0.0
-    best, found = 0.0, 0
-    hidden = hidden | mine
-    away = np.abs(order / np.maximum(np.arange(most + 1), 1) - 1.0)
-    shaft = away <= uncertainty + spectra.step
     alike = own - _ALIKE
-    masks = np.array([hidden | sidebands, hidden])
-    all_counts, all_sums = np.zeros((2, 2, most + 1))
-    kernels.denser_lines(
-        spectra.logs, order, spectra.step, HARMONICS, columns, masks, all_counts, all_sums
-    )
     leasts = (alike if sharp else _SHARE * own), alike
-    for counts, sums, least in zip(all_counts, all_sums, leasts, strict=True):
-        means = sums / np.maximum(counts, 1.0)
-        sure = means * np.sqrt(counts * spectra.weight) / _SPREAD
-        sure[(counts < _FEWEST) | (means < least) | (sure < _CHANCE) | shaft] = 0.0
-        part = int(np.argmax(sure))
-        if sure[part] > best:
-            best, found = float(sure[part]), part
+    found = kernels.denser_part(
+        spectra.logs, order, spectra.step, HARMONICS, columns, hidden, mine, sidebands, most,
+        leasts, _FEWEST, _CHANCE * _SPREAD / math.sqrt(spectra.weight), uncertainty + spectra.step,
+    )  # fmt: skip
     return order / found if found else 0.0
 
 

@@ -109,8 +109,9 @@ def moments(x: NDArray[np.float64], mean: float) -> tuple[float, float, float]:
 
     """
     second = third = fourth = 0.0
-    for value in x:
-        away = value - mean
+    # By index: the compiler makes no vectors of an iterator.
+    for n in range(len(x)):
+        away = x[n] - mean
         square = away * away
         second += square
         third += square * away
@@ -881,18 +882,25 @@ def strongest_band(
 
 
 @compiled(fast=FAST, borrows=True)
-def denser_lines(
+def denser_part(
     logs: NDArray[np.float32],
     order: float,
     step: float,
     harmonics: int,
     columns: NDArray[np.intp],
-    masks: NDArray[np.bool_],
-    counts: NDArray[np.float64],
-    sums: NDArray[np.float64],
-) -> None:
+    hidden: NDArray[np.bool_],
+    mine: NDArray[np.bool_],
+    sidebands: NDArray[np.bool_],
+    most: int,
+    leasts: tuple[float, float],
+    fewest: int,
+    surest: float,
+    slack: float,
+) -> int:
     """
-    Add up the heights of the lines that each series denser than a comb has between its harmonics.
+    Return the part of an order whose series has lines between the harmonics of a comb, 0 if none.
+
+    Of all parts it is the one whose lines are farthest from chance.
 
     Parameters
     ----------
@@ -900,20 +908,36 @@ def denser_lines(
         See :func:`line_heights`.
     order, harmonics
         Fundamental of the comb, and number of its harmonics.
-    masks
-        (M, K) rows that do not count.
-    counts, sums
-        (M, P) number and sum of the lines of the series of 1 / p of the order, added to.
+    hidden, mine, sidebands
+        (K,) rows that do not count, or only where all lines of the series are as high.
+    most
+        Largest part.
+    leasts
+        Least mean height of the lines without the sidebands, and with them.
+    fewest, surest
+        Fewest lines, and the least product of their mean height and the root of their number.
+    slack
+        Relative distance from the shaft within which a series is not looked for.
 
     """
-    inverse = 1.0 / step
-    for part in range(2, counts.shape[1]):
+    inverse, best, found = 1.0 / step, 0.0, 0
+    for part in range(2, most + 1):
+        few = all_lines = 0
+        low = height_sum = 0.0
         for n in range(1, harmonics * part + 1):
-            if n % part == 0:
-                continue
             at = _nearest_row(order * (n / part) * inverse, len(logs))
-            height = _height(logs, at, columns)
-            for m in range(len(masks)):
-                if not masks[m, at]:
-                    counts[m, part] += 1.0
-                    sums[m, part] += height
+            if n % part == 0 or hidden[at] or mine[at]:
+                continue
+            height = np.float64(_height(logs, at, columns))
+            all_lines, height_sum = all_lines + 1, height_sum + height
+            if not sidebands[at]:
+                few, low = few + 1, low + height
+        if abs(order / part - 1.0) <= slack:
+            continue
+        for count, total, least in ((few, low, leasts[0]), (all_lines, height_sum, leasts[1])):
+            if count < fewest or total < least * count:
+                continue
+            sure = total / np.sqrt(np.float64(count))
+            if sure >= surest and sure > best:
+                best, found = sure, part
+    return found

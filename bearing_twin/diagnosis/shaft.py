@@ -87,7 +87,8 @@ def refine_shaft_hz(
     last = min(int(np.ceil(8.0 * given_hz / bin_hz)), len(power) - 1, len(envelopes.logs))
     low = power[1 : last + 1]
     direct = np.log1p(low / local_floor(low, max(int(4.0 * given_hz / bin_hz), 32)))
-    indirect = envelopes.logs[:last].mean(axis=1)
+    # Numpy's mean of each row takes four times as long.
+    indirect = np.einsum('kb->k', envelopes.logs[:last]) / np.float32(envelopes.logs.shape[1])
 
     both = direct + np.float32(2.0) * indirect[: len(direct)]
     scores = _standardised(_comb(both, bin_hz, near), _comb(both, bin_hz, beside))
