@@ -112,13 +112,14 @@ class DiagnosisCheck:
             speed = self._speed(self._run)
             self._uncertain |= bool(self._run.values['joint']) and math.isnan(block.shaft_hz)
         try:
-            outputs = list(self._run.push(block, temperature=temperature, joint_hz=speed))
+            taken = read_vibration(block, self._run.values['axis'])
+            dues = self._run.take(taken, temperature=temperature, joint_hz=speed)
         except BearingTwinError as error:
             self._note(f'a block is refused: {error}')
             return
-        for output in outputs:
-            if output.topic == '/diagnosis':
-                self._pair(output)
+        for due in dues:
+            # The first output is the verdict; what is made of it is not compared.
+            self._pair(next(self._run.outputs(due.judge(due.excerpt.analyse()))))
 
     def _drop_unmade(self, sample: int) -> None:
         """Count recorded verdicts on windows that ended before ``sample``: none was made."""

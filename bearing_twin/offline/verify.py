@@ -44,7 +44,7 @@ TYPES = {
 }
 MOST_HELD = 128 * 1024 * 1024
 """Most bytes of messages that wait to be put in order."""
-AHEAD, BATCH = 48, 8
+AHEAD, BATCH = 200, 25
 """Messages that the twins may be ahead of the diagnoses, and that they hand over at a time."""
 OVERHEAD = 500
 """Bytes that a message takes besides its content."""
