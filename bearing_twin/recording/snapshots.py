@@ -8,13 +8,15 @@ from dataclasses import dataclass, replace
 from datetime import datetime, timezone
 import math
 import re
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.dataset import chosen_signals, is_dataset
 from bearing_twin.recording.finding import natural, SIGNAL_FILES
 from bearing_twin.recording.foreign import read_signal, Signal
 from bearing_twin.recording.npz import read_npz
+from bearing_twin.recording.reader import recording_info
+from bearing_twin.stamps import NANO
 import numpy as np
 
 if TYPE_CHECKING:
@@ -89,8 +91,9 @@ def read_snapshots(
     An ``.npz`` file may hold many: ``x`` with one in each row, and their times ``t_s``. A file
     with ``temp_t_s`` and ``temp_C`` gives the temperature of all. A folder made by
     ``bearing-datasets`` holds many; ``time_s`` in its table is their time. Any other file is one
-    snapshot; its time is ``time_s`` in it, or its place in the order times ``cycle``, or without a
-    cycle date and time in its name. Where all files have times they may be in any order.
+    snapshot; its time is ``time_s`` in it, or its place in the order times ``cycle``. Without a
+    cycle it is that of the first message of an MCAP file, or date and time in the name. Where all
+    files have times they may be in any order.
 
     Parameters
     ----------
@@ -120,13 +123,15 @@ def read_snapshots(
     tables: dict[Path, NDArray[np.float64]] = {}
     timed = True
     for path in files:
-        said = {}
-        if path.suffix.lower() == '.npz':
-            try:
+        said: dict[str, Any] = {}
+        try:
+            if path.suffix.lower() == '.npz':
                 said = read_npz(path, ('temp_t_s', 'temp_C', 't_s', 'time_s'))
-            except BearingTwinError:
-                # It is told when it is its turn.
-                continue
+            elif path.suffix.lower() == '.mcap' and cycle is None:
+                said = {'time_s': recording_info(path).start / NANO}
+        except BearingTwinError:
+            # It is told when it is its turn.
+            continue
         if 'temp_t_s' in said and 'temp_C' in said:
             times.append(np.asarray(said['temp_t_s'], dtype=np.float64))
             values.append(np.asarray(said['temp_C'], dtype=np.float64))

@@ -13,6 +13,7 @@ import zlib
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.foreign import channels, read_signal
+from bearing_twin.recording.snapshots import read_snapshots
 from bearing_twin.recording.writer import RecordingWriter
 import numpy as np
 import pytest
@@ -213,6 +214,19 @@ def test_the_longest_stretch_without_a_gap_is_taken(tmp_path: Path) -> None:
     signal = read_signal(tmp_path / 'run.mcap')
     expected = 2.0 * np.sin(0.01 * np.arange(10 * BLOCK, 22 * BLOCK)).astype(np.float32)
     np.testing.assert_array_equal(signal.x, expected)
+
+
+def test_recordings_of_a_series_are_as_far_apart_as_their_first_messages(tmp_path: Path) -> None:
+    for number in range(3):
+        with RecordingWriter(tmp_path / f'{number}.mcap') as writer:
+            for index in range(3):
+                time = START + 3600 * number * NANO + index * PERIOD
+                cdr = vibration_cdr(index)
+                writer.write('/vibration', VIBRATION, cdr, log_time=time, publish_time=time)
+    files = [tmp_path / f'{number}.mcap' for number in (2, 0, 1)]
+    times = [snapshot.time for snapshot in read_snapshots(files)]
+    assert np.diff(times).tolist() == [3600.0, 3600.0]
+    assert [snapshot.time for snapshot in read_snapshots(files, cycle=5.0)] == [0.0, 5.0, 10.0]
 
 
 def write_imu(path: Path, times: np.ndarray) -> None:
