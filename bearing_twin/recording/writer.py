@@ -390,7 +390,7 @@ class RecordingWriter(MessageSink):
 
 
 @contextlib.contextmanager
-def whole_recording(path: Path, options: WriterOptions | None = None) -> Iterator[RecordingWriter]:
+def whole_recording(path: Path) -> Iterator[RecordingWriter]:
     """
     Write a recording that is there as a whole or, after an error, not at all.
 
@@ -400,7 +400,7 @@ def whole_recording(path: Path, options: WriterOptions | None = None) -> Iterato
         As a RecordingWriter, and where the disk did not take everything.
 
     """
-    writer = RecordingWriter(path, options)
+    writer = RecordingWriter(path)
     try:
         with writer:
             yield writer
