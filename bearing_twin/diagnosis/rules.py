@@ -131,16 +131,19 @@ def _ball_ripple(e: Evidence) -> Verdict | None:
 
 @_rule('ball', 'Impacts in groups, once a cage turn, keep the time of a ball within each group.')
 def _ball_passages(e: Evidence) -> Verdict | None:
+    ball = e.candidates['ball']
     # Both are more than a load does to the noise of sound parts. Impacts elsewhere have both a
     # kurtosis and lines near the harmonics of the ball.
     bursts = not e.remaining and e.kurtosis > KURTOSIS and not _strikes_elsewhere(e)
-    if not (bursts or _cage_or_ball(e)) or e.ball_passages < Z_PASSAGES:
+    # Lines that are narrow enough for a comb keep their phase, those of waves as well.
+    wide = ball.z < Z_FAULT and (bursts or _cage_or_ball(e))
+    if not wide or e.ball_passages < Z_PASSAGES:
         return None
     text = (
         'impacts in groups, once a turn of the cage, that keep the time of a ball within each '
         f'group: significance {e.ball_passages:.1f}'
     )
-    return _say(e, text, about=e.candidates['ball'], level='fault')
+    return _say(e, text, about=ball, level='fault')
 
 
 @_rule(
