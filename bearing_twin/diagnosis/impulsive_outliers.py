@@ -57,6 +57,6 @@ def limit_impulsive_outliers(
     tiles = x[: turns * length].reshape(turns, length)
     heights = np.maximum(tiles.max(axis=1), -tiles.min(axis=1))
     limit = _ABOVE * statistics.median(heights.tolist())
-    if max(float(x.max()), -float(x.min())) <= limit:
+    if max(float(heights.max()), float(np.abs(x[turns * length :]).max(initial=0.0))) <= limit:
         return x
     return np.clip(x, -limit, limit)

@@ -123,6 +123,8 @@ def staged(diagnosis: Diagnosis) -> Diagnosis:
         place = diagnosis.faults[0] if diagnosis.faults else ''
         index = diagnosis.modulation_index.get(place, 0.0)
         stage = fault_stage(index, severity.level_over_baseline, severity.iso_zone)
+    if stage == severity.stage:
+        return diagnosis
     return replace(diagnosis, severity=replace(severity, stage=stage))
 
 

@@ -19,6 +19,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis
+    from numpy.typing import NDArray
 
 
 _SAME_RATE = 0.05
@@ -157,14 +158,16 @@ class Trend:
                 self.count += 1
                 if memory.learn(self.count, levels.tolist(), now, wanted, _MOST_OVER_DB):
                     memory.windows.clear()
-        own = raised(self._compared(diagnosis, now, wanted))
+        own = raised(self._compared(diagnosis, levels, now, wanted))
         if full:
             self.minute.append([*now, *levels.tolist()])
             if len(self.minute) >= minute:
                 self._take_minute(healthy=own.level == 'ok')
         return self._shown(own, hold, full)
 
-    def _compared(self, diagnosis: Diagnosis, now: Condition, wanted: int) -> Diagnosis:
+    def _compared(
+        self, diagnosis: Diagnosis, levels: NDArray[np.float64], now: Condition, wanted: int
+    ) -> Diagnosis:
         """Return a diagnosis with what its levels are over those of this machine so far."""
         memory, said, severity = self.memory, list(diagnosis.reasons), diagnosis.severity
         base, laws = memory.base, memory.laws()
@@ -175,7 +178,7 @@ class Trend:
         changes, deviations = np.array([law.correct(now, memory.at) for law in laws]).T
         same = [law.comparable(now, memory.at) for law in laws]
         none = -math.inf if same[0] else math.nan
-        over = np.where(same, memory.over(watched(severity) - changes, now), none)
+        over = np.where(same, memory.over(levels - changes, now), none)
         if base is None and not over[0] >= SUSPECT_DB:
             over[:] = math.nan
         most = int(np.argmax(over - Z90 * deviations))
