@@ -34,6 +34,7 @@ from bearing_twin.calibration.passage import load_range
 from bearing_twin.calibration.path import identify, REACH_S, resonances
 from bearing_twin.calibration.refusals import (
     copied,
+    half_as_often,
     Kind,
     no_impacts,
     Refusal,
@@ -249,6 +250,7 @@ def _fitted(
     seen = None
     if defective:
         refusal = no_impacts(x, situation) if named else None
+        refusal = refusal or half_as_often(x, situation)
         turning = gear(x, situation.sample_rate, measured)
         # A defect beside a gear may be wider than the teeth are apart.
         refusal = refusal or (turning and with_farther(turning, whole, measured, situation))

@@ -279,6 +279,43 @@ def order_of_the_shaft(x: FloatArray, situation: Situation) -> int:
     return order if line < ABOVE_ORDERS * power.max(initial=0.0, where=beside) else 0
 
 
+def between_impacts(x: FloatArray, situation: Situation) -> float:
+    """
+    Highest line at half or one and a half times the frequency of the impacts, over the line there.
+
+    Where it is high the impacts are half as frequent, as they seem if a sample rate is halved or a
+    speed doubled. Orders of the shaft are left out, and with them the sidebands of an inner race.
+
+    Parameters
+    ----------
+    x
+        Samples, shape (n,).
+    situation
+        Of the machine.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from bearing_twin.calibration.cloud import example
+    >>> machine = example()
+    >>> x = np.random.default_rng(1).standard_normal(51200)
+    >>> x[::143] += 12.0
+    >>> between_impacts(x, machine) < 0.1
+    True
+    >>> between_impacts(x, replace(machine, shaft_hz=2.0 * machine.shaft_hz)) > 0.5
+    True
+
+    """
+    power, step = _spectrum(x, situation.sample_rate)
+    hertz = np.arange(len(power)) * step
+    near = np.abs(hertz / situation.strikes - 1.0) < SLIPPED
+    line = float(hertz[np.argmax(np.where(near, power, 0.0))])
+    own = float(power.max(initial=0.0, where=near))
+    away = np.minimum(*(np.abs(hertz - share * line) for share in (0.5, 1.5)))
+    between = (away <= LOBE * step) & ~_on_order(power, step, situation.shaft_hz)
+    return float(power.max(initial=0.0, where=between)) / max(own, 1e-300)
+
+
 class Shown(NamedTuple):
     """The smallest defect that a record would have shown."""
 

@@ -9,6 +9,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.calibration import posterior
 from bearing_twin.calibration.healthy import (
+    between_impacts,
     COMB_OVER_FLOOR,
     line_over_floor,
     order_of_the_shaft,
@@ -34,6 +35,9 @@ COPY = 0.33
 by its side lobes. It refuses an eighth of true passages: of 112 slots that share nothing with the
 twin 16 are above, of 18 twins two, of 24 trains of impacts one; of 20 pairs of pits 14. Of 19
 slots so shallow that balls roll on the bottom 11 are: such a passage is the same backwards."""
+BETWEEN = 0.25
+"""Least `healthy.between_impacts` of impacts that are half as frequent. Of 73 slots that share
+nothing with the twin none is above 0.04; impacts of the other frequency have 0.7 and more."""
 ALIKE = 2.0
 """Most that the candidates kept may be farther from the machine than from each other."""
 NEXT_BALL = 1.1
@@ -122,6 +126,40 @@ def no_impacts(x: FloatArray, situation: Situation) -> Refusal | None:
             'about as high',
         )
     return None
+
+
+def half_as_often(x: FloatArray, situation: Situation) -> Refusal | None:
+    """
+    Return why impacts are not those of a part: they are half as frequent; None if they are not.
+
+    Parameters
+    ----------
+    x
+        The record, shape (n,).
+    situation
+        Of the machine.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from dataclasses import replace
+    >>> from bearing_twin.calibration.cloud import example
+    >>> machine = example()
+    >>> x = np.random.default_rng(1).standard_normal(51200)
+    >>> x[::143] += 12.0
+    >>> half_as_often(x, machine) is None
+    True
+    >>> half_as_often(x, replace(machine, sample_rate=0.5 * machine.sample_rate)).kind.value
+    'no_impacts'
+
+    """
+    if between_impacts(x, situation) < BETWEEN:
+        return None
+    return Refusal(
+        Kind.NO_IMPACTS,
+        f'the impacts repeat at half the {situation.strikes:.1f} Hz of the {situation.place} '
+        'race: check speed and sample rate',
+    )
 
 
 def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Refusal | None:

@@ -386,6 +386,18 @@ def test_impacts_of_another_part_or_speed_are_no_width(place, shaft_hz):
     assert joined([found, found])[2] == found.statement
 
 
+@pytest.mark.parametrize(('rate', 'shaft_hz'), [(0.5 * RATE, 12.0), (RATE, 24.0)])
+@pytest.mark.parametrize('place', ['inner', 'outer'])
+def test_a_rate_or_a_speed_that_is_twice_off_is_no_width(place, rate, shaft_hz):
+    """The second harmonic lies where the part would strike, and the width would be too wide."""
+    x = impact_train(2e-3, place, 12.0)
+    found = fit(x, rate, BEARING, shaft_hz, place=place, candidates=64)
+    assert (
+        found.refusal is Kind.NO_IMPACTS and not found.quantities['defect_width_mm'].identifiable
+    )
+    assert found.statement.endswith('race: check speed and sample rate')
+
+
 def test_a_record_that_may_have_a_defect_is_not_made_healthy_by_another():
     noise = 0.01 * np.random.default_rng(1).standard_normal(25600)
     healthy = fit(noise, 12800.0, BEARING, 25.0, unit='m/s^2', place='none')
