@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 LOW = 0.7
 """Part of a power of ten up to which each tenth is numbered on an axis from 0, a quarter of a
 laptop's screen high."""
+ABOVE = 1.08
+"""Height of an axis from 0 over the highest value, which would lie on the edge of the picture."""
 
 
 @dataclass
@@ -145,7 +147,8 @@ class Trends:
             if numbered:
                 limits = tuple(Limit(f'{t:g} °C', t, look='grid') for t in NUMBERED)
             if panel.from_zero:
-                end = held(max(top, *(limit.value for limit in limits), 0.0), LOW)
+                highest = ABOVE * max(top, *(limit.value for limit in limits), 0.0)
+                end = held(highest, LOW) or highest
                 limits = *limits, ZERO
                 if drawn and end:
                     self._canvas.line(
