@@ -277,6 +277,8 @@ class CalibrationCore:
     def _message(self, task: Task, done: Fit) -> Calibration:
         found, said = done.found, self.unexplained
         spectrum, quantities = found['spectrum'], found['quantities']
+        bounded = self._latest is not None and self._latest.bounds_width
+        width = quantities['defect_width_mm'] if bounded else {}
         before = spectrum['level_before_db']
         columns = {
             key: [value[key] for value in quantities.values()]
@@ -295,10 +297,7 @@ class CalibrationCore:
             quantity=list(quantities),
             quantity_unit=[value['unit'] for value in quantities.values()],
             **columns,
-            **{
-                f'width_{key}': quantities.get('defect_width_mm', {}).get(key, math.nan)
-                for key in ('q05', 'median', 'q95')
-            },
+            **{f'width_{key}': width.get(key, math.nan) for key in ('q05', 'median', 'q95')},
             distance_before=spectrum['distance_before_db'],
             distance=spectrum['distance_after_db'],
             level_before=math.nan if before is None else before,

@@ -124,6 +124,11 @@ class Calibration:
         return self.situation.place
 
     @property
+    def bounds_width(self) -> bool:
+        """Whether a race has a defect, and something bounds its width."""
+        return self.defect in ('inner', 'outer') and self.refusal not in UNTOLD
+
+    @property
     def twin_situation(self) -> Situation:
         """Situation of the twin: without the defect where the record shows no impact of it."""
         unseen = self.refusal is not None and self.refusal.unseen

@@ -228,7 +228,7 @@ DIAGNOSIS = (
     _one('velocity', 'Velocity [mm/s rms]', 'green', 'velocity_rms', from_zero=True),
     Panel(
         'baseline',
-        'Level over its baseline [dB]',
+        'Level over baseline [dB]',
         (
             Trend('baseline', 'over baseline', LINE['orange'], 'level_over_baseline'),
             Trend('correction', 'correction', LINE['red'], 'level_correction'),

@@ -226,7 +226,8 @@ def test_a_repaired_machine_is_fitted_at_once_and_its_old_impacts_are_forgotten(
     take(core, range(40))
     core.verdict(verdict(39, FAULT, 'outer'))
     [task] = take(core, range(40, 60))
-    core.conclude(task, done(outer), 2.4)
+    said = core.conclude(task, done(outer), 2.4)
+    assert said.width_q95 == outer['quantities']['defect_width_mm']['q95']
     assert core.stale(2.4) == ''
     core.verdict(verdict(59, OK))
     assert core.stale(2.4) == (
@@ -236,7 +237,9 @@ def test_a_repaired_machine_is_fitted_at_once_and_its_old_impacts_are_forgotten(
     assert take(core, range(60, 110)) == []
     [task] = take(core, range(110, 120))
     assert task.place == 'none' and len(task.others) == 1
-    core.conclude(task, done(healthy), 4.6)
+    said = core.conclude(task, done(healthy), 4.6)
+    # What no defect is wider than is no width of one.
+    assert math.isnan(said.width_q95)
     assert core.stale(4.6) == ''
     # A minute of health is another bearing; a fit that was begun before it is of the old one.
     old = replace(task, repairs=0)
@@ -362,7 +365,7 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy)
     shown = [*figures(machine, 'a'), *appended_figures(machine, 'b')]
     assert [caption.split(';')[0].split(':')[0] for caption, _ in shown] == [
         'The twin fitted to the machine',
-        'Machine and fitted twin',
+        'Third octaves of the machine, and of its twin',
         'Machine and fitted twin',
     ]
     marks, asset = [], Asset()
@@ -371,9 +374,7 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy)
     assert picture.draw(message, 10**18)
     picture.flush(slow=True)
     assert len(marks) > 3
-    assert asset.panels == {
-        'width', 'residual', 'distance', 'fitted_spectrum', 'fitted_turn',
-    }  # fmt: skip
+    assert asset.panels == {'residual', 'distance', 'fitted_spectrum', 'fitted_turn'}
 
 
 def test_a_worker_ends_with_its_node():

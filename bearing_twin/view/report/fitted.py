@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-MACHINE: dict[str, Any] = {'color': '#424242', 'label': 'machine', 'linewidth': 0.8}
-TWIN: dict[str, Any] = {'color': '#1565c0', 'label': 'twin', 'linewidth': 0.8}
+MACHINE: dict[str, Any] = {'color': '#bdbdbd', 'label': 'machine', 'linewidth': 2.4}
+TWIN: dict[str, Any] = {'color': '#1565c0', 'label': 'twin', 'linewidth': 0.7}
+"""The twin is drawn over its machine, and hides it where it were as wide."""
 
 
 def over_each_other(machine: Machine) -> tuple[str, Figure] | None:
@@ -81,4 +82,8 @@ def explained(machine: Machine) -> tuple[str, Figure] | None:
     below.xaxis.set_major_formatter('{x:g}')
     below.xaxis.set_minor_formatter(NullFormatter())
     below.set_xlabel('frequency [Hz]')
-    return f'Machine and fitted twin; {message.residual_reason}', figure
+    caption = (
+        'Third octaves of the machine, and of its twin: that of the healthy machine as soon as '
+        f'there is one; {message.residual_reason}'
+    )
+    return caption, figure

@@ -212,9 +212,9 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
         ),
         _rows((4, twin[:3]), (4, twin[3:]), name='Twin'),
         _rows(
-            (3, fitted_views(scene)),
-            (2, [*difference_views(scene), *panel_views(scene, 'calibration', CALIBRATION[:1])]),
-            (2, panel_views(scene, 'calibration', CALIBRATION[1:])),
+            (5, fitted_views(scene)),
+            (4, [*difference_views(scene), *panel_views(scene, 'calibration', CALIBRATION[:1])]),
+            (4, panel_views(scene, 'calibration', CALIBRATION[1:])),
             (3, fitted),
             name='Calibration',
         ),

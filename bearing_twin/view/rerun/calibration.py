@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 NAMES = 'machine', 'twin'
 FIELDS = 'measured_turn', 'twin_turn'
+ALIKE_DB = 10.0
+"""Difference of the spectra that is in the picture at least, dB."""
 BARS = 400
 """Most bars of one revolution."""
 
@@ -29,6 +31,7 @@ class CalibrationPicture(Picture):
 
     kind = 'calibration'
     panels = CALIBRATION
+    low = 0.5
 
     def draw(self, message: Any, time: int) -> bool:
         """Draw a calibration whose record begins at ``time`` in ns."""
@@ -54,6 +57,9 @@ class CalibrationPicture(Picture):
             hertz = message.spectrum_step * np.arange(1, len(levels) + 1, dtype=np.float32)
             self._bars(f'spectrum/{name}', time, hertz, levels - ground, width)
         self._bars('difference/machine', time, hertz, both[0] - both[1], 1.0)
+        # An axis takes no range: bars without a width hold it open, so that alike looks alike.
+        ends = np.array([-ALIKE_DB, ALIKE_DB], np.float32)
+        self._bars('difference/axis', time, hertz[[0, 0]], ends, 0.0)
         self.asset.panels.add('fitted_spectrum')
 
     def _draw_turns(self, message: Any, time: int) -> None:

@@ -79,11 +79,13 @@ class Picture:
     """What the layout takes it for; '' for something that has no view."""
     panels: Sequence[Panel] = ()
     """Quantities that are drawn over time."""
+    low = LOW
+    """`LOW` of the height that their views have."""
 
     def __init__(self, canvas: Canvas, asset: Asset) -> None:
         self.canvas = canvas
         self.asset = asset
-        self.trends = Trends(canvas, asset, self.panels)
+        self.trends = Trends(canvas, asset, self.panels, self.low)
 
     def draw(self, message: Any, time: int) -> bool:
         """Draw a message at ``time`` in ns; return whether there is something to be seen."""
@@ -102,8 +104,11 @@ class Picture:
 class Trends:
     """Draw the quantities of ``panels`` over time, a block of messages at once."""
 
-    def __init__(self, canvas: Canvas, asset: Asset, panels: Sequence[Panel]) -> None:
+    def __init__(
+        self, canvas: Canvas, asset: Asset, panels: Sequence[Panel], low: float = LOW
+    ) -> None:
         self._canvas = canvas
+        self._low = low
         self._asset = asset
         self._panels = panels
         self._times: list[int] = []
@@ -148,7 +153,7 @@ class Trends:
                 limits = tuple(Limit(f'{t:g} °C', t, look='grid') for t in NUMBERED)
             if panel.from_zero:
                 highest = ABOVE * max(top, *(limit.value for limit in limits), 0.0)
-                end = held(highest, LOW) or highest
+                end = held(highest, self._low) or highest
                 limits = *limits, ZERO
                 if drawn and end:
                     self._canvas.line(
