@@ -69,7 +69,9 @@ def read_csv(path: Path) -> dict[str, Any]:
         msg = f'{path} cannot be read: {error.strerror}'
         raise BearingTwinError(msg) from None
     # A comma in a quoted number is a decimal one.
-    text = AT_END.sub('', QUOTED.sub(lambda field: field[1].replace(',', '.'), text))
+    text = QUOTED.sub(lambda field: field[1].replace(',', '.'), text)
+    if AT_END.search(text[:100_000]):
+        text = AT_END.sub('', text)
     head = text[:100_000].splitlines()[:HEAD]
     start, separator = _first_numbers(head)
     if start < 0:
