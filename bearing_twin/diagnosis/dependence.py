@@ -131,9 +131,13 @@ class Law:
             return f'{interval}, learnt from {heat.low:.0f} to {heat.high:.0f} degC'
         if math.isnan(heat.low):
             return 'temperature not corrected: its record is too short'
+        unknown = Z90 * heat.deviation * (heat.high - heat.low)
+        why = f'leave {unknown:.1f} dB unknown'
+        if unknown <= KNOWN_DB:
+            why = 'do not show what temperature alone does'
         return (
             f'temperature not corrected: {heat.low:.0f} to {heat.high:.0f} degC in the healthy '
-            f'record leave {Z90 * heat.deviation * (heat.high - heat.low):.1f} dB unknown'
+            f'record {why}'
         )
 
 
