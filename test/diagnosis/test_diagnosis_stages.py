@@ -11,7 +11,7 @@ from bearing_twin.diagnosis.columns import power_of_lines, transform_rows
 from bearing_twin.diagnosis.comb import accumulate, comb_scores, order_spectra
 from bearing_twin.diagnosis.demodulation import choose_layout
 from bearing_twin.diagnosis.gate import check_record
-from bearing_twin.diagnosis.kernels import NEUTRAL
+from bearing_twin.diagnosis.kernels import column_ranks, NEUTRAL
 from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.report import coarse_spectrum
 from bearing_twin.diagnosis.settings import DiagnosisSettings
@@ -163,6 +163,27 @@ def test_columns_transformed_side_by_side_are_those_of_the_library(rng, count):
     exact = np.fft.fft(rows[:, :16].astype(float) + 1j * rows[:, 16:], axis=0)
     found = transform_rows(rows)
     assert np.abs(found[:, :16] + 1j * found[:, 16:] - exact).max() < 3e-7 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize('kind', ['noise', 'lines', 'ties', 'decades', 'signs'])
+@pytest.mark.parametrize(('count', 'columns'), [(1, 16), (2, 17), (31, 52), (200, 40)])
+def test_ranks_of_columns_are_those_of_sorting(rng, kind, count, columns):
+    values = rng.exponential(size=(2 * count, columns))
+    if kind == 'lines':
+        values[:: max(count // 5, 1)] *= 1e8
+    elif kind == 'ties':
+        values = np.round(2.0 * values)
+    elif kind == 'decades':
+        values = 10.0 ** rng.uniform(-15.0, 15.0, values.shape)
+    elif kind == 'signs':
+        values -= 1.0
+    values = values.astype(np.float32)
+    found = np.empty(columns, np.float32)
+    for first, step, away in ((0, 1, 0.0), (1, 2, 0.0), (1, 2, 1.0)):
+        rows = np.sort(values[first::step][:count], axis=0)
+        for rank in {0, count // 2, int(0.84 * count), count - 1}:
+            column_ranks(values, first, step, count, rank, away, found)
+            assert (found == rows[rank]).all()
 
 
 @pytest.mark.parametrize(('points', 'bands'), [(1280, 20), (1225, 3), (1250, 20), (2 * 1009, 5)])
