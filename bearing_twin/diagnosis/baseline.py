@@ -201,6 +201,14 @@ class Memory:
                 return base
         return None
 
+    def fallen(self, level: float, now: Condition, by: float) -> bool:
+        """Whether a level of the whole signal, dB, is so far below what the machine did so far."""
+        if self.base:
+            return level <= self.base.levels[0] - by
+        speed = self._speed(now)
+        known = speed in self.medians and not speed.startswith(_ANY)
+        return known and level <= self.medians[speed][0][0] - by
+
     def forget_before(self, time: float) -> None:
         """Drop what was seen before a time, s, and is in no baseline yet."""
         for window in self.windows.values():

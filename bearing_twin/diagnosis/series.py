@@ -58,7 +58,7 @@ LEAST_BASELINE = 10
 """Fewest snapshots of a baseline."""
 MOST = 5000
 """Points kept; when there are more, every second of the older half is dropped."""
-_FALLEN = f'{FAULT_DB:g} dB or more below the baseline: {FALLEN}'
+_FALLEN = f'{FAULT_DB:g} dB or more below the baseline, or the lowest before it: {FALLEN}'
 
 
 @dataclass
@@ -220,7 +220,7 @@ class SeriesMonitor:
         severity = of_length(severity, len(signal), sample_rate)
         levels = watched(severity)
         changes, deviations = self._changes_at(now)
-        if memory.base and levels[0] - changes[0] <= memory.base.levels[0] - FAULT_DB:
+        if memory.fallen(float(levels[0] - changes[0]), now, FAULT_DB):
             self._not_compared(time, _FALLEN)
             return None
         self._kept.unjudged, self._kept.source = 0, Source(unit=unit, sample_rate=sample_rate)

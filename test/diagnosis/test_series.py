@@ -160,6 +160,18 @@ def test_a_machine_that_is_not_judged_any_more_is_not_ok(height, hertz, why):
     assert monitor.report().level == 'ok'
 
 
+def test_a_machine_that_stood_before_it_was_known_is_not_alarmed_when_it_runs_again():
+    """Its speed is a nameplate's, so that it is not known to stand; it warms up all the time."""
+    monitor, rng = SeriesMonitor(None), np.random.default_rng(5)
+    for number in range(100):
+        height = 0.02 if 20 <= number < 50 else 1.0
+        x, heat = height * rng.standard_normal(COUNT), 40.0 + 0.2 * number
+        point = monitor.add(600.0 * number, x, RATE, SHAFT_HZ, temperature=heat)
+        assert (point is None) == (height < 1.0)
+        assert point is None or point.level == 'none'
+    assert any('30 snapshots not judged: 12 dB' in why for why in monitor.report().reasons)
+
+
 def test_two_machines_in_one_series_have_no_baseline():
     rng = np.random.default_rng(2)
     monitor = SeriesMonitor(None, DiagnosisSettings(baseline_windows=20))
