@@ -101,7 +101,8 @@ to the bit from `~/checkpoint`; `bearing-twin verify` does so.
 
 Each node reports its parts on `/diagnostics`, named `NODE: STATUS`. The keys of their values are
 stable and carry the unit. A value is always a number or always a text, so that a time-series
-database takes it; a number that is not known is left out.
+database takes it; a number that is not known is left out. Each part is reported once a second; a
+fleet with more than 64 parts spreads them over the second, 64 a message.
 
 At the first start, and after an update, twin and fleet compile their kernel, which takes about a
 minute of one core; `bearing-twin compile` does it beforehand. Meanwhile they are visible, answer

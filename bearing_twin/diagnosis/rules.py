@@ -622,7 +622,16 @@ def decide(evidence: Evidence) -> Verdict:
 
 
 def answer(evidence: Evidence) -> Verdict:
-    """Verdict of the first rule that applies, without what its confidence rests on."""
+    """
+    Verdict of the first rule that applies, without what its confidence rests on.
+
+    >>> from bearing_twin.diagnosis.evidence import Evidence
+    >>> from bearing_twin.diagnosis.candidate import Candidate
+    >>> slipped = answer(Evidence.of(Candidate('outer', 3.0, slip=0.03, z=9.0, index=0.8)))
+    >>> slipped.result, slipped.level
+    ('outer', 'suspect')
+
+    """
     for rule in RULES:
         verdict = rule.apply(evidence)
         if verdict is not None:
@@ -640,7 +649,16 @@ def answer(evidence: Evidence) -> Verdict:
 
 
 def trusted(evidence: Evidence, verdict: Verdict) -> Verdict:
-    """Return an answer with what its confidence rests on: even odds at an unlikely slip."""
+    """
+    Return an answer with what its confidence rests on: even odds at an unlikely slip.
+
+    >>> from bearing_twin.diagnosis.evidence import Evidence
+    >>> from bearing_twin.diagnosis.candidate import Candidate
+    >>> slipped = Evidence.of(Candidate('outer', 3.0, slip=0.03, z=9.0, index=0.8))
+    >>> trusted(slipped, answer(slipped)).trust.at_most
+    0.5
+
+    """
     rule = next(rule for rule in RULES if rule.name == verdict.rule)
     named = (verdict.candidates[place] for place in verdict.faults)
     # Of two faults both must be there; of several places one.
