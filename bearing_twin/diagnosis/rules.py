@@ -627,9 +627,9 @@ def answer(evidence: Evidence) -> Verdict:
 
     >>> from bearing_twin.diagnosis.evidence import Evidence
     >>> from bearing_twin.diagnosis.candidate import Candidate
-    >>> slipped = answer(Evidence.of(Candidate('outer', 3.0, slip=0.03, z=9.0, index=0.8)))
+    >>> slipped = answer(Evidence.of(Candidate('inner', 4.9, slip=0.03, z=9.0, index=0.8)))
     >>> slipped.result, slipped.level
-    ('outer', 'suspect')
+    ('inner', 'suspect')
 
     """
     for rule in RULES:
@@ -654,7 +654,7 @@ def trusted(evidence: Evidence, verdict: Verdict) -> Verdict:
 
     >>> from bearing_twin.diagnosis.evidence import Evidence
     >>> from bearing_twin.diagnosis.candidate import Candidate
-    >>> slipped = Evidence.of(Candidate('outer', 3.0, slip=0.03, z=9.0, index=0.8))
+    >>> slipped = Evidence.of(Candidate('inner', 4.9, slip=0.03, z=9.0, index=0.8))
     >>> trusted(slipped, answer(slipped)).trust.at_most
     0.5
 
