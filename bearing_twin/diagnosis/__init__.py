@@ -30,3 +30,8 @@ def __getattr__(name: str) -> object:
                 return getattr(found, name)
     msg = f'module {__name__!r} has no attribute {name!r}'
     raise AttributeError(msg)
+
+
+def __dir__() -> list[str]:
+    """Names that are looked up late are listed with the others."""
+    return sorted({*globals(), *__all__})
