@@ -508,7 +508,7 @@ def four_line_power(
     first: int,
 ) -> None:
     """
-    Write the same of four columns, of which every fourth sample was transformed as a column.
+    Write the same for four columns, each transformed as four columns of every fourth sample.
 
     Parameters
     ----------

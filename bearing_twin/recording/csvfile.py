@@ -144,7 +144,7 @@ def is_even(column: NDArray[Any]) -> bool:
 
     """
     values = column.ravel().astype(np.float64)
-    # Of values that are no times, such as infinite ones, nothing is said here.
+    # Infinite or huge values are no times: numpy need not warn of them.
     with np.errstate(over='ignore', invalid='ignore'):
         steps = np.diff(values)
         step = steps.mean()
