@@ -10,8 +10,8 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.columns import aligned, real_columns, ROW, transform_rows
-from bearing_twin.diagnosis.kernels import add_lags, tile_powers, tile_products, tiles_beside
-from bearing_twin.dynamics.vector import L
+from bearing_twin.dynamics.compiled import compiled, FAST
+from bearing_twin.dynamics.vector import L, load, store
 import numpy as np
 from scipy import fft
 
@@ -155,16 +155,16 @@ def _by_tile(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.f
         room = aligned(2 * tile + 1, ROW)
         # What is behind the tiles is read, and must be finite.
         room[-1] = 0.0
-        tiles_beside(spectrum, tile, groups, group, room[:-1])
+        _tiles_beside(spectrum, tile, groups, group, room[:-1])
         return transform_rows(room[:-1])
 
     def add(products: NDArray[np.float32], group: int, whitening: int, apart: int) -> None:
         first, members = whitening * len(tree.bands), _members(tree, apart)[group]
-        add_lags(products, whitening, apart, members, first, values, lags)
+        _add_lags(products, whitening, apart, members, first, values, lags)
 
     signals = [[tiles(spectrum, group) for group in range(groups)] for spectrum in whitened]
     for group, (one, other) in enumerate(zip(*signals, strict=True)):
-        tile_powers(one, other, rows)
+        _tile_powers(one, other, rows)
         within = transform_rows(rows)
         for whitening in range(len(signals)):
             add(within, group, whitening, 0)
@@ -172,13 +172,13 @@ def _by_tile(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.f
         for apart in range(1, -(-len(lags) // tile) + 1):
             for group, one in enumerate(signal):
                 shift, at = divmod(group + apart, groups)
-                tile_products(one, signal[at], shift, rows)
+                _tile_products(one, signal[at], shift, rows)
                 add(transform_rows(rows), group, whitening, apart)
 
 
 @functools.lru_cache(maxsize=16)
 def _members(tree: BandTree, apart: int) -> NDArray[np.float32]:
-    """Whether the product of a tile with one so far on belongs to a band, as `add_lags` asks."""
+    """Whether the product of a tile with one so far on belongs to a band, as `_add_lags` asks."""
     tile = tree.levels[-1][0] // 2
     groups = tree.levels[0][0] // (tile * L)
     bands = [(first, first + width) for width, firsts in tree.levels for first in firsts]
@@ -188,3 +188,123 @@ def _members(tree: BandTree, apart: int) -> NDArray[np.float32]:
             members[number % groups, number // groups, band] = 1.0
     members.flags.writeable = False
     return members
+
+
+@compiled(borrows=True)
+def _tiles_beside(
+    spectrum: NDArray[np.complex64], tile: int, groups: int, group: int, rows: NDArray[np.float32]
+) -> None:
+    """
+    Put tiles of a spectrum side by side, zeros below: every so many tiles, from one on.
+
+    Parameters
+    ----------
+    spectrum
+        (>= 16 groups tile,).
+    tile
+        Bins.
+    groups, group
+        Tiles from one to the next, and the first.
+    rows
+        (2 tile, 32), written.
+
+    """
+    for n in range(tile):
+        for k in range(L):
+            value = spectrum[(k * groups + group) * tile + n]
+            rows[n, k], rows[n, L + k] = value.real, value.imag
+    rows[tile:] = np.float32(0.0)
+
+
+@compiled(fast=FAST, borrows=True)
+def _tile_powers(
+    one: NDArray[np.float32], other: NDArray[np.float32], out: NDArray[np.float32]
+) -> None:
+    """Write squared magnitudes: of one (N, 32) as real, of the other as imaginary parts."""
+    for n in range(len(out)):
+        ar, ai, br, bi = load(one[n], 0), load(one[n], 1), load(other[n], 0), load(other[n], 1)
+        store(out[n], 0, ar * ar + ai * ai)
+        store(out[n], 1, br * br + bi * bi)
+
+
+@compiled(fast=FAST, borrows=True)
+def _tile_products(
+    one: NDArray[np.float32], other: NDArray[np.float32], shift: int, out: NDArray[np.float32]
+) -> None:
+    """
+    Write the products of tiles with the conjugates of those some columns further on.
+
+    Parameters
+    ----------
+    one, other
+        (N, 32); behind the other there are ``shift`` finite numbers.
+    shift
+        Columns; as many products at the end mean nothing, but are finite.
+    out
+        (N, 32), written.
+
+    """
+    flat = other.reshape(-1)
+    for n in range(len(out)):
+        at = 2 * L * n + shift
+        ar, ai = load(one[n], 0), load(one[n], 1)
+        br, bi = load(flat[at:], 0), load(flat[at + L :], 0)
+        store(out[n], 0, ar * br + ai * bi)
+        store(out[n], 1, ai * br - ar * bi)
+
+
+@compiled(fast=FAST, borrows=True)
+def _add_lags(
+    products: NDArray[np.float32],
+    whitening: int,
+    apart: int,
+    members: NDArray[np.float32],
+    first: int,
+    values: NDArray[np.float32],
+    lags: NDArray[np.float32],
+) -> None:
+    """
+    Add to the autocorrelation of each band, conjugated, the products of its tiles.
+
+    Parameters
+    ----------
+    products
+        (2 tile, 32) transforms: of the squared magnitudes of two whitenings, or of the products
+        of tiles so far apart.
+    whitening, apart
+        See ``products``.
+    members
+        (16, 16 n) one where a product of tiles belongs to a band, else zero.
+    first
+        Column of the first band.
+    values
+        (32,) to work in.
+    lags
+        (K, 2, >= first + 16 n) real and imaginary parts, added to.
+
+    """
+    length = len(products)
+    tile, count = length // 2, len(lags)
+    scale = np.float32(1.0) / np.float32(length)
+    for lag in range(max((apart - 1) * tile + 1, 0), min((apart + 1) * tile, count)):
+        at = lag - apart * tile if lag >= apart * tile else lag - apart * tile + length
+        row = products[at]
+        real, imag = scale * load(row, 0), scale * load(row, 1)
+        if apart == 0:
+            other = products[length - at if at else 0]
+            mirror_real, mirror_imag = scale * load(other, 0), scale * load(other, 1)
+            if whitening == 0:
+                real, imag = 0.5 * (real + mirror_real), 0.5 * (imag - mirror_imag)
+            else:
+                real, imag = 0.5 * (imag + mirror_imag), 0.5 * (mirror_real - real)
+        store(values, 0, real)
+        store(values, 1, imag)
+        for column in range(0, members.shape[1], L):
+            out = lags[lag, 0, first + column :], lags[lag, 1, first + column :]
+            sums_real, sums_imag = load(out[0], 0), load(out[1], 0)
+            for k in range(L):
+                belongs = load(members[k, column:], 0)
+                sums_real = sums_real + belongs * values[k]
+                sums_imag = sums_imag + belongs * values[L + k]
+            store(out[0], 0, sums_real)
+            store(out[1], 0, sums_imag)

@@ -9,8 +9,10 @@ from functools import cached_property
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.kernels import best_bands, comb_bands, comb_sums, mark_near, three_bins
+from bearing_twin.diagnosis.comb_sums import best_bands, comb_bands, comb_sums
+from bearing_twin.diagnosis.lines import nearest_row
 from bearing_twin.diagnosis.spectra import column_quantiles, quantiles
+from bearing_twin.dynamics.compiled import compiled, FAST
 import numpy as np
 
 if TYPE_CHECKING:
@@ -89,13 +91,13 @@ class OrderSpectra:
         """Power above the floor of lines, (..., C): each spreads over three bins."""
         first, end, _ = columns.indices(self.excess.shape[1])
         power = np.zeros((orders.size, end - first), np.float32)
-        three_bins(self.excess, self.quiet, orders.ravel(), self.step, first, power)
+        _three_bins(self.excess, self.quiet, orders.ravel(), self.step, first, power)
         return power.reshape(*orders.shape, -1)
 
     def near(self, orders: NDArray[np.float64], half_width: float) -> NDArray[np.bool_]:
         """(K,) mask of the bins within ``half_width`` orders of any of ``orders``."""
         mask = np.zeros(len(self.logs), np.bool_)
-        mark_near(orders, half_width, self.step, mask)
+        _mark_near(orders, half_width, self.step, mask)
         return mask
 
     def at_given_speed(self) -> OrderSpectra:
@@ -254,3 +256,70 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
     best_spread = max(best_upper - best_center, 1e-3)
     z = (best - best_center) / best_spread
     return replace(plain, z=z, best_center=best_center, best_spread=best_spread)
+
+
+@compiled(borrows=True)
+def _mark_near(
+    orders: NDArray[np.float64], half_width: float, step: float, mask: NDArray[np.bool_]
+) -> None:
+    """
+    Mark the rows within ``half_width`` orders of any of some orders.
+
+    Parameters
+    ----------
+    orders
+        (N,).
+    half_width, step
+        Orders; row k belongs to order (k + 1) step.
+    mask
+        (K,), written where it is so.
+
+    """
+    count = len(mask)
+    for order in orders:
+        first = np.ceil((order - half_width) / step) - 1.0
+        last = np.floor((order + half_width) / step)
+        for k in range(int(min(max(first, 0.0), count)), int(min(last, count))):
+            mask[k] = True
+
+
+@compiled(fast=FAST, borrows=True)
+def _three_bins(
+    excess: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    orders: NDArray[np.float64],
+    step: float,
+    first: int,
+    power: NDArray[np.float32],
+) -> None:
+    """
+    Add up each line's row and the two beside it: a line spreads over three bins.
+
+    Parameters
+    ----------
+    excess
+        (K, C).
+    hidden
+        (K,) mask of the rows that say nothing.
+    orders
+        (N,) of the lines.
+    step
+        Orders a bin.
+    first
+        First column wanted.
+    power
+        (N, B) sums over as many columns, added to.
+
+    """
+    lines, columns = power.shape
+    last = len(excess) - 1
+    for n in range(lines):
+        out = power[n]
+        middle = nearest_row(orders[n] * (1.0 / step), len(excess))
+        for beside in range(-1, 2):
+            at = min(max(middle + beside, 0), last)
+            if hidden[at]:
+                continue
+            row = excess[at, first : first + columns]
+            for c in range(columns):
+                out[c] += row[c]

@@ -19,8 +19,7 @@ from bearing_twin.diagnosis.bands import band_tree, BandTree, squared_envelopes
 from bearing_twin.diagnosis.comb import HARMONICS
 from bearing_twin.diagnosis.gate import DAMPING, HIGHEST_RINGING_HZ, SHAFT_TURNS
 from bearing_twin.diagnosis.impulsive_outliers import limit_impulsive_outliers
-from bearing_twin.diagnosis.kernels import moments
-from bearing_twin.diagnosis.severity import Levels
+from bearing_twin.diagnosis.severity import Levels, moments
 from bearing_twin.diagnosis.spectra import line_cap, transform, whiten
 from bearing_twin.diagnosis.thresholds import KURTOSIS
 import numpy as np

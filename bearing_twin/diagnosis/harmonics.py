@@ -13,8 +13,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis import kernels
 from bearing_twin.diagnosis.comb import HARMONICS
+from bearing_twin.diagnosis.lines import nearest_row, row_height
+from bearing_twin.dynamics.compiled import compiled, FAST
 import numpy as np
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def line_heights(
     --------
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.comb import OrderSpectra
-    >>> from bearing_twin.diagnosis.kernels import NEUTRAL
+    >>> from bearing_twin.diagnosis.lines import NEUTRAL
     >>> logs = np.full((2000, 1), NEUTRAL, np.float32)
     >>> logs[613] = 3.0 + NEUTRAL
     >>> spectra = OrderSpectra(0.01, logs, 0.0 * logs, np.zeros(1, np.float32))
@@ -78,9 +79,7 @@ def line_heights(
 
     """
     heights = np.empty(len(lines))
-    kernels.line_heights(
-        spectra.logs, np.asarray(lines, np.float64), spectra.step, columns, heights
-    )
+    _line_heights(spectra.logs, np.asarray(lines, np.float64), spectra.step, columns, heights)
     return heights
 
 
@@ -155,7 +154,7 @@ def unshared_height(
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.comb import OrderSpectra
-    >>> from bearing_twin.diagnosis.kernels import NEUTRAL
+    >>> from bearing_twin.diagnosis.lines import NEUTRAL
     >>> logs = np.full((2000, 1), NEUTRAL, np.float32)
     >>> logs[[306, 613, 920, 1227]] += np.array([[0.3], [3.0], [0.3], [3.0]], np.float32)
     >>> spectra = OrderSpectra(0.01, logs, 0.0 * logs, np.zeros(1, np.float32))
@@ -172,7 +171,7 @@ def _unshared(
 ) -> NDArray[np.float64]:
     """Unshared heights for all multiples from 1 on."""
     ratios = np.empty(HARMONICS)
-    kernels.unshared_heights(spectra.logs, hidden, order, spectra.step, columns, ratios)
+    _unshared_heights(spectra.logs, hidden, order, spectra.step, columns, ratios)
     return ratios
 
 
@@ -226,7 +225,7 @@ def denser_series(
         return 0.0
     alike = own - _ALIKE
     leasts = (alike if sharp else _SHARE * own), alike
-    found = kernels.denser_part(
+    found = _denser_part(
         spectra.logs, order, spectra.step, HARMONICS, columns, hidden, mine, sidebands, most,
         leasts, _FEWEST, _CHANCE * _SPREAD / math.sqrt(spectra.weight), uncertainty + spectra.step,
     )  # fmt: skip
@@ -279,3 +278,134 @@ def masked_by_shaft(
         comb = shaft = np.maximum(comb, shaft)
     higher = shaft[harmonics].mean() >= comb[harmonics].mean()
     return bool(higher and shaft[others].mean() > shaft[harmonics].mean() - _ALIKE)
+
+
+@compiled(fast=FAST, borrows=True)
+def _line_heights(
+    logs: NDArray[np.float32],
+    orders: NDArray[np.float64],
+    step: float,
+    columns: NDArray[np.intp],
+    heights: NDArray[np.float64],
+) -> None:
+    """
+    Write the mean over some columns of the row nearest to each order, noise taken off.
+
+    Parameters
+    ----------
+    logs
+        (K, C); row k belongs to order (k + 1) step.
+    orders
+        (N,).
+    step
+        Orders a bin.
+    columns
+        (B,).
+    heights
+        (N,), written.
+
+    """
+    for n in range(len(orders)):
+        heights[n] = row_height(logs, nearest_row(orders[n] * (1.0 / step), len(logs)), columns)
+
+
+@compiled(fast=FAST - {'ninf'}, borrows=True)
+def _unshared_heights(
+    logs: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    order: float,
+    step: float,
+    columns: NDArray[np.intp],
+    ratios: NDArray[np.float64],
+) -> None:
+    """
+    Write the height of the harmonics that the series of each multiple lacks, over the others'.
+
+    Parameters
+    ----------
+    logs, step, columns
+        As in `_line_heights`.
+    hidden
+        (K,) mask of the rows that say nothing.
+    order
+        Fundamental order of the comb; it has as many harmonics as there are multiples.
+    ratios
+        (M,), written: for the multiple m in place m - 1. Infinite where nothing is shared.
+
+    """
+    for multiple in range(1, len(ratios) + 1):
+        shared = lacking = 0.0
+        on = off = 0
+        for n in range(1, len(ratios) + 1):
+            at = nearest_row(order * n * (1.0 / step), len(logs))
+            if hidden[at]:
+                continue
+            height = row_height(logs, at, columns)
+            if n % multiple == 0:
+                shared, on = shared + height, on + 1
+            else:
+                lacking, off = lacking + height, off + 1
+        known = on > 0 and off > 0 and shared > 0.0
+        ratios[multiple - 1] = lacking / off / (shared / on) if known else np.inf
+
+
+@compiled(fast=FAST, borrows=True)
+def _denser_part(
+    logs: NDArray[np.float32],
+    order: float,
+    step: float,
+    harmonics: int,
+    columns: NDArray[np.intp],
+    hidden: NDArray[np.bool_],
+    mine: NDArray[np.bool_],
+    sidebands: NDArray[np.bool_],
+    most: int,
+    leasts: tuple[float, float],
+    fewest: int,
+    surest: float,
+    slack: float,
+) -> int:
+    """
+    Return the part of an order whose series has lines between the harmonics of a comb, 0 if none.
+
+    Of all parts it is the one whose lines are farthest from chance.
+
+    Parameters
+    ----------
+    logs, step, columns
+        As in `_line_heights`.
+    order, harmonics
+        Fundamental of the comb, and number of its harmonics.
+    hidden, mine, sidebands
+        (K,) rows that do not count, or only where all lines of the series are as high.
+    most
+        Largest part.
+    leasts
+        Least mean height of the lines without the sidebands, and with them.
+    fewest, surest
+        Fewest lines, and the least product of their mean height and the root of their number.
+    slack
+        Relative distance from the shaft within which a series is not looked for.
+
+    """
+    inverse, best, found = 1.0 / step, 0.0, 0
+    for part in range(2, most + 1):
+        few = all_lines = 0
+        low = height_sum = 0.0
+        for n in range(1, harmonics * part + 1):
+            at = nearest_row(order * (n / part) * inverse, len(logs))
+            if n % part == 0 or hidden[at] or mine[at]:
+                continue
+            height = np.float64(row_height(logs, at, columns))
+            all_lines, height_sum = all_lines + 1, height_sum + height
+            if not sidebands[at]:
+                few, low = few + 1, low + height
+        if abs(order / part - 1.0) <= slack:
+            continue
+        for count, total, least in ((few, low, leasts[0]), (all_lines, height_sum, leasts[1])):
+            if count < fewest or total < least * count:
+                continue
+            sure = total / np.sqrt(np.float64(count))
+            if sure >= surest and sure > best:
+                best, found = sure, part
+    return found

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.kernels import without_highest
+from bearing_twin.diagnosis.lines import without_highest
 from bearing_twin.diagnosis.spectra import local_floor, quantiles
 from bearing_twin.diagnosis.thresholds import (
     CARRIER,

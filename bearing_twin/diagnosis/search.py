@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.diagnosis.candidate import Candidate, UNTESTED
 from bearing_twin.diagnosis.comb import comb_scores, HARMONICS, OrderSpectra
+from bearing_twin.diagnosis.comb_sums import highest_off, likeliest
 from bearing_twin.diagnosis.gate import HEALTHY_TURNS
 from bearing_twin.diagnosis.harmonics import (
     denser_series,
@@ -19,7 +20,7 @@ from bearing_twin.diagnosis.harmonics import (
     MISSING,
     missing_harmonics,
 )
-from bearing_twin.diagnosis.kernels import highest_off, likeliest, mean_height
+from bearing_twin.diagnosis.lines import mean_height
 from bearing_twin.diagnosis.shaft import SHAFT_FOUND
 from bearing_twin.diagnosis.sidebands import (
     comb_powers,
@@ -125,7 +126,7 @@ class CombSearch:
         grid = np.arange(ends[0] - slack, ends[1] + slack, 0.5 * self.spectra.step / HARMONICS)
         grid = grid if len(grid) else np.array([order])
         z = self._scores.score(spectra, grid)
-        return likeliest(z, grid, order, slack, slope)
+        return likeliest(z, grid, order, slack, slope, SLIP_COST)
 
     def strongest_anywhere(self, *, beyond: bool = False) -> Candidate:
         """

@@ -9,8 +9,8 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.acceleration import acceleration_factor
-from bearing_twin.diagnosis.kernels import moments
 from bearing_twin.diagnosis.result import Severity
+from bearing_twin.dynamics.compiled import compiled, FAST
 import numpy as np
 
 if TYPE_CHECKING:
@@ -233,3 +233,27 @@ def _rows(low: float, high: float, bin_hz: float, count: int) -> slice:
     """Bins of a band."""
     first = max(math.ceil(min(low / bin_hz, count)), 1)
     return slice(first, max(min(math.floor(min(high / bin_hz, count)) + 1, count), first))
+
+
+@compiled(fast=FAST - {'nnan', 'ninf'}, borrows=True)
+def moments(x: NDArray[np.float64], mean: float) -> tuple[float, float, float]:
+    """
+    Return the sums of the second, third and fourth power of the deviation from a mean.
+
+    Parameters
+    ----------
+    x
+        (n,).
+    mean
+        In the unit of x.
+
+    """
+    second = third = fourth = 0.0
+    # By index: the compiler makes no vectors of an iterator.
+    for n in range(len(x)):
+        away = x[n] - mean
+        square = away * away
+        second += square
+        third += square * away
+        fourth += square * square
+    return second, third, fourth

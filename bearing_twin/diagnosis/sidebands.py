@@ -5,11 +5,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
-from bearing_twin.diagnosis import kernels
 from bearing_twin.diagnosis.comb import HARMONICS
+from bearing_twin.diagnosis.lines import nearest_row
 from bearing_twin.diagnosis.thresholds import CARRIER
+from bearing_twin.dynamics.compiled import compiled, FAST
 import numpy as np
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ def modulation_index(
     # Half of the range stays in any case, for low sample rates.
     lowest = min(CARRIER * order, 0.5 * float(spectra.carrier.max())) if family == 'outer' else 0.0
     power = np.zeros(len(band_scores), np.float32)
-    band = kernels.strongest_band(
+    band = _strongest_band(
         spectra.excess, spectra.quiet, order, spectra.step, HARMONICS, band_scores,
         spectra.carrier, lowest, power,
     )  # fmt: skip
@@ -99,7 +100,113 @@ def sideband_ratios(
 
     """
     ratios = np.empty(len(gaps), np.float32)
-    kernels.sideband_ratios(
+    _sideband_ratios(
         spectra.excess, spectra.quiet, order, spectra.step, HARMONICS, band, gaps, ratios
     )
     return ratios
+
+
+@compiled(fast=FAST, borrows=True)
+def _line_of_band(
+    excess: NDArray[np.float32], hidden: NDArray[np.bool_], bins: float, band: int
+) -> Any:
+    """Return the power of a line in one band: its row and the two beside it."""
+    last, total = len(excess) - 1, np.float32(0.0)
+    middle = nearest_row(bins, len(excess))
+    for beside in range(-1, 2):
+        at = min(max(middle + beside, 0), last)
+        if not hidden[at]:
+            total += excess[at, band]
+    return total
+
+
+@compiled(fast=FAST, borrows=True)
+def _sideband_ratios(
+    excess: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    order: float,
+    step: float,
+    harmonics: int,
+    band: int,
+    gaps: NDArray[np.float64],
+    ratios: NDArray[np.float32],
+) -> None:
+    """
+    Write the amplitude of the lines one and two gaps beside the harmonics of a comb, over theirs.
+
+    Parameters
+    ----------
+    excess
+        (K, C) power above the floor; row k belongs to order (k + 1) step.
+    hidden
+        (K,) mask of the rows that say nothing.
+    step
+        Orders a bin.
+    order, harmonics, band
+        Fundamental of the comb, number of its harmonics, and the column.
+    gaps
+        (G,) orders.
+    ratios
+        (G,), written.
+
+    """
+    inverse, own = 1.0 / step, np.float32(0.0)
+    for harmonic in range(1, harmonics + 1):
+        own += _line_of_band(excess, hidden, harmonic * order * inverse, band)
+    own = max(own, np.float32(1e-30))
+    for g in range(len(gaps)):
+        total = np.float32(0.0)
+        for harmonic in range(1, harmonics + 1):
+            for side in range(1, 3):
+                away = side * gaps[g]
+                line = harmonic * order
+                total += _line_of_band(excess, hidden, (line - away) * inverse, band)
+                total += _line_of_band(excess, hidden, (line + away) * inverse, band)
+        ratios[g] = np.sqrt(np.float32(0.25) * total / own)
+
+
+@compiled(fast=FAST, borrows=True)
+def _strongest_band(
+    excess: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    order: float,
+    step: float,
+    harmonics: int,
+    scores: NDArray[np.float32],
+    carrier: NDArray[np.float32],
+    lowest: float,
+    power: NDArray[np.float32],
+) -> int:
+    """
+    Return the band in which a comb has most power, of those that show it.
+
+    Parameters
+    ----------
+    excess, hidden, order, step, harmonics
+        As in `_sideband_ratios`.
+    scores
+        (C,) of the comb; it shows from 3 on, and in the band of the highest score.
+    carrier, lowest
+        (C,) lower edge of each band, and the one below which a band has no power, orders.
+    power
+        (C,) of the comb's lines, added to.
+
+    """
+    last = len(excess) - 1
+    for harmonic in range(1, harmonics + 1):
+        middle = nearest_row(harmonic * order * (1.0 / step), len(excess))
+        for beside in range(-1, 2):
+            at = min(max(middle + beside, 0), last)
+            if not hidden[at]:
+                for c in range(len(power)):
+                    power[c] += excess[at, c]
+    highest_score, best = scores[0], -1
+    for score in scores:
+        highest_score = max(highest_score, score)
+    least = min(highest_score, np.float32(3.0))
+    for c in range(len(power)):
+        if carrier[c] < lowest:
+            power[c] = np.float32(0.0)
+        if scores[c] >= least and (best < 0 or power[c] > power[best]):
+            best = c
+    return best

@@ -13,7 +13,8 @@ import functools
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.columns import power_of_lines
-from bearing_twin.diagnosis.kernels import column_ranks, join_quarters, over_floor
+from bearing_twin.diagnosis.ranks import column_ranks
+from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.vector import L
 import numpy as np
 from scipy import fft
@@ -50,7 +51,7 @@ def transform(x: NDArray[np.float32]) -> NDArray[np.complex64]:
     if len(x) % 4:
         return np.asarray(fft.rfft(x))
     joined = np.empty(len(x) // 2 + 1, np.complex64)
-    join_quarters(fft.rfft(x.reshape(-1, 4), axis=0), _turns(len(x)), joined)
+    _join_quarters(fft.rfft(x.reshape(-1, 4), axis=0), _turns(len(x)), joined)
     return joined
 
 
@@ -356,6 +357,82 @@ def envelope_spectra(
         del part, some
     levels, first, hop = column_levels(power, floor_width)
     logs, excess = np.empty_like(power), np.empty((count, bands), np.float32)
-    over_floor(power, levels, first, hop, logs, excess)
+    _over_floor(power, levels, first, hop, logs, excess)
     np.log(logs, out=logs)
     return EnvelopeSpectra(bin_hz, logs, excess, power[:, :bands].T, levels.T[:bands], first, hop)
+
+
+@compiled(fast=FAST, borrows=True)
+def _over_floor(
+    power: NDArray[np.float32],
+    levels: NDArray[np.float32],
+    first: float,
+    hop: int,
+    ratio: NDArray[np.float32],
+    excess: NDArray[np.float32],
+) -> None:
+    """
+    Write one plus power over floor, and power above the floor, bin by bin.
+
+    Parameters
+    ----------
+    power
+        (K, B).
+    levels
+        (L, B) floor at the bins ``first + n hop``; it is linear between them and flat outside.
+    first, hop
+        See ``levels``.
+    ratio
+        (K, B), written.
+    excess
+        (K, <= B), written: of as many bands.
+
+    """
+    count, bands = power.shape
+    parts, wanted = len(levels), excess.shape[1]
+    zero, one = np.float32(0.0), np.float32(1.0)
+    for part in range(parts + 1):
+        # From each level to the next; before the first and after the last it is flat.
+        begin = 0 if part == 0 else min(max(int(np.ceil(first + (part - 1) * hop)), 0), count)
+        end = count if part == parts else min(int(np.ceil(first + part * hop)), count)
+        low, high = levels[max(part - 1, 0)], levels[min(part, parts - 1)]
+        for k in range(begin, end):
+            way = np.float32((k - (first + (part - 1) * hop)) / hop)
+            values, over, above = power[k], ratio[k], excess[k]
+            for band in range(bands):
+                over[band] = one + values[band] / (low[band] + way * (high[band] - low[band]))
+            for band in range(wanted):
+                left = values[band] - (low[band] + way * (high[band] - low[band]))
+                above[band] = left if left > zero else zero
+
+
+@compiled(fast=FAST, borrows=True)
+def _join_quarters(
+    quarters: NDArray[np.complex64], turns: NDArray[np.complex64], joined: NDArray[np.complex64]
+) -> None:
+    """
+    Write the one-sided transform of a record from those of every fourth of its samples.
+
+    Parameters
+    ----------
+    quarters
+        (M // 2 + 1, 4) one-sided transforms of M samples each.
+    turns
+        (M // 2 + 1,) turn by which the second quarter is behind the first.
+    joined
+        (2 M + 1,), written.
+
+    """
+    each, last = len(joined) // 2, len(joined) - 1
+    for k in range(len(turns)):
+        one, turn = quarters[k, 0], turns[k]
+        two, three = turn * quarters[k, 1], turn * turn * quarters[k, 2]
+        four = turn * turn * turn * quarters[k, 3]
+        even, odd = one + three, two + four
+        away, across = one - three, two - four
+        # Times i.
+        across = np.complex64(complex(-across.imag, across.real))
+        joined[k] = even + odd
+        joined[each + k] = away - across
+        joined[each - k] = np.conj(away + across)
+        joined[last - k] = np.conj(even - odd)

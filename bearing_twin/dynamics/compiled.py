@@ -4,8 +4,8 @@
 Compilation of the kernels: cached where that is possible, and never stale.
 
 Numba's cache looks at the file of a function only, not at those of the functions that it calls.
-Here the sources of all of them are part of the folder's name, so code compiled from other sources
-is never found, wherever the cache lies.
+Here the sources of those in other files are part of the folder's name, so code compiled from other
+sources is never found, wherever the cache lies.
 """
 
 from __future__ import annotations
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 
 FAST = frozenset({'contract', 'reassoc', 'nsz', 'arcp', 'nnan', 'ninf'})
 """Floating point freedom of the kernels; the same machine still gives the same bits."""
+
+SHARED = ('bearing/*.py', 'thermal/*.py', 'dynamics/*.py', 'diagnosis/lines.py')
+"""Files of the package from which compiled code of other files takes functions and numbers."""
 
 _numba: Any = nb.config
 
@@ -202,10 +205,10 @@ def _target() -> tuple[str, ...]:
 
 def _digest() -> str:
     """Return the digest of what compiled code depends on, besides the processor."""
-    here = Path(__file__).parent
+    package = Path(__file__).parents[1]
     digest = hashlib.sha256(nb.__version__.encode())
-    for folder in (here, here.parent / 'thermal', here.parent / 'bearing'):
-        for source in sorted(folder.glob('*.py')):
+    for pattern in SHARED:
+        for source in sorted(package.glob(pattern)):
             digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
 

@@ -22,7 +22,7 @@ from typing import Any, TYPE_CHECKING
 from unittest.mock import patch
 
 from bearing_twin.diagnosis.comb import comb_scores
-from bearing_twin.diagnosis.kernels import NEUTRAL
+from bearing_twin.diagnosis.lines import NEUTRAL
 from bearing_twin.diagnosis.search import CombSearch
 from bearing_twin.diagnosis.spectra import envelope_spectra, local_floor, whiten, WHITENINGS
 from bearing_twin.diagnosis.thresholds import SLIP

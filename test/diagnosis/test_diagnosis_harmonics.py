@@ -12,7 +12,7 @@ from bearing_twin.diagnosis.harmonics import (
     MISSING,
     missing_harmonics,
 )
-from bearing_twin.diagnosis.kernels import NEUTRAL
+from bearing_twin.diagnosis.lines import NEUTRAL
 from bearing_twin.diagnosis.search import CombSearch
 from bearing_twin.diagnosis.shaft import ShaftSpeed
 from bearing_twin.studies.half_pulses import measured

@@ -11,7 +11,8 @@ from bearing_twin.diagnosis.columns import power_of_lines, transform_rows
 from bearing_twin.diagnosis.comb import accumulate, comb_scores, order_spectra
 from bearing_twin.diagnosis.demodulation import choose_layout
 from bearing_twin.diagnosis.gate import check_record
-from bearing_twin.diagnosis.kernels import column_ranks, NEUTRAL
+from bearing_twin.diagnosis.lines import NEUTRAL
+from bearing_twin.diagnosis.ranks import column_ranks
 from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.report import coarse_spectrum
 from bearing_twin.diagnosis.settings import DiagnosisSettings

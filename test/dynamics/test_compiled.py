@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
+import ast
 import os
 from pathlib import Path
 import subprocess
 import sys
 
+from bearing_twin.dynamics.compiled import SHARED
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -78,6 +80,24 @@ def test_a_change_in_a_called_file_is_seen_wherever_the_cache_lies(tree, tmp_pat
     (tree / PACKAGE / 'callee.py').write_text(CALLEE.format('2.0'))
     other, value = run(tree, **environment)
     assert (other != folder, value) == (True, 3.0)
+
+
+def test_files_from_which_compiled_code_of_others_takes_anything_are_in_the_folders_name():
+    known = {path for pattern in SHARED for path in (ROOT / 'bearing_twin').glob(pattern)}
+    for path in (ROOT / 'bearing_twin').rglob('*.py'):
+        tree = ast.parse(path.read_text())
+        taken = {
+            alias.asname or alias.name: ROOT.joinpath(*node.module.split('.'))
+            for node in tree.body
+            if isinstance(node, ast.ImportFrom) and node.module.startswith('bearing_twin')
+            for alias in node.names
+        }
+        for function in tree.body:
+            if 'compiled(' in ''.join(map(ast.unparse, getattr(function, 'decorator_list', ()))):
+                used = {n.id for part in function.body for n in ast.walk(part) if hasattr(n, 'id')}
+                for name in used & taken.keys():
+                    own, module = taken[name].with_suffix('.py'), taken[name] / f'{name}.py'
+                    assert own in known or module in known, (path, function.name, name)
 
 
 @pytest.mark.parametrize('variable', ['NUMBA_CACHE_DIR', 'XDG_CACHE_HOME'])

@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Lines of spectra, read in compiled code: the row of a line, and its height over noise.
+
+Compiled code of other files calls these functions: `compiled` knows this file by its name.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.dynamics.compiled import compiled, FAST
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+NEUTRAL = 0.5963474
+"""Mean of log(1 + E) for E ~ Exp(1): e E1(1). What a bin counts for that must not speak."""
+
+
+@compiled(fast=FAST)
+def nearest_row(bins: float, rows: int) -> int:
+    """Return the row of an order in bins; those beyond the ends are the first and the last."""
+    return min(max(int(np.rint(bins)) - 1, 0), rows - 1)
+
+
+@compiled(fast=FAST, borrows=True)
+def row_height(logs: NDArray[np.float32], at: int, columns: NDArray[np.intp]) -> Any:
+    """Return the mean of some columns of a row, noise taken off."""
+    total = np.float32(0.0)
+    for c in columns:
+        total += logs[at, c]
+    return total / np.float32(len(columns)) - np.float32(NEUTRAL)
+
+
+@compiled(fast=FAST, borrows=True)
+def mean_height(
+    logs: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    order: float,
+    step: float,
+    harmonics: tuple[int, int],
+    columns: NDArray[np.intp],
+) -> float:
+    """
+    Return the mean height over noise of some harmonics of a comb; 0 where none is known.
+
+    Parameters
+    ----------
+    logs
+        (K, C); row k belongs to order (k + 1) step.
+    hidden
+        (K,) mask of the rows that are unknown, as are those beyond the end.
+    order, harmonics
+        Fundamental order; first and last harmonic.
+    step
+        Orders a bin.
+    columns
+        (B,).
+
+    """
+    total, count = 0.0, 0
+    for n in range(harmonics[0], harmonics[1] + 1):
+        at = nearest_row(order * n * (1.0 / step), len(logs))
+        if order * n <= len(logs) * step and not hidden[at]:
+            total += row_height(logs, at, columns)
+            count += 1
+    return total / max(count, 1)
+
+
+@compiled(borrows=True)
+def without_highest(
+    logs: NDArray[np.float32],
+    hertz: NDArray[np.floating],
+    bin_hz: float,
+    first: int,
+    count: int,
+    sums: NDArray[np.float64],
+) -> None:
+    """
+    Write the sum of the lines of each comb but for the two highest.
+
+    Parameters
+    ----------
+    logs
+        (K,); row k belongs to (k + 1) bin_hz.
+    hertz
+        (G,) fundamentals.
+    bin_hz
+        Hz a bin.
+    first, count
+        First harmonic that counts, and the number of harmonics, at least two.
+    sums
+        (G,), written.
+
+    """
+    for g in range(len(hertz)):
+        total, highest_line, second = 0.0, -np.inf, -np.inf
+        for number in range(first, first + count):
+            lowest = np.float64(logs[nearest_row(hertz[g] * number / bin_hz, len(logs))])
+            if lowest > highest_line:
+                lowest, second, highest_line = second, highest_line, lowest
+            elif lowest > second:
+                lowest, second = second, lowest
+            if lowest > -np.inf:
+                total += lowest
+        sums[g] = total

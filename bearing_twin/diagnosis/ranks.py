@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Value of a rank, such as the median, in each of many columns at once."""
+
+from __future__ import annotations
+
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.dynamics.compiled import compiled, FAST
+from bearing_twin.dynamics.vector import any_of, chosen, L, load, root, splat, store
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@compiled(inline=True, fast=FAST)
+def _beside(value: Any, guess: Any, below: Any, before: Any, after: Any) -> Any:
+    """Count what is below a guess; keep the greatest of it, and the least of what is not."""
+    less = guess > value
+    return (
+        chosen(less, below + 1.0, below),
+        chosen(less, chosen(value > before, value, before), before),
+        chosen(less, after, chosen(after > value, value, after)),
+    )
+
+
+@compiled(inline=True, fast=FAST)
+def _first_guess(low: Any, high: Any, mean: Any, square: Any, away: float) -> Any:
+    """Return a value so many standard deviations over the mean, between the least and greatest."""
+    away_squared = square - mean * mean
+    guess = mean + away * root(chosen(away_squared > 0.0 * mean, away_squared, 0.0 * mean))
+    guess = chosen(guess > low, guess, high)
+    return chosen(guess > high, high, guess)
+
+
+@compiled(inline=True, fast=FAST)
+def _narrowed(bounds: Any, rank: int, below: Any, before: Any, after: Any) -> Any:
+    """Return closer bounds of the value of a rank, their counts, and the next guess."""
+    low, high, under, until = bounds
+    less = below > np.float32(rank)
+    # What is right after the guess is the wanted value, or what is right before it.
+    high = chosen(less, before, chosen(below == np.float32(rank), after, high))
+    low = chosen(less, chosen(below == np.float32(rank + 1), before, low), after)
+    under, until = chosen(less, under, below), chosen(less, below, until)
+    guess = low + (np.float32(rank + 0.5) - under) / (until - under) * (high - low)
+    guess = chosen(guess > low, guess, high)
+    return (low, high, under, until), chosen(guess > high, high, guess)
+
+
+@compiled(fast=FAST, borrows=True)
+def column_ranks(
+    values: NDArray[np.float32],
+    first: int,
+    step: int,
+    count: int,
+    rank: int,
+    away: float,
+    found: NDArray[np.float32],
+) -> None:
+    """
+    Write the value of a rank in each column: 0 for the least, half of the count for the median.
+
+    Each pass counts what is below a guess, which is interpolated between the two values, closer
+    each time, between which the wanted one lies. Two times sixteen columns go together, as one
+    alone would wait for its own last comparison.
+
+    Parameters
+    ----------
+    values
+        (N, >= 16).
+    first, step, count
+        Rows that count: every so many from one on, and their number.
+    rank
+        Below the count.
+    away
+        Standard deviations over the mean of the first guess.
+    found
+        (C,), written.
+
+    """
+    last, each = len(found) - L, np.float32(1.0 / count)
+    zero = splat(np.float32(0.0))
+    for column in range(0, len(found), 2 * L):
+        # The last sixteen lap over those before them.
+        c, d = min(column, last), min(column + L, last)
+        low_c = high_c = load(values[first, c:], 0)
+        low_d = high_d = load(values[first, d:], 0)
+        sum_c = sum_d = square_c = square_d = zero
+        for n in range(count):
+            row = values[first + n * step]
+            value, other = load(row[c:], 0), load(row[d:], 0)
+            low_c, high_c = (
+                chosen(low_c > value, value, low_c),
+                chosen(value > high_c, value, high_c),
+            )
+            low_d, high_d = (
+                chosen(low_d > other, other, low_d),
+                chosen(other > high_d, other, high_d),
+            )
+            sum_c, square_c = sum_c + value, square_c + value * value
+            sum_d, square_d = sum_d + other, square_d + other * other
+        bounds_c = low_c, high_c, zero, zero + np.float32(count)
+        bounds_d = low_d, high_d, zero, zero + np.float32(count)
+        guess_c = _first_guess(low_c, high_c, each * sum_c, each * square_c, away)
+        guess_d = _first_guess(low_d, high_d, each * sum_d, each * square_d, away)
+        while any_of(bounds_c[1] > bounds_c[0]) or any_of(bounds_d[1] > bounds_d[0]):
+            below_c, before_c, after_c = zero, bounds_c[0], bounds_c[1]
+            below_d, before_d, after_d = zero, bounds_d[0], bounds_d[1]
+            for n in range(count):
+                row = values[first + n * step]
+                value, other = load(row[c:], 0), load(row[d:], 0)
+                below_c, before_c, after_c = _beside(value, guess_c, below_c, before_c, after_c)
+                below_d, before_d, after_d = _beside(other, guess_d, below_d, before_d, after_d)
+            bounds_c, guess_c = _narrowed(bounds_c, rank, below_c, before_c, after_c)
+            bounds_d, guess_d = _narrowed(bounds_d, rank, below_d, before_d, after_d)
+        store(found[c:], 0, bounds_c[0])
+        store(found[d:], 0, bounds_d[0])
