@@ -115,8 +115,12 @@ def recording_files(path: Path) -> list[Path]:
     if files:
         return files
     if is_folder or not exists:
-        reason = 'is no recording: no .mcap file is in it' if is_folder else 'does not exist'
-        msg = f'{path} {reason}'
+        msg = f'{path} does not exist'
+        if is_folder:
+            # The folder of a demo holds its bag and the pictures of it.
+            inside = sorted({str(found.parent) for found in path.glob('*/*.mcap')})
+            hint = f'; name the bag in it, e.g. {inside[0]}' if inside else ''
+            msg = f'{path} is no recording: no .mcap file is in it{hint}'
         raise BearingTwinError(msg)
     refuse_special(path)
     return [path]

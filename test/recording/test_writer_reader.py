@@ -124,6 +124,16 @@ def test_a_split_recording_reads_as_one(tmp_path: Path) -> None:
         assert recording_info(file).attachments == {'note.txt': 8}
 
 
+def test_a_folder_around_a_bag_names_it(tmp_path: Path) -> None:
+    bag = tmp_path / 'demo' / 'bag'
+    write_blocks(bag, 3)
+    with pytest.raises(BearingTwinError, match=f'name the bag in it, e.g. {bag}'):
+        recording_info(tmp_path / 'demo')
+    (tmp_path / 'empty').mkdir()
+    with pytest.raises(BearingTwinError, match=r'no \.mcap file is in it$'):
+        recording_info(tmp_path / 'empty')
+
+
 def test_split_by_size(tmp_path: Path) -> None:
     options = WriterOptions(split_size=100_000, compression='none')
     write_blocks(tmp_path / 'run', 60, options, flush_each=1)
