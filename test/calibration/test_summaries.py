@@ -1,11 +1,13 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What is compared of a record: wherever it ends."""
+"""What is compared of a record: spacings of impacts, whatever rings and wherever it ends."""
 
+from bearing_twin.calibration.passage import contact_speed, widest
 from bearing_twin.calibration.path import identify
 from bearing_twin.calibration.refusals import COPY
 from bearing_twin.calibration.summaries import fastest_resonance, likeness, summarise
 from bearing_twin.dynamics.sensor_path import band_levels, distance
+from impact_trains import BEARING, impact_train, RATE
 import numpy as np
 import pytest
 from scipy import signal
@@ -107,3 +109,22 @@ def test_a_copy_is_told_from_an_inverse_however_faint_it_is(height):
         x = signal.lfilter([1.0], [1.0, -1.45, 0.96], x)
         found.append(likeness(x, rate, summarise(x, rate, 4e-3)))
     assert found[0] > 0.9 and found[1] < COPY
+
+
+@pytest.mark.parametrize('place', ['inner', 'outer'])
+def test_spacing_of_an_impact_train_is_read_whatever_rings(place):
+    for width in (0.8e-3, 1.6e-3, 3.0e-3):
+        x = impact_train(width, place, 12.0)
+        speed = contact_speed(BEARING, place, 12.0)
+        found = summarise(x, RATE, 1.1 * widest(BEARING) / speed)
+        assert found.spacing * speed == pytest.approx(width, rel=0.05)
+        louder = summarise(1e3 * x + 5.0, RATE, 1.1 * widest(BEARING) / speed)
+        assert louder.spacing == pytest.approx(found.spacing, rel=1e-6)
+
+
+def test_noise_shows_no_spacing():
+    seen = 0
+    for seed in range(20):
+        x = np.random.default_rng(seed).standard_normal(51200)
+        seen += summarise(x, RATE, 5e-3).seen
+    assert seen <= 1

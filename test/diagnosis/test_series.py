@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Many short snapshots of one machine: simulated lives, and the FEMTO runs to failure."""
+"""Many short snapshots of one machine: its level over what it did while it was healthy."""
 
 from dataclasses import replace
 import itertools
@@ -8,26 +8,18 @@ import json
 import math
 
 from bearing_twin.bearing import fault_orders, find_bearing
-from bearing_twin.cli import main
 from bearing_twin.diagnosis import series
-from bearing_twin.diagnosis.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.onset import rise_begins
 from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.snapshots import _VERSION, SeriesDiagnoser
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.packed import pack, unpack
-from bearing_twin.recording.snapshots import read_snapshots
 import numpy as np
 import pytest
-from scipy.io import wavfile
 
 RATE, SHAFT_HZ, CYCLE = 25600.0, 30.0, 10.0
 COUNT = 1280
 HOUR = round(3600.0 / CYCLE)
-RUNS = ('Bearing1_1_H', 'Bearing1_2_H', 'Bearing1_2_V', 'Bearing2_1_H', 'Bearing2_5_H',
-        'Bearing3_1_H', 'Bearing3_1_V')  # fmt: skip
 
 
 def life(seed, snapshots, rise=None, *, scatter=0.8, warm=True):
@@ -219,70 +211,6 @@ def test_a_new_bearing_ends_the_alarm_and_has_its_own_baseline():
     assert point.level == 'suspect'
 
 
-def test_noise_leaves_no_excess_and_a_single_snapshot_would():
-    """The mean of N noise floors is taken off to 1/sqrt(N); each taken off alone is not."""
-    rng = np.random.default_rng(0)
-    average, alone = AveragedEnvelope(), []
-    for _ in range(400):
-        x = rng.standard_normal(2560)
-        average.add(x, RATE, SHAFT_HZ)
-        single = AveragedEnvelope()
-        single.add(x, RATE, SHAFT_HZ)
-        alone.append(single.excess()[:, 20:400].mean())
-    excess = average.excess()[:, 20:400]
-    assert abs(excess.mean()) < 0.02
-    assert excess.std() < 3.0 / np.sqrt(400)
-    # The median of a single exponential floor is log 2 of its mean.
-    assert np.mean(alone) > 0.2
-
-
-@pytest.mark.parametrize('unit', [1e-90, 1e-30, 1e90])
-def test_an_averaged_envelope_is_the_same_in_any_unit(unit):
-    x = np.random.default_rng(0).standard_normal(2560)
-    average, other = AveragedEnvelope(), AveragedEnvelope()
-    average.add(x, RATE, SHAFT_HZ)
-    other.add(unit * x, RATE, SHAFT_HZ)
-    np.testing.assert_allclose(other.power, average.power, rtol=1e-3)
-
-
-@pytest.mark.parametrize(
-    ('name', 'place', 'said'),
-    # In three turns the inner race of the last cannot be told from the ball: BPFI 7.39, 7.18.
-    [('6205', 'outer', 'outer'), ('6205', 'inner', 'inner'), ('PRONOSTIA', 'outer', 'outer'),
-     ('PRONOSTIA', 'inner', None)],
-)  # fmt: skip
-def test_place_from_snapshots_that_show_nothing_alone(name, place, said):
-    bearing = find_bearing(name)
-    order = fault_orders(bearing).impacts(place)
-    rng = np.random.default_rng(3)
-    ring = np.exp(-1500.0 * np.arange(100) / RATE) * np.sin(
-        2 * np.pi * 4e3 * np.arange(100) / RATE
-    )
-    averages = {False: AveragedEnvelope(), True: AveragedEnvelope()}
-    found = []
-    for number in range(300):
-        damaged = number >= 150
-        x = rng.standard_normal(2560)
-        hits = np.zeros(2560)
-        if damaged:
-            step = RATE / (order * SHAFT_HZ)
-            at = np.arange(rng.uniform(0.0, step), 2560.0, step).astype(int)
-            hits[at] = 2.5
-        x += np.convolve(hits, ring)[:2560]
-        averages[damaged].add(x, RATE, SHAFT_HZ)
-        single = AveragedEnvelope()
-        single.add(x, RATE, SHAFT_HZ)
-        found.append(single.place(bearing, AveragedEnvelope()))
-    assert found == [None] * 300
-    assert averages[False].place(bearing, AveragedEnvelope()) is None
-    comb = averages[True].place(bearing, averages[False])
-    if said is None:
-        assert comb is None
-        return
-    assert comb.place == said
-    assert comb.order == pytest.approx(order, rel=0.02)
-
-
 @pytest.mark.parametrize(
     ('share', 'height', 'level'),
     # A third of the order has harmonics there, too; three times the order every third one.
@@ -319,22 +247,6 @@ def test_a_machine_that_is_damaged_from_the_first_short_snapshot_on(share, heigh
     assert resumed.report().place == report.place
 
 
-@pytest.mark.parametrize(
-    ('lines', 'place'),
-    [((1, 2, 3), 'outer'), ((1,), None), ((3,), None), ((0.5, 1, 1.5, 2, 3), None)],
-)
-def test_a_comb_is_a_place_only_with_all_of_its_harmonics_and_none_between(lines, place):
-    bearing = find_bearing('6205')
-    power = 1.0 + 0.01 * np.random.default_rng(0).standard_normal((3, 800))
-    for line in lines:
-        at = round(line * fault_orders(bearing).bpfo / 0.05) - 1
-        power[:, at - 1 : at + 2] += 2.0
-    average = AveragedEnvelope()
-    average.load(30, 300.0, 30.0 * power)
-    comb = average.place(bearing, AveragedEnvelope())
-    assert (comb and comb.place) == place
-
-
 def test_change_point_is_that_of_the_definition():
     rng = np.random.default_rng(5)
     levels = rng.standard_normal(500)
@@ -346,317 +258,6 @@ def test_change_point_is_that_of_the_definition():
             expected = index + 1
     assert rise_begins(levels, 0.0, 1.5) == expected
     assert expected == pytest.approx(400, abs=1)
-
-
-@pytest.mark.parametrize('run', RUNS)
-def test_femto_runs_to_failure(data_dir, capsys, run):
-    folder = data_dir / 'femto'
-    files = [folder / f'femto_{run}.npz', folder / f'femto_{run[:-1]}trend.npz']
-    assert main(['diagnose', '--series', *map(str, files), '--json']) == 0
-    *points, summary = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    times = np.array([point['time'] for point in points])
-    levels = [point['level'] for point in points]
-    # The end is worn out: the rig was stopped. The first half of a life is taken as healthy.
-    assert summary['level'] in ('suspect', 'fault')
-    assert levels[-1] == summary['level']
-    assert not {'suspect', 'fault'} & set(np.array(levels)[times < 0.5 * times[-1]])
-    assert summary['change_s'] <= summary['first_alarm_s']
-    assert points[-1]['temperature'] is not None
-    # A level that becomes known is no change of it.
-    changed = times[1:][[a not in (b, 'none') for a, b in itertools.pairwise(levels)]]
-    assert summary['level_changes'] == len(changed)
-    assert all(np.sum((changed >= at) & (changed < at + 3600.0)) <= 2 for at in changed)
-
-
-def test_series_of_a_parquet_set(tmp_path, capsys):
-    """Two runs of two channels in one folder, rows not in order of time."""
-    pa = pytest.importorskip('pyarrow')
-    from pyarrow import parquet
-
-    rng = np.random.default_rng(8)
-    names = [
-        f'{run}_{number}/{channel}'
-        for number in (*range(20, 40), *range(20))
-        for run in ('A', 'B')
-        for channel in ('horizontal', 'vertical')
-    ]
-    parts = [name.replace('/', '_').split('_') for name in names]
-    runs, numbers, channels = zip(*parts, strict=True)
-    # One sensor of one run gets loud.
-    loud = [run == 'B' and int(number) >= 30 for run, number in zip(runs, numbers, strict=True)]
-    signals = [(8.0 if is_loud else 1.0) * rng.standard_normal(2560) for is_loud in loud]
-    (tmp_path / 'signals').mkdir()
-    table = pa.table({'signal_id': names, 'signal': pa.array(signals, pa.list_(pa.float64()))})
-    parquet.write_table(table, tmp_path / 'signals' / 'part.parquet')
-    columns = {
-        'signal_id': names, 'run_id': runs, 'channel': channels, 'fs': [RATE] * len(names),
-        'time_s': [10.0 * int(number) for number in numbers], 'unit': ['g'] * len(names),
-        'signal_file': ['part.parquet'] * len(names), 'signal_row_group': [0] * len(names),
-        'signal_row': list(range(len(names))), 'speed_rpm': [1800.0] * len(names),
-    }  # fmt: skip
-    parquet.write_table(pa.table(columns), tmp_path / 'metadata.parquet')
-    command = ['diagnose', '--series', str(tmp_path), '--json', '--baseline', '20', '--channel']
-    assert main([*command, 'A_ vertical']) == 0
-    *points, summary = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    assert [point['time'] for point in points] == [10.0 * number for number in range(40)]
-    assert summary['level'] == 'ok'
-    assert main([*command, 'B_ horizontal']) == 0
-    summary = json.loads(capsys.readouterr().out.splitlines()[-1])
-    assert summary['level'] == 'fault'
-    assert summary['change_s'] == 300.0
-    assert main([*command, 'horizontal']) == 1
-    assert '2 sensors (A horizontal, B horizontal)' in capsys.readouterr().err
-
-
-def test_series_of_many_files_in_a_folder(tmp_path, capsys):
-    rng = np.random.default_rng(4)
-    for number in range(40):
-        height = 1.0 if number < 30 else 8.0
-        x = height * rng.standard_normal(COUNT)
-        np.savetxt(tmp_path / f'acc_{number}.csv', x, header='fs = 25600, rpm = 1800')
-    args = ['diagnose', '--series', str(tmp_path), '--bearing', '6205', '--baseline', '10']
-    assert main([*args, '--cycle', '600']) == 0
-    text = capsys.readouterr().out
-    rows = {line.split(maxsplit=1)[0]: line for line in text.splitlines()}
-    assert 'fault' in rows['level']
-    assert rows['change'].split(maxsplit=1)[1] == '5 h'
-    assert '40 snapshots in 6 h 30 min' in text
-    assert main(args) == 1
-    assert 'give --cycle SECONDS' in capsys.readouterr().err
-    for absurd in ('-1', '0', 'nan', 'inf', '1e308'):
-        assert main([*args, f'--cycle={absurd}']) == 1
-        assert f'--cycle {float(absurd):g}: give a time above 0 s' in capsys.readouterr().err
-    # More digits than Python makes a number of.
-    wavfile.write(tmp_path / 'a.wav', 1000, np.zeros(50, np.int16))
-    assert main(['diagnose', str(tmp_path / 'a.wav'), '--channel', '9' * 5000]) == 1
-    assert 'does not exist' in capsys.readouterr().err
-    (tmp_path / 'empty').mkdir()
-    assert main(['diagnose', '--series', str(tmp_path / 'empty')]) == 1
-    assert 'no file ends in' in capsys.readouterr().err
-
-
-def test_files_in_any_order_with_one_that_cannot_be_read(tmp_path, capsys):
-    rng = np.random.default_rng(4)
-    for number in range(40):
-        x = (1.0 if number < 30 else 8.0) * rng.standard_normal(COUNT)
-        said = {'x': x, 'fs': RATE, 'rpm': 1800.0, 'time_s': 600.0 * number}
-        np.savez(tmp_path / f's{17 * number % 40}.npz', **said)
-    (tmp_path / 's17.npz').write_bytes(b'PK torn')
-    args = ['diagnose', '--series', str(tmp_path), '--bearing', '6205', '--baseline', '10']
-    assert main([*args, '--json']) == 1
-    text = capsys.readouterr()
-    summary = json.loads(text.out.splitlines()[-1])
-    assert (summary['level'], summary['snapshots'], summary['change_s']) == ('fault', 39, 18000.0)
-    assert 'left out: ' in text.err
-    assert 's17.npz' in text.err
-    assert main([*args, '--channel', 'nothing']) == 1
-    assert "no channel 'nothing'" in capsys.readouterr().err
-
-
-def test_times_in_the_names_of_files(tmp_path):
-    days = ['2004.02.28', '2004.02.29', '2004.02.30', '20040301']
-    files = [tmp_path / f'{day}.10.32.39.csv' for day in days]
-    for path in files:
-        np.savetxt(path, np.arange(9) % 4, header='fs = 1000')
-    times = [snapshot.time for snapshot in read_snapshots([files[3], files[0], files[1]])]
-    assert np.diff(times).tolist() == [86400.0, 86400.0]
-    assert [snap.time for snap in read_snapshots(files, cycle=5.0)] == [0.0, 5.0, 10.0, 15.0]
-    with pytest.raises(BearingTwinError, match=r'02\.30.*does not say when'):
-        list(read_snapshots(files))
-
-
-def played(diagnoser, numbers, *, worn, index=None, height=5.0):
-    """Half a second of noise each ten minutes, in blocks of 512 samples."""
-    said = []
-    for number in numbers:
-        rng = np.random.default_rng(number)
-        x = (height if number >= worn else 1.0) * rng.standard_normal(5 * 2560)
-        first = round(600.0 * number * RATE) if index is None else index
-        for start in range(0, len(x), 512):
-            block = x[start : start + 512]
-            due = diagnoser.take(first + start, block, RATE, 25.0, temperature=60.0, sensor='y')
-            said += [diagnoser.judge(excerpt.analyse()) for excerpt in due]
-    return said
-
-
-CYCLE_SETTINGS = DiagnosisSettings(
-    series_cycle=600.0, series_snapshot=0.5, baseline_windows=20, series_hold=1200.0
-)
-
-
-@pytest.mark.parametrize('index', [None, 0])
-def test_snapshots_of_a_stream_with_gaps_are_judged_as_one_series(index):
-    """Whether the index goes on over the gap or starts anew with each snapshot."""
-    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
-    said = played(diagnoser, range(60), worn=50, index=index)
-    # What has no next block yet, is not whole: half a second is 25 blocks exactly.
-    assert len(said) == 60
-    assert {d.level for d in said[:24]} == {'none', 'ok'}
-    assert {d.level for d in said[25:50]} == {'ok'}
-    assert said[-1].level == 'fault' and said[-1].result == 'ambiguous'
-    assert said[-1].severity.level_over_baseline == pytest.approx(14.0, abs=0.5)
-    assert said[-1].window == ('insufficient', 'none')
-    # 14 dB over the baseline, whatever the place.
-    assert said[-1].severity.stage == 4
-    # Ten snapshots are a hundred minutes.
-    assert said[-1].severity.rising == 100
-    assert any(reason.startswith('series: ') for reason in said[-1].reasons)
-    # A stream of half a second each ten minutes never fills a window.
-
-
-@pytest.mark.parametrize(
-    ('worn', 'before', 'level', 'result'),
-    [(30, 'fault', 'fault', 'ambiguous'), (40, 'ok', 'none', 'insufficient')],
-)
-def test_a_machine_that_stops_keeps_its_alarm_and_is_not_ok(worn, before, level, result):
-    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
-    assert played(diagnoser, range(40), worn=worn)[-1].level == before
-    last = played(diagnoser, range(40, 65), worn=0, height=1e-3)[-1]
-    assert (last.level, last.result) == (level, result)
-    assert 'does the machine stand still' in ' '.join(last.reasons)
-
-
-@pytest.mark.parametrize(('seconds', 'zone'), [(0.5, ''), (1.0, 'D')])
-def test_half_a_second_raises_no_level_by_its_zone(seconds, zone):
-    """30 mm/s are zone D, but a velocity from 10 Hz on takes a second to measure."""
-    settings = replace(CYCLE_SETTINGS, power_group=2, mounting='rigid', series_snapshot=seconds)
-    diagnoser = SeriesDiagnoser(find_bearing('6307'), settings)
-    x = 8.0 * np.random.default_rng(1).standard_normal(round(seconds * RATE))
-    (due,) = diagnoser.take(0, x, RATE, 50.0, unit='g')
-    said = diagnoser.judge(due.analyse())
-    assert said.severity.iso_zone == zone
-    assert (said.level == 'fault') == (zone == 'D')
-
-
-def test_series_of_a_continuous_stream_takes_one_snapshot_a_cycle():
-    settings = DiagnosisSettings(series_cycle=4.0, series_snapshot=1.0, baseline_windows=10)
-    diagnoser = SeriesDiagnoser(find_bearing('6307'), settings)
-    rng = np.random.default_rng(1)
-    firsts = []
-    for number in range(20 * 25):
-        due = diagnoser.take(1024 * number, rng.standard_normal(1024), RATE, 25.0)
-        firsts += [excerpt.first_sample / RATE for excerpt in due]
-    assert len(firsts) == pytest.approx(20 / (0.75 * 4.0), abs=1)
-    assert np.diff(firsts).min() >= 3.0
-
-
-def test_a_series_of_a_rate_that_moves_a_little_has_whole_snapshots():
-    settings = DiagnosisSettings(series_cycle=4.0, series_snapshot=1.0, baseline_windows=10)
-    diagnoser = SeriesDiagnoser(find_bearing('6307'), settings)
-    rng = np.random.default_rng(1)
-    found = []
-    for number in range(5 * 25):
-        rate = RATE + 0.01 * (number % 3)
-        found += diagnoser.take(1024 * number, rng.standard_normal(1024), rate, 25.0)
-    assert len(found) == 2
-    assert {excerpt.sample_count for excerpt in found} == {RATE}
-
-
-def test_a_series_without_a_verdict_says_why():
-    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
-    played(diagnoser, range(3), worn=0)
-    assert not diagnoser.overdue
-    for number in range(3, 8):
-        first = round(number * 600.0 * RATE)
-        assert not diagnoser.take(first, np.ones(20), RATE, 25.0)
-        # The next block ends the snapshot.
-        assert not diagnoser.take(first + 40, np.ones(20), RATE, 25.0)
-    assert diagnoser.overdue == (
-        'no verdict in 3000 s of the series: the last snapshot has 20 samples, and 64 are the '
-        'least'
-    )
-
-
-def test_a_series_that_pauses_is_not_overdue_when_it_goes_on():
-    """A burst each fifth cycle: no snapshot was due while no samples came."""
-    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
-    for number in range(3):
-        diagnoser.take(round(5 * number * 600.0 * RATE), np.ones(20), RATE, 25.0)
-        assert not diagnoser.overdue
-
-
-@pytest.mark.parametrize('share', [-0.01, -5e-5, 5e-5, 0.01])
-@pytest.mark.parametrize('restarted', [False, True])
-def test_a_series_goes_on_where_the_rate_changes_after_a_year(share, restarted):
-    """A rate that is estimated from stamps differs from start to start."""
-    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
-    rng, index = np.random.default_rng(0), round(365 * 24 * 3600 * RATE)
-    for number in range(8):
-        if number == 4 and restarted:
-            state = diagnoser.save()
-            diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
-            diagnoser.load(state)
-        rate = RATE * (1.0 + share) if number >= 4 else RATE
-        (due,) = diagnoser.take(index, rng.standard_normal(round(0.6 * RATE)), rate, 25.0)
-        diagnoser.judge(due.analyse())
-        index += round(600.0 * rate)
-    times = [point.time for point in diagnoser._monitor.report().points]
-    assert np.diff(times) == pytest.approx(600.0, rel=0.011)
-    assert len(times) == 8
-
-
-def test_series_is_saved_and_resumed_to_the_bit():
-    bearing = find_bearing('6307')
-    straight = SeriesDiagnoser(bearing, CYCLE_SETTINGS)
-    played(straight, range(40), worn=35)
-    resumed = SeriesDiagnoser(bearing, CYCLE_SETTINGS)
-    resumed.load(straight.save())
-    assert resumed.save() == straight.save()
-    later = [played(one, range(40, 60), worn=0) for one in (straight, resumed)]
-    assert [str(d.severity) + d.level for d in later[0]] == [
-        str(d.severity) + d.level for d in later[1]
-    ]
-    assert resumed.save() == straight.save()
-    assert later[0][-1].level == 'fault'
-    # Another source is judged alone, with a note.
-    other = straight.take(10**12, np.ones(20_000), RATE, 25.0, sensor='x')
-    assert 'the series is of' in straight.judge(other[0].analyse()).reasons[-1]
-    before = straight.save()
-    for broken in (b'', before[:-9], before[:40] + b'x' + before[41:]):
-        with pytest.raises(BearingTwinError):
-            straight.load(broken)
-    values, arrays = unpack(before, _VERSION)
-    kept = values['series']['kept']
-    for changed, levels in (
-        (
-            {'points': [*kept['points'][:-1], {**kept['points'][-1], 'time': 'x'}]},
-            arrays['levels'],
-        ),
-        ({'rise': {**kept['rise'], 'total': -1.0}}, arrays['levels']),
-        ({'held': 'x'}, arrays['levels']),
-        ({'memory': {**kept['memory'], 'windows': {'at ': []}}}, arrays['levels']),
-        ({'strong': {'place': 'x', 'order': 3.0, 'z': 6.0, 'snapshots': 20}}, arrays['levels']),
-        ({}, arrays['levels'][:, :1]),
-    ):
-        forged = {**values, 'series': {**values['series'], 'kept': {**kept, **changed}}}
-        with pytest.raises(BearingTwinError, match='use what save'):
-            straight.load(pack(_VERSION, forged, {**arrays, 'levels': levels}))
-    # What does not fit together was met in the next snapshot only, and ended the node.
-    averaged = values['series']['averaged']
-    forgeries = [
-        ({}, {'averaged': [averaged[0], average, averaged[2]]}, {})
-        for average in ([-1, 1.0], [2, -1.0], [3, 0.0], [math.inf, 1.0], [3, math.nan])
-    ]
-    forgeries += [
-        ({}, {}, {'loud': loud})
-        for loud in (
-            arrays['loud'][:, :1],
-            arrays['loud'].astype(np.int64),
-            np.full_like(arrays['loud'], np.inf),
-        )
-    ]
-    forgeries += [({'next': math.inf}, {}, {})]
-    forgeries += [({}, {'kept': {**kept, 'risen': 1e300, 'began': 0.0}}, {})]
-    for own, of_series, other_arrays in forgeries:
-        forged = {**values, **own, 'series': {**values['series'], **of_series}}
-        with pytest.raises(BearingTwinError, match='use what save'):
-            straight.load(pack(_VERSION, forged, {**arrays, **other_arrays}))
-    # Snapshots of next to no turn resolve nothing, and say so.
-    absurd = [averaged[0], [99, 1e-300], [19, 1e-300]]
-    forged = {**values, 'series': {**values['series'], 'averaged': absurd}}
-    resumed.load(pack(_VERSION, forged, arrays))
-    assert played(resumed, range(60, 62), worn=0)[-1].level == 'fault'
-    assert straight.save() == before
 
 
 def test_a_long_series_is_kept_more_coarsely(monkeypatch):
@@ -688,19 +289,6 @@ def test_a_machine_that_stands_still_teaches_nothing():
         monitor.add(number, height * rng.standard_normal(COUNT), RATE, hertz)
     assert monitor.report().level == 'ok'
     assert '30 snapshots not judged: the machine stands still' in monitor.report().reasons
-
-
-def test_blades_beside_an_order_of_the_bearing_name_no_place():
-    """Noise that pulses three times a turn in a 6312, whose outer race has 3.07."""
-    rng, turns = np.random.default_rng(0), np.arange(5120) / RATE * 25.0
-    quiet, loud = AveragedEnvelope(), AveragedEnvelope()
-    for number in range(120):
-        x = rng.standard_normal(len(turns))
-        if number >= 60:
-            phase = 2.0 * np.pi * (3.0 * turns + rng.random())
-            x *= 2.5 * (0.5 + 0.5 * np.cos(phase)) ** 3
-        (loud if number >= 60 else quiet).add(x, RATE, 25.0)
-    assert loud.place(find_bearing('6312'), quiet) is None
 
 
 def test_each_of_two_speeds_is_learnt_by_itself():

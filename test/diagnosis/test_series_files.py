@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The command on the snapshots of a machine in files: the FEMTO runs, Parquet sets, folders."""
+
+import itertools
+import json
+
+from bearing_twin.cli import main
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.snapshots import read_snapshots
+import numpy as np
+import pytest
+from scipy.io import wavfile
+
+RATE = 25600.0
+COUNT = 1280
+RUNS = ('Bearing1_1_H', 'Bearing1_2_H', 'Bearing1_2_V', 'Bearing2_1_H', 'Bearing2_5_H',
+        'Bearing3_1_H', 'Bearing3_1_V')  # fmt: skip
+
+
+@pytest.mark.parametrize('run', RUNS)
+def test_femto_runs_to_failure(data_dir, capsys, run):
+    folder = data_dir / 'femto'
+    files = [folder / f'femto_{run}.npz', folder / f'femto_{run[:-1]}trend.npz']
+    assert main(['diagnose', '--series', *map(str, files), '--json']) == 0
+    *points, summary = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    times = np.array([point['time'] for point in points])
+    levels = [point['level'] for point in points]
+    # The end is worn out: the rig was stopped. The first half of a life is taken as healthy.
+    assert summary['level'] in ('suspect', 'fault')
+    assert levels[-1] == summary['level']
+    assert not {'suspect', 'fault'} & set(np.array(levels)[times < 0.5 * times[-1]])
+    assert summary['change_s'] <= summary['first_alarm_s']
+    assert points[-1]['temperature'] is not None
+    # A level that becomes known is no change of it.
+    changed = times[1:][[a not in (b, 'none') for a, b in itertools.pairwise(levels)]]
+    assert summary['level_changes'] == len(changed)
+    assert all(np.sum((changed >= at) & (changed < at + 3600.0)) <= 2 for at in changed)
+
+
+def test_series_of_a_parquet_set(tmp_path, capsys):
+    """Two runs of two channels in one folder, rows not in order of time."""
+    pa = pytest.importorskip('pyarrow')
+    from pyarrow import parquet
+
+    rng = np.random.default_rng(8)
+    names = [
+        f'{run}_{number}/{channel}'
+        for number in (*range(20, 40), *range(20))
+        for run in ('A', 'B')
+        for channel in ('horizontal', 'vertical')
+    ]
+    parts = [name.replace('/', '_').split('_') for name in names]
+    runs, numbers, channels = zip(*parts, strict=True)
+    # One sensor of one run gets loud.
+    loud = [run == 'B' and int(number) >= 30 for run, number in zip(runs, numbers, strict=True)]
+    signals = [(8.0 if is_loud else 1.0) * rng.standard_normal(2560) for is_loud in loud]
+    (tmp_path / 'signals').mkdir()
+    table = pa.table({'signal_id': names, 'signal': pa.array(signals, pa.list_(pa.float64()))})
+    parquet.write_table(table, tmp_path / 'signals' / 'part.parquet')
+    columns = {
+        'signal_id': names, 'run_id': runs, 'channel': channels, 'fs': [RATE] * len(names),
+        'time_s': [10.0 * int(number) for number in numbers], 'unit': ['g'] * len(names),
+        'signal_file': ['part.parquet'] * len(names), 'signal_row_group': [0] * len(names),
+        'signal_row': list(range(len(names))), 'speed_rpm': [1800.0] * len(names),
+    }  # fmt: skip
+    parquet.write_table(pa.table(columns), tmp_path / 'metadata.parquet')
+    command = ['diagnose', '--series', str(tmp_path), '--json', '--baseline', '20', '--channel']
+    assert main([*command, 'A_ vertical']) == 0
+    *points, summary = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [point['time'] for point in points] == [10.0 * number for number in range(40)]
+    assert summary['level'] == 'ok'
+    assert main([*command, 'B_ horizontal']) == 0
+    summary = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert summary['level'] == 'fault'
+    assert summary['change_s'] == 300.0
+    assert main([*command, 'horizontal']) == 1
+    assert '2 sensors (A horizontal, B horizontal)' in capsys.readouterr().err
+
+
+def test_series_of_many_files_in_a_folder(tmp_path, capsys):
+    rng = np.random.default_rng(4)
+    for number in range(40):
+        height = 1.0 if number < 30 else 8.0
+        x = height * rng.standard_normal(COUNT)
+        np.savetxt(tmp_path / f'acc_{number}.csv', x, header='fs = 25600, rpm = 1800')
+    args = ['diagnose', '--series', str(tmp_path), '--bearing', '6205', '--baseline', '10']
+    assert main([*args, '--cycle', '600']) == 0
+    text = capsys.readouterr().out
+    rows = {line.split(maxsplit=1)[0]: line for line in text.splitlines()}
+    assert 'fault' in rows['level']
+    assert rows['change'].split(maxsplit=1)[1] == '5 h'
+    assert '40 snapshots in 6 h 30 min' in text
+    assert main(args) == 1
+    assert 'give --cycle SECONDS' in capsys.readouterr().err
+    for absurd in ('-1', '0', 'nan', 'inf', '1e308'):
+        assert main([*args, f'--cycle={absurd}']) == 1
+        assert f'--cycle {float(absurd):g}: give a time above 0 s' in capsys.readouterr().err
+    # More digits than Python makes a number of.
+    wavfile.write(tmp_path / 'a.wav', 1000, np.zeros(50, np.int16))
+    assert main(['diagnose', str(tmp_path / 'a.wav'), '--channel', '9' * 5000]) == 1
+    assert 'does not exist' in capsys.readouterr().err
+    (tmp_path / 'empty').mkdir()
+    assert main(['diagnose', '--series', str(tmp_path / 'empty')]) == 1
+    assert 'no file ends in' in capsys.readouterr().err
+
+
+def test_files_in_any_order_with_one_that_cannot_be_read(tmp_path, capsys):
+    rng = np.random.default_rng(4)
+    for number in range(40):
+        x = (1.0 if number < 30 else 8.0) * rng.standard_normal(COUNT)
+        said = {'x': x, 'fs': RATE, 'rpm': 1800.0, 'time_s': 600.0 * number}
+        np.savez(tmp_path / f's{17 * number % 40}.npz', **said)
+    (tmp_path / 's17.npz').write_bytes(b'PK torn')
+    args = ['diagnose', '--series', str(tmp_path), '--bearing', '6205', '--baseline', '10']
+    assert main([*args, '--json']) == 1
+    text = capsys.readouterr()
+    summary = json.loads(text.out.splitlines()[-1])
+    assert (summary['level'], summary['snapshots'], summary['change_s']) == ('fault', 39, 18000.0)
+    assert 'left out: ' in text.err
+    assert 's17.npz' in text.err
+    assert main([*args, '--channel', 'nothing']) == 1
+    assert "no channel 'nothing'" in capsys.readouterr().err
+
+
+def test_times_in_the_names_of_files(tmp_path):
+    days = ['2004.02.28', '2004.02.29', '2004.02.30', '20040301']
+    files = [tmp_path / f'{day}.10.32.39.csv' for day in days]
+    for path in files:
+        np.savetxt(path, np.arange(9) % 4, header='fs = 1000')
+    times = [snapshot.time for snapshot in read_snapshots([files[3], files[0], files[1]])]
+    assert np.diff(times).tolist() == [86400.0, 86400.0]
+    assert [snap.time for snap in read_snapshots(files, cycle=5.0)] == [0.0, 5.0, 10.0, 15.0]
+    with pytest.raises(BearingTwinError, match=r'02\.30.*does not say when'):
+        list(read_snapshots(files))

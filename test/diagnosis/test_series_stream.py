@@ -1,0 +1,209 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A stream of which each cycle gives one snapshot: cut, judged, saved."""
+
+from dataclasses import replace
+import math
+
+from bearing_twin.bearing import find_bearing
+from bearing_twin.diagnosis.settings import DiagnosisSettings
+from bearing_twin.diagnosis.snapshots import _VERSION, SeriesDiagnoser
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.packed import pack, unpack
+import numpy as np
+import pytest
+
+RATE = 25600.0
+
+
+def played(diagnoser, numbers, *, worn, index=None, height=5.0):
+    """Half a second of noise each ten minutes, in blocks of 512 samples."""
+    said = []
+    for number in numbers:
+        rng = np.random.default_rng(number)
+        x = (height if number >= worn else 1.0) * rng.standard_normal(5 * 2560)
+        first = round(600.0 * number * RATE) if index is None else index
+        for start in range(0, len(x), 512):
+            block = x[start : start + 512]
+            due = diagnoser.take(first + start, block, RATE, 25.0, temperature=60.0, sensor='y')
+            said += [diagnoser.judge(excerpt.analyse()) for excerpt in due]
+    return said
+
+
+CYCLE_SETTINGS = DiagnosisSettings(
+    series_cycle=600.0, series_snapshot=0.5, baseline_windows=20, series_hold=1200.0
+)
+
+
+@pytest.mark.parametrize('index', [None, 0])
+def test_snapshots_of_a_stream_with_gaps_are_judged_as_one_series(index):
+    """Whether the index goes on over the gap or starts anew with each snapshot."""
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
+    said = played(diagnoser, range(60), worn=50, index=index)
+    # What has no next block yet, is not whole: half a second is 25 blocks exactly.
+    assert len(said) == 60
+    assert {d.level for d in said[:24]} == {'none', 'ok'}
+    assert {d.level for d in said[25:50]} == {'ok'}
+    assert said[-1].level == 'fault' and said[-1].result == 'ambiguous'
+    assert said[-1].severity.level_over_baseline == pytest.approx(14.0, abs=0.5)
+    assert said[-1].window == ('insufficient', 'none')
+    # 14 dB over the baseline, whatever the place.
+    assert said[-1].severity.stage == 4
+    # Ten snapshots are a hundred minutes.
+    assert said[-1].severity.rising == 100
+    assert any(reason.startswith('series: ') for reason in said[-1].reasons)
+
+
+@pytest.mark.parametrize(
+    ('worn', 'before', 'level', 'result'),
+    [(30, 'fault', 'fault', 'ambiguous'), (40, 'ok', 'none', 'insufficient')],
+)
+def test_a_machine_that_stops_keeps_its_alarm_and_is_not_ok(worn, before, level, result):
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
+    assert played(diagnoser, range(40), worn=worn)[-1].level == before
+    last = played(diagnoser, range(40, 65), worn=0, height=1e-3)[-1]
+    assert (last.level, last.result) == (level, result)
+    assert 'does the machine stand still' in ' '.join(last.reasons)
+
+
+@pytest.mark.parametrize(('seconds', 'zone'), [(0.5, ''), (1.0, 'D')])
+def test_half_a_second_raises_no_level_by_its_zone(seconds, zone):
+    """30 mm/s are zone D, but a velocity from 10 Hz on takes a second to measure."""
+    settings = replace(CYCLE_SETTINGS, power_group=2, mounting='rigid', series_snapshot=seconds)
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), settings)
+    x = 8.0 * np.random.default_rng(1).standard_normal(round(seconds * RATE))
+    (due,) = diagnoser.take(0, x, RATE, 50.0, unit='g')
+    said = diagnoser.judge(due.analyse())
+    assert said.severity.iso_zone == zone
+    assert (said.level == 'fault') == (zone == 'D')
+
+
+def test_series_of_a_continuous_stream_takes_one_snapshot_a_cycle():
+    settings = DiagnosisSettings(series_cycle=4.0, series_snapshot=1.0, baseline_windows=10)
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), settings)
+    rng = np.random.default_rng(1)
+    firsts = []
+    for number in range(20 * 25):
+        due = diagnoser.take(1024 * number, rng.standard_normal(1024), RATE, 25.0)
+        firsts += [excerpt.first_sample / RATE for excerpt in due]
+    assert len(firsts) == pytest.approx(20 / (0.75 * 4.0), abs=1)
+    assert np.diff(firsts).min() >= 3.0
+
+
+def test_a_series_of_a_rate_that_moves_a_little_has_whole_snapshots():
+    settings = DiagnosisSettings(series_cycle=4.0, series_snapshot=1.0, baseline_windows=10)
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), settings)
+    rng = np.random.default_rng(1)
+    found = []
+    for number in range(5 * 25):
+        rate = RATE + 0.01 * (number % 3)
+        found += diagnoser.take(1024 * number, rng.standard_normal(1024), rate, 25.0)
+    assert len(found) == 2
+    assert {excerpt.sample_count for excerpt in found} == {RATE}
+
+
+def test_a_series_without_a_verdict_says_why():
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
+    played(diagnoser, range(3), worn=0)
+    assert not diagnoser.overdue
+    for number in range(3, 8):
+        first = round(number * 600.0 * RATE)
+        assert not diagnoser.take(first, np.ones(20), RATE, 25.0)
+        # The next block ends the snapshot.
+        assert not diagnoser.take(first + 40, np.ones(20), RATE, 25.0)
+    assert diagnoser.overdue == (
+        'no verdict in 3000 s of the series: the last snapshot has 20 samples, and 64 are the '
+        'least'
+    )
+
+
+def test_a_series_that_pauses_is_not_overdue_when_it_goes_on():
+    """A burst each fifth cycle: no snapshot was due while no samples came."""
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
+    for number in range(3):
+        diagnoser.take(round(5 * number * 600.0 * RATE), np.ones(20), RATE, 25.0)
+        assert not diagnoser.overdue
+
+
+@pytest.mark.parametrize('share', [-0.01, -5e-5, 5e-5, 0.01])
+@pytest.mark.parametrize('restarted', [False, True])
+def test_a_series_goes_on_where_the_rate_changes_after_a_year(share, restarted):
+    """A rate that is estimated from stamps differs from start to start."""
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
+    rng, index = np.random.default_rng(0), round(365 * 24 * 3600 * RATE)
+    for number in range(8):
+        if number == 4 and restarted:
+            state = diagnoser.save()
+            diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
+            diagnoser.load(state)
+        rate = RATE * (1.0 + share) if number >= 4 else RATE
+        (due,) = diagnoser.take(index, rng.standard_normal(round(0.6 * RATE)), rate, 25.0)
+        diagnoser.judge(due.analyse())
+        index += round(600.0 * rate)
+    times = [point.time for point in diagnoser._monitor.report().points]
+    assert np.diff(times) == pytest.approx(600.0, rel=0.011)
+    assert len(times) == 8
+
+
+def test_series_is_saved_and_resumed_to_the_bit():
+    bearing = find_bearing('6307')
+    straight = SeriesDiagnoser(bearing, CYCLE_SETTINGS)
+    played(straight, range(40), worn=35)
+    resumed = SeriesDiagnoser(bearing, CYCLE_SETTINGS)
+    resumed.load(straight.save())
+    assert resumed.save() == straight.save()
+    later = [played(one, range(40, 60), worn=0) for one in (straight, resumed)]
+    assert [str(d.severity) + d.level for d in later[0]] == [
+        str(d.severity) + d.level for d in later[1]
+    ]
+    assert resumed.save() == straight.save()
+    assert later[0][-1].level == 'fault'
+    # Another source is judged alone, with a note.
+    other = straight.take(10**12, np.ones(20_000), RATE, 25.0, sensor='x')
+    assert 'the series is of' in straight.judge(other[0].analyse()).reasons[-1]
+    before = straight.save()
+    for broken in (b'', before[:-9], before[:40] + b'x' + before[41:]):
+        with pytest.raises(BearingTwinError):
+            straight.load(broken)
+    values, arrays = unpack(before, _VERSION)
+    kept = values['series']['kept']
+    for changed, levels in (
+        (
+            {'points': [*kept['points'][:-1], {**kept['points'][-1], 'time': 'x'}]},
+            arrays['levels'],
+        ),
+        ({'rise': {**kept['rise'], 'total': -1.0}}, arrays['levels']),
+        ({'held': 'x'}, arrays['levels']),
+        ({'memory': {**kept['memory'], 'windows': {'at ': []}}}, arrays['levels']),
+        ({'strong': {'place': 'x', 'order': 3.0, 'z': 6.0, 'snapshots': 20}}, arrays['levels']),
+        ({}, arrays['levels'][:, :1]),
+    ):
+        forged = {**values, 'series': {**values['series'], 'kept': {**kept, **changed}}}
+        with pytest.raises(BearingTwinError, match='use what save'):
+            straight.load(pack(_VERSION, forged, {**arrays, 'levels': levels}))
+    # What does not fit together was met in the next snapshot only, and ended the node.
+    averaged = values['series']['averaged']
+    forgeries = [
+        ({}, {'averaged': [averaged[0], average, averaged[2]]}, {})
+        for average in ([-1, 1.0], [2, -1.0], [3, 0.0], [math.inf, 1.0], [3, math.nan])
+    ]
+    forgeries += [
+        ({}, {}, {'loud': loud})
+        for loud in (
+            arrays['loud'][:, :1],
+            arrays['loud'].astype(np.int64),
+            np.full_like(arrays['loud'], np.inf),
+        )
+    ]
+    forgeries += [({'next': math.inf}, {}, {})]
+    forgeries += [({}, {'kept': {**kept, 'risen': 1e300, 'began': 0.0}}, {})]
+    for own, of_series, other_arrays in forgeries:
+        forged = {**values, **own, 'series': {**values['series'], **of_series}}
+        with pytest.raises(BearingTwinError, match='use what save'):
+            straight.load(pack(_VERSION, forged, {**arrays, **other_arrays}))
+    # Snapshots of next to no turn resolve nothing, and say so.
+    absurd = [averaged[0], [99, 1e-300], [19, 1e-300]]
+    forged = {**values, 'series': {**values['series'], 'averaged': absurd}}
+    resumed.load(pack(_VERSION, forged, arrays))
+    assert played(resumed, range(60, 62), worn=0)[-1].level == 'fault'
+    assert straight.save() == before
