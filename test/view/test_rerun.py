@@ -2,59 +2,36 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is drawn, read back from the Rerun files: positions, times, forces, and no failure."""
 
-from dataclasses import replace
 import math
-from pathlib import Path
-import socket
 import struct
 from types import SimpleNamespace
 
-from bearing_twin import cli
 from bearing_twin.assets.twin_parameters import SPECS
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.bearing.catalogue import find_bearing
-from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.finding import find_recording
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import START
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.streams.vibration_input import SOURCE_SIMULATED
 from bearing_twin.view.rerun.bearing3d import contact_forces, SLOWED
-from bearing_twin.view.rerun.blueprint import layout
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings
-from bearing_twin.view.rerun.outlet import Outlet
 from bearing_twin.view.rerun.picture import Asset
 from bearing_twin.view.rerun.spectra import SpectrumBars, vector
 from bearing_twin.view.rerun.spectrogram import COLUMNS, Spectrogram
 from bearing_twin.view.rerun.texts import parameter_tables
 from bearing_twin.view.rerun.timebase import Timebase
-from bearing_twin.view.rerun.viewer import live_url, LOOPBACK
 from bearing_twin.view.rerun.waveform import extremes
 from bearing_twin.view.spectrum import ENVELOPE
 from copies import raw_recording
+from drawn import columns, SECOND, stamp, VIBRATION, view_names
 import numpy as np
 import pytest
 import rerun as rr
 from rerun.chunk import McapReader, RrdReader
 import yaml
-
-SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
-VIBRATION = 'bearing_twin_msgs/msg/Vibration'
-SECOND = 1_000_000_000
-
-
-@pytest.fixture(scope='module')
-def recording(tmp_path_factory):
-    """Return a recording of twin and diagnosis over the paper's schedule."""
-    pytest.importorskip('bearing_twin_msgs', reason='the message package is not built')
-    from bearing_twin.offline.run import run_offline
-
-    target = tmp_path_factory.mktemp('view') / 'inner'
-    run_offline(SCHEDULE, target, twin={'defect': 'inner', 'preset': 'incipient', 'waviness': 0.0})
-    return target
 
 
 @pytest.fixture(scope='module')
@@ -63,32 +40,6 @@ def picture(recording, tmp_path_factory):
     rrd = tmp_path_factory.mktemp('rrd') / 'inner.rrd'
     assert draw_recordings([recording], rrd) == {}
     return rrd
-
-
-def columns(rrd, entity, component):
-    """Return times in ns and values of a component of an entity, row by row."""
-    times, values = [], []
-    for chunk in RrdReader(rrd).stream():
-        if str(chunk.entity_path) != entity or chunk.is_static:
-            continue
-        batch = chunk.to_record_batch()
-        names = batch.schema.names
-        data = next((n for n in names if n.endswith(f':{component}')), None)
-        if data is None:
-            continue
-        line = next(name for name in ('ros_time', 'since_start') if name in names)
-        times += batch.column(names.index(line)).cast('int64').to_pylist()
-        values += batch.column(names.index(data)).to_pylist()
-    order = np.argsort(times, kind='stable')
-    return np.array(times)[order], [values[k] for k in order]
-
-
-def stamp(time):
-    """Return a message that is stamped."""
-    sec, nanosec = divmod(time, SECOND)
-    return SimpleNamespace(
-        header=SimpleNamespace(stamp=SimpleNamespace(sec=sec, nanosec=nanosec), frame_id='')
-    )
 
 
 def test_every_sample_is_drawn_at_its_own_time(recording, picture):
@@ -427,99 +378,6 @@ def test_nothing_that_a_message_holds_reaches_the_caller(tmp_path):
     assert list(RrdReader(tmp_path / 'odd.rrd').stream())
 
 
-def view_names(rrd):
-    store, names = RrdReader(rrd), {}
-    for blueprint in store.blueprints():
-        for chunk in store.stream(store=blueprint):
-            for name, values in chunk.to_record_batch().to_pydict().items():
-                if name.endswith('Blueprint:display_name'):
-                    names[str(chunk.entity_path)] = values[0][0]
-    return list(names.values())
-
-
-@pytest.mark.parametrize(('zone', 'views'), [('', 1), ('D', 2)])
-def test_a_velocity_with_a_zone_is_on_the_first_page_too(recording, tmp_path, zone, views):
-    rrd = tmp_path / 'zone.rrd'
-    told = '{power_group: 2, mounting: rigid}' if zone else '{}'
-    checkpoint = SimpleNamespace(
-        node='/diagnosis', kind='diagnosis', version='0', configuration=told
-    )
-    with RerunLogger(recording_id='zone', rrd=rrd) as logger:
-        first = next(read_messages(recording)).log_time
-        kind = 'bearing_twin_msgs/msg/Checkpoint'
-        logger.log('/diagnosis_checkpoint', kind, checkpoint, first)
-        for message in read_messages(recording, topics=['/diagnosis']):
-            made = replace(message.decode(), iso_zone=zone, velocity_rms=8.0)
-            logger.log(message.topic, message.type_name, made, message.log_time)
-    assert logger.problems == {}
-    assert sum(name.startswith('Velocity') for name in view_names(rrd)) == views
-    entities = {str(chunk.entity_path) for chunk in RrdReader(rrd).stream()}
-    limits = {name.rpartition('/')[2] for name in entities if 'velocity/limit' in name}
-    assert limits == ({'0', '1.4', '2.8', '4.5'} if zone else {'0', '11'})
-
-
-def test_a_twin_beside_its_machine_is_no_second_bearing(recording, tmp_path):
-    rrd = tmp_path / 'beside.rrd'
-    names = ['/diagnosis', '/twin_state', '/vibration']
-    with RerunLogger(recording_id='beside', rrd=rrd) as logger:
-        for k, message in enumerate(read_messages(recording, topics=names)):
-            both = ['', '/twin'] if message.topic == '/vibration' else ['']
-            for name in both:
-                topic = f'/fan{name}{message.topic}'
-                logger.log(topic, message.type_name, message.decode(), message.log_time)
-            if k > 200:
-                break
-    names = view_names(rrd)
-    assert 'Vibration: /fan/twin' in names
-    assert 'All bearings' not in names
-    assert 'Verdict' in names
-
-
-def test_the_page_asked_for_is_that_of_a_bearing_that_has_it(recording, tmp_path):
-    with RerunLogger(recording_id='page', rrd=tmp_path / 'page.rrd') as logger:
-        for message in read_messages(recording, topics=['/diagnosis', '/twin_state']):
-            bearing = {'/twin_state': '/fan', '/diagnosis': '/pump'}[message.topic]
-            logger.log(
-                bearing + message.topic, message.type_name, message.decode(), message.log_time
-            )
-    scenes = {namespace: scene for (_, namespace), scene in logger._scenes.items()}
-    for page, bearing in (('Twin', '/fan'), ('Evidence', '/pump')):
-        tabs = layout(scenes, timeline='ros_time', page=page).root_container
-        assert tabs.contents[tabs.active_tab].name == bearing
-
-
-def test_vibration_alone_has_no_page_of_a_verdict(recording, tmp_path):
-    with RerunLogger(recording_id='bare', rrd=tmp_path / 'bare.rrd') as logger:
-        for message in read_messages(recording, topics=['/vibration', '/temperature']):
-            logger.log(message.topic, message.type_name, message.decode(), message.log_time)
-    (scene,) = logger._scenes.values()
-    tabs = layout({'': scene}, timeline='ros_time').root_container
-    pages = {page.name: page for page in tabs.contents}
-    assert list(pages) == ['Vibration', 'Temperature']
-    # A waterfall as high as the page would be cut off at its sides.
-    left, _ = pages['Temperature'].contents
-    assert [view.name for view in left.contents] == [
-        'Waveform over temperature',
-        'Temperature [°C]',
-    ]
-
-
-def test_the_end_of_a_long_name_is_above_its_card(recording, tmp_path):
-    rrd = tmp_path / 'long.rrd'
-    with RerunLogger(recording_id='long', rrd=rrd) as logger:
-        for message in read_messages(recording, topics=['/diagnosis']):
-            for bearing in (
-                '/plant/line_1/conveyor_bearing_7',
-                '/plant/line_1/conveyor_bearing_8',
-            ):
-                logger.log(
-                    bearing + message.topic, message.type_name, message.decode(), message.log_time
-                )
-    assert {'Verdict: …e_1/conveyor_bearing_7', 'Verdict: …e_1/conveyor_bearing_8'} <= set(
-        view_names(rrd)
-    )
-
-
 def test_a_pixel_of_many_samples_shows_their_peaks(picture):
     looks = {
         str(chunk.entity_path): chunk.to_record_batch().to_pydict()
@@ -528,104 +386,6 @@ def test_a_pixel_of_many_samples_shows_their_peaks(picture):
     }
     policy = looks['/vibration/samples/y']['SeriesLines:aggregation_policy']
     assert policy == [[rr.components.AggregationPolicy.MinMax.value]]
-
-
-def test_namespaces_are_scenes_of_their_own(recording, tmp_path):
-    rrd = tmp_path / 'fleet.rrd'
-    with RerunLogger(recording_id='fleet', rrd=rrd) as logger:
-        for k, message in enumerate(read_messages(recording, topics=['/diagnosis', '/vibration'])):
-            for bearing in ('/line3/bearing_7', '/line3/bearing_8'):
-                logger.log(
-                    bearing + message.topic, message.type_name, message.decode(), message.log_time
-                )
-            if k > 100:
-                break
-    entities = {str(chunk.entity_path) for chunk in RrdReader(rrd).stream()}
-    for bearing in ('/line3/bearing_7', '/line3/bearing_8'):
-        assert f'{bearing}/diagnosis/verdict' in entities
-        assert f'{bearing}/vibration/samples/y' in entities
-        # On the page of all, and on that of its own.
-        assert {f'Verdict: {bearing}', 'Verdict'} <= set(view_names(rrd))
-
-
-def test_a_client_that_never_reads_holds_nothing_up(recording, tmp_path):
-    with socket.socket() as probe:
-        probe.bind((LOOPBACK, 0))
-        port = probe.getsockname()[1]
-    messages = [
-        (m.topic, m.type_name, m.decode(), m.log_time)
-        for m in read_messages(recording, topics=['/vibration'])
-    ][:250]
-    with (
-        RerunLogger(
-            recording_id='deaf', serve=(LOOPBACK, port), memory_limit='1MB', full_samples=True
-        ) as logger,
-        socket.create_connection((LOOPBACK, port)) as deaf,
-    ):
-        deaf.sendall(b'PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n')
-        for _ in range(8):
-            for message in messages:
-                logger.log(*message)
-    assert logger.problems == {}
-    assert logger.failed == 0
-
-
-def test_files_and_ports_in_use_are_refused(tmp_path):
-    rrd = tmp_path / 'a.rrd'
-    rrd.write_bytes(b'precious')
-    with pytest.raises(BearingTwinError, match='not overwritten'):
-        RerunLogger(recording_id='a', rrd=rrd)
-    assert rrd.read_bytes() == b'precious'
-    with pytest.raises(BearingTwinError, match='no folder'):
-        RerunLogger(recording_id='a', rrd=tmp_path / 'none' / 'a.rrd')
-    with socket.socket() as taken:
-        taken.bind((LOOPBACK, 0))
-        taken.listen()
-        with pytest.raises(BearingTwinError, match='port'):
-            RerunLogger(recording_id='a', serve=(LOOPBACK, taken.getsockname()[1]))
-
-
-@pytest.mark.parametrize(
-    ('text', 'url'),
-    [
-        ('9876', 'rerun+http://127.0.0.1:9876/proxy'),
-        ('10.0.0.5:80', 'rerun+http://10.0.0.5:80/proxy'),
-        ('rerun+http://a:1/proxy', 'rerun+http://a:1/proxy'),
-    ],
-)
-def test_servers_are_named_in_three_ways(text, url):
-    assert live_url(text) == url
-
-
-@pytest.mark.parametrize(
-    'text', ['', '0', '70000', 'host', 'http://x', 'a b:1', 'rerun+http://x:y/', 'rerun://[::1']
-)
-def test_what_is_no_server_is_refused(text):
-    with pytest.raises(BearingTwinError, match='no Rerun server'):
-        live_url(text)
-
-
-def test_a_folder_stands_for_the_bag_in_it(recording, tmp_path):
-    run = tmp_path / 'demo'
-    run.mkdir()
-    (run / 'bag').symlink_to(recording, target_is_directory=True)
-    (run / 'view.rrd').touch()
-    assert find_recording(run) == run / 'bag'
-    assert find_recording(run / 'view.rrd') == run / 'view.rrd'
-    with pytest.raises(BearingTwinError, match='does not exist'):
-        find_recording(tmp_path / 'nothing')
-    (tmp_path / 'empty').mkdir()
-    with pytest.raises(BearingTwinError, match='no recording'):
-        find_recording(tmp_path / 'empty')
-
-
-def test_the_command_says_what_is_wrong(tmp_path, capsys):
-    assert cli.main(['view']) == 1
-    assert '--live' in capsys.readouterr().err
-    torn = tmp_path / 'x.mcap'
-    torn.write_bytes(b'no mcap at all')
-    assert cli.main(['view', str(torn), '--save', str(tmp_path / 'x.rrd')]) == 1
-    assert 'Traceback' not in capsys.readouterr().err
 
 
 @pytest.mark.parametrize('block', [1024, 7680, 100_000])
@@ -647,42 +407,3 @@ def test_a_vector_is_what_rerun_makes_of_it(size):
     made = rr.components.TensorDataBatch(values.astype(np.float64)).as_arrow_array()
     assert vector(values).equals(made)
     assert vector(values).type == made.type
-
-
-def test_a_process_that_draws_many_pictures_keeps_none_of_their_threads(tmp_path):
-    tasks = Path('/proc/self/task')
-    if not tasks.is_dir():
-        pytest.skip('the threads of a process are counted on Linux')
-    counts = []
-    for k in range(12):
-        with RerunLogger(recording_id=f'p{k}', rrd=tmp_path / f'{k}.rrd'):
-            pass
-        counts.append(len(list(tasks.iterdir())))
-    assert counts[-1] <= counts[2] + 2
-
-
-def test_a_file_is_given_up_when_it_no_longer_grows_not_after_a_time(tmp_path):
-    rrd, tries = tmp_path / 'slow.rrd', []
-    outlet = Outlet('slow', rr.FileSink(str(rrd)), place=rrd)
-    real = outlet.recording
-
-    class Slow:
-        def flush(self, timeout_sec):
-            tries.append(timeout_sec)
-            if len(tries) < 4:
-                # What a loaded machine has written meanwhile.
-                with rrd.open('ab') as file:
-                    file.write(bytes(1))
-            if len(tries) < growing:
-                raise RuntimeError('timeout')
-
-        def disconnect(self):
-            real.disconnect()
-
-    growing, outlet.recording = 3, Slow()
-    outlet.close()
-    assert len(tries) == 3
-    growing, outlet.recording = 99, Slow()
-    with pytest.raises(RuntimeError):
-        outlet.close()
-    assert len(tries) == 4

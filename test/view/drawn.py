@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What was drawn, read back from a Rerun file, and messages to draw."""
+
+from types import SimpleNamespace
+
+import numpy as np
+from rerun.chunk import RrdReader
+
+VIBRATION = 'bearing_twin_msgs/msg/Vibration'
+SECOND = 1_000_000_000
+
+
+def columns(rrd, entity, component):
+    """Return times in ns and values of a component of an entity, row by row."""
+    times, values = [], []
+    for chunk in RrdReader(rrd).stream():
+        if str(chunk.entity_path) != entity or chunk.is_static:
+            continue
+        batch = chunk.to_record_batch()
+        names = batch.schema.names
+        data = next((n for n in names if n.endswith(f':{component}')), None)
+        if data is None:
+            continue
+        line = next(name for name in ('ros_time', 'since_start') if name in names)
+        times += batch.column(names.index(line)).cast('int64').to_pylist()
+        values += batch.column(names.index(data)).to_pylist()
+    order = np.argsort(times, kind='stable')
+    return np.array(times)[order], [values[k] for k in order]
+
+
+def stamp(time):
+    """Return a message that is stamped."""
+    sec, nanosec = divmod(time, SECOND)
+    return SimpleNamespace(
+        header=SimpleNamespace(stamp=SimpleNamespace(sec=sec, nanosec=nanosec), frame_id='')
+    )
+
+
+def view_names(rrd):
+    store, names = RrdReader(rrd), {}
+    for blueprint in store.blueprints():
+        for chunk in store.stream(store=blueprint):
+            for name, values in chunk.to_record_batch().to_pydict().items():
+                if name.endswith('Blueprint:display_name'):
+                    names[str(chunk.entity_path)] = values[0][0]
+    return list(names.values())
