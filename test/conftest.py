@@ -54,12 +54,6 @@ def data_dir() -> Path:
 
 
 @pytest.fixture(scope='session')
-def data_index(data_dir: Path) -> dict:
-    """Labels, speeds, geometry and grades of the real recordings."""
-    return json.loads((data_dir / 'index.json').read_text())
-
-
-@pytest.fixture(scope='session')
 def turns():
     """Count the tests that ask for a ROS domain: each begins to look for one a step further."""
     return itertools.count(os.getpid())

@@ -3,10 +3,8 @@
 """A quantity is declared once, beside its field, and checked by that declaration."""
 
 from dataclasses import dataclass
-import doctest
 import math
 
-from bearing_twin import quantity as module
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import check_fields, quantities, quantity
 import pytest
@@ -57,7 +55,3 @@ def test_the_declaration_can_be_read():
     assert list(quantities(Sensor)) == ['mass', 'resonance', 'axis', 'rating']
     default, about = quantities(Sensor)['resonance']
     assert (default, about.unit, about.low, about.high) == (6e3, 'Hz', 500.0, 11e3)
-
-
-def test_the_examples_hold():
-    assert doctest.testmod(module).failed == 0

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The laws that the kernels share, against their closed forms."""
 
-import doctest
 import math
 
 from bearing_twin.dynamics import model
@@ -33,11 +32,6 @@ def path_of_lanes(profile, along, sunk, slope):
         )
         store(sunk, row, depth)
         store(slope, row, steep)
-
-
-def test_examples_hold():
-    failed, tried = doctest.testmod(model)
-    assert tried and not failed
 
 
 def test_every_profile_has_a_code_of_its_own_and_no_other_code_is_one():
