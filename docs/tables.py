@@ -47,7 +47,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from bearing_twin.assets.spec import Spec
-    from bearing_twin.ros.health import Health
     from bearing_twin.ros.lifecycle import ManagedNode
     from rclpy.qos import QoSProfile
 
@@ -279,9 +278,8 @@ def _topics(node: ManagedNode) -> set[Row]:
 
 def _statuses(node: ManagedNode) -> set[Row]:
     """Return the parts of a node on /diagnostics, and the keys of their values."""
-    health: Health = node._health
     rows: set[Row] = set()
-    for part, (task, _) in health._tasks.items():
+    for part, (task, _) in node.health.tasks.items():
         status = task()
         values = dict(status.values)
         if 'bearing' in part:

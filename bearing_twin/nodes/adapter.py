@@ -103,8 +103,8 @@ class AdapterNode(ManagedNode):
         self._vibration = self.create_lifecycle_publisher(
             Vibration, 'vibration', own(STREAM), qos_overriding_options=OVERRIDES
         )
-        self._health = Health(self, p['hardware_id'] or self.get_namespace())
-        self._health.add('accelerometer input', self._input_status)
+        self.health = Health(self, p['hardware_id'] or self.get_namespace())
+        self.health.add('accelerometer input', self._input_status)
 
     def start(self) -> None:
         """Listen."""

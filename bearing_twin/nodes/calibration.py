@@ -80,9 +80,9 @@ class CalibrationNode(ManagedNode):
             Calibration, 'calibration', own(RESULT), qos_overriding_options=OVERRIDES
         )
         self.offer('~/reset', self._forget)
-        self._health = Health(self, p['hardware_id'] or self.get_namespace())
-        self._health.add('calibration', self.status)
-        self._health.add('residual', self.residual_status)
+        self.health = Health(self, p['hardware_id'] or self.get_namespace())
+        self.health.add('calibration', self.status)
+        self.health.add('residual', self.residual_status)
 
     def start(self) -> None:
         """Listen."""

@@ -35,9 +35,9 @@ class DiagnosisNode(ManagedNode):
         p = self.parameters
         self._topics = DiagnosisTopics(self, p)
         self.offer('~/reset', self._topics.reset)
-        self._health = Health(self, p['hardware_id'] or self.get_namespace())
-        self._health.add('vibration input', self._topics.input_status)
-        self._health.add('bearing', self._topics.verdict_status)
+        self.health = Health(self, p['hardware_id'] or self.get_namespace())
+        self.health.add('vibration input', self._topics.input_status)
+        self.health.add('bearing', self._topics.verdict_status)
 
     def start(self) -> None:
         """Listen."""

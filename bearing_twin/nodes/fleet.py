@@ -134,12 +134,12 @@ class FleetNode(ManagedNode):
         node = self.get_fully_qualified_name()
         self._checkpoints = Checkpoints('fleet', node, p['checkpoint_period'])
         self._checkpoint = self.create_lifecycle_publisher(Checkpoint, '~/checkpoint', CHECKPOINT)
-        self._health = Health(self, self.get_namespace())
+        self.health = Health(self, self.get_namespace())
         for index, member in enumerate(self._members):
             self._set_up_twin(member)
             # Neighbours are published one after another: their verdicts belong to other blocks.
             self._set_up_diagnosis(member, stagger=index * GOLDEN % 1.0)
-        self._health.add('real time', self._cycle.status)
+        self.health.add('real time', self._cycle.status)
         self._warm()
         self.offer('~/reset', self._reset_all)
 
@@ -199,7 +199,7 @@ class FleetNode(ManagedNode):
             ('temperature input', member.twin.status),
             ('validity', member.twin.validity),
         ):
-            self._health.add(f'{member.name} {part}', status, hardware_id=hardware_id)
+            self.health.add(f'{member.name} {part}', status, hardware_id=hardware_id)
 
     def _set_up_diagnosis(self, member: Member, *, stagger: float) -> None:
         p = member.diagnosis_parameters
@@ -214,7 +214,7 @@ class FleetNode(ManagedNode):
             ('vibration input', member.diagnosis.input_status),
             ('bearing', member.diagnosis.verdict_status),
         ):
-            self._health.add(f'{member.name} {part}', status, hardware_id=hardware_id)
+            self.health.add(f'{member.name} {part}', status, hardware_id=hardware_id)
 
     def start(self) -> None:
         """Listen and start the clock of the blocks."""

@@ -98,9 +98,9 @@ class RecorderNode(ManagedNode):
         self._longest_wait = 0
         self.offer('~/split', self._split)
         self.offer('~/snapshot', self._snapshot)
-        self._health = Health(self, self.get_namespace())
+        self.health = Health(self, self.get_namespace())
         self._watch = RecordingWatch(self._writer, self.parameters.values, self.get_logger())
-        self._health.add('recording', self._status)
+        self.health.add('recording', self._status)
 
     def start(self) -> None:
         """Subscribe, and look for new topics from now on."""

@@ -122,8 +122,8 @@ class ReplayNode(ManagedNode):
         self._wake = threading.Condition()
         self._running = False
         self._problem = ''
-        self._health = Health(self, self.get_namespace())
-        self._health.add('replay', self._status)
+        self.health = Health(self, self.get_namespace())
+        self.health.add('replay', self._status)
 
     def start(self) -> None:
         """Begin to play."""
@@ -163,7 +163,7 @@ class ReplayNode(ManagedNode):
         """Report why the recording cannot be played on; end with an error."""
         self._problem = str(error)
         self.failed = True
-        self._health.publish()
+        self.health.publish()
         raise error
 
     def _play_through(self) -> None:

@@ -70,11 +70,11 @@ class TwinNode(ManagedNode):
             self, self._twin, turns=StateTurns(p['state_rate'], self._cycle.period)
         )
         TwinServices(self, p, reset=self._twin.reset, save=self._twin.save, load=self._twin.load)
-        self._health = Health(self, p['hardware_id'] or self.get_namespace())
-        self._health.add('temperature input', self._topics.status)
-        self._health.add('validity', self._topics.validity)
-        self._health.add('real time', self._cycle.status)
-        self._calibration = TwinCalibration(self, self._twin, p.values, self._health)
+        self.health = Health(self, p['hardware_id'] or self.get_namespace())
+        self.health.add('temperature input', self._topics.status)
+        self.health.add('validity', self._topics.validity)
+        self.health.add('real time', self._cycle.status)
+        self._calibration = TwinCalibration(self, self._twin, p.values, self.health)
 
     def start(self) -> None:
         """Start the clock of the blocks."""

@@ -85,7 +85,8 @@ class Health:
         self.hardware_id = hardware_id.strip('/') or node.get_name()
         self._node = node
         self._spells: dict[str, _Spell] = {}
-        self._tasks: dict[str, tuple[Callable[[], Status], str]] = {}
+        self.tasks: dict[str, tuple[Callable[[], Status], str]] = {}
+        """What returns the status of each part, and the asset that it speaks of."""
         self._turn = 0
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', RESULT)
         # The wall clock: a paused /clock must not silence a node.
@@ -107,8 +108,8 @@ class Health:
             Asset that it speaks of; '' for that of the node.
 
         """
-        self._tasks[part] = (task, hardware_id.strip('/') or self.hardware_id)
-        self._timer.timer_period_ns = NANO // math.ceil(len(self._tasks) / PARTS)
+        self.tasks[part] = (task, hardware_id.strip('/') or self.hardware_id)
+        self._timer.timer_period_ns = NANO // math.ceil(len(self.tasks) / PARTS)
 
     def destroy(self) -> None:
         """Stop publishing."""
@@ -121,7 +122,7 @@ class Health:
         array.header.stamp = self._node.get_clock().now().to_msg()
         name = self._node.get_fully_qualified_name().lstrip('/')
         begin, self._turn = self._turn, self._turn + PARTS
-        for part, (task, hardware_id) in islice(self._tasks.items(), begin, self._turn):
+        for part, (task, hardware_id) in islice(self.tasks.items(), begin, self._turn):
             status = task()
             self._log(part, status)
             level, message, values, _ = status
@@ -135,7 +136,7 @@ class Health:
                 )
             )
         self._publisher.publish(array)
-        if self._turn >= len(self._tasks):
+        if self._turn >= len(self.tasks):
             self._turn = 0
 
     def _log(self, part: str, status: Status) -> None:
