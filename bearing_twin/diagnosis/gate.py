@@ -41,7 +41,8 @@ fault."""
 
 FAINTEST, LARGEST = 1e-100, 1e100
 """Range of samples whose powers are numbers, in whatever unit."""
-_CLIPPED_SHARE = 0.005
+_SPOILT_SHARE = 0.005
+"""Most samples that may be clipped, or held at one value."""
 CONVERTER_STEPS = 2.0
 """Least RMS of a healthy signal in steps of its converter: rounding to steps, which has an RMS of
 1/sqrt(12), is 17 dB below it. Below, a dead sensor may sound the same; a fault shows all the same.
@@ -49,6 +50,11 @@ CONVERTER_STEPS = 2.0
 _LOOKED_AT, _MOST_VALUES = 1024, 64
 """Of so many samples a signal of so few steps has far fewer different values: noise of an RMS of
 two steps has about 15."""
+_HELD, _GRID = 64, 32
+"""Samples in a row of one value that no live sensor gives: noise of an RMS of two steps repeats a
+value once in seven samples. A run so long holds two neighbours of a grid half as wide."""
+_FEW_STEPS = 8.0
+"""RMS in steps below which impacts may stand in noise that is less than a step."""
 _RUN = 3
 _ENDS = 1e-6
 """Part of the range that counts as its end."""
@@ -64,7 +70,7 @@ class Extent:
 
     >>> import numpy as np
     >>> Extent.of(np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0]))
-    Extent(count=6, bad=0, low=-1.0, high=1.0, at_low=3, at_high=3, steps=inf)
+    Extent(count=6, bad=0, low=-1.0, high=1.0, at_low=3, at_high=3, steps=inf, held=0)
 
     """
 
@@ -78,6 +84,8 @@ class Extent:
     at_high: int
     steps: float = math.inf
     """RMS about the mean in steps between the values that occur; infinite where they are many."""
+    held: int = 0
+    """Samples in runs of 64 or more of one value."""
 
     @classmethod
     def of(cls, x: NDArray[np.float64]) -> Extent:
@@ -90,7 +98,7 @@ class Extent:
         span, steps = _ENDS * (high - low), _steps(x)
         most = len(x) if math.isfinite(steps) else _RAIL * len(x)
         at_low, at_high = (_at_end(end, most) for end in (x <= low + span, x >= high - span))
-        return cls(len(x), 0, low, high, at_low, at_high, steps)
+        return cls(len(x), 0, low, high, at_low, at_high, steps, _held(x))
 
 
 def check_record(
@@ -152,18 +160,25 @@ def check_extents(
     span = _ENDS * (high - low)
     at_ends = sum(part.at_high for part in parts if part.high >= high - span)
     at_ends += sum(part.at_low for part in parts if part.low <= low + span)
-    if at_ends > _CLIPPED_SHARE * count:
+    if at_ends > _SPOILT_SHARE * count:
         reasons.append(
             f'{100.0 * at_ends / count:.1f} % of the samples sit at the end of the range: the '
-            f'signal is clipped (limit {100.0 * _CLIPPED_SHARE:g} %); lower the gain'
+            f'signal is clipped (limit {100.0 * _SPOILT_SHARE:g} %); lower the gain'
         )
-    held = count / sample_rate
-    turns = held * shaft_hz
+    held = sum(part.held for part in parts)
+    if held > _SPOILT_SHARE * count and max(part.steps for part in parts) >= _FEW_STEPS:
+        reasons.append(
+            f'{100.0 * held / count:.1f} % of the samples repeat one value, {_HELD} times or more '
+            f'in a row: the sensor or its connection fails at times (limit '
+            f'{100.0 * _SPOILT_SHARE:g} %); leave out that part'
+        )
+    seconds = count / sample_rate
+    turns = seconds * shaft_hz
     if turns < SHAFT_TURNS:
         reasons.append(
-            f'{turns:.1f} shaft turns in {held:.3g} s: at least {SHAFT_TURNS:g} are needed, '
-            f'{SHAFT_TURNS / shaft_hz - held:.2g} s more, and {HEALTHY_TURNS:g} to call it '
-            f'healthy, {HEALTHY_TURNS / shaft_hz - held:.2g} s more'
+            f'{turns:.1f} shaft turns in {seconds:.3g} s: at least {SHAFT_TURNS:g} are needed, '
+            f'{SHAFT_TURNS / shaft_hz - seconds:.2g} s more, and {HEALTHY_TURNS:g} to call it '
+            f'healthy, {HEALTHY_TURNS / shaft_hz - seconds:.2g} s more'
         )
     wanted = 8.0 * highest_order * shaft_hz
     if sample_rate < wanted:
@@ -208,6 +223,15 @@ def _steps(x: NDArray[np.float64]) -> float:
     return float(x.std() / np.diff(values).min())
 
 
+def _held(x: NDArray[np.float64]) -> int:
+    """Count the samples in runs of 64 or more of one value."""
+    grid = x[::_GRID]
+    if not np.any(grid[1:] == grid[:-1]):
+        return 0
+    runs = _runs(x[1:] == x[:-1]) + 1
+    return int(runs[runs >= _HELD].sum())
+
+
 def _at_end(at_end: NDArray[np.bool_], most: float) -> int:
     """Return the number of true values; of those in runs of three or more where they are few."""
     count = int(np.count_nonzero(at_end))
@@ -215,6 +239,11 @@ def _at_end(at_end: NDArray[np.bool_], most: float) -> int:
         return count
     if count < _RUN:
         return 0
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], at_end.view(np.int8), [0]))))
-    runs = edges[1::2] - edges[::2]
+    runs = _runs(at_end)
     return int(runs[runs >= _RUN].sum())
+
+
+def _runs(true: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Lengths of the runs of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], true.view(np.int8), [0]))))
+    return edges[1::2] - edges[::2]
