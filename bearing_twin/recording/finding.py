@@ -23,6 +23,29 @@ def natural(path: Path) -> list[tuple[int, str]]:
     return [(int(word), '') if word.isdecimal() else (-1, word) for word in words]
 
 
+def read_instead(path: Path) -> str:
+    """
+    Return the end of a sentence that says what reads the vibration files at a path.
+
+    It is empty where there are none.
+
+    >>> from pathlib import Path
+    >>> read_instead(Path('bearing.csv'))
+    "; 'bearing-twin diagnose' reads vibration files"
+
+    """
+    if path.suffix.lower() in SIGNAL_FILES:
+        return "; 'bearing-twin diagnose' reads vibration files"
+    endings = (item.suffix for item in path.glob('*'))
+    ending = next((ending for ending in endings if ending.lower() in SIGNAL_FILES), '')
+    if not ending:
+        return ''
+    return (
+        f"; it holds vibration files: 'bearing-twin diagnose {path}/*{ending}' judges each, and "
+        f"'bearing-twin diagnose --series {path}' all of them as snapshots of one machine"
+    )
+
+
 def find_recording(path: Path) -> Path:
     """
     Return the MCAP file, bag folder or .rrd that a path stands for.
@@ -51,4 +74,5 @@ def find_recording(path: Path) -> Path:
     if len(pictures) == 1:
         return pictures[0]
     msg = f'{path} holds no recording: no .mcap file and no single .rrd file is in it'
+    msg += read_instead(path)
     raise BearingTwinError(msg)

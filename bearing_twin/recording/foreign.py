@@ -43,6 +43,7 @@ SHORTEST = 64
 """Samples of the shortest row that is a signal; of shorter ones the columns are the signals."""
 
 RATES = ('fs', 'sample_rate', 'sampling_rate', 'samplerate', 'sr', 'rate', 'freq')
+TEMPERATURES = ('temperature', 'temp_c')
 SPEEDS = {'shaft_hz': 1.0, 'rpm': 1.0 / 60.0, 'speed_rpm': 1.0 / 60.0}
 
 
@@ -141,7 +142,7 @@ def read_signal(
         speeds=speeds if len(speeds) and np.ptp(speeds) > 0.0 else speeds[:0],
         unit=_unit(found),
         bearing_name=_text(found, 'bearing_name') or _text(found, 'bearing'),
-        temperature=_number(found, ('temperature', 'temp_C')),
+        temperature=_number(found, TEMPERATURES),
         label=_text(found, 'label'),
         source=f'{path}{where}',
         bearing=orders if isinstance(orders := found.get('bearing'), Bearing) else None,
@@ -278,7 +279,7 @@ def _numeric(arrays: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
 
 def _candidates(numeric: Mapping[str, NDArray[Any]]) -> list[str]:
     """Names of arrays that may be a vibration."""
-    others = ('t', 'time', 'time_s', 't_s', *SPEEDS)
+    others = ('t', 'time', 'time_s', 't_s', 'temp_t_s', *TEMPERATURES, *SPEEDS)
     return [name for name in numeric if name.lower() not in others]
 
 
@@ -314,7 +315,8 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
         if not row:
             msg = (
                 f'{path}: {name} has {x.shape[0]} rows of {x.shape[1]} samples; choose one of '
-                f"0..{x.shape[0] - 1} as channel, e.g. '{name}:0'"
+                f"0..{x.shape[0] - 1} as channel, e.g. '{name}:0', or judge snapshots of one "
+                'machine with --series'
             )
             raise BearingTwinError(msg)
         index = _index(row, x.shape[0], f'{path}: row')

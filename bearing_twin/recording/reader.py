@@ -18,7 +18,7 @@ from bearing_twin.recording.catalogue import (
     RecordedMessage,
 )
 from bearing_twin.recording.chunks import Chunks
-from bearing_twin.recording.finding import natural
+from bearing_twin.recording.finding import natural, read_instead
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
     check_magic,
@@ -119,7 +119,7 @@ def recording_files(path: Path) -> list[Path]:
         if is_folder:
             # The folder of a demo holds its bag and the pictures of it.
             inside = sorted({str(found.parent) for found in path.glob('*/*.mcap')})
-            hint = f'; name the bag in it, e.g. {inside[0]}' if inside else ''
+            hint = f'; name the bag in it, e.g. {inside[0]}' if inside else read_instead(path)
             msg = f'{path} is no recording: no .mcap file is in it{hint}'
         raise BearingTwinError(msg)
     refuse_special(path)

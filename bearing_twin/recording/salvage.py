@@ -10,6 +10,7 @@ import struct
 from typing import BinaryIO, TYPE_CHECKING
 
 from bearing_twin.recording.chunks import Chunks, SpentRecording
+from bearing_twin.recording.finding import read_instead
 from bearing_twin.recording.mcapfile import (
     BrokenRecording,
     check_magic,
@@ -95,7 +96,7 @@ def open_mcap(path: Path) -> BinaryIO:
         for _ in sound_records(chunks, (Opcode.CHUNK, Opcode.MESSAGE), lambda _: None):
             return file
         file.close()
-        msg = f'{path} is no MCAP file: {error}'
+        msg = f'{path} is no MCAP file: {error}{read_instead(path)}'
         raise BrokenRecording(msg, 0, size) from None
     return file
 

@@ -71,6 +71,7 @@ def test_bad_files_get_an_answer_and_stop_no_other(good, tmp_path, capsys):
         'constant': (np.full(102_400, 2.0), 'constant'),
         'nan': (np.where(np.arange(102_400) == 77, np.nan, x), 'NaN'),
         'clipped': (np.clip(3.0 * x, -1.0, 1.0), 'clipped'),
+        'dropped': (np.where(np.arange(102_400) < 51_200, 0.0, x), 'repeat one value'),
         'short': (x[:800], 'turns'),
     }
     for name, (values, _) in cases.items():
@@ -93,7 +94,7 @@ def test_bad_files_get_an_answer_and_stop_no_other(good, tmp_path, capsys):
     for answer in answers[len(unread) : -1]:
         assert (answer['result'], answer['level']) == ('insufficient', 'none')
         assert answer['reasons'][0]
-    for answer, (_, word) in zip(answers[-5:-1], cases.values(), strict=True):
+    for answer, (_, word) in zip(answers[len(unread) : -1], cases.values(), strict=True):
         assert word in answer['reasons'][0]
 
 
@@ -124,6 +125,29 @@ def test_missing_file_is_an_error_and_no_verdict(tmp_path, capsys):
     out, err = capsys.readouterr()
     assert out == ''
     assert err == f'bearing-twin diagnose: {tmp_path / "no.npz"} does not exist\n'
+
+
+@pytest.mark.parametrize('command', ['info', 'verify', 'recover'])
+def test_commands_for_recordings_say_what_reads_vibration_files(command, good, tmp_path, capsys):
+    assert main([command, str(good)]) != 0
+    assert "'bearing-twin diagnose' reads vibration files" in capsys.readouterr().err
+    (tmp_path / 'snapshots').mkdir()
+    shutil.copy(good, tmp_path / 'snapshots')
+    assert main([command, str(tmp_path / 'snapshots')]) != 0
+    assert '--series' in capsys.readouterr().err
+
+
+def test_folder_and_table_of_snapshots_point_to_a_series(good, tmp_path, capsys):
+    """A trend file of a run, with statistics and temperatures, holds no vibration to judge."""
+    assert main(['diagnose', str(good.parent), '--bearing', '6307']) == 1
+    err = capsys.readouterr().err
+    assert f"'bearing-twin diagnose {good.parent}/*.npz' judges each" in err
+    assert f"'bearing-twin diagnose --series {good.parent}'" in err
+    np.savez(tmp_path / 'table.npz', x=np.ones((9, 2560)), fs=RATE, rpm=1800.0)
+    np.savez(tmp_path / 'trend.npz', temp_C=np.sin(np.arange(90e3)), fs=RATE, rpm=1800.0)
+    for name, words in (('table', '--series'), ('trend', 'no array of numbers')):
+        assert main(['diagnose', str(tmp_path / f'{name}.npz'), '--bearing', '6307']) == 1
+        assert words in capsys.readouterr().err
 
 
 def test_page_for_a_person(good, capsys, monkeypatch):
