@@ -262,19 +262,7 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
 def _mark_near(
     orders: NDArray[np.float64], half_width: float, step: float, mask: NDArray[np.bool_]
 ) -> None:
-    """
-    Mark the rows within ``half_width`` orders of any of some orders.
-
-    Parameters
-    ----------
-    orders
-        (N,).
-    half_width, step
-        Orders; row k belongs to order (k + 1) step.
-    mask
-        (K,), written where it is so.
-
-    """
+    """Mark the rows within ``half_width`` orders of any of some orders in ``mask``, (K,)."""
     count = len(mask)
     for order in orders:
         first = np.ceil((order - half_width) / step) - 1.0
@@ -295,21 +283,7 @@ def _three_bins(
     """
     Add up each line's row and the two beside it: a line spreads over three bins.
 
-    Parameters
-    ----------
-    excess
-        (K, C).
-    hidden
-        (K,) mask of the rows that say nothing.
-    orders
-        (N,) of the lines.
-    step
-        Orders a bin.
-    first
-        First column wanted.
-    power
-        (N, B) sums over as many columns, added to.
-
+    ``power``, (N, B), is added to: of as many columns of ``excess``, (K, C), from the first on.
     """
     lines, columns = power.shape
     last = len(excess) - 1

@@ -291,19 +291,7 @@ def _line_heights(
     """
     Write the mean over some columns of the row nearest to each order, noise taken off.
 
-    Parameters
-    ----------
-    logs
-        (K, C); row k belongs to order (k + 1) step.
-    orders
-        (N,).
-    step
-        Orders a bin.
-    columns
-        (B,).
-    heights
-        (N,), written.
-
+    ``logs`` are (K, C); row k belongs to order (k + 1) step. Orders and heights are (N,).
     """
     for n in range(len(orders)):
         heights[n] = row_height(logs, nearest_row(orders[n] * (1.0 / step), len(logs)), columns)
@@ -321,17 +309,8 @@ def _unshared_heights(
     """
     Write the height of the harmonics that the series of each multiple lacks, over the others'.
 
-    Parameters
-    ----------
-    logs, step, columns
-        As in `_line_heights`.
-    hidden
-        (K,) mask of the rows that say nothing.
-    order
-        Fundamental order of the comb; it has as many harmonics as there are multiples.
-    ratios
-        (M,), written: for the multiple m in place m - 1. Infinite where nothing is shared.
-
+    The comb has as many harmonics as there are ``ratios``, (M,): for the multiple m in place
+    m - 1. Infinite where nothing is shared.
     """
     for multiple in range(1, len(ratios) + 1):
         shared = lacking = 0.0
@@ -372,10 +351,8 @@ def _denser_part(
 
     Parameters
     ----------
-    logs, step, columns
-        As in `_line_heights`.
-    order, harmonics
-        Fundamental of the comb, and number of its harmonics.
+    logs, order, step, harmonics, columns
+        As in `_line_heights`; fundamental of the comb, and number of its harmonics.
     hidden, mine, sidebands
         (K,) rows that do not count, or only where all lines of the series are as high.
     most

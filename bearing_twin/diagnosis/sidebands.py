@@ -134,21 +134,7 @@ def _sideband_ratios(
     """
     Write the amplitude of the lines one and two gaps beside the harmonics of a comb, over theirs.
 
-    Parameters
-    ----------
-    excess
-        (K, C) power above the floor; row k belongs to order (k + 1) step.
-    hidden
-        (K,) mask of the rows that say nothing.
-    step
-        Orders a bin.
-    order, harmonics, band
-        Fundamental of the comb, number of its harmonics, and the column.
-    gaps
-        (G,) orders.
-    ratios
-        (G,), written.
-
+    ``excess`` is (K, C), ``hidden`` (K,): the rows that say nothing. Gaps and ratios are (G,).
     """
     inverse, own = 1.0 / step, np.float32(0.0)
     for harmonic in range(1, harmonics + 1):
@@ -180,17 +166,8 @@ def _strongest_band(
     """
     Return the band in which a comb has most power, of those that show it.
 
-    Parameters
-    ----------
-    excess, hidden, order, step, harmonics
-        As in `_sideband_ratios`.
-    scores
-        (C,) of the comb; it shows from 3 on, and in the band of the highest score.
-    carrier, lowest
-        (C,) lower edge of each band, and the one below which a band has no power, orders.
-    power
-        (C,) of the comb's lines, added to.
-
+    It shows where its score, (C,), is 3 or more, and where that is highest. ``power``, (C,), of
+    its lines is added to; a band whose carrier is below the lowest has none.
     """
     last = len(excess) - 1
     for harmonic in range(1, harmonics + 1):
