@@ -10,21 +10,22 @@ there is an alarm. Snapshots may be seconds or weeks apart.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import LEVELS, PLACES
-from bearing_twin.diagnosis.alone import answer_alone, Answers, CONFIRMING, NEWEST
-from bearing_twin.diagnosis.averaging import AveragedEnvelope, Comb
+from bearing_twin.bearing import LEVELS
+from bearing_twin.diagnosis.alone import answer_alone, Answers, CONFIRMING
+from bearing_twin.diagnosis.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.averaging import LEAST as LEAST_AVERAGED
-from bearing_twin.diagnosis.baseline import Baseline, Memory, SETTLED
+from bearing_twin.diagnosis.baseline import SETTLED
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.dependence import Condition, Law, Z90
 from bearing_twin.diagnosis.gate import FAINTEST, LARGEST
 from bearing_twin.diagnosis.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.onset import Rise, rise_begins, slope
 from bearing_twin.diagnosis.series_result import SeriesPoint, SeriesReport
+from bearing_twin.diagnosis.series_state import Kept
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.severity import (
     LEAST,
@@ -43,6 +44,8 @@ from scipy import fft
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis.averaging import Comb
+    from bearing_twin.diagnosis.baseline import Baseline
     from bearing_twin.diagnosis.result import Diagnosis
     from numpy.typing import ArrayLike, NDArray
 
@@ -59,45 +62,6 @@ LEAST_BASELINE = 10
 MOST = 5000
 """Points kept; when there are more, every second of the older half is dropped."""
 _FALLEN = f'{FAULT_DB:g} dB or more below the baseline, or the lowest before it: {FALLEN}'
-
-
-@dataclass
-class _Kept:
-    """What a monitor knows of its machine, besides arrays: it is saved as it is."""
-
-    memory: Memory = field(default_factory=Memory)
-    rise: Rise = field(default_factory=Rise)
-    points: list[SeriesPoint] = field(default_factory=list)
-    answers: Answers = field(default_factory=Answers)
-    strong: Comb | None = None
-    """Fault that stands out of the envelopes of the last ``LEAST_AVERAGED`` snapshots, or of as
-    many before that are complete."""
-    source: Source = field(default_factory=Source)
-    held: str = 'none'
-    """Level that is held."""
-    low_since: float = math.nan
-    """Since when the level is low while an alarm is held, s; NaN if it is not."""
-    low: int = 0
-    """Snapshots since then."""
-    began: float = math.nan
-    """When the level that is held last rose from 'none' or 'ok', s."""
-    risen: float = math.nan
-    """First time since then at which the vibration itself asked for an alarm, s; NaN if none."""
-    alarms: dict[str, float] = field(default_factory=dict)
-    """Time of the first alarm of each level, s."""
-    changes: int = 0
-    refused: dict[str, int] = field(default_factory=dict)
-    """Snapshots that were not judged, by the reason."""
-    unjudged: int = 0
-    """Those since the last that was."""
-
-    def __post_init__(self) -> None:
-        """Refuse, of a saved series, a level or a place that none is."""
-        place = self.strong.place if self.strong else PLACES[0]
-        if self.held not in LEVELS or place not in PLACES:
-            said = f'level {self.held!r:.60} or place {place!r:.60}'
-            msg = f'saved {said} is invalid; use what save() returned'
-            raise BearingTwinError(msg)
 
 
 class SeriesMonitor:
@@ -154,7 +118,7 @@ class SeriesMonitor:
             raise BearingTwinError(msg)
         self._given = law
         self._bearing = bearing
-        self._kept = _Kept()
+        self._kept = Kept()
         self._levels: list[NDArray[np.float64]] = []
         self._quiet = AveragedEnvelope()
         self._loud = AveragedEnvelope()
@@ -203,7 +167,7 @@ class SeriesMonitor:
             raise BearingTwinError(msg)
         reason = self._refuse(time, signal, sample_rate, shaft_hz, unit)
         if reason:
-            self._leave_out(reason)
+            self._kept.leave_out(reason)
             return None
         self._ask_alone(answer, signal, sample_rate, shaft_hz, temperature, unit)
         now, memory = Condition.at(temperature, shaft_hz), self._kept.memory
@@ -307,14 +271,9 @@ class SeriesMonitor:
 
     def _not_compared(self, time: float, reason: str) -> None:
         """Leave out a snapshot whose level says nothing; it may still show damage by itself."""
-        self._leave_out(reason)
+        self._kept.leave_out(reason)
         if LEVELS.index(self._kept.answers.level) > LEVELS.index(self._kept.held):
             self._hold(time, self._kept.answers.level)
-
-    def _leave_out(self, reason: str) -> None:
-        """Count a snapshot that is not judged."""
-        self._kept.refused[reason] = self._kept.refused.get(reason, 0) + 1
-        self._kept.unjudged += 1
 
     def _refuse(
         self, time: float, x: NDArray[np.float64], sample_rate: float, shaft_hz: float, unit: str
@@ -388,30 +347,9 @@ class SeriesMonitor:
         return self._kept.memory.was_settled_at(recent)
 
     def _hold(self, time: float, wanted: str) -> None:
-        """Rise at once, fall only after the level was low for long enough."""
-        if wanted == self._kept.held:
-            self._kept.low_since = math.nan
-            return
-        rises = LEVELS.index(wanted) > LEVELS.index(self._kept.held)
-        if not rises:
-            if math.isnan(self._kept.low_since):
-                self._kept.low_since, self._kept.low = time, 0
-            self._kept.low += 1
-            held = time - self._kept.low_since < self._settings.series_hold
-            # Where the cycle is longer than the hold: until the answers that raised it are gone.
-            if held or self._kept.low < NEWEST:
-                return
+        """Take a level for the one that is held, and forget the alarm that it may end."""
+        if self._kept.hold(time, wanted, self._settings.series_hold):
             self._loud.clear()
-            if self._kept.held == 'fault':
-                # What was repaired is another machine.
-                self._kept.memory.forget_before(self._kept.low_since)
-        elif self._kept.held in ('none', 'ok'):
-            self._kept.began, self._kept.risen = time, math.nan
-        self._kept.changes += self._kept.held != 'none'
-        self._kept.held, self._kept.low_since = wanted, math.nan
-        for level in ('suspect', 'fault'):
-            if rises and LEVELS.index(wanted) >= LEVELS.index(level):
-                self._kept.alarms.setdefault(level, time)
 
     def report(self) -> SeriesReport:
         """Return what all snapshots so far say together."""
@@ -472,7 +410,7 @@ class SeriesMonitor:
             If it is not that; the monitor is then not to be used.
 
         """
-        self._kept = restored(_Kept, values['kept'])
+        self._kept = restored(Kept, values['kept'])
         self._levels = list(arrays['levels'])
         if arrays['levels'].shape != (len(self._kept.points), len(MEASURES)):
             msg = f'saved levels have shape {arrays["levels"].shape}; use what save() returned'
