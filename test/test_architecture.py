@@ -4,9 +4,8 @@
 
 import ast
 from pathlib import Path
-import subprocess
-import sys
 
+from commands import python
 import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / 'bearing_twin'
@@ -93,9 +92,7 @@ for room in {CORE!r}:
     for module in pkgutil.iter_modules(package.__path__):
         importlib.import_module(f'bearing_twin.{{room}}.{{module.name}}')
 """
-    ran = subprocess.run(
-        [sys.executable, '-c', script], capture_output=True, text=True, check=False
-    )
+    ran = python('-c', script)
     assert ran.returncode == 0, ran.stderr
 
 

@@ -4,9 +4,8 @@
 
 import importlib.util
 from pathlib import Path
-import subprocess
-import sys
 
+from commands import python
 import pytest
 
 DOCS = Path(__file__).resolve().parents[1] / 'docs'
@@ -32,12 +31,7 @@ def test_every_page_and_the_api_are_built_without_a_warning(tmp_path):
         '-d',
         str(tmp_path / 'work'),
     ]
-    built = subprocess.run(
-        [sys.executable, *words, str(DOCS), str(tmp_path / 'pages')],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    built = python(*words, DOCS, tmp_path / 'pages')
     assert built.returncode == 0, built.stderr
     pages = {page.stem for page in (tmp_path / 'pages').glob('*.html')}
     assert pages >= {page.stem for page in DOCS.glob('*.md')} | {'api'}

@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a program has freed is not fetched from the system again."""
 
-import subprocess
-import sys
+from commands import python
 
 SCRIPT = """
 import resource, sys
@@ -21,9 +20,7 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
 
 
 def faults(how):
-    ran = subprocess.run(
-        [sys.executable, '-c', SCRIPT, how], capture_output=True, text=True, check=True
-    )
+    ran = python('-c', SCRIPT, how, check=True)
     return int(ran.stdout)
 
 

@@ -13,6 +13,7 @@ import xml.etree.ElementTree as ElementTree
 
 import bearing_twin
 from bearing_twin.cli import COMMANDS
+from commands import python
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -134,9 +135,7 @@ def test_colcon_installs_nodes_for_ros2_run_and_the_command_for_the_path(tmp_pat
 
 def test_nodes_without_their_messages_say_what_to_build():
     script = "import sys; sys.modules['bearing_twin_msgs'] = None; import bearing_twin.nodes.twin"
-    ran = subprocess.run(
-        [sys.executable, '-c', script], capture_output=True, text=True, check=False
-    )
+    ran = python('-c', script)
     assert ran.returncode == 1
     assert "build it with 'colcon build --base-paths . msg_defs'" in ran.stderr.splitlines()[-1]
 

@@ -13,6 +13,7 @@ import time
 from bearing_twin.bench.figures import FIGURES
 from bearing_twin.cli import COMMANDS, main
 from bearing_twin.cli.run import NODES
+from commands import python
 import numpy as np
 import pytest
 
@@ -39,9 +40,7 @@ except SystemExit:
 heavy = {'numpy', 'scipy', 'numba', 'rclpy', 'rerun', 'mcap', 'matplotlib', 'argcomplete'}
 sys.exit(', '.join(sorted(heavy & sys.modules.keys())) or 0)
 """
-    ran = subprocess.run(
-        [sys.executable, '-c', script], capture_output=True, text=True, check=False
-    )
+    ran = python('-c', script)
     assert ran.returncode == 0, ran.stderr
 
 

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 
+from commands import python
 import pytest
 
 BLOCKED = """
@@ -17,13 +18,7 @@ sys.exit(main(sys.argv[1:]))
 
 
 def ran(*words: str) -> 'subprocess.CompletedProcess[str]':
-    return subprocess.run(
-        [sys.executable, '-c', BLOCKED, *words],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    return python('-c', BLOCKED, *words)
 
 
 def test_the_command_that_shows_says_what_is_missing():

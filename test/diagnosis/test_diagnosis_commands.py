@@ -24,6 +24,7 @@ from bearing_twin.diagnosis import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording import dataset
 from bearing_twin.recording.foreign import read_signal
+from commands import python
 import numpy as np
 import pytest
 
@@ -608,10 +609,7 @@ print(faults[1] - faults[0])
 def test_a_dask_worker_keeps_the_memory_that_it_freed(good):
     # The setting with which Dask starts its workers: each page of an array is a fault again.
     environment = os.environ | {'MALLOC_TRIM_THRESHOLD_': '65536'}
-    ran = subprocess.run(
-        [sys.executable, '-c', FILES_OF_A_WORKER, str(good)],
-        env=environment, capture_output=True, text=True, check=True,
-    )  # fmt: skip
+    ran = python('-c', FILES_OF_A_WORKER, good, env=environment, check=True)
     assert int(ran.stdout) < 1000
 
 

@@ -3,10 +3,9 @@
 import ast
 import os
 from pathlib import Path
-import subprocess
-import sys
 
 from bearing_twin.dynamics.compiled import SHARED
+from commands import python
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -50,14 +49,8 @@ def tree(tmp_path):
 
 def run(tree, **environment):
     inherited = {k: v for k, v in os.environ.items() if k not in ('NUMBA_CACHE_DIR', 'PYTHONPATH')}
-    done = subprocess.run(
-        [sys.executable, '-B', '-c', RUN],
-        cwd=tree,
-        env=inherited | {key: str(value) for key, value in environment.items()},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    given = inherited | {key: str(value) for key, value in environment.items()}
+    done = python('-B', '-c', RUN, cwd=tree, env=given, check=True)
     folder, value = done.stdout.split()
     return folder, float(value)
 
@@ -119,13 +112,7 @@ def test_code_for_another_processor_is_named_and_not_used(tmp_path):
     )
 
     def call(**more):
-        return subprocess.run(
-            [sys.executable, '-c', script],
-            env=environment | more,
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout.split()
+        return python('-c', script, env=environment | more, check=True).stdout.split()
 
     other = call(NUMBA_CPU_NAME='generic', NUMBA_CPU_FEATURES='')
     assert other == ['generic', '-6.88', 'True']

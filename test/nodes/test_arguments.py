@@ -3,8 +3,6 @@
 """What is asked for is done or refused, never ignored."""
 
 import os
-import subprocess
-import sys
 
 from bearing_twin.cli import main
 from bearing_twin.ros.launching import NodeProcesses
@@ -12,6 +10,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
+from commands import python
 from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 
@@ -36,13 +35,7 @@ from rcl_interfaces.srv import SetParameters, SetParametersAtomically
     ],
 )
 def test_a_node_refuses_what_it_cannot_take(ros_domain, words, status, text):
-    ran = subprocess.run(
-        [sys.executable, '-m', 'bearing_twin', 'run', 'twin', *words],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    ran = python('-m', 'bearing_twin', 'run', 'twin', *words)
     assert ran.returncode == status
     assert text in ran.stderr
     assert 'Traceback' not in ran.stderr
@@ -66,14 +59,8 @@ def test_what_rclpy_cannot_begin_with_is_said_in_a_sentence(
     if content is not None:
         path.write_bytes(content)
     words = ['recorder', '--ros-args', '--params-file', str(path)]
-    ran = subprocess.run(
-        [sys.executable, '-m', 'bearing_twin', 'run', *words],
-        capture_output=True,
-        text=True,
-        env={**os.environ, 'ROS_DOMAIN_ID': domain or os.environ['ROS_DOMAIN_ID']},
-        cwd=tmp_path,
-        check=False,
-    )
+    environment = {**os.environ, 'ROS_DOMAIN_ID': domain or os.environ['ROS_DOMAIN_ID']}
+    ran = python('-m', 'bearing_twin', 'run', *words, env=environment, cwd=tmp_path)
     assert ran.returncode == 2
     assert 'Traceback' not in ran.stderr
     assert 'recorder: failed to initialize rcl' in ran.stderr
@@ -161,17 +148,7 @@ def test_a_parameter_of_no_type_or_too_long_a_text_is_refused(nodes, probe, atom
 def test_a_file_of_assets_is_checked_as_every_other_input(ros_domain, tmp_path, given, said):
     path = tmp_path / 'fleet.yaml'
     path.write_text(f'assets: {{fan: {{diagnosis: {given}}}}}')
-    ran = subprocess.run(
-        [
-            sys.executable,
-            *['-m', 'bearing_twin', 'run', 'fleet', '--ros-args', '-p'],
-            f'assets_file:={path}',
-        ],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    ran = python('-m', 'bearing_twin', 'run', 'fleet', '--ros-args', '-p', f'assets_file:={path}')
     assert ran.returncode == 2
     # A slow machine says besides that it compiles.
     lines = [line for line in ran.stderr.splitlines() if '[INFO]' not in line]
@@ -189,17 +166,8 @@ def test_a_file_of_assets_is_checked_as_every_other_input(ros_domain, tmp_path, 
     ],
 )
 def test_what_rclpy_refuses_is_one_sentence(ros_domain, given, said):
-    ran = subprocess.run(
-        [
-            sys.executable,
-            *['-m', 'bearing_twin', 'run', 'adapter', '--ros-args', '-p', 'sample_rate:=25600.0'],
-            *['-p', given],
-        ],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    words = ['run', 'adapter', '--ros-args', '-p', 'sample_rate:=25600.0', '-p', given]
+    ran = python('-m', 'bearing_twin', *words)
     assert ran.returncode == 2
     assert said in ran.stderr
     assert 'Traceback' not in ran.stderr
@@ -210,16 +178,7 @@ def test_a_dump_of_the_parameters_can_be_given_again(ros_domain, tmp_path):
     dump = tmp_path / 'dump.yaml'
     # As ros2 param dump writes it: ROS reads this axis as true.
     dump.write_text('/diagnosis:\n  ros__parameters: {axis: y, window: 0.01}\n')
-    ran = subprocess.run(
-        [
-            *[sys.executable, '-m', 'bearing_twin', 'run', 'diagnosis'],
-            *['--ros-args', '--params-file', str(dump)],
-        ],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    ran = python(*['-m', 'bearing_twin', 'run', 'diagnosis', '--ros-args', '--params-file'], dump)
     # Only the window, which is wrong by intention, is refused.
     assert ran.returncode == 2
     assert 'diagnosis: window=0.01 is outside' in ran.stderr

@@ -3,8 +3,6 @@
 """Clocks that are set, and stamps that make no sense, end no node and fill no memory."""
 
 import random
-import subprocess
-import sys
 import time
 import tracemalloc
 import weakref
@@ -32,6 +30,7 @@ from bearing_twin.ros.cycle import BlockCycle
 from bearing_twin.ros.health import Level
 from bearing_twin.ros.lifecycle import ManagedNode
 from builtin_interfaces.msg import Time
+from commands import python
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rosgraph_msgs.msg import Clock
@@ -360,10 +359,7 @@ def test_a_node_that_can_send_nothing_says_so_and_ends(ros_domain, tmp_path, nod
     write_temperature_recording(recording, np.array([0.0, 9.0]), np.full(2, 20.0), source='test')
     name = node.removesuffix('Node').lower()
     given = {'adapter': 'sample_rate:=1000.0', 'replay': f'recording:={recording}'}
-    ran = subprocess.run(
-        [sys.executable, '-c', MUTE.format(node=node, where=where), given[name]],
-        capture_output=True, text=True, timeout=120, check=False,
-    )  # fmt: skip
+    ran = python('-c', MUTE.format(node=node, where=where), given[name])
     assert ran.returncode == 1
     assert f'{name}: nothing can be sent (Failed to publish' in ran.stderr
     assert 'is the system clock beyond 2038?' in ran.stderr

@@ -3,22 +3,15 @@
 """The main job with real processes: temperature in, vibration, verdict and recording out."""
 
 import json
-import subprocess
-import sys
 
 from bearing_twin.recording.reader import recording_info
+from commands import python
 import pytest
 
 
-def bearing_twin(*words, timeout=600):
+def bearing_twin(*words):
     """Run the command line as a user does."""
-    return subprocess.run(
-        [sys.executable, '-m', 'bearing_twin', *map(str, words)],
-        capture_output=True,
-        text=True,
-        timeout=timeout,
-        check=False,
-    )
+    return python('-m', 'bearing_twin', *words)
 
 
 @pytest.mark.ros

@@ -12,15 +12,18 @@ from __future__ import annotations
 import os
 from pathlib import Path
 import signal
-import subprocess
-import sys
 import threading
 import time
+from typing import TYPE_CHECKING
 
 from bearing_twin.cli import main
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.launching import NodeProcesses
+from commands import python
 import pytest
+
+if TYPE_CHECKING:
+    import subprocess
 
 HOOK = """
 import os, signal, sys
@@ -65,18 +68,8 @@ def interrupted(
 ) -> subprocess.CompletedProcess[str]:
     """Run Python with an interrupt where ``module`` is about to be loaded."""
     (folder / 'sitecustomize.py').write_text(HOOK)
-    return subprocess.run(
-        [sys.executable, *words],
-        env={
-            **os.environ,
-            **{'PYTHONPATH': str(folder), 'INTERRUPT_AT': module, 'HANDLER': handler},
-        },
-        cwd=Path(__file__).parents[2],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    given = {'PYTHONPATH': str(folder), 'INTERRUPT_AT': module, 'HANDLER': handler}
+    return python(*words, env={**os.environ, **given}, cwd=Path(__file__).parents[2])
 
 
 @pytest.mark.parametrize(
@@ -127,14 +120,7 @@ def test_missing_messages_are_a_sentence() -> None:
         "import sys; sys.modules['bearing_twin_msgs'] = None; "
         'from bearing_twin.start import twin; sys.exit(twin())'
     )
-    ran = subprocess.run(
-        [sys.executable, '-c', code],
-        cwd=Path(__file__).parents[2],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    ran = python('-c', code, cwd=Path(__file__).parents[2])
     assert ran.returncode == 1
     assert ran.stderr.startswith('bearing-twin run: bearing_twin_msgs is not there: build it with')
     assert ran.stderr.count('\n') == 1

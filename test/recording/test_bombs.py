@@ -7,8 +7,6 @@ from __future__ import annotations
 import itertools
 from pathlib import Path
 import struct
-import subprocess
-import sys
 import time
 import tracemalloc
 from typing import Any, TYPE_CHECKING
@@ -22,6 +20,7 @@ from bearing_twin.recording.mcapfile import MAGIC, record_at
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.summary import summary_place
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from commands import python
 from copies import raw_recording
 from mcap.opcode import Opcode
 from mcap.writer import CompressionType, IndexType, Writer
@@ -64,14 +63,7 @@ for attempt in attempts:
 
 def read(path: Path, room: int = ROOM) -> str:
     """Read a file in a process that has little memory; return the errors."""
-    ran = subprocess.run(
-        [sys.executable, '-c', READER, str(path), str(room)],
-        capture_output=True,
-        text=True,
-        cwd=Path(__file__).parents[2],
-        timeout=120,
-        check=False,
-    )
+    ran = python('-c', READER, path, room, cwd=Path(__file__).parents[2])
     assert ran.returncode == 0, ran.stderr[-2000:]
     return ran.stdout
 

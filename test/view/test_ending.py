@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A process that still waits for a viewer ends at once, with its status."""
 
-import subprocess
-import sys
+from commands import python
 
 PROGRAM = """
 import atexit, sys, threading
@@ -25,9 +24,7 @@ sys.exit(4)
 
 def outcome(state):
     """Return status and output of a process whose thread is done or waits."""
-    done = subprocess.run(
-        [sys.executable, '-c', PROGRAM, state], capture_output=True, text=True, timeout=120
-    )
+    done = python('-c', PROGRAM, state)
     return done.returncode, done.stdout
 
 

@@ -1,0 +1,16 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Programs that a test runs to their end."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import Any
+
+
+def python(*words: object, **options: Any) -> subprocess.CompletedProcess[str]:
+    """Run Python with some words; return its status, and what it has said as text."""
+    command = [sys.executable, *map(str, words)]
+    kept = {'capture_output': True, 'text': True, 'check': False, 'timeout': 600.0}
+    return subprocess.run(command, **{**kept, **options})
