@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Programs that a test runs to their end."""
+"""Programs that a test runs to their end, and what a command has printed."""
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from typing import Any
@@ -14,3 +15,8 @@ def python(*words: object, **options: Any) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, *map(str, words)]
     kept = {'capture_output': True, 'text': True, 'check': False, 'timeout': 600.0}
     return subprocess.run(command, **{**kept, **options})
+
+
+def json_lines(capsys: Any) -> list[Any]:
+    """Return what a command has printed since the last call, as JSON line by line."""
+    return [json.loads(line) for line in capsys.readouterr().out.splitlines()]

@@ -1,30 +1,19 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""diagnose, benchmark and bench on files of every kind, good and bad, alone and on a cluster."""
+"""diagnose on files of every kind, good and bad: its answers, pages, pictures and refusals."""
 
 import argparse
-import base64
 from dataclasses import fields
-import functools
-import io
 import json
-import os
 import shutil
-import signal
-import subprocess
-import sys
-import time
-import zlib
 
-from bearing_twin.bearing import fault_frequencies, fault_orders, find_bearing, own_bearing
+from bearing_twin.bearing import fault_frequencies, find_bearing, own_bearing
 from bearing_twin.bench.diagnosis import fault_signal, measure, RATE, SHAFT_HZ
-from bearing_twin.cli import diagnose, main
+from bearing_twin.cli import main
 from bearing_twin.cli.diagnose import configure, diagnose_file, Task
 from bearing_twin.diagnosis import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording import dataset
-from bearing_twin.recording.foreign import read_signal
-from commands import python
+from commands import json_lines
 import numpy as np
 import pytest
 
@@ -34,21 +23,9 @@ KEYS = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope='module')
-def good(tmp_path_factory):
-    """Npz file of an inner race fault of a 6307."""
-    path = tmp_path_factory.mktemp('good') / 'inner.npz'
-    np.savez(path, x=fault_signal(4.0), fs=RATE, rpm=60.0 * SHAFT_HZ)
-    return path
-
-
-def _lines(capsys):
-    return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-
-
 def test_json_line_of_a_fault(good, capsys):
     assert main(['diagnose', str(good), '--bearing', '6307', '--json']) == 0
-    (answer,) = _lines(capsys)
+    (answer,) = json_lines(capsys)
     assert set(answer) == KEYS
     assert (answer['result'], answer['faults'], answer['level']) == ('inner', ['inner'], 'fault')
     assert answer['shaft_hz'] == pytest.approx(SHAFT_HZ, rel=0.002)
@@ -192,7 +169,7 @@ def test_speed_in_turns_a_minute(good, tmp_path, capsys):
     args = ['diagnose', str(bare), '--bearing', '6307', '--json']
     assert main([*args, '--rpm', str(60.0 * SHAFT_HZ)]) == 0
     assert main([*args, '--shaft-hz', str(SHAFT_HZ)]) == 0
-    by_rpm, by_hz = _lines(capsys)
+    by_rpm, by_hz = json_lines(capsys)
     assert by_rpm == by_hz
     assert by_rpm['result'] == 'inner'
     assert main([*args, '--rpm', '-3']) == 1
@@ -207,7 +184,7 @@ def test_channel_by_any_unambiguous_name(tmp_path, capsys):
     args = ['diagnose', str(path), '--bearing', '6307']
     for name in ('DE_time', 'de_time', 'DE', 'de'):
         assert main([*args, '--channel', name, '--json']) == 0
-        (answer,) = _lines(capsys)
+        (answer,) = json_lines(capsys)
         assert 'DE_time' in answer['source']
         assert answer['result'] == 'inner'
     assert main([*args, '--channel', 'time']) == 1
@@ -227,142 +204,6 @@ def test_shaft_and_sample_rate_of_an_mfpt_file(tmp_path):
     assert said['result'] == 'inner'
 
 
-@pytest.fixture(scope='module')
-def parquet_set(tmp_path_factory):
-    """Return a data set of three signals as bearing-datasets 0.3 writes it (layout 2)."""
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    folder = tmp_path_factory.mktemp('root') / 'rig'
-    (folder / 'signals').mkdir(parents=True)
-    noise = np.random.default_rng(2).standard_normal(len(fault_signal(4.0)))
-    signals = {'r0/DE': fault_signal(4.0), 'r0/FE': noise, 'r1/DE': noise[::-1]}
-    table = pa.table(
-        {
-            'signal_id': list(signals),
-            'signal': pa.array([x.astype(np.float32) for x in signals.values()],
-                               pa.list_(pa.float32())),
-        }
-    )  # fmt: skip
-    parquet.write_table(
-        table, folder / 'signals' / 'part-float32.parquet', compression='zstd', row_group_size=2
-    )
-    orders = fault_orders(find_bearing('6307'))._asdict()
-    labels = ['inner', 'inner', 'normal']
-    columns = {
-        'dataset': ['rig'] * 3, 'signal_id': list(signals), 'recording_id': ['r0', 'r0', 'r1'],
-        'native_label': labels, 'channel': ['DE', 'FE', 'DE'], 'sensor_location': ['base'] * 3,
-        'fs': [RATE] * 3, 'n_samples': [len(noise)] * 3, 'fault_type': labels,
-        'fault_location': ['test_bearing', 'test_bearing', 'none'],
-        'sensor_at_fault': [False] * 3,
-        'signal_file': ['part-float32.parquet'] * 3, 'signal_row_group': [0, 0, 1],
-        'signal_row': [0, 1, 0], 'quantity': ['acceleration'] * 3, 'unit': ['g', 'g', 'V'],
-        'sensitivity': ['none', 'none', '10 V/g'],
-        'speed_profile': ['constant', 'constant', 'increasing'],
-        'speed_rpm': [60.0 * SHAFT_HZ] * 3, 'bearing_model': ['of our own'] * 3,
-        **{name: [round(order, 5)] * 3 for name, order in orders.items()},
-        # Python has no such times without pandas.
-        'start': pa.array([1, 2, 3], pa.timestamp('ns')),
-    }  # fmt: skip
-    parquet.write_table(pa.table(columns), folder / 'metadata.parquet')
-    manifest = {'dataset': 'rig', 'schema_version': 2, 'n_recordings': 2, 'n_signals': 3}
-    (folder / 'manifest.json').write_text(json.dumps(manifest))
-    return folder
-
-
-def test_parquet_form_of_bearing_datasets(parquet_set, capsys):
-    assert main(['diagnose', str(parquet_set), '--json', '--jobs', '1']) == 0
-    answers = _lines(capsys)
-    assert [answer['result'] for answer in answers] == ['inner', 'healthy', 'insufficient']
-    assert [answer['channel'] for answer in answers] == ['r0/DE', 'r0/FE', 'r1/DE']
-    assert {answer['evidence']['severity']['unit'] for answer in answers} == {'g'}
-    assert 'the shaft speed is unknown' in answers[2]['reasons'][0]
-    assert main(['diagnose', str(parquet_set), '--jobs', '1']) == 0
-    assert 'rig, r0/FE: healthy' in capsys.readouterr().out
-    assert main(['diagnose', str(parquet_set), '--channel', 'r0/DE']) == 0
-    assert 'rig, r0/DE' in capsys.readouterr().out
-    assert main(['diagnose', str(parquet_set), '--channels']) == 0
-    assert capsys.readouterr().out.split()[1:] == ['r0/DE', 'r0/FE', 'r1/DE']
-    assert main(['benchmark', str(parquet_set), '--full', '--jobs', '1']) == 0
-    said = capsys.readouterr()
-    assert '| rig | 2 | 1 |  |  |  |  | 1 |' in said.out
-    assert '1 signals are left out: they are without a fault of ours or a constant' in said.err
-    (parquet_set.parent / 'bad').mkdir()
-    (parquet_set.parent / 'bad' / 'metadata.parquet').write_bytes(b'PAR1 no')
-    assert main(['diagnose', str(parquet_set.parent / 'bad')]) == 1
-    assert 'cannot be read as Parquet' in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ('column', 'values', 'why'),
-    [
-        ('signal_row_group', [None, 0, 1], 'has no signal r0/DE in row 0 of group None'),
-        ('signal_row', ['a', '1', '0'], 'has no signal r0/DE in row a of group 0'),
-        ('signal_id', ['r0/DE', 'r0/DE', 'r1/DE'], 'has one signal_id twice'),
-    ],
-)
-def test_a_parquet_set_that_contradicts_itself(parquet_set, tmp_path, capsys, column, values, why):
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    shutil.copytree(parquet_set, tmp_path / 'rig')
-    table = parquet.read_table(parquet_set / 'metadata.parquet')
-    index = table.column_names.index(column)
-    parquet.write_table(
-        table.set_column(index, column, pa.array(values)), tmp_path / 'rig' / 'metadata.parquet'
-    )
-    assert main(['diagnose', str(tmp_path / 'rig'), '--jobs', '1']) == 1
-    assert why in capsys.readouterr().err
-
-
-@pytest.mark.parametrize('said', ['1.2.3 mV/g', '. V/g', '0.0 V/g', '10 V/(mm/s)', 'none', None])
-def test_volts_of_a_sensitivity_that_tells_no_acceleration_have_no_unit(said):
-    assert dataset._physical({'unit': 'V', 'sensitivity': said}) == (1.0, '')
-
-
-def test_one_signal_of_a_parquet_set_is_shown_as_a_file_is(parquet_set, tmp_path, capsys):
-    page = tmp_path / 'page.html'
-    assert main(['report', str(parquet_set), '--channel', 'r0/DE', '-o', str(page)]) == 0
-    assert 'Inner race fault' in page.read_text()
-    assert main(['report', str(parquet_set), '-o', str(page)]) == 1
-    assert 'r0/DE, r0/FE, r1/DE' in capsys.readouterr().err
-
-
-def test_parquet_form_is_what_the_package_itself_reads(parquet_set):
-    bearing_datasets = pytest.importorskip('bearing_datasets', reason='pip install it')
-    from bearing_datasets.schema import validate
-
-    theirs = bearing_datasets.open('rig', root=parquet_set.parent)
-    validate(theirs.metadata(), {'start': 'a column that only this set has'})
-    for name in ('r0/DE', 'r1/DE'):
-        ours = read_signal(parquet_set, channel=name)
-        np.testing.assert_allclose(ours.x, theirs.signal(name, unit='g'), rtol=1e-14)
-
-
-def test_parquet_of_newer_writers_is_read():
-    """Arrow from 19.0.1 on leaves out the counts of levels that plain columns do not have."""
-    from pyarrow import parquet
-
-    # A column 'signal_id' with one value 'a', by Arrow 26.
-    written = (
-        'eNpNTzsKwkAUnF3ComKhgReysEUalxRJMIJWNvYW4gVk0aABP3Hj50oe0xcri2lmhvlsVtuSAhrQYE2SEAICgCNQ'
-        'SGHG1IgUKbNAKlws3HjMquwghAQFOpsjVu3+VF0cMTGcyLjf1serO+/qwwRrw95IaqONhaGhnkON9J+FWI185G1h'
-        'e/8tOuNV6CLBEySWHKK0/XWzX9pe5JEmjfP3Z/XI902TO+9v7+RV+ba+XZPZopgWpTbdgA9jw0e/sXIlhQ=='
-    )
-    table = parquet.read_table(io.BytesIO(zlib.decompress(base64.b64decode(written))))
-    assert table.to_pydict() == {'signal_id': ['a']}
-
-
-def test_many_files_on_all_cores_in_order(good, capsys):
-    files = [str(good)] * 5
-    args = ['diagnose', *files, '--geometry', '8,14,57.5,0', '--json', '--jobs', '2']
-    assert main(args) == 0
-    answers = _lines(capsys)
-    assert len(answers) == 5
-    assert all(answer == answers[0] for answer in answers)
-    assert answers[0]['result'] == 'inner'
-
-
 def test_pictures(good, tmp_path, capsys):
     args = ['diagnose', str(good), '--bearing', '6307', '--plot', str(tmp_path / 'plots')]
     assert main(args) == 0
@@ -377,7 +218,7 @@ def test_a_picture_that_cannot_be_written_ends_no_batch(command, good, tmp_path,
     plots.write_text('')
     args = [command, *files, '--bearing', '6307', '--json', '--plot', str(plots)]
     assert main(args) == 1
-    answers = _lines(capsys)
+    answers = json_lines(capsys)
     assert len(answers) == 2
     assert all(f'{plots}/' in answer['error'] for answer in answers)
 
@@ -412,47 +253,6 @@ def test_unknown_bearing_and_speed_are_said(tmp_path):
     assert 'speed is unknown' in said['reasons'][0]
 
 
-def test_benchmark_of_a_small_folder(good, tmp_path, capsys):
-    index = {
-        'bearings': {
-            'B': {'n_elements': 8, 'element_d_mm': 14.0, 'pitch_d_mm': 57.5, 'contact_deg': 0.0}
-        },
-        'records': [
-            {'id': 'a', 'dataset': 'd', 'file': str(good), 'label': 'inner', 'rpm': 1500.0,
-             'bearing_name': 'B', 'sr2015_grade_12kDE': 'Y1'},
-            {'id': 'b', 'dataset': 'd', 'file': str(good), 'label': 'outer', 'rpm': 1500.0,
-             'bearing_name': 'B', 'sr2015_grade_12kDE': 'Y2'},
-        ],
-    }  # fmt: skip
-    (tmp_path / 'index.json').write_text(json.dumps(index))
-    assert main(['benchmark', str(tmp_path), '--full', '--jobs', '1']) == 0
-    text = capsys.readouterr().out
-    assert '| Y1 and Y2 together | 2 | 1 | 1 |' in text
-    assert '- b, outer: wrong (inner: inner)' in text
-    assert '| all | 2 |' in text  # of the confidence
-    assert main(['benchmark', str(tmp_path), '--misled', '--jobs', '1']) == 0
-    rows = [line.split(' | ') for line in capsys.readouterr().out.splitlines()[2:]]
-    assert [row[:3] for row in rows] == [
-        ['| wrong bearing', 'damaged', '24'],
-        ['| speed 3 and 5 % off', 'damaged', '8'],
-    ]
-    assert main(['benchmark', str(tmp_path), '--full', '--jobs', '1', '--json']) == 0
-    pieces = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    assert [piece['groups']['grade'] for piece in pieces] == ['d Y1', 'd Y2']
-    assert main(['benchmark', str(tmp_path / 'nowhere')]) == 1
-    # A bearing of the catalogue needs no entry; a misspelt one is replaced by no other.
-    del index['bearings']['B']
-    for record in index['records']:
-        record['bearing_name'] = '6307'
-    (tmp_path / 'index.json').write_text(json.dumps(index))
-    assert main(['benchmark', str(tmp_path), '--full', '--jobs', '1']) == 0
-    capsys.readouterr()
-    index['records'][1]['bearing_name'] = '63O7'
-    (tmp_path / 'index.json').write_text(json.dumps(index))
-    assert main(['benchmark', str(tmp_path), '--full', '--jobs', '1']) == 1
-    assert "record b: no bearing '63O7' in the catalogue; the closest" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize('command', ['diagnose', 'bearings', 'replay'])
 def test_every_command_refuses_an_unknown_bearing(good, tmp_path, capsys, command):
     recording = tmp_path / 'schedule.mcap'
@@ -478,37 +278,6 @@ def test_bench_figures():
         assert figures['kurtogram_ratio'] == pytest.approx(ratio)
 
 
-def test_a_file_that_kills_its_process_takes_no_other_with_it(good, tmp_path, capsys, monkeypatch):
-    @functools.wraps(diagnose.diagnose_file)
-    def killed_by_one(task):
-        if task.path.endswith('2.npz'):
-            os.kill(os.getpid(), signal.SIGKILL)
-        return original(task)
-
-    original = diagnose.diagnose_file
-    monkeypatch.setattr(diagnose, 'diagnose_file', killed_by_one)
-    paths = [tmp_path / f'{number}.npz' for number in range(6)]
-    for path in paths:
-        path.write_bytes(good.read_bytes())
-    words = ['diagnose', *map(str, paths), '--bearing', '6307', '--shaft-hz', '25.4', '--json']
-    assert main([*words, '--jobs', '2']) == 1
-    answers = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    assert [answer['file'] for answer in answers] == list(map(str, paths))
-    assert ['error' in answer for answer in answers] == [False, False, True, False, False, False]
-
-
-@pytest.mark.parametrize('command', ['diagnose', 'benchmark'])
-def test_fewer_processes_than_one_are_refused(command, good, tmp_path, capsys):
-    record = {
-        'id': 'a', 'file': 'a.npz', 'dataset': 'ours', 'label': 'healthy', 'bearing_name': '6307',
-        'rpm': 1500.0,
-    }  # fmt: skip
-    (tmp_path / 'index.json').write_text(json.dumps({'bearings': {}, 'records': [record]}))
-    word = str(good) if command == 'diagnose' else str(tmp_path)
-    assert main([command, word, '--jobs', '-1']) == 1
-    assert '--jobs -1' in capsys.readouterr().err
-
-
 def test_a_shaft_that_stands_is_not_unknown(good, tmp_path, capsys):
     np.savez(tmp_path / 'a.npz', x=np.load(good)['x'], fs=RATE, rpm=0.0)
     assert main(['diagnose', str(tmp_path / 'a.npz'), '--bearing', '6307']) == 0
@@ -516,101 +285,6 @@ def test_a_shaft_that_stands_is_not_unknown(good, tmp_path, capsys):
     assert 'Shaft      standing' in text
     assert 'the shaft stands still: measure while it turns' in text
     assert 'Next step  Measure while the shaft turns.' in text
-
-
-def test_a_benchmark_of_no_records_is_an_error(tmp_path, capsys):
-    (tmp_path / 'index.json').write_text('{"bearings": {}, "records": []}')
-    assert main(['benchmark', str(tmp_path)]) == 1
-    assert 'has no record with a label of inner, outer, ball, cage' in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    'text',
-    [
-        '[]',
-        '{"bearings": {"a": 1}, "records": []}',
-        '{"bearings": {}, "records": [1]}',
-        '[' * 99_999,
-    ],
-)
-def test_an_index_of_another_form_is_refused_in_words(text, tmp_path, capsys):
-    (tmp_path / 'index.json').write_text(text)
-    assert main(['benchmark', str(tmp_path)]) == 1
-    assert 'cannot be used' in capsys.readouterr().err
-
-
-def test_every_file_is_answered_although_a_dask_worker_is_killed(good, tmp_path, capsys):
-    pytest.importorskip('distributed', reason="pip install 'bearing_twin[dask]'")
-    from distributed import Client
-
-    address_file = tmp_path / 'scheduler.json'
-    scheduler = [sys.executable, '-m', 'distributed.cli.dask_scheduler', '--port', '0',
-                 '--no-dashboard', '--host', '127.0.0.1',
-                 '--scheduler-file', str(address_file)]  # fmt: skip
-    worker = [sys.executable, '-m', 'distributed.cli.dask_worker', '--no-dashboard', '--no-nanny',
-              '--nthreads', '1', '--scheduler-file', str(address_file),
-              '--local-directory', str(tmp_path)]  # fmt: skip
-    environment = os.environ | {'PYTHONPATH': os.pathsep.join(sys.path), 'OMP_NUM_THREADS': '1'}
-    processes = []
-
-    def start(command):
-        processes.append(
-            subprocess.Popen(
-                command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT
-            )
-        )
-        return processes[-1]
-
-    try:
-        start(scheduler)
-        deadline = time.monotonic() + 180.0
-        while not address_file.exists():
-            assert time.monotonic() < deadline, 'no scheduler'
-            time.sleep(0.1)
-        victim = start(worker)
-        start(worker)
-        address = json.loads(address_file.read_text())['address']
-        with Client(address) as client:
-            client.wait_for_workers(2, timeout=180)
-        paths = []
-        for number in range(24):
-            paths.append(tmp_path / f'{number}.npz')
-            paths[-1].write_bytes(good.read_bytes())
-        command = [sys.executable, '-m', 'bearing_twin', 'diagnose', *map(str, paths),
-                   '--bearing', '6307', '--json', '--dask', address]  # fmt: skip
-        job = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
-        processes.append(job)
-        first = job.stdout.readline()
-        victim.send_signal(signal.SIGKILL)
-        rest, _ = job.communicate(timeout=300)
-        answers = [json.loads(line) for line in [first, *rest.splitlines()]]
-        assert job.returncode == 0
-        assert [answer['file'] for answer in answers] == [str(path) for path in paths]
-        assert {answer['result'] for answer in answers} == {'inner'}
-    finally:
-        for process in processes:
-            process.kill()
-            process.wait()
-
-
-FILES_OF_A_WORKER = """
-import resource, sys
-from bearing_twin.bearing import find_bearing
-from bearing_twin.cli.diagnose import Task, _diagnose_files
-tasks = [Task(path=sys.argv[1], bearing=find_bearing('6307'))] * 4
-faults = []
-for _ in range(2):
-    _diagnose_files(tasks)
-    faults.append(resource.getrusage(resource.RUSAGE_SELF).ru_minflt)
-print(faults[1] - faults[0])
-"""
-
-
-def test_a_dask_worker_keeps_the_memory_that_it_freed(good):
-    # The setting with which Dask starts its workers: each page of an array is a fault again.
-    environment = os.environ | {'MALLOC_TRIM_THRESHOLD_': '65536'}
-    ran = python('-c', FILES_OF_A_WORKER, good, env=environment, check=True)
-    assert int(ran.stdout) < 1000
 
 
 def test_each_setting_is_an_option_or_left_out_on_purpose():

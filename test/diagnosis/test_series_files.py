@@ -8,6 +8,7 @@ import json
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.snapshots import read_snapshots
+from commands import json_lines
 import numpy as np
 import pytest
 from scipy.io import wavfile
@@ -23,7 +24,7 @@ def test_femto_runs_to_failure(data_dir, capsys, run):
     folder = data_dir / 'femto'
     files = [folder / f'femto_{run}.npz', folder / f'femto_{run[:-1]}trend.npz']
     assert main(['diagnose', '--series', *map(str, files), '--json']) == 0
-    *points, summary = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    *points, summary = json_lines(capsys)
     times = np.array([point['time'] for point in points])
     levels = [point['level'] for point in points]
     # The end is worn out: the rig was stopped. The first half of a life is taken as healthy.
@@ -67,7 +68,7 @@ def test_series_of_a_parquet_set(tmp_path, capsys):
     parquet.write_table(pa.table(columns), tmp_path / 'metadata.parquet')
     command = ['diagnose', '--series', str(tmp_path), '--json', '--baseline', '20', '--channel']
     assert main([*command, 'A_ vertical']) == 0
-    *points, summary = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    *points, summary = json_lines(capsys)
     assert [point['time'] for point in points] == [10.0 * number for number in range(40)]
     assert summary['level'] == 'ok'
     assert main([*command, 'B_ horizontal']) == 0
