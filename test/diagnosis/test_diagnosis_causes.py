@@ -2,16 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules that keep one cause from being called by another's name."""
 
-from itertools import product
 import re
 
-from bearing_twin.bearing import fault_orders, find_bearing, own_bearing, PLACES
+from bearing_twin.bearing import fault_orders, find_bearing, own_bearing
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, record
 from bearing_twin.diagnosis.chain import Analysis, Excerpt
 from bearing_twin.diagnosis.confidence import confidence, Trust
 from bearing_twin.diagnosis.impulsive_outliers import limit_impulsive_outliers
-from bearing_twin.diagnosis.power import smallest_detectable
-from bearing_twin.diagnosis.record import _smeared
 from bearing_twin.diagnosis.shaft import Turning
 import numpy as np
 import pytest
@@ -202,54 +199,6 @@ def test_confidence_is_a_share_and_moves_with_what_it_rests_on():
     assert confidence('healthy', struck) < confidence('healthy', quiet)
 
 
-def _of_twin(x, shaft_hz):
-    """Diagnosis of samples that a twin makes."""
-    turning = Turning(np.array([shaft_hz]), np.array([len(x)]))
-    known = RATE, find_bearing('6307'), DiagnosisSettings()
-    excerpt = Excerpt.of(x, turning, *known, unit='m/s^2', sensor='acc y simulated')
-    return excerpt.analyse().alone
-
-
-def test_too_short_a_window_says_what_it_could_have_shown(rng):
-    x = rng.standard_normal(int(1.2 * RATE))
-    said = _of_twin(x, SHAFT_HZ)
-    assert said.result == 'insufficient'
-    assert f'{said.smallest_detectable:.2g} mm wide' in said.reasons[-1]
-
-
-def test_window_of_too_few_turns_says_what_is_missing_and_that_nothing_would_have_shown(rng):
-    x = rng.standard_normal(2560)
-    said = _of_twin(x, 25.0)
-    assert said.result == 'insufficient'
-    assert np.isnan(said.smallest_detectable)
-    # 20 turns for any statement, 50 for a healthy one.
-    assert '0.7 s more' in said.reasons[0]
-    assert 'none; in 2 s: one 0.21 mm wide' in said.reasons[-1]
-
-
-def test_no_size_is_claimed_for_a_real_sensor(rng):
-    """Real faults of 0.18 to 0.53 mm were missed where the twin would have shown 0.12 mm."""
-    x = rng.standard_normal(int(1.2 * RATE))
-    said = diagnose_record(x, RATE, find_bearing('6307'), SHAFT_HZ, unit='m/s^2')
-    assert np.isnan(said.smallest_detectable)
-    assert not any('smallest' in reason for reason in said.reasons)
-
-
-def test_no_size_is_claimed_where_none_was_simulated():
-    at = {'temperature': 20.0, 'rms': 1.0, 'unit': 'm/s^2', 'd_ball': 0.0135}
-    assert smallest_detectable(4.0, 25.0, **at) > 0.0
-    # Turns count, not only seconds; and slow shafts were not simulated.
-    assert np.isnan(smallest_detectable(1.0, 12.5, **at))
-    assert np.isnan(smallest_detectable(2.0, 7.0, **at))
-    assert np.isnan(smallest_detectable(60.0, 3.0, **at))
-
-
-def test_of_unreadable_samples_no_smallest_fault_is_named():
-    x = np.full(25600, np.nan)
-    said = diagnose_record(x, RATE, find_bearing('6307'), 25.0)
-    assert len(said.reasons) == 1
-
-
 def test_another_bearing_is_said_and_no_fault_is_named(rng):
     """The inner race of a 6205, diagnosed with the geometry of a 6307."""
     order = fault_orders(find_bearing('6205')).bpfi
@@ -424,115 +373,6 @@ def test_pulsation_of_blades_is_no_alarm(rng):
     said = diagnose_record(swell * rng.standard_normal(len(t)), RATE, find_bearing('6203'), 25.0)
     assert (said.result, said.level) == ('suspect', 'suspect')
     assert any('blades' in reason for reason in said.reasons)
-
-
-def _drifting(place, drift, seed, order=None, shaft=0.3, strength=0.8):
-    """8 s of impacts of a 6206, or of none, at 24.6 Hz that drift by a share of it."""
-    rng = np.random.default_rng(seed)
-    rate, count = 20480.0, 8 * 20480
-    times = np.arange(count) / rate
-    turns = np.cumsum(24.6 * (1.0 + drift * (times / 8.0 - 0.5))) / rate
-    x = rng.standard_normal(count)
-    for harmonic in (1, 2, 3, 4):
-        x += shaft * np.sin(2.0 * np.pi * harmonic * turns + rng.uniform(0.0, 6.0))
-    if place:
-        if place == 'coupling':
-            order = order or 3.0
-        elif order is None:
-            order = fault_orders(find_bearing('6206'), 0.01).impacts(place)
-        strikes = int(turns[-1] * order) - 2
-        gaps = 1.0 + 0.005 * rng.standard_normal(strikes)
-        # A part of the shaft keeps time with it.
-        at = (gaps + np.arange(strikes) if place == 'coupling' else np.cumsum(gaps)) / order
-        heights = 1.0 + 0.2 * rng.standard_normal(len(at))
-        if place == 'inner':
-            heights *= 1.0 + 0.7 * np.cos(2.0 * np.pi * at)
-        impacts = np.zeros(count)
-        index = np.searchsorted(turns, at)
-        np.add.at(impacts, index[index < count], heights[index < count])
-        angle = 2.0 * np.pi * 3500.0 * np.arange(300) / rate
-        ringing = np.convolve(impacts, np.exp(-0.04 * angle) * np.sin(angle))[:count]
-        x += strength * ringing / ringing.std()
-    return x, rate
-
-
-@pytest.mark.parametrize('place', ['inner', 'outer'])
-@pytest.mark.parametrize('drift', [0.05, 0.15])
-def test_a_fault_whose_speed_drifts_within_the_record_is_named(place, drift):
-    """Its lines smear over the whole record, and not over its parts."""
-    for seed in range(2):
-        x, rate = _drifting(place, drift, seed)
-        said = diagnose_record(x, rate, find_bearing('6206'), 24.6)
-        assert (said.result, said.level) == (place, 'fault'), said.reasons
-        assert said.sample_count == len(x)
-
-
-def test_a_weak_fault_whose_speed_drifts_is_no_health():
-    """Too weak for an alarm of two parts that agree; and one that begins within the record."""
-    for seed in range(3):
-        x, rate = _drifting('inner', 0.1, seed, strength=0.3)
-        said = diagnose_record(x, rate, find_bearing('6206'), 24.6)
-        assert (said.level, said.faults) == ('suspect', ('inner',)), said.reasons
-        x, rate = _drifting('outer', 0.1, seed, strength=1.2)
-        sound, _ = _drifting('', 0.1, seed)
-        x[: int(6.0 * rate)] = sound[: int(6.0 * rate)]
-        said = diagnose_record(x, rate, find_bearing('6206'), 24.6)
-        assert (said.level, said.faults) == ('suspect', ('outer',)), said.reasons
-
-
-def test_a_sound_machine_whose_speed_drifts_has_no_alarm():
-    for seed in range(4):
-        x, rate = _drifting('', 0.15, seed)
-        assert diagnose_record(x, rate, find_bearing('6206'), 24.6).level == 'ok'
-
-
-@pytest.mark.parametrize('name', ['6307', '6203'])
-def test_three_impacts_a_turn_of_a_shaft_that_drifts_are_no_fault_beside_order_three(name):
-    for seed in range(3):
-        x, rate = _drifting('coupling', 0.2, seed)
-        said = diagnose_record(x, rate, find_bearing(name), 24.6)
-        assert said.level == 'suspect', said.reasons
-
-
-BESIDE = ((2, '6404'), (3, '6307'), (3, '6203'), (4, '6301'), (5, '6203'), (8, '6010'))
-"""Whole numbers, and a bearing that has the order of a race within 2.5 % of each."""
-
-
-@pytest.mark.parametrize('drift', [0.0, 0.03, 0.06])
-@pytest.mark.parametrize('shaft', [0.0, 0.3])
-def test_impacts_a_whole_number_of_times_a_turn_name_no_race_beside_it(drift, shaft):
-    """At a nameplate speed that is off by up to 1 %, with and without lines of the shaft."""
-    named = []
-    for seed, ((turns, name), off) in enumerate(product(BESIDE, (-0.004, 0.002, 0.01))):
-        x, rate = _drifting('coupling', drift, seed, float(turns), shaft)
-        said = diagnose_record(x, rate, find_bearing(name), 24.6 * (1.0 + off))
-        if said.level == 'fault' and said.result in PLACES:
-            named.append((turns, name, off, said.reasons))
-    assert len(named) <= 1, named
-
-
-@pytest.mark.parametrize('name', ['6307', '6203'])
-def test_a_race_beside_a_whole_order_is_named_where_the_shaft_shows(name):
-    """The lines of the shaft tell the speed, and with it that the order is no whole number."""
-    for seed, off in enumerate((-0.004, 0.0, 0.002, 0.01)):
-        for place in ('inner', 'outer'):
-            order = fault_orders(find_bearing(name)).impacts(place)
-            x, rate = _drifting(place, 0.0, seed, order)
-            said = diagnose_record(x, rate, find_bearing(name), 24.6 * (1.0 + off))
-            assert (said.result, said.level) == (place, 'fault'), said.reasons
-
-
-def test_only_records_whose_lines_may_have_smeared_are_looked_at_in_parts():
-    """So a steady sound machine costs no more than one look."""
-    bearing = find_bearing('6206')
-
-    def asked(place, drift, seed):
-        x, rate = _drifting(place, drift, seed)
-        turning = Turning(np.array([24.6]), np.array([len(x)]))
-        return _smeared(Excerpt.of(x, turning, rate, bearing, DiagnosisSettings()).analyse())
-
-    assert not any(asked('', 0.0, seed) for seed in range(4))
-    assert all(asked(place, 0.05, seed) for place in ('inner', 'outer') for seed in range(2))
 
 
 def test_a_smooth_swell_of_sound_parts_in_a_short_window_is_no_remark():

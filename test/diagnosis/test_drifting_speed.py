@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A shaft whose speed drifts within a record, and orders beside whole numbers of a turn."""
+
+from itertools import product
+
+from bearing_twin.bearing import fault_orders, find_bearing, PLACES
+from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings
+from bearing_twin.diagnosis.chain import Excerpt
+from bearing_twin.diagnosis.record import _smeared
+from bearing_twin.diagnosis.shaft import Turning
+import numpy as np
+import pytest
+
+
+def _drifting(place, drift, seed, order=None, shaft=0.3, strength=0.8):
+    """8 s of impacts of a 6206, or of none, at 24.6 Hz that drift by a share of it."""
+    rng = np.random.default_rng(seed)
+    rate, count = 20480.0, 8 * 20480
+    times = np.arange(count) / rate
+    turns = np.cumsum(24.6 * (1.0 + drift * (times / 8.0 - 0.5))) / rate
+    x = rng.standard_normal(count)
+    for harmonic in (1, 2, 3, 4):
+        x += shaft * np.sin(2.0 * np.pi * harmonic * turns + rng.uniform(0.0, 6.0))
+    if place:
+        if place == 'coupling':
+            order = order or 3.0
+        elif order is None:
+            order = fault_orders(find_bearing('6206'), 0.01).impacts(place)
+        strikes = int(turns[-1] * order) - 2
+        gaps = 1.0 + 0.005 * rng.standard_normal(strikes)
+        # A part of the shaft keeps time with it.
+        at = (gaps + np.arange(strikes) if place == 'coupling' else np.cumsum(gaps)) / order
+        heights = 1.0 + 0.2 * rng.standard_normal(len(at))
+        if place == 'inner':
+            heights *= 1.0 + 0.7 * np.cos(2.0 * np.pi * at)
+        impacts = np.zeros(count)
+        index = np.searchsorted(turns, at)
+        np.add.at(impacts, index[index < count], heights[index < count])
+        angle = 2.0 * np.pi * 3500.0 * np.arange(300) / rate
+        ringing = np.convolve(impacts, np.exp(-0.04 * angle) * np.sin(angle))[:count]
+        x += strength * ringing / ringing.std()
+    return x, rate
+
+
+@pytest.mark.parametrize('place', ['inner', 'outer'])
+@pytest.mark.parametrize('drift', [0.05, 0.15])
+def test_a_fault_whose_speed_drifts_within_the_record_is_named(place, drift):
+    """Its lines smear over the whole record, and not over its parts."""
+    for seed in range(2):
+        x, rate = _drifting(place, drift, seed)
+        said = diagnose_record(x, rate, find_bearing('6206'), 24.6)
+        assert (said.result, said.level) == (place, 'fault'), said.reasons
+        assert said.sample_count == len(x)
+
+
+def test_a_weak_fault_whose_speed_drifts_is_no_health():
+    """Too weak for an alarm of two parts that agree; and one that begins within the record."""
+    for seed in range(3):
+        x, rate = _drifting('inner', 0.1, seed, strength=0.3)
+        said = diagnose_record(x, rate, find_bearing('6206'), 24.6)
+        assert (said.level, said.faults) == ('suspect', ('inner',)), said.reasons
+        x, rate = _drifting('outer', 0.1, seed, strength=1.2)
+        sound, _ = _drifting('', 0.1, seed)
+        x[: int(6.0 * rate)] = sound[: int(6.0 * rate)]
+        said = diagnose_record(x, rate, find_bearing('6206'), 24.6)
+        assert (said.level, said.faults) == ('suspect', ('outer',)), said.reasons
+
+
+def test_a_sound_machine_whose_speed_drifts_has_no_alarm():
+    for seed in range(4):
+        x, rate = _drifting('', 0.15, seed)
+        assert diagnose_record(x, rate, find_bearing('6206'), 24.6).level == 'ok'
+
+
+@pytest.mark.parametrize('name', ['6307', '6203'])
+def test_three_impacts_a_turn_of_a_shaft_that_drifts_are_no_fault_beside_order_three(name):
+    for seed in range(3):
+        x, rate = _drifting('coupling', 0.2, seed)
+        said = diagnose_record(x, rate, find_bearing(name), 24.6)
+        assert said.level == 'suspect', said.reasons
+
+
+BESIDE = ((2, '6404'), (3, '6307'), (3, '6203'), (4, '6301'), (5, '6203'), (8, '6010'))
+"""Whole numbers, and a bearing that has the order of a race within 2.5 % of each."""
+
+
+@pytest.mark.parametrize('drift', [0.0, 0.03, 0.06])
+@pytest.mark.parametrize('shaft', [0.0, 0.3])
+def test_impacts_a_whole_number_of_times_a_turn_name_no_race_beside_it(drift, shaft):
+    """At a nameplate speed that is off by up to 1 %, with and without lines of the shaft."""
+    named = []
+    for seed, ((turns, name), off) in enumerate(product(BESIDE, (-0.004, 0.002, 0.01))):
+        x, rate = _drifting('coupling', drift, seed, float(turns), shaft)
+        said = diagnose_record(x, rate, find_bearing(name), 24.6 * (1.0 + off))
+        if said.level == 'fault' and said.result in PLACES:
+            named.append((turns, name, off, said.reasons))
+    assert len(named) <= 1, named
+
+
+@pytest.mark.parametrize('name', ['6307', '6203'])
+def test_a_race_beside_a_whole_order_is_named_where_the_shaft_shows(name):
+    """The lines of the shaft tell the speed, and with it that the order is no whole number."""
+    for seed, off in enumerate((-0.004, 0.0, 0.002, 0.01)):
+        for place in ('inner', 'outer'):
+            order = fault_orders(find_bearing(name)).impacts(place)
+            x, rate = _drifting(place, 0.0, seed, order)
+            said = diagnose_record(x, rate, find_bearing(name), 24.6 * (1.0 + off))
+            assert (said.result, said.level) == (place, 'fault'), said.reasons
+
+
+def test_only_records_whose_lines_may_have_smeared_are_looked_at_in_parts():
+    """So a steady sound machine costs no more than one look."""
+    bearing = find_bearing('6206')
+
+    def asked(place, drift, seed):
+        x, rate = _drifting(place, drift, seed)
+        turning = Turning(np.array([24.6]), np.array([len(x)]))
+        return _smeared(Excerpt.of(x, turning, rate, bearing, DiagnosisSettings()).analyse())
+
+    assert not any(asked('', 0.0, seed) for seed in range(4))
+    assert all(asked(place, 0.05, seed) for place in ('inner', 'outer') for seed in range(2))
