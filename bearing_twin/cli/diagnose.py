@@ -80,10 +80,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
         'trend, change, alarm',
     )
     series.add_argument(
-        '--cycle', type=float, metavar='SECONDS', help='between files that do not say their time'
+        '--cycle',
+        type=float,
+        metavar='SECONDS',
+        help='time from one snapshot to the next, for files that do not say theirs',
     )
     series.add_argument(
-        '--baseline', type=int, default=60, metavar='N', help='snapshots of it (default 60)'
+        '--baseline',
+        type=int,
+        default=60,
+        metavar='N',
+        help='snapshots that make the baseline (default 60)',
     )
     series.add_argument(
         '--hold',
@@ -93,13 +100,24 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help='how long the level must be low before an alarm ends (default 3600)',
     )
     parser.add_argument(
-        '--power-group', type=int, choices=(1, 2), default=0, help='of ISO 20816-3, for the zone'
+        '--power-group',
+        type=int,
+        choices=(1, 2),
+        default=0,
+        help='group of ISO 20816-3, for the zone (1: above 300 kW, 2: 15 to 300 kW)',
     )
-    parser.add_argument('--mounting', choices=('rigid', 'flexible'), default='', help='the same')
+    parser.add_argument(
+        '--mounting',
+        choices=('rigid', 'flexible'),
+        default='',
+        help='how the machine stands, for its zone',
+    )
     parser.add_argument('--json', action='store_true', help='one JSON object a line')
     parser.add_argument('--jobs', type=int, help='processes (default: one a core)')
     parser.add_argument('--dask', metavar='ADDRESS', help='spread the work over a Dask cluster')
-    parser.add_argument('--plot', metavar='DIR', help='draw the spectra with fault cursors')
+    parser.add_argument(
+        '--plot', metavar='DIR', help='draw the spectra with fault cursors into this folder'
+    )
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:

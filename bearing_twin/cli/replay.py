@@ -44,7 +44,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     offline = parser.add_argument_group('offline: through twin and diagnosis without DDS')
     offline.add_argument('--offline', action='store_true', help='write a new recording')
     offline.add_argument('-o', '--output', type=Path, help='recording to make')
-    offline.add_argument('--temperature', default='', metavar='TOPIC', help='where there are more')
+    offline.add_argument(
+        '--temperature',
+        default='',
+        metavar='TOPIC',
+        help='temperature to follow, where the recording has several',
+    )
     for node in ('twin', 'diagnosis'):
         offline.add_argument(
             f'--{node}',

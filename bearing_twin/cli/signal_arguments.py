@@ -39,14 +39,18 @@ def add_signal_arguments(parser: argparse.ArgumentParser) -> None:
     )
     speed = parser.add_mutually_exclusive_group()
     speed.add_argument('--shaft-hz', type=float, help='shaft speed, Hz; else what the file says')
-    speed.add_argument('--rpm', type=float, help='the same in turns a minute')
-    parser.add_argument('--sample-rate', type=float, help='Hz; else what the file says')
+    speed.add_argument('--rpm', type=float, help='shaft speed in turns a minute')
+    parser.add_argument(
+        '--sample-rate', type=float, help='sample rate, Hz; else what the file says'
+    )
     parser.add_argument(
         '--channel',
         metavar='NAME',
         help='name, number or topic, or any part that only one has; words of ids in a data set',
     )
-    parser.add_argument('--unit', choices=UNITS, default='', help='else what the file says')
+    parser.add_argument(
+        '--unit', choices=UNITS, default='', help='unit of the samples; else what the file says'
+    )
 
 
 def given_bearing(args: argparse.Namespace) -> Bearing | None:
