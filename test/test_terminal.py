@@ -95,11 +95,11 @@ def test_a_shell_completes_commands_options_and_choices(tmp_path):
     assert '--bearing' in complete('bearing-twin diagnose --be')
 
 
-def run_in_terminal(words, **environment):
+def run_in_terminal(words, command=COMMAND, **environment):
     """Return what a command writes to a terminal."""
     ours, theirs = pty.openpty()
     ran = subprocess.Popen(
-        [*COMMAND, *words], stdout=theirs, stderr=theirs, env=os.environ | environment
+        [*command, *words], stdout=theirs, stderr=theirs, env=os.environ | environment
     )
     os.close(theirs)
     text = b''
@@ -114,6 +114,21 @@ def run_in_terminal(words, **environment):
     ran.wait(60)
     os.close(ours)
     return text.decode()
+
+
+def test_a_terminal_is_told_of_compiling_once_it_has_begun():
+    script = """
+from bearing_twin.cli.terminal import tell_of_compiling
+from bearing_twin.dynamics import compiled
+import numba
+tell_of_compiling('info')
+numba.njit(lambda x: x + 1)(1)
+tell_of_compiling('fit')
+"""
+    said = run_in_terminal([script], [sys.executable, '-c'])
+    assert said.count('compiling kernels') == 1
+    assert said.startswith('bearing-twin fit: compiling kernels')
+    assert python('-c', script).stderr == ''
 
 
 def test_colours_in_a_terminal_and_nowhere_else(tmp_path):

@@ -18,10 +18,11 @@ import gc
 import importlib
 import os
 import sys
+import threading
 from typing import TYPE_CHECKING
 
 from bearing_twin import __version__
-from bearing_twin.cli.terminal import mend_streams
+from bearing_twin.cli.terminal import mend_streams, tell_of_compiling
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.memory import keep_freed_memory
 
@@ -51,6 +52,9 @@ COMMANDS = {
     'whatif': 'say what a fitted machine would show at another speed, load, temperature or width',
 }
 """Name and one-line help of every sub-command."""
+
+SLOW = 5.0
+"""Time after which a command that compiles says so, s."""
 
 
 def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int) -> int:
@@ -103,6 +107,11 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
         gc.set_threshold(20_000, 20, 20)
         # From here on an interrupt has something to lose; nodes see to that themselves.
         begin()
+    slow = threading.Timer(SLOW, tell_of_compiling, [args.command])
+    slow.daemon = True
+    if args.command not in {'compile', 'demo', 'run'}:
+        # These three say it themselves.
+        slow.start()
     try:
         status: int = args.run(args)
     except BearingTwinError as error:
@@ -116,4 +125,6 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
     except OSError as error:
         print(f'bearing-twin {args.command}: {shown(error)}', file=sys.stderr)
         return 1
+    finally:
+        slow.cancel()
     return status

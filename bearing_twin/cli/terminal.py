@@ -45,6 +45,19 @@ def mend_streams() -> None:
         sys.stdout.reconfigure(errors='backslashreplace')
 
 
+def tell_of_compiling(command: str) -> None:
+    """
+    Say on a terminal that kernels are being compiled, if this process has begun to.
+
+    Without it the first use of a command says nothing for a minute.
+    """
+    # Most commands get along without numba, which takes a second to load.
+    compiled = sys.modules.get('bearing_twin.dynamics.compiled')
+    if compiled is not None and compiled.has_compiled() and sys.stderr.isatty():
+        why = "compiling kernels, which takes a minute; 'bearing-twin compile' does it beforehand"
+        print(f'bearing-twin {command}: {why}', file=sys.stderr, flush=True)
+
+
 def refuse_given(args: argparse.Namespace, options: Iterable[str], why: str) -> None:
     """
     Refuse options that would do nothing.
