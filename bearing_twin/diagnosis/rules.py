@@ -85,6 +85,10 @@ RULES: list[Rule] = []
 EVEN = 0.5
 """Most that an answer is sure of where something sound explains the lines as well as a fault."""
 
+DOUBTED = 0.76
+"""Most that an answer is sure of at an unlikely slip: of 20 such answers on simulated machines 19
+were right, and 0.76 is the lower end of the 95 % interval of their share (Wilson)."""
+
 
 def _rule(
     answer: str,
@@ -650,13 +654,13 @@ def answer(evidence: Evidence) -> Verdict:
 
 def trusted(evidence: Evidence, verdict: Verdict) -> Verdict:
     """
-    Return an answer with what its confidence rests on: even odds at an unlikely slip.
+    Return an answer with what its confidence rests on; it is capped at an unlikely slip.
 
     >>> from bearing_twin.diagnosis.evidence import Evidence
     >>> from bearing_twin.diagnosis.candidate import Candidate
     >>> slipped = Evidence.of(Candidate('inner', 4.9, slip=0.03, z=9.0, index=0.8))
-    >>> trusted(slipped, answer(slipped)).trust.at_most
-    0.5
+    >>> trusted(slipped, answer(slipped)).trust.at_most == DOUBTED
+    True
 
     """
     rule = next(rule for rule in RULES if rule.name == verdict.rule)
@@ -666,7 +670,7 @@ def trusted(evidence: Evidence, verdict: Verdict) -> Verdict:
     comb = pick(named, key=lambda c: c.z, default=None)
     trust = _trust(evidence, comb or highest_comb(evidence.heard), rule)
     if _unlikely_slip(verdict):
-        trust = replace(trust, at_most=min(trust.at_most, EVEN))
+        trust = replace(trust, at_most=min(trust.at_most, DOUBTED))
     return replace(verdict, trust=trust)
 
 
@@ -674,13 +678,16 @@ def _unlikely_slip(verdict: Verdict) -> float:
     """
     Slip that an answer needs if that is an unlikely one, else 0.
 
-    Places named together need it where one does; of several that are possible all must.
+    Places named together need it where one does; of several that are possible all must. But
+    places that explain each other's lines are as clear as each other: where one of them needs it,
+    bearing or speed are doubtful.
     """
     if verdict.result not in (*PLACES, 'ambiguous'):
         return 0.0
     # A comb that may be chance has any slip: the answer does not rest on it.
     slips = [c.slip for c in map(verdict.candidates.__getitem__, verdict.faults) if c.z >= Z_FAULT]
-    slip = (min if verdict.result == 'ambiguous' else max)(slips, default=0.0)
+    pick = min if verdict.result == 'ambiguous' and verdict.rule != 'same_lines' else max
+    slip = pick(slips, default=0.0)
     return slip if slip > UNLIKELY_SLIP else 0.0
 
 

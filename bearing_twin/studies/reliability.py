@@ -29,7 +29,7 @@ import sys
 from typing import Any, NamedTuple, TYPE_CHECKING, TypeAlias
 
 from bearing_twin.diagnosis.confidence import KINDS, share_right, shipped_weights, Trust
-from bearing_twin.diagnosis.rules import RULES
+from bearing_twin.diagnosis.rules import DOUBTED
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies import impact_machines, twin_machines
@@ -57,9 +57,6 @@ STRIKING = ('impacts', 'impulses', 'pulses')
 
 UNRATED = ('record_gate', 'another_speed', 'two_faint_places')
 """Rules whose answers do not have the confidence of their kind."""
-
-AT_MOST = {rule.name: rule.at_most for rule in RULES}
-"""Confidence that the answers of a rule cannot pass."""
 
 BINS = 10
 """Equal ranges of confidence in which answers are counted together."""
@@ -100,9 +97,7 @@ class Told(NamedTuple):
 
 def tell(case: Machine, said: Diagnosis) -> Told | None:
     """Return an answer with its kind, and whether it is right; None if not rated."""
-    # A name at an unlikely slip is at even odds by decision, not by how often it is right.
-    doubted = said.trust.at_most < AT_MOST.get(said.rule, 1.0)
-    if doubted or said.rule in UNRATED:
+    if said.rule in UNRATED:
         return None
     sound = case.condition == 'none'
     # What is not called healthy for its confidence, or for its length, counts among the healthy.
@@ -356,25 +351,20 @@ def main(argv: Sequence[str] | None = None) -> None:
         write_table(args.weights, {'about': about, 'weights': weights})
     fresh = _answers(args.output, tasks(args.fresh[0], args.fresh[1], FRESH), args.jobs)
     rows: list[Sequence[object]] = []
-    for kind in (*KINDS, 'all'):
-        said, right = _read(weights, [t for t in fresh if kind in (t.kind, 'all')])
-        if kind != 'all':
+    groups = {kind: [t for t in fresh if t.kind == kind] for kind in KINDS}
+    groups['unlikely slip'] = [t for t in fresh if t.trust.at_most == DOUBTED]
+    for kind, told in (groups | {'all': fresh}).items():
+        said, right = _read(weights, told)
+        if kind in KINDS:
             rows += [
                 (kind, f'{k / BINS:.1f} to {(k + 1) / BINS:.1f}', int(count), f'{mean:.2f}',
                  f'{share:.2f}', '', '', '')
                 for k, (count, mean, share) in enumerate(_counts(said, right).T)
                 if count
             ]  # fmt: skip
-        rows.append(
-            (
-                f'**{kind}**',
-                '',
-                len(said),
-                '',
-                '',
-                *(_errors(said, right) if len(said) else ('', '', '')),
-            )
-        )
+        if told:
+            means = (f'{values.mean():.2f}' for values in (said, right))
+            rows.append((f'**{kind}**', '', len(told), *means, *_errors(said, right)))
     print_table(
         (
             'answer',

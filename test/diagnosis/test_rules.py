@@ -7,7 +7,7 @@ import runpy
 
 from bearing_twin.diagnosis.candidate import Candidate, Claims
 from bearing_twin.diagnosis.evidence import Evidence
-from bearing_twin.diagnosis.rules import decide, FAINT, NOTHING_SHOWS, RULES
+from bearing_twin.diagnosis.rules import decide, DOUBTED, FAINT, NOTHING_SHOWS, RULES
 import pytest
 
 DOCUMENT = Path(__file__).parents[2] / 'docs' / 'diagnosis.md'
@@ -389,7 +389,7 @@ SLIPPING_OUTER = comb('outer', slip=0.03, shaft_sideband_ratio=0.1)
 def test_whatever_names_a_place_at_an_unlikely_slip_is_no_alarm_and_not_sure(evidence):
     said = decide(evidence)
     assert said.level == 'suspect'
-    assert said.confidence <= 0.5
+    assert said.confidence <= DOUBTED
     assert 'slip of 3.0 %: no alarm' in said.reasons[-1]
 
 
@@ -397,6 +397,9 @@ def test_of_two_possible_places_one_at_a_likely_slip_is_enough():
     likely, other = comb('outer', shaft_sideband_ratio=0.1), comb('ball', slip=0.03)
     said = decide(Evidence.of(likely, claims=Claims((likely,), ((likely, other),))))
     assert (said.rule, said.level) == ('contested_comb', 'fault')
+    # Two that explain each other's lines show alike, so that the inputs are doubtful.
+    said = decide(Evidence.of(OUTER, other, explained={('ball', 'outer'), ('outer', 'ball')}))
+    assert (said.rule, said.faults, said.level) == ('same_lines', ('outer', 'ball'), 'suspect')
 
 
 def test_a_ball_needs_higher_sidebands_of_the_cage_than_of_the_shaft():
