@@ -169,7 +169,7 @@ def _by_tile(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.f
         for whitening in range(len(signals)):
             add(within, group, whitening, 0)
     for whitening, signal in enumerate(signals):
-        for apart in range(1, -(-len(lags) // tile) + 1):
+        for apart in range(1, -(-(len(lags) - 1) // tile) + 1):
             for group, one in enumerate(signal):
                 shift, at = divmod(group + apart, groups)
                 _tile_products(one, signal[at], shift, rows)
