@@ -26,8 +26,9 @@ ROW = 2 * L
 """Numbers in a row."""
 
 _TINY = 1e-30
-_TOGETHER = 16, 20
-"""Factors by which two passes are done at once: fours and fours, fours and fives."""
+_TOGETHER = 20, 16, 9
+"""Factors by which two passes are done at once: fours and fives, fours and fours, threes and
+threes. Twenty comes first: a length has more twos than fives."""
 _LARGEST = 13
 """Largest prime factor of a length whose lines are summed one by one, which takes its square."""
 
@@ -224,6 +225,27 @@ def _twenties(
                 _prime(few, 2 * k, 8, turns, 4 * p * done, 5, out, o, 8 * done)
 
 
+@compiled(fast=FAST, borrows=True)
+def _nines(
+    rows: NDArray[np.float32],
+    turns: NDArray[np.float32],
+    left: int,
+    done: int,
+    few: NDArray[np.float32],
+    out: NDArray[np.float32],
+) -> None:
+    """Do two passes by threes at once, as :func:`_sixteens` does two by fours."""
+    for p in range(left):
+        for q in range(done):
+            for k in range(3):
+                at = p + left * k
+                a = 2 * (q + done * at)
+                _prime(rows, a, 6 * left * done, turns, at * done, 3, few, 6 * k, 2)
+            for k in range(3):
+                o = 2 * (q + done * (k + 9 * p))
+                _prime(few, 2 * k, 6, turns, 3 * p * done, 3, out, o, 6 * done)
+
+
 @compiled(inline=True, fast=FAST, borrows=True)
 def _prime(
     rows: NDArray[np.float32],
@@ -312,6 +334,8 @@ def _transform(
             _sixteens(source, turns, left, done, few, out)
         elif radix == 20:
             _twenties(source, turns, left, done, few, out)
+        elif radix == 9:
+            _nines(source, turns, left, done, few, out)
         elif radix == 4:
             _fours(source, turns, left, done, out)
         else:
@@ -529,19 +553,26 @@ def four_line_power(
     for k in range(len(quarters)):
         real, imag = _line(rows, turns, k)
         _put(quarters[k], 0, real, imag)
+    at = first_turn = second_turn = third_turn = 0
     for k in range(len(lines)):
-        at = k % count
-        sign = np.float32(1.0 if at < len(quarters) else -1.0)
-        row = quarters[at if at < len(quarters) else count - at]
-        line = lines[k]
+        mirrored = at >= len(quarters)
+        sign = np.float32(-1.0 if mirrored else 1.0)
+        row, line = quarters[count - at if mirrored else at], lines[k]
+        one, two, three = all_turns[first_turn], all_turns[second_turn], all_turns[third_turn]
         for c in range(4):
-            line[c], line[4 + c] = row[c], sign * row[L + c]
-        for quarter in range(1, 4):
-            turn = all_turns[quarter * k % whole]
-            for c in range(4):
-                a, b = row[4 * quarter + c], sign * row[L + 4 * quarter + c]
-                line[c] += a * turn[0] - b * turn[1]
-                line[4 + c] += a * turn[1] + b * turn[0]
+            ar, ai = row[c], sign * row[L + c]
+            br, bi = row[4 + c], sign * row[L + 4 + c]
+            cr, ci = row[8 + c], sign * row[L + 8 + c]
+            dr, di = row[12 + c], sign * row[L + 12 + c]
+            br, bi = _times(br, bi, one)
+            cr, ci = _times(cr, ci, two)
+            dr, di = _times(dr, di, three)
+            line[c], line[4 + c] = ar + br + cr + dr, ai + bi + ci + di
+        # Remainders of k, 2 k and 3 k without a division.
+        at += 1 - count * (at + 1 == count)
+        first_turn += 1 - whole * (first_turn + 1 == whole)
+        second_turn += 2 - whole * (second_turn + 2 >= whole)
+        third_turn += 3 - whole * (third_turn + 3 >= whole)
     means = quarters[0]
     for c in range(4):
         means[c] = np.float32(1.0) / max(lines[0, c], np.float32(_TINY))

@@ -158,7 +158,9 @@ def test_band_of_a_tree_is_the_band_alone_and_the_autocorrelation(
             assert lines[:, 0] == pytest.approx(1400.0 * exact[:, 0], rel=1e-5)
 
 
-@pytest.mark.parametrize('count', [1, 2, 8, 11 * 13, 640, 1225, 1250, 1254, 2 * 1009, 5120])
+@pytest.mark.parametrize(
+    'count', [1, 2, 8, 243, 11 * 13, 640, 1225, 1250, 1254, 1620, 2 * 1009, 5120, 6400]
+)
 def test_columns_transformed_side_by_side_are_those_of_the_library(rng, count):
     rows = rng.standard_normal((count, 32)).astype(np.float32)
     exact = np.fft.fft(rows[:, :16].astype(float) + 1j * rows[:, 16:], axis=0)
