@@ -98,6 +98,7 @@ class CombSearch:
         self._all = spectra
         self._columns: dict[float, NDArray[np.intp]] = {}
         self._multiples: dict[float, int] = {}
+        self._sidebands: dict[tuple[float, int, float, float], tuple[float, float]] = {}
         self._highest = 1.08 * max(self.orders.impacts(name) for name in PLACES)
         self._scores = comb_scores(self.spectra, self._highest, len(WHITENINGS))
 
@@ -358,12 +359,15 @@ class CombSearch:
         self, candidate: Candidate, low: float, high: float
     ) -> tuple[float, float]:
         """Gap between two orders at which a comb has its highest sidebands, and their ratio."""
-        slack = self._uncertainty * high
-        # Two gaps beside a harmonic: half a bin more moves the farther sidebands by one.
-        gaps = np.arange(low - slack, high + slack + self._all.step, 0.5 * self._all.step)
-        ratios = sideband_ratios(self.spectra, candidate.order, candidate.band, gaps)
-        best = int(np.argmax(ratios))
-        return float(gaps[best]), float(ratios[best])
+        key = candidate.order, candidate.band, low, high
+        if key not in self._sidebands:
+            slack = self._uncertainty * high
+            # Two gaps beside a harmonic: half a bin more moves the farther sidebands by one.
+            gaps = np.arange(low - slack, high + slack + self._all.step, 0.5 * self._all.step)
+            ratios = sideband_ratios(self.spectra, candidate.order, candidate.band, gaps)
+            best = int(np.argmax(ratios))
+            self._sidebands[key] = float(gaps[best]), float(ratios[best])
+        return self._sidebands[key]
 
     def cage_sideband_order(self, candidate: Candidate) -> float:
         """
