@@ -40,8 +40,6 @@ DIGITS = 7
 """Of the numbers in an answer."""
 MOST_AT_ONCE = 16
 """Most files of one task of Dask; answers come as often."""
-TURNS = 8
-"""Tasks that each worker has at least, so that none waits long for another at the end."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -236,10 +234,7 @@ def _on_dask(tasks: Sequence[Task], address: str) -> Iterator[dict[str, Any]]:
         msg = f'no Dask scheduler at {address}: {error}'
         raise BearingTwinError(msg) from None
     with client:
-        # Dask spends as long on a task as a short file takes: several files are one task.
-        turns = TURNS * max(1, sum(client.nthreads().values()))
-        size = min(MOST_AT_ONCE, max(1, len(tasks) // turns))
-        parts = [tasks[k : k + size] for k in range(0, len(tasks), size)]
+        parts = batches(tasks, max(1, sum(client.nthreads().values())))
         # A worker that dies takes no file with it: the scheduler gives its files to another.
         futures = deque(client.map(_diagnose_files, parts, pure=False, retries=3))
         for part in parts:
@@ -254,6 +249,26 @@ def _on_dask(tasks: Sequence[Task], address: str) -> Iterator[dict[str, Any]]:
             for task, single in zip(part, alone, strict=True):
                 reason = single.exception()
                 yield single.result() if reason is None else unread(task.path, str(reason))
+
+
+def batches(tasks: Sequence[Task], workers: int) -> list[Sequence[Task]]:
+    """
+    Return the tasks in parts that get smaller, so that no worker waits long at the end.
+
+    Dask spends as long on a part as a short file takes, so that several files are one. A part is
+    at most half of a worker's share of what is left (guided self-scheduling, Polychronopoulos and
+    Kuck 1987).
+
+    >>> [len(part) for part in batches(range(50), 2)]
+    [13, 10, 7, 5, 4, 3, 2, 2, 1, 1, 1, 1]
+
+    """
+    parts = []
+    while tasks:
+        size = min(MOST_AT_ONCE, -(-len(tasks) // (2 * workers)))
+        parts.append(tasks[:size])
+        tasks = tasks[size:]
+    return parts
 
 
 def _diagnose_files(tasks: Sequence[Task]) -> list[dict[str, Any]]:
