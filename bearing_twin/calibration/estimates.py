@@ -150,8 +150,8 @@ def of_defect(
                 # candidates in which the rotor rebounds after the exit have narrower defects.
                 high = max(high, spacing + 1e3 * taken_off(situation, 0.5))
                 why = (
-                    f'from impacts {spacing:.2f} mm apart on the race; the rest is the path of a '
-                    'ball over the edges, without which the lower bound does; if they are one '
+                    f'from impacts {spacing:.2f} mm apart on the race and the path of a ball over '
+                    'the edges, which the lower bound leaves out; it holds if they are one '
                     'passage, which records at another speed prove'
                 )
             elif refusal.kind in UNBOUNDED:
