@@ -46,7 +46,8 @@ def run(args: argparse.Namespace) -> int:
         print(f'{shown(str(values.get("file", "")))}: {shown(found.statement)}')
         low, high = expected.load
         narrow, wide = expected.width_mm
-        defect = f', a defect of {narrow:.2f} to {wide:.2f} mm' if wide else ''
+        width = f'{narrow:.2f}' if narrow == wide else f'{narrow:.2f} to {wide:.2f}'
+        defect = f', a defect of {width} mm' if wide else ''
         print(
             f'expected at {expected.shaft_hz:g} Hz, {expected.temperature:g} degC, '
             f'{low:.0f} to {high:.0f} N{defect}'
