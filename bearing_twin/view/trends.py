@@ -54,6 +54,11 @@ class Trend(NamedTuple):
     other: tuple[str, float] = ('', 1.0)
     """Another field with its scale: the lower of the two is plotted."""
 
+    @property
+    def named(self) -> str:
+        """Label and name of the colour."""
+        return f'{self.label} {next(name for name in LINE if LINE[name] == self.colour)}'
+
     def value(self, message: Any) -> float:
         """Return what is plotted of a message; NaN where the quantity does not exist."""
         value = self.scale * recorded(message, self.field, self.element)
@@ -126,9 +131,7 @@ class Panel:
     @property
     def named(self) -> str:
         """Title with the colours of all quantities but the first: a legend covers lines."""
-        names = {colour: name for name, colour in LINE.items()}
-        parts = [f'{trend.label} {names[trend.colour]}' for trend in self.besides]
-        return ', '.join([self.title, *parts])
+        return ', '.join([self.title, *(trend.named for trend in self.besides)])
 
 
 PER_FAMILY = ('score', 'modulation_index')
@@ -228,7 +231,7 @@ DIAGNOSIS = (
     _one('velocity', 'Velocity [mm/s rms]', 'green', 'velocity_rms', from_zero=True),
     Panel(
         'baseline',
-        'Level over baseline [dB]',
+        'Over baseline [dB]',
         (
             Trend('baseline', 'over baseline', LINE['orange'], 'level_over_baseline'),
             Trend('correction', 'correction', LINE['red'], 'level_correction'),

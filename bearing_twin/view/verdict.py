@@ -11,6 +11,7 @@ from typing import Any
 from bearing_twin.bearing.geometry import FaultFrequencies
 from bearing_twin.bearing.vocabulary import next_step as next_step_of
 from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
+from bearing_twin.diagnosis.dependence import Z90
 from bearing_twin.diagnosis.level import is_urgent
 from bearing_twin.diagnosis.severity import SLOW_HZ
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
@@ -147,6 +148,13 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
         if math.isfinite(diagnosis.level_over_baseline):
             level += f', {diagnosis.level_over_baseline:+.1f} dB over its baseline'
         rows.append(('Level', level))
+    if recorded(diagnosis, 'level_correction_sd') > 0.0:
+        taken = recorded(diagnosis, 'level_correction')
+        sure = Z90 * recorded(diagnosis, 'level_correction_sd')
+        rows.append(
+            ('Corrected', f'by {-taken:+.1f} ± {sure:.1f} dB for temperature and speed: '
+             f'{_basis(diagnosis)}')
+        )  # fmt: skip
     if math.isfinite(diagnosis.velocity_rms):
         zone = f', ISO 20816-3 zone {diagnosis.iso_zone}' if diagnosis.iso_zone else ''
         rows.append(('Velocity', number(diagnosis.velocity_rms, 'mm/s rms') + zone))
@@ -157,6 +165,12 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
         rows.append(('Band', band))
     rows.append(('Next step', next_step(diagnosis)))
     return rows
+
+
+def _basis(diagnosis: Any) -> str:
+    """Return on what a correction rests, or why there is none, as it is printed."""
+    basis = str(getattr(diagnosis, 'correction_basis', ''))
+    return basis.replace('+-', '±').replace('degC', '°C')
 
 
 def measured(diagnosis: Any) -> list[tuple[str, str]]:
@@ -173,6 +187,9 @@ def measured(diagnosis: Any) -> list[tuple[str, str]]:
         elif diagnosis.shaft_hz < SLOW_HZ:
             why = ' below 600 1/min'
         rows.append(('Zone', f'none of ISO 20816-3{why}'))
+    basis = _basis(diagnosis)
+    if basis and not recorded(diagnosis, 'level_correction_sd') > 0.0:
+        rows.append(('Correction', basis))
     return rows
 
 

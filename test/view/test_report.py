@@ -309,6 +309,10 @@ def test_a_level_over_baseline_has_its_limits_and_takes_no_third_sheet(recording
     assert heights[0] == heights[1]
     marks = re.findall(r'fill: #616161"[^>]*>([^<]*)</text>', drawn)
     assert ', '.join(marks) == '5.5, 0.6, 6, 12'
+    # The level is in the appendix, and a line beside the first has the name of its colour.
+    assert 'Vibration level' not in drawn and 'correction red' in drawn
+    other = dict(appended_figures(machine, 'a'))
+    assert any('Vibration level' in svg for caption, svg in other.items() if 'Other' in caption)
 
 
 def test_only_parameters_off_their_defaults_are_listed():

@@ -11,6 +11,7 @@ from bearing_twin.view.trends import OVER_LIMITS
 from bearing_twin.view.verdict import (
     facts,
     Headline,
+    measured,
     next_step,
     number,
     rival,
@@ -284,3 +285,19 @@ def test_a_rival_is_named_with_the_reason_it_lost():
         healthy.score, healthy.modulation_index = [1.0, 2.0, 2.0, cage], [0.0, 0.0, 0.0, index]
         assert rival(healthy) == ''
     assert rival(verdict('insufficient')) == ''
+
+
+def test_a_level_that_is_corrected_says_by_how_much_and_on_what_it_rests():
+    made = verdict('healthy')
+    made.rms, made.level_over_baseline = 1.0, 0.4
+    made.level_correction, made.level_correction_sd = 1.9, 0.3
+    made.correction_basis = '+0.086 +- 0.021 dB/K, learnt from 43 to 75 degC'
+    said = dict(facts(made))['Corrected']
+    assert said == (
+        'by -1.9 ± 0.5 dB for temperature and speed: +0.086 ± 0.021 dB/K, learnt from 43 to 75 °C'
+    )
+    made.level_correction = made.level_correction_sd = 0.0
+    made.correction_basis = 'temperature not corrected: its record is too short'
+    made.peak = made.crest_factor = made.kurtosis = 1.0
+    assert 'Corrected' not in dict(facts(made))
+    assert dict(measured(made))['Correction'] == made.correction_basis

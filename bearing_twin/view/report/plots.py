@@ -313,9 +313,11 @@ def _over_temperature(machine: Machine) -> tuple[str, Figure] | None:
 
 
 def _deciding(machine: Machine) -> tuple[str, ...]:
-    """Return what decides; a velocity that does in place of the level, which is in the history."""
-    by_velocity = any(judged_by_velocity(message) for _, message in machine.diagnoses)
-    return *DECIDING, 'velocity' if by_velocity else 'level'
+    """Return what decides: the level where neither velocity nor baseline says what is high."""
+    if any(judged_by_velocity(message) for _, message in machine.diagnoses):
+        return *DECIDING, 'velocity'
+    known = np.isfinite(_values(machine.diagnoses, 'level_over_baseline')).any()
+    return DECIDING if known else (*DECIDING, 'level')
 
 
 def _evidence(machine: Machine) -> tuple[str, Figure] | None:
@@ -383,16 +385,16 @@ def _panels(
         of = {trend.key: values for trend, values in lines}
         if panel.band and of.keys() >= set(panel.band):
             axes.fill_between(time, *(of[key] for key in panel.band), color='#bbdefb')
-        besides = [trend.label for trend, _ in lines if trend in panel.besides]
+        besides = [trend.named for trend, _ in lines if trend in panel.besides]
         title = ', '.join([panel.title, *besides]).replace('[unit]', f'[{pretty(unit)}]')
-        axes.set_title('\n'.join(wrap(title, 90 // columns)))
+        axes.set_title('\n'.join(wrap(title, 110 // columns)))
         _draw_limits(axes, zones if panel.key == 'velocity' else panel.limits)
         if panel.from_zero:
             # With zero among the data, the margin above is one of the whole height.
             axes.update_datalim([(time[0], 0.0)])
             axes.autoscale_view(scalex=False)
             axes.set_ylim(bottom=0.0)
-        if len(lines) > 1:
+        if len(lines) > 1 and not besides:
             for line in axes.get_lines()[: len(lines)]:
                 named.setdefault(str(line.get_label()), line)
         axes.yaxis.set_major_locator(MaxNLocator(4))

@@ -185,7 +185,10 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
     twin = panel_views(scene, 'twin_state', TWIN_STATE[1:])
     evidence = panel_views(scene, 'diagnosis', DIAGNOSIS)
     verdict = [*card_and_reasons(scene), *bearing_views(scene), *envelope_views(scene)]
-    levels = ('level', 'velocity') if 'severity' in scene.asset.panels else ('level',)
+    known = scene.asset.panels
+    levels = {'baseline' if 'baseline' in known else 'level'}
+    if 'severity' in known:
+        levels.add('velocity')
     trends = [
         *verdict_lane(scene),
         *panel_views(
