@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 SHOWN_S = 2.0
 """Length of the fitted twin's vibration that is shown beside the machine's, s."""
+PARTS = 16
+"""Parts of a revolution of which the loudest is sought: impacts on a race are 3 to 12 parts apart,
+and their ringing lasts about one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,11 +115,44 @@ def beside(
     rate, shaft_hz = found.situation.sample_rate, found.situation.shaft_hz
     shown = fitted_vibration(found, max(SHOWN_S, 2.0 / shaft_hz))
     slow = decimated(samples - samples.mean(), sample_rate)[0]
-    length = int(rate / shaft_hz)
-    # The second one: the filter has settled.
-    turn = slow[length : 2 * length]
+    return band_levels(shown, rate), revolutions(slow, shown, int(rate / shaft_hz))
+
+
+def revolutions(
+    machine: NDArray[np.float64], twin: NDArray[np.float64], length: int
+) -> NDArray[np.float64]:
+    """
+    Return a revolution of machine and twin, shape (2, ``length``).
+
+    The machine's has its loudest part in the middle: an impact where it wraps round would be torn
+    in two, and neither part tells where the twin is alike. The twin turns at an angle of its own;
+    it is shown where it is most like the machine.
+
+    Parameters
+    ----------
+    machine
+        Vibration of at least three revolutions, shape (n,).
+    twin
+        Of at least two, shape (m,), at the same sample rate.
+    length
+        Samples of a revolution.
+
+    Examples
+    --------
+    >>> impacts = np.zeros(400)
+    >>> impacts[[0, 100, 200, 300]] = 1.0
+    >>> turns = revolutions(impacts, np.roll(impacts, 30), 100)
+    >>> turns.argmax(axis=1).tolist()
+    [52, 52]
+
+    """
+    reach = max(length // PARTS, 1)
+    loudness = np.convolve(np.abs(machine[length : 3 * length]), np.ones(reach), 'same')
+    # From the second revolution on: the filter has settled.
+    begin = length + int(np.argmax(loudness[length // 2 : length // 2 + length]))
+    turn = machine[begin : begin + length]
     turn = turn - turn.mean()
-    # The twin turns at an angle of its own: shown where it is most like the machine.
-    alike = scipy.signal.correlate(np.abs(shown), np.abs(turn), 'valid')
+    size = np.abs(turn)
+    alike = scipy.signal.correlate(np.abs(twin), size - size.mean(), 'valid')
     first = int(np.argmax(alike))
-    return band_levels(shown, rate), np.array([turn, shown[first : first + len(turn)]])
+    return np.array([turn, twin[first : first + length]])
