@@ -190,13 +190,17 @@ def own_bearing(geometry: str) -> Bearing:
     try:
         count, ball, pitch, *rest = geometry.split(',')
         (angle,) = rest or ['0']
-        numbers = int(count), float(ball) * 1e-3, float(pitch) * 1e-3, math.radians(float(angle))
+        degrees = float(angle)
+        numbers = int(count), float(ball) * 1e-3, float(pitch) * 1e-3, math.radians(degrees)
     except ValueError:
         msg = (
             f'geometry={geometry!r} is not Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG; '
             "e.g. '9,7.94,39.04,0', or name a bearing of the catalogue"
         )
         raise BearingTwinError(msg) from None
+    if not 0.0 <= degrees < 90.0:
+        msg = f'geometry={geometry!r}: a contact angle of {degrees:g} degrees is outside 0..90'
+        raise BearingTwinError(msg)
     n_balls, d_ball, d_pitch, contact_angle = numbers
     return Bearing(
         name=geometry,

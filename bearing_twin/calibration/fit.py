@@ -141,7 +141,7 @@ def fit(
         if place == 'none' and said.result != 'healthy':
             refusal = Refusal(
                 Kind.NO_PART,
-                f'the diagnosis says {said.result} and names no part: a part has to be named',
+                f'the diagnosis says {said.result} and names no part: {said.reasons[-1]}',
             )
     elif place not in (*PLACES, 'none'):
         msg = f"place={place!r}: choose 'none' or one of {', '.join(PLACES)}"

@@ -248,7 +248,8 @@ class Calibration:
             OverflowError,
             BearingTwinError,
         ) as error:
-            msg = f'this is no calibration of this version ({error!r:.200}); fit the machine again'
+            what = f'{error} is missing' if isinstance(error, KeyError) else f'{error!r:.200}'
+            msg = f'this is no calibration of this version ({what:.200}); fit the machine again'
             raise BearingTwinError(msg) from None
 
     def at(self, **changes: Any) -> Calibration:

@@ -12,16 +12,22 @@ import math
 from pathlib import Path
 import sys
 from textwrap import wrap
+from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import named_bearing
 from bearing_twin.calibration import Calibration, fit
 from bearing_twin.calibration.joint import joined
+from bearing_twin.calibration.residual import MOVED
 from bearing_twin.cli.diagnose import add_reading, channels_of, picture, unread
 from bearing_twin.cli.signal_arguments import given_bearing, given_speed
 from bearing_twin.cli.terminal import progress
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.recording.foreign import read_signal
-from bearing_twin.thermal.gate import PHYSICAL_HIGH, PHYSICAL_LOW
+from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
+import numpy as np
+
+if TYPE_CHECKING:
+    from bearing_twin.recording.foreign import Signal
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -59,10 +65,12 @@ def run(args: argparse.Namespace) -> int:
     speed = given_speed(args)
     tasks = [(name, channel) for name in args.files for channel in channels_of(name, args.channel)]
     failed = 0
-    fitted: list[tuple[str, Calibration]] = []
+    fitted: list[tuple[str, str, Calibration]] = []
     for done, (name, channel) in enumerate(tasks, start=1):
         try:
             record = read_signal(Path(name), channel=channel, sample_rate=args.sample_rate)
+            if not math.isfinite(speed):
+                _check_steady(name, record)
             temperature = record.temperature if args.temperature is None else args.temperature
             found = fit(
                 record.x,
@@ -75,11 +83,6 @@ def run(args: argparse.Namespace) -> int:
                 place=args.place,
                 seed=args.seed,
             )
-            if args.plot:
-                from bearing_twin.cli.plots import draw_calibration
-
-                path = picture(Path(args.plot), name, channel)
-                draw_calibration(found, record.x, record.sample_rate, path)
         except (BearingTwinError, MemoryError) as error:
             failed += 1
             answer = unread(name, str(error) or 'not enough memory')
@@ -88,34 +91,56 @@ def run(args: argparse.Namespace) -> int:
                 print(json.dumps(answer), flush=True)
             continue
         if args.one_machine:
-            fitted.append((name, found))
+            fitted.append((name, record.source, found))
         else:
-            _print(name, found, as_json=args.json)
+            _print(name, record.source, found, as_json=args.json)
+        if args.plot:
+            from bearing_twin.cli.plots import draw_calibration
+
+            try:
+                path = picture(Path(args.plot), name, channel)
+                draw_calibration(found, record.x, record.sample_rate, path)
+            except BearingTwinError as error:
+                # The fit took a minute: it is told, whatever becomes of its picture.
+                failed += 1
+                print(f'bearing-twin fit: {error}', file=sys.stderr, flush=True)
         progress(done, len(tasks), 'files')
     if fitted:
         _print_joined(fitted, as_json=args.json)
     return 1 if failed else 0
 
 
-def _print(name: str, found: Calibration, *, as_json: bool) -> None:
+def _check_steady(name: str, record: Signal) -> None:
+    """Refuse a record whose file tells that its speed moves."""
+    if len(record.speeds) and np.ptp(record.speeds) > MOVED * record.shaft_hz:
+        slowest, fastest = record.speeds.min(), record.speeds.max()
+        msg = (
+            f'{name}: the speed moves from {slowest:.3g} to {fastest:.3g} Hz, more than '
+            f'{100.0 * MOVED:g} %: give a part at a steady speed'
+        )
+        raise BearingTwinError(msg)
+
+
+def _print(name: str, source: str, found: Calibration, *, as_json: bool) -> None:
     if as_json:
-        print(json.dumps({'file': name, **found.to_dict()}, allow_nan=False), flush=True)
+        answer = {'file': name, 'source': source, **found.to_dict()}
+        print(json.dumps(answer, allow_nan=False), flush=True)
     else:
-        print(_page(name, found), flush=True)
+        print(_page(source, found), flush=True)
 
 
-def _print_joined(fitted: list[tuple[str, Calibration]], *, as_json: bool) -> None:
+def _print_joined(fitted: list[tuple[str, str, Calibration]], *, as_json: bool) -> None:
     """Print each record as the others leave it, and what they say together."""
-    names = [name for name, _ in fitted]
+    names = [name for name, _, _ in fitted]
     try:
-        records, width, statement = joined([found for _, found in fitted])
+        records, width, statement = joined([found for _, _, found in fitted])
     except BearingTwinError:
         # The fits took minutes: they are told, whatever they say together.
-        for name, found in fitted:
-            _print(name, found, as_json=as_json)
+        for name, source, found in fitted:
+            _print(name, source, found, as_json=as_json)
         raise
-    for name, found in zip(names, records, strict=True):
-        _print(name, found, as_json=as_json)
+    for (name, source, _), found in zip(fitted, records, strict=True):
+        _print(name, source, found, as_json=as_json)
     if as_json:
         together = {
             'files': names,
@@ -140,10 +165,11 @@ def load_range(text: str) -> tuple[float, float]:
 def outer_ring(text: str) -> float:
     """Return the temperature of an outer ring, degC."""
     with contextlib.suppress(ValueError):
-        if PHYSICAL_LOW <= (value := float(text)) <= PHYSICAL_HIGH:
+        if TABLE_LOW <= (value := float(text)) <= TABLE_HIGH:
             return value
     raise argparse.ArgumentTypeError(
-        f'{text!r}: give degC from {PHYSICAL_LOW:g} to {PHYSICAL_HIGH:g}, or leave it out'
+        f'{text!r}: give degC from {TABLE_LOW:g} to {TABLE_HIGH:g}, in which the steel of the '
+        'twin is known; of a bearing beyond, the nearer end'
     )
 
 
@@ -155,11 +181,11 @@ def seed(text: str) -> int:
     raise argparse.ArgumentTypeError(f'{text!r}: give a whole number from 0 on')
 
 
-def _page(name: str, found: Calibration) -> str:
+def _page(source: str, found: Calibration) -> str:
     """Return the calibration as a person reads it."""
     before = '' if math.isnan(found.level_before) else f'{found.level_before:+.1f} -> '
     rows = [
-        ('', f'{shown(name)}: {found.statement}'),
+        ('', f'{shown(source)}: {found.statement}'),
         (
             'spectrum',
             f'log-spectral distance {found.distance_before:.1f} -> {found.distance:.1f} dB, '

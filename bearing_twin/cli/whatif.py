@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.calibration import Calibration
 from bearing_twin.calibration.whatif import expect
-from bearing_twin.cli.fit import load_range, seed
+from bearing_twin.cli.fit import load_range, outer_ring, seed
 from bearing_twin.errors import BearingTwinError, shown
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('fit', metavar='FIT', help="what 'fit --json' wrote; '-' for stdin")
     parser.add_argument('--speed', type=float, metavar='HZ', help='shaft speed, Hz')
     parser.add_argument('--load', type=load_range, metavar='N', help='one load or LOW,HIGH, N')
-    parser.add_argument('--temperature', type=float, help='of the outer ring, degC')
+    parser.add_argument('--temperature', type=outer_ring, help='of the outer ring, degC')
     parser.add_argument('--width', type=float, metavar='MM', help='of the defect, mm')
     parser.add_argument('--seed', type=seed, default=0, help='of all draws (default 0)')
     parser.add_argument('--json', action='store_true', help='one JSON object a fitted file')
@@ -35,7 +35,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Say what to expect of each machine in the file."""
     for values in _fits(args.fit):
-        found = Calibration.from_dict(values)
+        try:
+            found = Calibration.from_dict(values)
+        except BearingTwinError as error:
+            raise BearingTwinError(f'{args.fit}: {error}') from None
         expected = expect(
             found, shaft_hz=args.speed, load=args.load, temperature=args.temperature,
             width_mm=args.width, seed=args.seed,
@@ -83,5 +86,6 @@ def _fits(name: str) -> list[dict[str, object]]:
         raise BearingTwinError(msg)
     for row in rows:
         if 'error' in row:
-            raise BearingTwinError(str(row['error']))
+            msg = f'{name} holds no fit, but an error: {row["error"]}'
+            raise BearingTwinError(msg)
     return rows

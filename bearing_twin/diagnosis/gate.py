@@ -139,8 +139,9 @@ def check_extents(
 
     """
     count = sum(part.count for part in parts)
-    if count == 0:
-        return ['the record is empty: give at least a second of vibration']
+    if count < 2:
+        holds = 'has one sample' if count else 'is empty'
+        return [f'the record {holds}: give at least a second of vibration']
     if not (math.isfinite(sample_rate) and sample_rate > 0.0):
         return [f'sample rate {sample_rate} Hz: a positive number is needed']
     bad = sum(part.bad for part in parts)

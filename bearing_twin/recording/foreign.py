@@ -322,7 +322,9 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
         index = _index(row, x.shape[0], f'{path}: row')
         x, where = x[index], f', {name} row {index}'
     elif x.ndim > 2 or row:
-        msg = f'{path}: {name} has {x.ndim} dimensions, which channel {channel!r} does not fit'
+        msg = f'{path}: {name} has one axis of {x.size} samples: leave out the channel {row!r}'
+        if x.ndim > 2:
+            msg = f'{path}: {name} has {x.ndim} dimensions; save each signal as a row of two'
         raise BearingTwinError(msg)
     said = {key: value for key, value in arrays.items() if key != name}
     return {**said, 'x': x, 'where': where}

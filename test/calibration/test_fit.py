@@ -27,6 +27,7 @@ NOISE = np.random.default_rng(0).standard_normal(51200)
         ({'samples': np.ones(51200)}, 'constant'),
         ({'samples': np.clip(NOISE, -0.5, 0.5), 'place': 'outer'}, 'is clipped'),
         ({'samples': NOISE[:5000]}, 'shaft turns'),
+        ({'samples': NOISE[:1]}, 'has one sample: give at least a second'),
         ({'sample_rate': 0.0}, 'sample rate'),
         ({'sample_rate': 800.0}, 'sample rate'),
         ({'shaft_hz': math.nan}, 'shaft speed'),
@@ -100,14 +101,34 @@ def test_a_file_that_cannot_be_fitted_is_named(tmp_path, capsys):
         ('--load', 'a,b', 'LOW,HIGH'),
         ('--load', '1,2,3', 'LOW,HIGH'),
         ('--seed', '-1', 'from 0 on'),
-        ('--temperature', 'nan', 'degC from -273.15'),
-        ('--temperature', '-300', 'degC from -273.15'),
+        ('--temperature', 'nan', 'degC from 20 to 110'),
+        ('--temperature', '-300', 'degC from 20 to 110'),
+        ('--temperature', '900', 'of a bearing beyond, the nearer end'),
     ],
 )
-def test_an_option_that_is_none_is_refused_with_its_limits(option, value, said, capsys):
+@pytest.mark.parametrize('command', ['fit', 'whatif'])
+def test_an_option_that_is_none_is_refused_with_its_limits(command, option, value, said, capsys):
     with pytest.raises(SystemExit):
-        main(['fit', 'none.npz', option, value])
-    assert repr(value) in (text := capsys.readouterr().err) and said in text
+        main([command, 'none.npz', option, value])
+    text = ' '.join(capsys.readouterr().err.split())
+    assert repr(value) in text and said in text
+
+
+def test_a_file_whose_speed_moves_is_refused_as_by_the_node(tmp_path, capsys):
+    path = tmp_path / 'ramp.npz'
+    np.savez(path, x=NOISE, fs=RATE, shaft_hz=np.linspace(20.0, 25.0, len(NOISE)))
+    assert main(['fit', str(path), '--bearing', '6205']) == 1
+    assert 'the speed moves from 20 to 25 Hz, more than 2 %' in capsys.readouterr().err
+
+
+def test_a_picture_that_cannot_be_written_costs_no_fit(tmp_path, capsys):
+    path = tmp_path / 'noise.npz'
+    np.savez(path, x=0.01 * np.random.default_rng(1).standard_normal(25600), fs=12800.0)
+    status = main(['fit', str(path), '--bearing', '6205', '--shaft-hz', '25', '--json',
+                   '--place', 'none', '--plot', str(path / 'pictures')])  # fmt: skip
+    said = capsys.readouterr()
+    assert status == 1 and 'pictures' in said.err
+    assert json.loads(said.out)['source'] == f'{path}, x'
 
 
 @pytest.mark.parametrize('place', ['outer', 'ball'])

@@ -5,7 +5,7 @@
 from dataclasses import replace
 import math
 
-from bearing_twin.bearing import fault_frequencies, find_bearing
+from bearing_twin.bearing import fault_frequencies, fault_orders, find_bearing
 from bearing_twin.calibration import cloud, fit
 from bearing_twin.calibration.cloud import Situation
 from bearing_twin.calibration.estimates import of_defect, taken_off
@@ -18,6 +18,7 @@ from bearing_twin.calibration.summaries import correlate, summarise
 from impact_trains import BEARING, impact_train, RATE, ring
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 NOISE = np.random.default_rng(0).standard_normal(51200)
 
@@ -70,6 +71,18 @@ def test_a_rate_or_a_speed_that_is_twice_off_is_no_width(place, rate, shaft_hz):
         found.refusal is Kind.NO_IMPACTS and not found.quantities['defect_width_mm'].identifiable
     )
     assert found.statement.endswith('race: check speed and sample rate')
+
+
+def test_impacts_of_another_bearing_say_which_would_fit():
+    rng = np.random.default_rng(1)
+    times = np.arange(0.01, 5.9, 1.0 / (25.0 * fault_orders(BEARING).impacts('outer')))
+    times += 8e-5 * rng.standard_normal(len(times))
+    x = np.zeros(76800)
+    x[(12800.0 * times).astype(int)] = 1.0
+    x = lfilter([1.0], [1.0, -0.18, 0.81], x) + 0.05 * rng.standard_normal(len(x))
+    found = fit(x, 12800.0, find_bearing('6305'), 25.0)
+    assert found.refusal is Kind.NO_PART
+    assert 'fit no part of a 6305' in found.statement and 'outer of 6205' in found.statement
 
 
 @pytest.mark.parametrize('shaft_hz', [10.0, 25.4])

@@ -40,12 +40,22 @@ def test_one_speed_predicts_another(slot, data_dir, tmp_path, capsys):
     assert answer['width_mm'] == [1.0, 1.0]
 
 
-@pytest.mark.parametrize('text', ['', '[1, 2]', '{"quantities": {}}', 'not json', '[' * 100_000])
-def test_what_is_no_fit_is_refused_in_words(text, tmp_path, capsys):
+@pytest.mark.parametrize(
+    ('text', 'why'),
+    [
+        ('', 'holds no fit'),
+        ('[1, 2]', 'holds no fit'),
+        ('not json', 'holds no fit'),
+        ('[' * 100_000, 'holds no fit'),
+        ('{"quantities": {}}', "'machine' is missing"),
+        ('{"file": "a.npz", "error": "too short"}', 'holds no fit, but an error: too short'),
+    ],
+)
+def test_what_is_no_fit_is_refused_in_words(text, why, tmp_path, capsys):
     path = tmp_path / 'fit.json'
     path.write_text(text)
     assert main(['whatif', str(path)]) != 0
-    assert str(path) in (said := capsys.readouterr().err) or 'no calibration' in said
+    assert str(path) in (said := capsys.readouterr().err) and why in said
 
 
 def test_a_forged_fit_is_refused_in_words(tmp_path, capsys):
@@ -74,7 +84,8 @@ def test_a_forged_fit_is_refused_in_words(tmp_path, capsys):
     ):  # fmt: skip
         saved.write_text(json.dumps(good | changed))
         assert main(['whatif', str(saved)]) == 1
-        assert 'no calibration of this version' in capsys.readouterr().err
+        said = capsys.readouterr().err
+        assert str(saved) in said and 'no calibration of this version' in said
 
 
 def test_a_width_no_ball_fits_is_refused(slot):

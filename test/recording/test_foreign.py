@@ -186,6 +186,18 @@ def test_of_a_stereo_file_the_other_channel_is_named(tmp_path: Path) -> None:
     assert read_signal(path, channel='1').source.endswith('channel 1')
 
 
+def test_a_channel_of_one_axis_or_of_three_dimensions_is_refused_with_the_remedy(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / 'a.npz'
+    np.savez(path, x=X, fs=1000.0)
+    with pytest.raises(BearingTwinError, match=r"one axis of 5000 samples: leave .* '7'"):
+        read_signal(path, channel='7')
+    np.savez(path, x=X.reshape(2, 50, 50), fs=1000.0)
+    with pytest.raises(BearingTwinError, match='3 dimensions; save each signal as a row'):
+        read_signal(path)
+
+
 def test_csv_without_any_heading(tmp_path: Path) -> None:
     path = tmp_path / 'a.csv'
     path.write_text('\n'.join(f'{v:.9g}' for v in X[:300]))
