@@ -50,11 +50,12 @@ CONVERTER_STEPS = 2.0
 _LOOKED_AT, _MOST_VALUES = 1024, 64
 """Of so many samples a signal of so few steps has far fewer different values: noise of an RMS of
 two steps has about 15."""
-_HELD, _GRID = 64, 32
-"""Samples in a row of one value that no live sensor gives: noise of an RMS of two steps repeats a
-value once in seven samples. A run so long holds two neighbours of a grid half as wide."""
-_FEW_STEPS = 8.0
-"""RMS in steps below which impacts may stand in noise that is less than a step."""
+_HELD = 64
+"""Least samples in a row of one value that are kept as a run."""
+_SILENT_TURNS = 3.0
+"""Shaft turns for which no live sensor repeats one value. Noise may be less than a step of the
+converter, with impacts of a defect above it: these come at least once a turn of the cage, and no
+cage is slower than a third of the shaft."""
 _RUN = 3
 _ENDS = 1e-6
 """Part of the range that counts as its end."""
@@ -70,7 +71,7 @@ class Extent:
 
     >>> import numpy as np
     >>> Extent.of(np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0]))
-    Extent(count=6, bad=0, low=-1.0, high=1.0, at_low=3, at_high=3, steps=inf, held=0)
+    Extent(count=6, bad=0, low=-1.0, high=1.0, at_low=3, at_high=3, steps=inf, held=())
 
     """
 
@@ -84,8 +85,8 @@ class Extent:
     at_high: int
     steps: float = math.inf
     """RMS about the mean in steps between the values that occur; infinite where they are many."""
-    held: int = 0
-    """Samples in runs of 64 or more of one value."""
+    held: tuple[int, ...] = ()
+    """Lengths, in samples, of the runs of one value; short ones are left out."""
 
     @classmethod
     def of(cls, x: NDArray[np.float64]) -> Extent:
@@ -166,12 +167,13 @@ def check_extents(
             f'{100.0 * at_ends / count:.1f} % of the samples sit at the end of the range: the '
             f'signal is clipped (limit {100.0 * _SPOILT_SHARE:g} %); lower the gain'
         )
-    held = sum(part.held for part in parts)
-    if held > _SPOILT_SHARE * count and max(part.steps for part in parts) >= _FEW_STEPS:
+    silent = _SILENT_TURNS * sample_rate / shaft_hz
+    held = sum(run for part in parts for run in part.held if run >= silent)
+    if held > _SPOILT_SHARE * count:
         reasons.append(
-            f'{100.0 * held / count:.1f} % of the samples repeat one value, {_HELD} times or more '
-            f'in a row: the sensor or its connection fails at times (limit '
-            f'{100.0 * _SPOILT_SHARE:g} %); leave out that part'
+            f'{100.0 * held / count:.1f} % of the samples repeat one value for '
+            f'{_SILENT_TURNS:g} shaft turns or more: the sensor or its connection fails at times, '
+            f'or its steps are too coarse (limit {100.0 * _SPOILT_SHARE:g} %); leave out that part'
         )
     seconds = count / sample_rate
     turns = seconds * shaft_hz
@@ -224,13 +226,14 @@ def _steps(x: NDArray[np.float64]) -> float:
     return float(x.std() / np.diff(values).min())
 
 
-def _held(x: NDArray[np.float64]) -> int:
-    """Count the samples in runs of 64 or more of one value."""
-    grid = x[::_GRID]
+def _held(x: NDArray[np.float64]) -> tuple[int, ...]:
+    """Lengths of the runs of one value."""
+    # A run holds two neighbours of a grid of half its length: of most signals this is all.
+    grid = x[:: _HELD // 2]
     if not np.any(grid[1:] == grid[:-1]):
-        return 0
+        return ()
     runs = _runs(x[1:] == x[:-1]) + 1
-    return int(runs[runs >= _HELD].sum())
+    return tuple(int(run) for run in runs[runs >= _HELD])
 
 
 def _at_end(at_end: NDArray[np.bool_], most: float) -> int:

@@ -326,16 +326,23 @@ def test_gate_lets_good_records_pass(rng):
     # A sine of 32 steps of a converter is at its ends for a ninth of the time.
     steps = np.rint(32.0 * np.sin(0.9 * np.arange(50_000.0)))
     assert check_record(steps, RATE, 25.0, 5.4) == []
-    # Impacts may stand in noise that is less than a step; a short drop-out spoils little.
+    # Impacts may stand in noise that is less than a step, however loud they are; a short drop-out
+    # spoils little.
     impacts = np.zeros(50_000)
-    impacts[::70] = rng.integers(-40, 41, len(impacts[::70]))
+    impacts[::700] = rng.integers(-400, 401, len(impacts[::700]))
     assert check_record(impacts, RATE, 25.0, 5.4) == []
-    x = rng.standard_normal(50_000)
-    x[1000:1200] = x[1000]
+    x = rng.standard_normal(100_000)
+    x[1000:1400] = x[1000]
     assert check_record(x, RATE, 25.0, 5.4) == []
-    x[1000:1300] = x[1000]
+
+
+@pytest.mark.parametrize('steps', [1e9, 100.0, 6.0, 2.0])
+def test_gate_tells_drop_outs_of_signals_of_few_and_of_many_steps(rng, steps):
+    x = np.rint(steps * rng.standard_normal(100_000))
+    for start in (10_000, 50_000):
+        x[start : start + 4_000] = x[start]
     (reason,) = check_record(x, RATE, 25.0, 5.4)
-    assert 'repeat one value' in reason
+    assert '8.0 % of the samples repeat one value' in reason
 
 
 def test_a_signal_that_is_clipped_at_each_swing_is_found(rng):
