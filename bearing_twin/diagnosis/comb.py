@@ -283,7 +283,7 @@ def _three_bins(
     """
     Add up each line's row and the two beside it: a line spreads over three bins.
 
-    ``power``, (N, B), is added to: of as many columns of ``excess``, (K, C), from the first on.
+    The B columns of ``excess``, (K, C), from ``first`` on are added to ``power``, (N, B).
     """
     lines, columns = power.shape
     last = len(excess) - 1

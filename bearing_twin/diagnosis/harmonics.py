@@ -309,8 +309,8 @@ def _unshared_heights(
     """
     Write the height of the harmonics that the series of each multiple lacks, over the others'.
 
-    The comb has as many harmonics as there are ``ratios``, (M,): for the multiple m in place
-    m - 1. Infinite where nothing is shared.
+    The comb has as many harmonics as there are ``ratios``, (M,). The ratio of the multiple m is
+    written to place m - 1; it is infinite where nothing is shared.
     """
     for multiple in range(1, len(ratios) + 1):
         shared = lacking = 0.0
@@ -351,8 +351,10 @@ def _denser_part(
 
     Parameters
     ----------
-    logs, order, step, harmonics, columns
-        As in `_line_heights`; fundamental of the comb, and number of its harmonics.
+    logs, step, columns
+        As in `_line_heights`.
+    order, harmonics
+        Fundamental of the comb, and number of its harmonics.
     hidden, mine, sidebands
         (K,) rows that do not count, or only where all lines of the series are as high.
     most

@@ -166,8 +166,8 @@ def _strongest_band(
     """
     Return the band in which a comb has most power, of those that show it.
 
-    It shows where its score, (C,), is 3 or more, and where that is highest. ``power``, (C,), of
-    its lines is added to; a band whose carrier is below the lowest has none.
+    A band shows the comb where its score, (C,), is 3 or more, or the highest of all. The powers of
+    the lines are added to ``power``, (C,). A band whose carrier is below ``lowest`` is left out.
     """
     last = len(excess) - 1
     for harmonic in range(1, harmonics + 1):
