@@ -256,18 +256,19 @@ def batches(tasks: Sequence[Task], workers: int) -> list[Sequence[Task]]:
     Return the tasks in parts that get smaller, so that no worker waits long at the end.
 
     Dask spends as long on a part as a short file takes, so that several files are one. A part is
-    at most half of a worker's share of what is left (guided self-scheduling, Polychronopoulos and
-    Kuck 1987).
+    half of a worker's share of what is left, rounded up (guided self-scheduling, Polychronopoulos
+    and Kuck 1987).
 
     >>> [len(part) for part in batches(range(50), 2)]
     [13, 10, 7, 5, 4, 3, 2, 2, 1, 1, 1, 1]
 
     """
-    parts = []
-    while tasks:
-        size = min(MOST_AT_ONCE, -(-len(tasks) // (2 * workers)))
-        parts.append(tasks[:size])
-        tasks = tasks[size:]
+    parts: list[Sequence[Task]] = []
+    start = 0
+    while left := len(tasks) - start:
+        size = min(MOST_AT_ONCE, -(-left // (2 * workers)))
+        parts.append(tasks[start : start + size])
+        start += size
     return parts
 
 
