@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 import re
+import shlex
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -36,13 +38,17 @@ def read_instead(path: Path) -> str:
     """
     if path.suffix.lower() in SIGNAL_FILES:
         return "; 'bearing-twin diagnose' reads vibration files"
-    endings = (item.suffix for item in path.glob('*'))
-    ending = next((ending for ending in endings if ending.lower() in SIGNAL_FILES), '')
-    if not ending:
+    names = [item for item in path.glob('[!.]*') if item.is_file()]
+    endings = Counter(item.suffix for item in names if item.suffix.lower() in SIGNAL_FILES)
+    # One text file among others is more likely about them.
+    endings -= Counter({'.txt': 1})
+    if not endings:
         return ''
+    (ending, _), folder = endings.most_common(1)[0], shlex.quote(str(path))
     return (
-        f"; it holds vibration files: 'bearing-twin diagnose {path}/*{ending}' judges each, and "
-        f"'bearing-twin diagnose --series {path}' all of them as snapshots of one machine"
+        f"; if the {ending} files in it are vibration, 'bearing-twin diagnose {folder}/*{ending}' "
+        f"judges each, and 'bearing-twin diagnose --series {folder}' all of them as snapshots of "
+        'one machine'
     )
 
 

@@ -316,7 +316,7 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
             msg = (
                 f'{path}: {name} has {x.shape[0]} rows of {x.shape[1]} samples; choose one of '
                 f"0..{x.shape[0] - 1} as channel, e.g. '{name}:0', or judge snapshots of one "
-                'machine with --series'
+                "machine with 'bearing-twin diagnose --series'"
             )
             raise BearingTwinError(msg)
         index = _index(row, x.shape[0], f'{path}: row')
