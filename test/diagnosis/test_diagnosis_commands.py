@@ -212,11 +212,10 @@ def test_pictures(good, tmp_path, capsys):
     assert 'inner [fault]' in capsys.readouterr().out
 
 
-@pytest.mark.parametrize('command', ['diagnose', 'fit'])
-def test_a_picture_that_cannot_be_written_ends_no_batch(command, good, tmp_path, capsys):
+def test_a_picture_that_cannot_be_written_ends_no_batch(good, tmp_path, capsys):
     files, plots = [str(good)] * 2, tmp_path / 'file'
     plots.write_text('')
-    args = [command, *files, '--bearing', '6307', '--json', '--plot', str(plots)]
+    args = ['diagnose', *files, '--bearing', '6307', '--json', '--plot', str(plots)]
     assert main(args) == 1
     answers = json_lines(capsys)
     assert len(answers) == 2
