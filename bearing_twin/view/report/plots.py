@@ -387,7 +387,7 @@ def _panels(
             axes.fill_between(time, *(of[key] for key in panel.band), color='#bbdefb')
         besides = [trend.named for trend, _ in lines if trend in panel.besides]
         title = ', '.join([panel.title, *besides]).replace('[unit]', f'[{pretty(unit)}]')
-        axes.set_title('\n'.join(wrap(title, 110 // columns)))
+        axes.set_title('\n'.join(wrap(title, 90 // columns)))
         _draw_limits(axes, zones if panel.key == 'velocity' else panel.limits)
         if panel.from_zero:
             # With zero among the data, the margin above is one of the whole height.
