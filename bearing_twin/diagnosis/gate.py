@@ -172,8 +172,9 @@ def check_extents(
     if held > _SPOILT_SHARE * count:
         reasons.append(
             f'{100.0 * held / count:.1f} % of the samples repeat one value for '
-            f'{_SILENT_TURNS:g} shaft turns or more: the sensor or its connection fails at times, '
-            f'or its steps are too coarse (limit {100.0 * _SPOILT_SHARE:g} %); leave out that part'
+            f'{_SILENT_TURNS:g} shaft turns or more (limit {100.0 * _SPOILT_SHARE:g} %): the '
+            'sensor or its connection fails at times, or the signal is below the steps of the '
+            'converter; leave out that part or raise the gain'
         )
     seconds = count / sample_rate
     turns = seconds * shaft_hz
