@@ -386,8 +386,10 @@ def _panels(
         if panel.band and of.keys() >= set(panel.band):
             axes.fill_between(time, *(of[key] for key in panel.band), color='#bbdefb')
         besides = [trend.named for trend, _ in lines if trend in panel.besides]
-        title = ', '.join([panel.title, *besides]).replace('[unit]', f'[{pretty(unit)}]')
-        axes.set_title('\n'.join(wrap(title, 90 // columns)))
+        # A line and its colour stay together: wrap leaves spaces alone that do not break.
+        whole = (name.replace(' ', '\N{NO-BREAK SPACE}') for name in besides)
+        title = ', '.join([panel.title, *whole]).replace('[unit]', f'[{pretty(unit)}]')
+        axes.set_title('\n'.join(wrap(title, 90 // columns)).replace('\N{NO-BREAK SPACE}', ' '))
         _draw_limits(axes, zones if panel.key == 'velocity' else panel.limits)
         if panel.from_zero:
             # With zero among the data, the margin above is one of the whole height.
