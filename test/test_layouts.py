@@ -7,10 +7,8 @@ import math
 from pathlib import Path
 import re
 import shutil
-import socket
 import subprocess
 import time
-from urllib.error import URLError
 from urllib.parse import urlencode
 from urllib.request import urlopen
 from xml.etree import ElementTree
@@ -98,36 +96,42 @@ def line(node, part, values, time_ns):
     )
 
 
+def asked(url, query, **words):
+    """Return what an InfluxDB answers to a query."""
+    # Sent as a form: a query in the address may not change anything.
+    with urlopen(f'{url}/query', data=urlencode({'q': query, **words}).encode()) as answer:
+        [result] = json.load(answer)['results']
+    return result
+
+
 @pytest.fixture
 def influxdb(tmp_path):
     """Return the address of an InfluxDB of its own with a database."""
     if shutil.which('influxd') is None:
         pytest.skip('influxdb is not installed (Debian: apt-get install influxdb)')
-    with socket.socket() as web, socket.socket() as backup:
-        for probe in (web, backup):
-            probe.bind(('127.0.0.1', 0))
-        ports = [probe.getsockname()[1] for probe in (web, backup)]
+    # Ports are the system's choice, and the database is waited for: a port found free beforehand
+    # may be another server's by then, and its "not found" would look like one of InfluxDB.
     (tmp_path / 'influxdb.conf').write_text(
-        f'reporting-disabled = true\nbind-address = "127.0.0.1:{ports[1]}"\n'
+        'reporting-disabled = true\nbind-address = "127.0.0.1:0"\n'
         f'[meta]\n  dir = "{tmp_path}/meta"\n'
         f'[data]\n  dir = "{tmp_path}/data"\n  wal-dir = "{tmp_path}/wal"\n'
-        f'[http]\n  bind-address = "127.0.0.1:{ports[0]}"\n'
+        '[http]\n  bind-address = "127.0.0.1:0"\n'
     )
-    with (tmp_path / 'log').open('wb') as log:
+    log = tmp_path / 'log'
+    with log.open('wb') as sink:
         server = subprocess.Popen(
-            ['influxd', '-config', str(tmp_path / 'influxdb.conf')], stdout=log, stderr=log
+            ['influxd', '-config', str(tmp_path / 'influxdb.conf')], stdout=sink, stderr=sink
         )
-    address = f'http://127.0.0.1:{ports[0]}'
     try:
-        for _ in range(600):
-            try:
-                query = urlencode({'q': 'CREATE DATABASE bearings'}).encode()
-                urlopen(f'{address}/query', data=query, timeout=10).close()
-                break
-            except URLError:
-                assert server.poll() is None, (tmp_path / 'log').read_text()
-                time.sleep(0.1)
-        yield address
+        deadline, listening = time.monotonic() + 60.0, r'Listening on HTTP.* addr=(127\S+:\d+)'
+        while not (address := re.search(listening, log.read_text())):
+            assert server.poll() is None and time.monotonic() < deadline, log.read_text()
+            time.sleep(0.1)
+        url = f'http://{address[1]}'
+        while 'series' not in (said := asked(url, 'SHOW RETENTION POLICIES ON bearings')):
+            assert time.monotonic() < deadline, (said, log.read_text())
+            asked(url, 'CREATE DATABASE bearings')
+        yield url
     finally:
         server.terminate()
         server.wait(30)
@@ -174,9 +178,7 @@ def test_the_queries_of_grafana_find_what_is_sent_to_influxdb(influxdb):
         [target] = panel['targets']
         query = target['query'].replace('$timeFilter', 'time > now() - 1h')
         query = query.replace('$__interval', '10s').replace('/^$machine$/', '/^.*$/')
-        words = urlencode({'db': 'bearings', 'q': query})
-        with urlopen(f'{influxdb}/query?{words}') as answer:
-            [result] = json.load(answer)['results']
+        result = asked(influxdb, query, db='bearings')
         assert 'error' not in result, f'{panel["title"]}: {result}'
         for series in result.get('series', ()):
             assert series['tags'] == {'hardware_id': 'fan_7'}
