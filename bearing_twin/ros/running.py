@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Future
 import ctypes
 import os
 import signal
@@ -208,8 +209,27 @@ def _note_interrupts() -> list[int]:
 
 
 def _build(node_class: type[ManagedNode]) -> ManagedNode:
+    """
+    Build a node in a thread, and leave it there if the process is told to end.
+
+    A check of the parameters may compile, for as long as launch waits before it kills.
+    """
+    future: Future[ManagedNode] = Future()
+
+    def build() -> None:
+        try:
+            future.set_result(node_class())  # type: ignore[call-arg]
+        except Exception as error:
+            future.set_exception(error)
+
+    thread = threading.Thread(target=build, name=THREAD, daemon=True)
+    thread.start()
+    while thread.is_alive():
+        thread.join(0.1)
+        if not rclpy.ok():
+            raise ExternalShutdownException
     try:
-        return node_class()  # type: ignore[call-arg]
+        return future.result()
     except Exception as error:
         if refuses(error):
             raise BearingTwinError(str(error)) from None

@@ -72,3 +72,23 @@ def test_a_thermal_tick_within_a_block_waits_for_no_compiler():
     )
     found = subprocess.run([sys.executable, '-c', script], capture_output=True, check=True)
     assert found.stdout == b'0\n'
+
+
+def test_a_node_ends_while_its_parameters_are_checked(ros_domain):
+    """The check compiles at a first start: launch kills what has not ended after ten seconds."""
+    script = (
+        'import time\n'
+        'from bearing_twin.ros.lifecycle import ManagedNode\n'
+        'from bearing_twin.ros.running import run\n'
+        'class SlowNode(ManagedNode):\n'
+        '    def __init__(self):\n'
+        "        super().__init__('slow', ())\n"
+        '    def check(self, values):\n'
+        "        print('checking', flush=True)\n"
+        '        time.sleep(60.0)\n'
+        'raise SystemExit(run(SlowNode, []))\n'
+    )
+    with subprocess.Popen([sys.executable, '-c', script], stdout=subprocess.PIPE) as node:
+        assert node.stdout.readline() == b'checking\n'
+        node.send_signal(signal.SIGINT)
+        assert node.wait(30.0) == 0
