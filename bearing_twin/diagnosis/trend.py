@@ -10,7 +10,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES
 from bearing_twin.diagnosis.baseline import Memory, SETTLED
-from bearing_twin.diagnosis.dependence import Condition, Z90
+from bearing_twin.diagnosis.dependence import Condition, KNOWN_DB, Z90
 from bearing_twin.diagnosis.level import FALLEN, FAULT_DB, raised, staged, SUSPECT_DB
 from bearing_twin.diagnosis.onset import Rise
 from bearing_twin.diagnosis.rules import NOTHING_SHOWS
@@ -88,6 +88,8 @@ class Trend:
     minute: list[list[float]] = field(default_factory=list)
     """Temperature, octaves and all levels of the windows of the present minute."""
     rise: Rise = field(default_factory=Rise)
+    measure: int = 0
+    """Of :data:`MEASURES`, the one that was furthest over the baseline."""
     source: Source = field(default_factory=Source)
     """What it is learnt from; its sample rate is 0 before the first statement."""
     level: str = ''
@@ -181,7 +183,7 @@ class Trend:
         over = np.where(same, memory.over(levels - changes, now), none)
         if base is None and not over[0] >= SUSPECT_DB:
             over[:] = math.nan
-        most = int(np.argmax(over - Z90 * deviations))
+        most = self.measure = self._leading(over - Z90 * deviations)
         severity = replace(
             severity,
             level_over_baseline=float(over[most]),
@@ -206,6 +208,18 @@ class Trend:
         elif most:
             said.append(f'{MEASURES[most]}: {over[most]:+.1f} dB over the baseline')
         return replace(diagnosis, severity=severity, reasons=tuple(said))
+
+    def _leading(self, over: NDArray[np.float64]) -> int:
+        """
+        Return the measure that is furthest over the baseline.
+
+        That of before goes on until another one is clearly further over it or asks for a higher
+        level: what is said of two that are alike would change with each window.
+        """
+        most = int(np.argmax(over))
+        clear = not over[most] - over[self.measure] < KNOWN_DB
+        levels = np.digitize(over, (SUSPECT_DB, FAULT_DB))
+        return most if clear or levels[most] > levels[self.measure] else self.measure
 
     def _shown(self, own: Diagnosis, hold: int, full: bool) -> Diagnosis:
         """Return what is shown of a window; a single one that tells nothing changes no answer."""

@@ -134,10 +134,12 @@ def test_record_of_a_year_stays_small_and_is_resumed_to_the_bit():
             restored(HealthyRecord, vars(record) | broken)
 
 
-def said(level, heat):
+def said(level, heat, *bands):
+    """Verdict on a level below 1 kHz, and on those of the bands above, dB."""
     nothing = insufficient(['by hand'], find_bearing('6307'))
-    rms = 10.0 ** (level / 20.0)
-    severity = replace(nothing.severity, rms=rms, band_rms=(rms, 0.0, 0.0))
+    rms, *above = 10.0 ** (np.array([level, *bands]) / 20.0)
+    bands_rms = tuple(float(rms) for rms in (rms, *(above or (0.0, 0.0))))
+    severity = replace(nothing.severity, rms=math.hypot(*bands_rms), band_rms=bands_rms)
     return replace(nothing, result='healthy', level='ok', confidence=0.9, severity=severity,
                    shaft_hz=25.0, temperature=heat)  # fmt: skip
 
@@ -170,6 +172,21 @@ def test_a_machine_that_is_louder_when_hot_teaches_it_and_is_then_compared_fairl
     resumed, straight = (live(readings[:50], one)[1] for one in (again, trend))
     assert [str(d.severity) for d in resumed] == [str(d.severity) for d in straight]
     assert again == trend
+
+
+def test_what_is_said_of_two_measures_that_are_alike_stays():
+    rng = np.random.default_rng(8)
+    readings = [(0.0, 60.0, *rng.normal(10.0, 0.3, 2)) for _ in range(100)]
+    trend, _ = live(readings)
+    shown = [live([reading], trend)[1][0].reasons[-1].partition(':')[0] for reading in readings]
+    assert len(set(shown[5:])) == 1
+    # A measure that is clearly further over the baseline takes over, and so does one that alone
+    # is far enough for an alarm.
+    louder = [(0.0, 60.0, *heights) for heights in ((12.0, 10.0), (10.0, 12.0), (15.7, 16.3))]
+    *shown, alarm = live(louder, trend)[1]
+    names = [diagnosis.reasons[-1].partition(':')[0] for diagnosis in shown]
+    assert names == ['1000 to 5000 Hz', '5000 to 20000 Hz']
+    assert alarm.level == 'suspect'
 
 
 def test_uncertain_correction_raises_no_alarm():

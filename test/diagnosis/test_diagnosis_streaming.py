@@ -255,7 +255,8 @@ def test_windows_may_be_analysed_in_any_order_and_are_judged_in_theirs():
     late.take(3, x[:100], RATE, SHAFT_HZ)
     plain.push(3, x[:100], RATE, SHAFT_HZ)
     assert late.save() == plain.save()
-    assert len(late.save()) < 2000
+    # Answers and levels are kept, no samples or spectra.
+    assert b'"arrays": []' in late.save()
 
 
 @given(data=st.binary(max_size=200))
