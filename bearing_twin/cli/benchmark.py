@@ -29,6 +29,7 @@ from bearing_twin.cli.benchmark_misled import ANSWERS, judge_misled, misled_rows
 from bearing_twin.cli.terminal import processes, progress, refuse_given
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.confidence import KINDS
+from bearing_twin.diagnosis.warming import warm_up
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.dataset import (
     dataset_bearing,
@@ -297,6 +298,8 @@ def run(args: argparse.Namespace) -> int:
         raise BearingTwinError(msg)
     if args.misled:
         refuse_given(args, ('json', 'full', 'summary'), 'not with --misled, which has one table')
+    # Compiled or loaded once, where it is told of; each process would do it anew.
+    warm_up()
     with ProcessPoolExecutor(processes(args.jobs, len(cases))) as pool:
         if args.misled:
             judged = (said for part in pool.map(score_misled, cases) for said in part)

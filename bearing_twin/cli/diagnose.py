@@ -21,6 +21,7 @@ from bearing_twin.cli.diagnose_text import CARD, card, line, page
 from bearing_twin.cli.signal_arguments import add_signal_arguments, given_bearing, given_speed
 from bearing_twin.cli.terminal import plain, processes, progress, refuse_given, shown_inside
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
+from bearing_twin.diagnosis.warming import warm_up
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.recording.dataset import chosen_signals, is_dataset
@@ -204,6 +205,8 @@ def _answers(tasks: Sequence[Task], args: argparse.Namespace) -> Iterator[dict[s
 
 
 def _on_cores(tasks: Sequence[Task], jobs: int) -> Iterator[dict[str, Any]]:
+    # Compiled or loaded once, where it is told of; each process would do it anew.
+    warm_up()
     with ProcessPoolExecutor(jobs) as pool:
         futures = [pool.submit(diagnose_file, task) for task in tasks]
         for task, future in zip(tasks, futures, strict=True):
