@@ -144,6 +144,16 @@ def test_colours_in_a_terminal_and_nowhere_else(tmp_path):
     assert 'inner [fault]' in piped.stdout
 
 
+def test_an_answer_takes_the_line_of_progress_away(tmp_path):
+    for name in ('a', 'b'):
+        np.savez(tmp_path / f'{name}.npz', x=np.zeros(100), fs=1000.0, rpm=600.0)
+    files = [str(tmp_path / f'{name}.npz') for name in ('a', 'b')]
+    said = run_in_terminal(['diagnose', *files, '--bearing', '6307', '--jobs', '1'])
+    # What comes after a line without an end begins at its start, on an empty line.
+    assert '1 of 2 files\x1b[K\r\x1b[K' in said
+    assert said.endswith('\r2 of 2 files\x1b[K\r\n')
+
+
 def test_live_view_without_a_server_fails_at_once(capsys):
     with socket.socket() as free:
         free.bind(('127.0.0.1', 0))

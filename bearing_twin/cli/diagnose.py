@@ -19,7 +19,14 @@ from bearing_twin.bearing import Bearing, named_bearing
 from bearing_twin.cli.diagnose_series import run_series
 from bearing_twin.cli.diagnose_text import CARD, card, line, page
 from bearing_twin.cli.signal_arguments import add_signal_arguments, given_bearing, given_speed
-from bearing_twin.cli.terminal import plain, processes, progress, refuse_given, shown_inside
+from bearing_twin.cli.terminal import (
+    clear_progress,
+    plain,
+    processes,
+    progress,
+    refuse_given,
+    shown_inside,
+)
 from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
 from bearing_twin.diagnosis.warming import warm_up
 from bearing_twin.errors import BearingTwinError, shown
@@ -141,6 +148,7 @@ def run(args: argparse.Namespace) -> int:
     tasks = _tasks(args)
     unread = 0
     for done, answer in enumerate(_answers(tasks, args), start=1):
+        clear_progress(len(tasks))
         if 'error' in answer:
             unread += 1
             print(f'bearing-twin diagnose: {shown(answer["error"])}', file=sys.stderr, flush=True)

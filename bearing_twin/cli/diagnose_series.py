@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import named_bearing
 from bearing_twin.cli.signal_arguments import given_bearing
-from bearing_twin.cli.terminal import by_level, plain, progress
+from bearing_twin.cli.terminal import by_level, clear_progress, plain, progress
 from bearing_twin.diagnosis.series import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError, shown
@@ -69,11 +69,12 @@ def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
         )
         if args.json and point is not None:
             print(json.dumps(plain(vars(point))), flush=True)
-        if count % 100 == 0:
+        if count % 100 == 0 and not args.json:
             progress(count, count + 1, 'snapshots')
     if monitor is None:
         msg = f'{files[0]}: no snapshot in it; is x the name of the samples?'
         raise unread[-1] if unread else BearingTwinError(msg)
+    clear_progress(count)
     for error in unread:
         print(f'bearing-twin diagnose: left out: {shown(str(error))}', file=sys.stderr)
     report = monitor.report()

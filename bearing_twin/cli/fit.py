@@ -20,7 +20,7 @@ from bearing_twin.calibration.joint import joined
 from bearing_twin.calibration.residual import MOVED
 from bearing_twin.cli.diagnose import add_reading, channels_of, picture, unread
 from bearing_twin.cli.signal_arguments import given_bearing, given_speed
-from bearing_twin.cli.terminal import progress
+from bearing_twin.cli.terminal import clear_progress, progress
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.recording.foreign import read_signal
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
@@ -85,11 +85,13 @@ def run(args: argparse.Namespace) -> int:
             )
         except (BearingTwinError, MemoryError) as error:
             failed += 1
+            clear_progress(len(tasks))
             answer = unread(name, str(error) or 'not enough memory')
             print(f'bearing-twin fit: {shown(answer["error"])}', file=sys.stderr, flush=True)
             if args.json:
                 print(json.dumps(answer), flush=True)
             continue
+        clear_progress(len(tasks))
         if args.one_machine:
             fitted.append((name, record.source, found))
         else:

@@ -193,6 +193,12 @@ def progress(done: int, total: int, what: str = '') -> None:
         print(f'\r{done} of {total} {what}\x1b[K', end=end, file=sys.stderr, flush=True)
 
 
+def clear_progress(total: int) -> None:
+    """Take the line of :func:`progress` away, before an answer goes to the same terminal."""
+    if total > 1 and sys.stderr.isatty():
+        print('\r\x1b[K', end='', file=sys.stderr, flush=True)
+
+
 def percent(part: float, what: str = '') -> None:
     """Say on stderr which part of a long job is done, 0 to 1."""
     print(f'\r{what}{part:4.0%} ', end='\n' if part >= 1.0 else '', file=sys.stderr, flush=True)
