@@ -13,7 +13,7 @@ from pathlib import Path
 import re
 import sys
 
-from bearing_twin.diagnosis.rules import RULES
+from bearing_twin.diagnosis.rules.table import RULES
 
 
 def with_block(text: str, name: str, content: str) -> str:

@@ -30,9 +30,30 @@ ROOMS = (
 )
 """From the ground up: a room imports itself and the rooms before it."""
 
+DIAGNOSIS = (
+    'thresholds',
+    'settings',
+    'signal',
+    'combs',
+    'rules',
+    'result',
+    'power',
+    'window',
+    'report',
+    'chain',
+    'machine',
+    'record',
+    'streaming',
+    'series',
+    'warming',
+)
+"""The same for the rooms of the diagnosis and the files beside them."""
+
 CORE = ('bearing', 'thermal', 'dynamics', 'diagnosis', 'calibration', 'paper')
 
 MIDDLEWARE = ('rclpy', 'mcap', 'rerun', 'rosbags', 'bearing_twin_msgs', 'sensor_msgs')
+
+HEAD = PACKAGE / 'diagnosis' / '__init__.py'
 
 
 def modules():
@@ -50,14 +71,30 @@ def imports(path):
             yield from (f'{node.module}.{alias.name}' for alias in node.names)
 
 
+def assert_order(path, rooms, within):
+    """Assert that a module below the dotted name ``within`` imports no later one of the rooms."""
+    depth = len(within)
+    room = path.relative_to(PACKAGE.parent).with_suffix('').parts[depth]
+    allowed = rooms[: rooms.index(room) + 1]
+    for name in imports(path):
+        parts = tuple(name.split('.'))
+        if parts[:depth] == within and len(parts) > depth and parts[depth] in rooms:
+            assert parts[depth] in allowed, f'{room} must not import {name}'
+
+
 @pytest.mark.parametrize('path', modules(), ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_a_room_imports_only_rooms_before_it(path):
-    room = path.relative_to(PACKAGE).parts[0]
-    allowed = ROOMS[: ROOMS.index(room) + 1]
-    for name in imports(path):
-        parts = name.split('.')
-        if parts[0] == 'bearing_twin' and len(parts) > 1 and parts[1] in ROOMS:
-            assert parts[1] in allowed, f'{room} must not import {name}'
+    assert_order(path, ROOMS, ('bearing_twin',))
+
+
+@pytest.mark.parametrize(
+    'path',
+    # Its head names what others import of it.
+    [path for path in modules() if path.parts[len(PACKAGE.parts)] == 'diagnosis' and path != HEAD],
+    ids=lambda p: str(p.relative_to(PACKAGE)),
+)
+def test_a_room_of_the_diagnosis_imports_only_rooms_before_it(path):
+    assert_order(path, DIAGNOSIS, ('bearing_twin', 'diagnosis'))
 
 
 def edges():
@@ -89,8 +126,8 @@ for name in ({blocked}):
     sys.modules[name] = None
 for room in {CORE!r}:
     package = importlib.import_module('bearing_twin.' + room)
-    for module in pkgutil.iter_modules(package.__path__):
-        importlib.import_module(f'bearing_twin.{{room}}.{{module.name}}')
+    for module in pkgutil.walk_packages(package.__path__, f'{{package.__name__}}.'):
+        importlib.import_module(module.name)
 """
     ran = python('-c', script)
     assert ran.returncode == 0, ran.stderr

@@ -25,8 +25,8 @@ ROOMS = ('bearing', 'thermal', 'dynamics', 'diagnosis', 'calibration')
 def modules(room):
     """Return the modules of a room, its own first."""
     package = importlib.import_module(f'bearing_twin.{room}')
-    names = sorted(module.name for module in pkgutil.iter_modules(package.__path__))
-    return [package, *(importlib.import_module(f'{package.__name__}.{name}') for name in names)]
+    below = pkgutil.walk_packages(package.__path__, f'{package.__name__}.')
+    return [package, *(importlib.import_module(module.name) for module in below)]
 
 
 def shown():

@@ -7,8 +7,8 @@ import math
 from pathlib import Path
 
 import bearing_twin.diagnosis
-from bearing_twin.diagnosis.confidence import KINDS, share_right, Trust
-from bearing_twin.diagnosis.rules import DOUBTED, RULES
+from bearing_twin.diagnosis.rules.confidence import KINDS, share_right, Trust
+from bearing_twin.diagnosis.rules.table import DOUBTED, RULES
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies import (
     calibration,
@@ -32,14 +32,14 @@ PACKAGE = Path(bearing_twin.diagnosis.__file__).parent
 def test_detection_power_writes_the_file_that_is_named(tmp_path, monkeypatch, capsys):
     for name in ('SPEEDS', 'TEMPERATURES', 'NOISES', 'WIDTHS', 'SEEDS'):
         monkeypatch.setattr(detection_power, name, getattr(detection_power, name)[-1:])
-    before = {path: path.read_bytes() for path in PACKAGE.glob('*.json')}
+    before = {path: path.read_bytes() for path in PACKAGE.rglob('*.json')}
     detection_power.main([str(tmp_path / 'power.json')])
     table = json.loads((tmp_path / 'power.json').read_text())
     assert set(table) == set(json.loads((PACKAGE / 'detection_power.json').read_text()))
     # A spall of 2 mm at 50 Hz shows in every window from 2 s on.
     assert table['smallest_mm']['outer'][0][0][0][1:] == [2.0, 2.0, 2.0]
     assert '| outer | 50 | 90 | 5 |' in capsys.readouterr().out
-    assert {path: path.read_bytes() for path in PACKAGE.glob('*.json')} == before
+    assert {path: path.read_bytes() for path in PACKAGE.rglob('*.json')} == before
 
 
 @pytest.mark.parametrize('study', [calibration, detection_power, reliability])

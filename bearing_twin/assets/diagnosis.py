@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
     from bearing_twin.diagnosis.chain import Analysis, Excerpt
-    from bearing_twin.diagnosis.snapshots import SeriesDiagnoser
+    from bearing_twin.diagnosis.series.snapshots import SeriesDiagnoser
     from bearing_twin.diagnosis.streaming import StreamingDiagnoser
     from bearing_twin.streams.vibration_input import VibrationBlock
     from bearing_twin_msgs.msg import Diagnosis, Spectrum

@@ -18,7 +18,7 @@ from bearing_twin.assets.shared_specs import (
 from bearing_twin.assets.spec import field_spec, field_values, fixed, parameter
 from bearing_twin.bearing.catalogue import find_bearing, own_bearing
 from bearing_twin.diagnosis import DiagnosisSettings, StreamingDiagnoser
-from bearing_twin.diagnosis.snapshots import SeriesDiagnoser
+from bearing_twin.diagnosis.series.snapshots import SeriesDiagnoser
 from bearing_twin.quantity import quantities
 from bearing_twin.streams.shaft import FASTEST_SHAFT
 from bearing_twin.streams.statefile import StateFolder

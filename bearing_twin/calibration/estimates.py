@@ -25,7 +25,7 @@ from bearing_twin.calibration.path import noise_floor
 from bearing_twin.calibration.posterior import longest_doubtful, weighted_quantile
 from bearing_twin.calibration.refusals import Kind, Refusal
 from bearing_twin.calibration.result import Estimate
-from bearing_twin.diagnosis.acceleration import acceleration_factor
+from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 import numpy as np
 import numpy.typing as npt
 

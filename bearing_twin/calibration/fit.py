@@ -46,9 +46,9 @@ from bearing_twin.calibration.refusals import (
 from bearing_twin.calibration.result import Calibration, in_words
 from bearing_twin.calibration.summaries import correlate, fastest_resonance
 from bearing_twin.diagnosis import diagnose_record
-from bearing_twin.diagnosis.acceleration import acceleration_factor
-from bearing_twin.diagnosis.demodulation import highest_fault_order
-from bearing_twin.diagnosis.gate import check_record
+from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
+from bearing_twin.diagnosis.signal.demodulation import highest_fault_order
+from bearing_twin.diagnosis.signal.gate import check_record
 from bearing_twin.dynamics import warm_up
 from bearing_twin.dynamics.parameters import check_bearing
 from bearing_twin.dynamics.sensor_path import band_levels, distance

@@ -40,7 +40,7 @@ LEAST_DB = 0.5
 """Least that a band may differ: no sensor is known to the tenth of a decibel."""
 DAY_DB = 2.0
 """What it may differ besides until a day was learnt: what 20 K do to a level, at two standard
-deviations of `diagnosis.dependence.PER_KELVIN`."""
+deviations of `diagnosis.machine.dependence.PER_KELVIN`."""
 LEAST_RUN, MOST_RUN = 3, 10
 """Decisions in a row that an alarm needs: two may be disturbed. Fewer are enough where the change
 is large."""

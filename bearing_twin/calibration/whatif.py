@@ -13,7 +13,7 @@ from bearing_twin.calibration.passage import load_range, widest
 from bearing_twin.calibration.path import REACH_S
 from bearing_twin.calibration.summaries import summarise
 from bearing_twin.diagnosis import diagnose_record
-from bearing_twin.diagnosis.dependence import PER_KELVIN, PER_OCTAVE
+from bearing_twin.diagnosis.machine.dependence import PER_KELVIN, PER_OCTAVE
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 import numpy as np

@@ -13,7 +13,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import named_bearing
 from bearing_twin.cli.signal_arguments import given_bearing
 from bearing_twin.cli.terminal import by_level, clear_progress, plain, progress
-from bearing_twin.diagnosis.series import SeriesMonitor
+from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.quantity import quantities
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import argparse
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.series_result import SeriesReport
+    from bearing_twin.diagnosis.series.result import SeriesReport
 
 LONGEST_CYCLE = quantities(DiagnosisSettings)['series_cycle'][1].high or math.inf
 """Longest time between two snapshots, s."""

@@ -167,7 +167,7 @@ class _Source:
 def _source(signal: Signal, args: argparse.Namespace) -> _Source:
     """Return the signal as messages of the type that is asked for."""
     from bearing_twin.assets.messages import floats, message_header
-    from bearing_twin.diagnosis.acceleration import acceleration_factor
+    from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
     from bearing_twin_msgs.msg import Vibration
     from sensor_msgs.msg import Imu
     from std_msgs.msg import Float32MultiArray

@@ -1,14 +1,24 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Diagnosis of rolling element bearings from vibration, without training."""
+"""
+Diagnosis of rolling element bearings from vibration, without training.
+
+From samples to an answer, each room resting on those before it: ``signal`` (gate, envelopes,
+spectra, shaft speed, levels), ``combs`` (lines of the fault orders), ``rules`` (evidence, the
+table of rules, confidence), ``machine`` (baseline and trend of one machine) and ``series`` (many
+short snapshots of it). The files beside them are the path that leads through the rooms: a `window`
+is measured and written out (`report`) by the `chain`, for a whole `record` or a stream
+(`streaming`).
+"""
 
 from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.record import diagnose_record
-    from bearing_twin.diagnosis.result import Diagnosis, Severity, Spectrum
+    from bearing_twin.diagnosis.result import Diagnosis, Spectrum
     from bearing_twin.diagnosis.settings import DiagnosisSettings
+    from bearing_twin.diagnosis.signal.severity import Severity
     from bearing_twin.diagnosis.streaming import StreamingDiagnoser
 
 __all__ = [
@@ -24,7 +34,7 @@ __all__ = [
 def __getattr__(name: str) -> object:
     """Look a name up where it stands: the compiled half takes half a second to import."""
     if name in __all__:
-        for module in ('result', 'settings', 'streaming', 'record'):
+        for module in ('result', 'settings', 'signal.severity', 'streaming', 'record'):
             found = import_module(f'{__name__}.{module}')
             if name in vars(found):
                 return getattr(found, name)

@@ -12,23 +12,29 @@ import threading
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
-from bearing_twin.diagnosis.comb import accumulate, HARMONICS, OrderSpectra
-from bearing_twin.diagnosis.demodulation import (
+from bearing_twin.diagnosis.combs.comb import accumulate, OrderSpectra
+from bearing_twin.diagnosis.combs.plain_lines import low_lines
+from bearing_twin.diagnosis.combs.search import CombSearch
+from bearing_twin.diagnosis.combs.sidebands import sideband_ratio
+from bearing_twin.diagnosis.report import insufficient, not_shown, report
+from bearing_twin.diagnosis.rules.evidence import Evidence
+from bearing_twin.diagnosis.rules.table import answer, trusted
+from bearing_twin.diagnosis.signal.demodulation import (
     choose_layout,
     demodulate,
     highest_fault_order,
     SECONDS,
 )
-from bearing_twin.diagnosis.evidence import Evidence
-from bearing_twin.diagnosis.gate import check_extents, Extent, FAINTEST, LARGEST
-from bearing_twin.diagnosis.plain_lines import low_lines
-from bearing_twin.diagnosis.report import insufficient, not_shown, report
-from bearing_twin.diagnosis.rules import answer, trusted
-from bearing_twin.diagnosis.search import CombSearch
-from bearing_twin.diagnosis.severity import LEAST, Levels, measure_severity, of_length, SLOW_HZ
-from bearing_twin.diagnosis.shaft import ShaftSpeed, Turning
-from bearing_twin.diagnosis.sidebands import sideband_ratio
-from bearing_twin.diagnosis.thresholds import INDEX_FAULT, RIVAL, SWAY, Z_SECOND_LOOK
+from bearing_twin.diagnosis.signal.gate import check_extents, Extent, FAINTEST, LARGEST
+from bearing_twin.diagnosis.signal.severity import (
+    LEAST,
+    Levels,
+    measure_severity,
+    of_length,
+    SLOW_HZ,
+)
+from bearing_twin.diagnosis.signal.shaft import ShaftSpeed, Turning
+from bearing_twin.diagnosis.thresholds import HARMONICS, INDEX_FAULT, RIVAL, SWAY, Z_SECOND_LOOK
 from bearing_twin.diagnosis.window import analyse_window
 import numpy as np
 from scipy import fft
@@ -37,11 +43,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.candidate import Candidate
-    from bearing_twin.diagnosis.demodulation import Layout, Segment
-    from bearing_twin.diagnosis.result import Diagnosis, Severity
+    from bearing_twin.diagnosis.combs.candidate import Candidate
+    from bearing_twin.diagnosis.result import Diagnosis
+    from bearing_twin.diagnosis.rules.verdict import Verdict
     from bearing_twin.diagnosis.settings import DiagnosisSettings
-    from bearing_twin.diagnosis.verdict import Verdict
+    from bearing_twin.diagnosis.signal.demodulation import Layout, Segment
+    from bearing_twin.diagnosis.signal.severity import Severity
     from bearing_twin.diagnosis.window import Window
     from numpy.typing import NDArray
 

@@ -15,7 +15,7 @@ import json
 import math
 from typing import Any
 
-from bearing_twin.diagnosis.acceleration import acceleration_factor
+from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 import numpy as np
 
 
@@ -48,7 +48,7 @@ def smallest_detectable(
     rms
         Of the signal, in ``unit``.
     unit
-        See :func:`bearing_twin.diagnosis.acceleration.acceleration_factor`.
+        See :func:`bearing_twin.diagnosis.signal.acceleration.acceleration_factor`.
     d_ball
         m.
 

@@ -11,12 +11,12 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS, PLACES
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.gate import SHAFT_TURNS
-from bearing_twin.diagnosis.level import raised, staged, UNKNOWN
-from bearing_twin.diagnosis.rules import FAINT
+from bearing_twin.diagnosis.machine.level import raised, staged, UNKNOWN
+from bearing_twin.diagnosis.rules.table import FAINT
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.shaft import other_shafts_hz, Turning
-from bearing_twin.diagnosis.spectra import floor_levels
+from bearing_twin.diagnosis.signal.gate import SHAFT_TURNS
+from bearing_twin.diagnosis.signal.shaft import other_shafts_hz, Turning
+from bearing_twin.diagnosis.signal.spectra import floor_levels
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, RIVAL
 from bearing_twin.errors import BearingTwinError
 import numpy as np

@@ -9,17 +9,18 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, fault_frequencies, PLACES
-from bearing_twin.diagnosis.comb import HARMONICS
-from bearing_twin.diagnosis.gate import HEALTHY_TURNS, SHAFT_TURNS
 from bearing_twin.diagnosis.power import shown_by, smallest_detectable
-from bearing_twin.diagnosis.result import Diagnosis, Severity, Spectrum
+from bearing_twin.diagnosis.result import Diagnosis, Spectrum
+from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS, SHAFT_TURNS
+from bearing_twin.diagnosis.signal.severity import Severity
+from bearing_twin.diagnosis.thresholds import HARMONICS
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.verdict import Verdict
+    from bearing_twin.diagnosis.rules.verdict import Verdict
     from bearing_twin.diagnosis.window import Window
     from numpy.typing import NDArray
 
@@ -38,11 +39,11 @@ def report(
     The smallest fault that would have shown is named where the samples are ``simulated``.
 
     >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.diagnosis.evidence import Evidence
-    >>> from bearing_twin.diagnosis.rules import decide
-    >>> from bearing_twin.diagnosis.demodulation import choose_layout, demodulate
+    >>> from bearing_twin.diagnosis.rules.evidence import Evidence
+    >>> from bearing_twin.diagnosis.rules.table import decide
+    >>> from bearing_twin.diagnosis.signal.demodulation import choose_layout, demodulate
     >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
-    >>> from bearing_twin.diagnosis.shaft import Turning
+    >>> from bearing_twin.diagnosis.signal.shaft import Turning
     >>> from bearing_twin.diagnosis.window import analyse_window
     >>> noise, bearing = np.random.default_rng(0).standard_normal(51200), find_bearing('6307')
     >>> layout = choose_layout(25600.0, 51200, 1, bearing, 25.0)

@@ -9,11 +9,12 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
-from bearing_twin.diagnosis.confidence import Trust
+from bearing_twin.diagnosis.rules.confidence import Trust
 import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import FaultFrequencies
+    from bearing_twin.diagnosis.signal.severity import Severity
     from numpy.typing import NDArray
 
 
@@ -44,47 +45,14 @@ class Spectrum:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Severity:
-    """Vibration severity. Each field says what it may be compared with."""
-
-    rms: float = math.nan
-    """Of the signal, in ``unit``; comparable over time for one sensor at one speed and load."""
-    peak: float = math.nan
-    """Largest magnitude, in ``unit``; comparable like ``rms``."""
-    crest_factor: float = math.nan
-    """peak / rms; not comparable: rises early and falls again late."""
-    kurtosis: float = math.nan
-    """3 for Gaussian noise; not comparable: rises early and falls again late."""
-    velocity_rms: float = math.nan
-    """10..1000 Hz, mm/s; comparable between machines (ISO 20816-3); NaN if the unit is unknown."""
-    level_over_baseline: float = math.nan
-    """dB over the asset's own baseline, less ``correction``; NaN until learnt."""
-    iso_zone: str = ''
-    """``'A'``..``'D'`` of ISO 20816-3; empty where it cannot be given."""
-    unit: str
-    band_rms: tuple[float, ...] = ()
-    """RMS in the bands of :data:`bearing_twin.diagnosis.severity.BANDS_HZ`, in ``unit``."""
-    stage: int = 0
-    """1 to 4 (incipient, developing, advanced, severe) while a fault is named, else 0."""
-    correction: float = 0.0
-    """Change of level with temperature and speed that was taken off, dB, as this machine's own
-    healthy record shows it; 0 where that does not."""
-    correction_sd: float = 0.0
-    """Its standard deviation, dB."""
-    correction_basis: str = ''
-    """What the correction rests on, or why there is none."""
-    rising: int = 0
-    """Minutes for which the level has stood over its baseline for good; 0: it has not."""
-
-
-@dataclass(frozen=True, kw_only=True)
 class Diagnosis:
     """Verdict on one window of vibration; see ``Diagnosis.msg`` for the fields on the wire."""
 
     result: str
     rule: str
-    """Name of the rule of :data:`bearing_twin.diagnosis.rules.RULES` that decided; 'record_gate'
-    where the window was refused, 'another_speed' where a record's shaft shows at another one."""
+    """Name of the rule of :data:`bearing_twin.diagnosis.rules.table.RULES` that decided;
+    'record_gate' where the window was refused, 'another_speed' where a record's shaft shows at
+    another one."""
     level: str
     faults: tuple[str, ...] = ()
     fault_code: str

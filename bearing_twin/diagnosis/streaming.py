@@ -12,10 +12,10 @@ import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.diagnosis.chain import Excerpt, Stretch
-from bearing_twin.diagnosis.comb import OrderSpectra
+from bearing_twin.diagnosis.combs.comb import OrderSpectra
+from bearing_twin.diagnosis.machine.trend import Source, Trend
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.shaft import Turning
-from bearing_twin.diagnosis.trend import Source, Trend
+from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, restored, unpack
 import numpy as np

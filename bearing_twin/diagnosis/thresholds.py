@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+HARMONICS = 4
+"""Harmonics of a comb. Fault lines fade after a few, and each empty harmonic costs power."""
+
 Z_FAULT = 5.5
 """Score above which a comb is not chance."""
 

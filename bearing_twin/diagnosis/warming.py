@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from bearing_twin.bearing import fault_orders, find_bearing
-from bearing_twin.diagnosis.comb import OrderSpectra
+from bearing_twin.diagnosis.combs.comb import OrderSpectra
 from bearing_twin.diagnosis.record import diagnose_record
 import numpy as np
 

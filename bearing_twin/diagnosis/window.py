@@ -8,24 +8,24 @@ from dataclasses import dataclass
 import statistics
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.columns import aligned
-from bearing_twin.diagnosis.comb import order_spectra, OrderSpectra
-from bearing_twin.diagnosis.demodulation import highest_order
-from bearing_twin.diagnosis.passages import ball_passages
-from bearing_twin.diagnosis.severity import Levels, measure_severity
-from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample, ShaftSpeed
-from bearing_twin.diagnosis.spectra import envelope_spectra, transform
+from bearing_twin.diagnosis.combs.comb import order_spectra, OrderSpectra
+from bearing_twin.diagnosis.combs.passages import ball_passages
+from bearing_twin.diagnosis.signal.columns import aligned
+from bearing_twin.diagnosis.signal.demodulation import highest_order
+from bearing_twin.diagnosis.signal.severity import Levels, measure_severity
+from bearing_twin.diagnosis.signal.shaft import refine_shaft_hz, resample, ShaftSpeed
+from bearing_twin.diagnosis.signal.spectra import envelope_spectra, transform
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.demodulation import Layout, Segment
-    from bearing_twin.diagnosis.result import Severity
     from bearing_twin.diagnosis.settings import DiagnosisSettings
-    from bearing_twin.diagnosis.shaft import Turning
-    from bearing_twin.diagnosis.spectra import EnvelopeSpectra
+    from bearing_twin.diagnosis.signal.demodulation import Layout, Segment
+    from bearing_twin.diagnosis.signal.severity import Severity
+    from bearing_twin.diagnosis.signal.shaft import Turning
+    from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
 
 
@@ -105,9 +105,9 @@ def analyse_window(
         Unit of the samples.
 
     >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.diagnosis.demodulation import choose_layout, demodulate
+    >>> from bearing_twin.diagnosis.signal.demodulation import choose_layout, demodulate
     >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
-    >>> from bearing_twin.diagnosis.shaft import Turning
+    >>> from bearing_twin.diagnosis.signal.shaft import Turning
     >>> noise, bearing = np.random.default_rng(0).standard_normal(51200), find_bearing('6307')
     >>> layout = choose_layout(25600.0, 51200, 1, bearing, 25.0)
     >>> turning = Turning(np.array([25.0]), np.array([51200]))

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 FAST = frozenset({'contract', 'reassoc', 'nsz', 'arcp', 'nnan', 'ninf'})
 """Floating point freedom of the kernels; the same machine still gives the same bits."""
 
-SHARED = ('bearing/*.py', 'thermal/*.py', 'dynamics/*.py', 'diagnosis/lines.py')
+SHARED = ('bearing/*.py', 'thermal/*.py', 'dynamics/*.py', 'diagnosis/signal/lines.py')
 """Files of the package from which compiled code of other files takes functions and numbers."""
 
 _numba: Any = nb.config

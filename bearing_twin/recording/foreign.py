@@ -16,7 +16,7 @@ from typing import Any, TYPE_CHECKING
 import warnings
 
 from bearing_twin.bearing import Bearing
-from bearing_twin.diagnosis.acceleration import acceleration_factor, GRAVITY
+from bearing_twin.diagnosis.signal.acceleration import acceleration_factor, GRAVITY
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.csvfile import is_even, read_csv
 from bearing_twin.recording.dataset import dataset_signals, is_dataset, read_dataset_signal

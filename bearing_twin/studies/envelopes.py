@@ -21,10 +21,10 @@ import sys
 from typing import Any, TYPE_CHECKING
 from unittest.mock import patch
 
-from bearing_twin.diagnosis.comb import comb_scores
-from bearing_twin.diagnosis.lines import NEUTRAL
-from bearing_twin.diagnosis.search import CombSearch
-from bearing_twin.diagnosis.spectra import envelope_spectra, local_floor, whiten, WHITENINGS
+from bearing_twin.diagnosis.combs.comb import comb_scores
+from bearing_twin.diagnosis.combs.search import CombSearch
+from bearing_twin.diagnosis.signal.lines import NEUTRAL
+from bearing_twin.diagnosis.signal.spectra import envelope_spectra, local_floor, whiten, WHITENINGS
 from bearing_twin.diagnosis.thresholds import SLIP
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies import impact_machines
@@ -36,9 +36,9 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from bearing_twin.diagnosis.candidate import Candidate
-    from bearing_twin.diagnosis.comb import OrderSpectra
-    from bearing_twin.diagnosis.spectra import EnvelopeSpectra
+    from bearing_twin.diagnosis.combs.candidate import Candidate
+    from bearing_twin.diagnosis.combs.comb import OrderSpectra
+    from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
 
     _Logs = NDArray[np.float32]
@@ -125,7 +125,7 @@ def _best_ball(
 
 _ENVELOPES = 'bearing_twin.diagnosis.window.envelope_spectra'
 
-_BEST = 'bearing_twin.diagnosis.search.CombSearch.best'
+_BEST = 'bearing_twin.diagnosis.combs.search.CombSearch.best'
 
 VARIANTS: dict[str, tuple[str, Any]] = {
     'as it is': (_BEST, _best),
@@ -136,7 +136,10 @@ VARIANTS: dict[str, tuple[str, Any]] = {
         _ENVELOPES,
         _rescored(functools.partial(_one_whitening, which=1)),
     ),
-    'partial cepstral pre-whitening': ('bearing_twin.diagnosis.demodulation.whiten', _partial),
+    'partial cepstral pre-whitening': (
+        'bearing_twin.diagnosis.signal.demodulation.whiten',
+        _partial,
+    ),
     'spectral coherence': (_ENVELOPES, _rescored(functools.partial(_coherence, weighted=False))),
     'weighted coherence': (_ENVELOPES, _rescored(functools.partial(_coherence, weighted=True))),
     'cycle-synchronous with the cage': (_BEST, _best_ball),

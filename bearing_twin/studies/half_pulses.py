@@ -20,12 +20,12 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.evidence import Evidence
-from bearing_twin.diagnosis.harmonics import MISSING, unshared_height
-from bearing_twin.diagnosis.rules import decide
-from bearing_twin.diagnosis.search import CombSearch
+from bearing_twin.diagnosis.combs.harmonics import MISSING, unshared_height
+from bearing_twin.diagnosis.combs.search import CombSearch
+from bearing_twin.diagnosis.rules.evidence import Evidence
+from bearing_twin.diagnosis.rules.table import decide
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.shaft import Turning
+from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_FAULT
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies.output import arguments, print_table

@@ -15,7 +15,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, fault_orders
-from bearing_twin.diagnosis.demodulation import highest_fault_order
+from bearing_twin.diagnosis.signal.demodulation import highest_fault_order
 from bearing_twin.studies.disturbances import CONDITIONS, disturbance, MACHINES
 import numpy as np
 from scipy import signal

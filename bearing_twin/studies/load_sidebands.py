@@ -26,9 +26,9 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.search import CombSearch
+from bearing_twin.diagnosis.combs.search import CombSearch
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.shaft import Turning
+from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.diagnosis.thresholds import SWAY
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.plain_lines import low_lines
+from bearing_twin.diagnosis.combs.plain_lines import low_lines
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.shaft import Turning
+from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.diagnosis.thresholds import LOW_LINES
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies.disturbances import disturbance, MACHINES

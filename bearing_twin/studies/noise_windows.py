@@ -20,11 +20,11 @@ from typing import NamedTuple, TYPE_CHECKING
 from bearing_twin.bearing import find_bearing, PLACES
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.demodulation import highest_fault_order
-from bearing_twin.diagnosis.evidence import Evidence
-from bearing_twin.diagnosis.search import CombSearch
+from bearing_twin.diagnosis.combs.search import CombSearch
+from bearing_twin.diagnosis.rules.evidence import Evidence
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.shaft import Turning
+from bearing_twin.diagnosis.signal.demodulation import highest_fault_order
+from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.diagnosis.thresholds import (
     INDEX_FAULT,
     INDEX_SUSPECT,

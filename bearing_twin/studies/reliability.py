@@ -10,11 +10,11 @@ machine with impacts again, whose diagnosis is given another bearing or a speed 
 fifth of the damaged bearings are worn out, and the surfaces of all twins and of half of the others
 have waves. Each answer is added to ANSWERS.jsonl, and a run goes on where the one before ended:
 delete the file after a change of the rules. The study fits the weights that the diagnosis reads as
-``bearing_twin/diagnosis/reliability.json`` (logistic regression, one for each kind of answer).
-With fresh draws, which no weight has seen, it prints, and draws, how far the confidence holds.
-With ``--shipped`` it fits none and does so for the weights in use. No real record takes part. A
-twin takes 0.35 s of one processor, a machine with impacts 0.08 s: the
-default takes some forty minutes of one processor.
+``bearing_twin/diagnosis/rules/reliability.json`` (logistic regression, one for each kind of
+answer). With fresh draws, which no weight has seen, it prints, and draws, how far the confidence
+holds. With ``--shipped`` it fits none and does so for the weights in use. No real record takes
+part. A twin takes 0.35 s of one processor, a machine with impacts 0.08 s: the default takes
+some forty minutes of one processor.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from pathlib import Path
 import sys
 from typing import Any, NamedTuple, TYPE_CHECKING, TypeAlias
 
-from bearing_twin.diagnosis.confidence import KINDS, share_right, shipped_weights, Trust
-from bearing_twin.diagnosis.rules import DOUBTED
+from bearing_twin.diagnosis.rules.confidence import KINDS, share_right, shipped_weights, Trust
+from bearing_twin.diagnosis.rules.table import DOUBTED
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies import impact_machines, twin_machines

@@ -5,7 +5,8 @@ How often a rise is found in a healthy machine, and how soon in one that gets lo
 
 ``python -m bearing_twin.studies.rise [MACHINES]`` simulates a year of levels, one a minute, that
 wander (an autoregressive process) over the median of their first hour, and prints how often
-:class:`bearing_twin.diagnosis.onset.Rise` finds a rise, and after how long one that is there.
+:class:`bearing_twin.diagnosis.machine.onset.Rise` finds a rise, and after how long one that is
+there.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from itertools import product
 import sys
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.onset import DECISION_DB, REFERENCE_DB, Rise
+from bearing_twin.diagnosis.machine.onset import DECISION_DB, REFERENCE_DB, Rise
 from bearing_twin.studies.disturbances import with_memory
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np

@@ -5,10 +5,10 @@ What temperature has to do with the level of a healthy bearing, and what correct
 
 ``python -m bearing_twin.studies.temperature prior`` simulates healthy bearings in the physical
 mode and prints by how much their level moves: the prior of
-:mod:`bearing_twin.diagnosis.dependence`. ``coverage`` draws machines with that prior and prints
-how often the learnt 90 % interval holds the true slope. ``runs DATA`` prints false onsets and lead
-times of the FEMTO runs to failure in DATA without correction, with the prior alone, and with what
-each run has taught.
+:mod:`bearing_twin.diagnosis.machine.dependence`. ``coverage`` draws machines with that prior and
+prints how often the learnt 90 % interval holds the true slope. ``runs DATA`` prints false onsets
+and lead times of the FEMTO runs to failure in DATA without correction, with the prior alone,
+and with what each run has taught.
 """
 
 from __future__ import annotations
@@ -20,8 +20,7 @@ from pathlib import Path
 import sys
 from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.diagnosis.alone import CONFIRMING
-from bearing_twin.diagnosis.dependence import (
+from bearing_twin.diagnosis.machine.dependence import (
     Condition,
     fit_law,
     HealthyRecord,
@@ -30,8 +29,9 @@ from bearing_twin.diagnosis.dependence import (
     Slope,
     Z90,
 )
-from bearing_twin.diagnosis.level import SUSPECT_DB
-from bearing_twin.diagnosis.series import SeriesMonitor
+from bearing_twin.diagnosis.machine.level import SUSPECT_DB
+from bearing_twin.diagnosis.series.alone import CONFIRMING
+from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.errors import BearingTwinError

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import math
 from typing import Any, NamedTuple
 
-from bearing_twin.diagnosis.level import FAULT_DB, SUSPECT_DB
-from bearing_twin.diagnosis.severity import HIGHEST_LIMIT, ISO_LIMITS
+from bearing_twin.diagnosis.machine.level import FAULT_DB, SUSPECT_DB
+from bearing_twin.diagnosis.signal.severity import HIGHEST_LIMIT, ISO_LIMITS
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
 from bearing_twin.view.style import Colour, FAMILIES, LINE
 import numpy as np

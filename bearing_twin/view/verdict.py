@@ -11,9 +11,9 @@ from typing import Any
 from bearing_twin.bearing.geometry import FaultFrequencies
 from bearing_twin.bearing.vocabulary import next_step as next_step_of
 from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
-from bearing_twin.diagnosis.dependence import Z90
-from bearing_twin.diagnosis.level import is_urgent
-from bearing_twin.diagnosis.severity import SLOW_HZ
+from bearing_twin.diagnosis.machine.dependence import Z90
+from bearing_twin.diagnosis.machine.level import is_urgent
+from bearing_twin.diagnosis.signal.severity import SLOW_HZ
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.view.trends import recorded

@@ -3,7 +3,7 @@
 """Envelopes of many short snapshots, averaged: noise, unit, and the place that they show."""
 
 from bearing_twin.bearing import fault_orders, find_bearing
-from bearing_twin.diagnosis.averaging import AveragedEnvelope
+from bearing_twin.diagnosis.series.averaging import AveragedEnvelope
 import numpy as np
 import pytest
 

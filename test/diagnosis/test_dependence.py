@@ -6,7 +6,7 @@ from dataclasses import replace
 import math
 
 from bearing_twin.bearing import find_bearing
-from bearing_twin.diagnosis.dependence import (
+from bearing_twin.diagnosis.machine.dependence import (
     Condition,
     fit_law,
     HealthyRecord,
@@ -15,10 +15,10 @@ from bearing_twin.diagnosis.dependence import (
     Slope,
     Z90,
 )
-from bearing_twin.diagnosis.level import raised
-from bearing_twin.diagnosis.onset import DECISION_DB, Rise
+from bearing_twin.diagnosis.machine.level import raised
+from bearing_twin.diagnosis.machine.onset import DECISION_DB, Rise
+from bearing_twin.diagnosis.machine.trend import Source, Trend
 from bearing_twin.diagnosis.report import insufficient
-from bearing_twin.diagnosis.trend import Source, Trend
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import restored
 from bearing_twin.studies import rise, temperature

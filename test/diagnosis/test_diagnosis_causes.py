@@ -7,9 +7,9 @@ import re
 from bearing_twin.bearing import fault_orders, find_bearing, own_bearing
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, record
 from bearing_twin.diagnosis.chain import Analysis, Excerpt
-from bearing_twin.diagnosis.confidence import confidence, Trust
-from bearing_twin.diagnosis.impulsive_outliers import limit_impulsive_outliers
-from bearing_twin.diagnosis.shaft import Turning
+from bearing_twin.diagnosis.rules.confidence import confidence, Trust
+from bearing_twin.diagnosis.signal.impulsive_outliers import limit_impulsive_outliers
+from bearing_twin.diagnosis.signal.shaft import Turning
 import numpy as np
 import pytest
 from scipy import signal

@@ -4,17 +4,17 @@
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis import diagnose_record
-from bearing_twin.diagnosis.candidate import Candidate
-from bearing_twin.diagnosis.comb import OrderSpectra
-from bearing_twin.diagnosis.harmonics import (
+from bearing_twin.diagnosis.combs.candidate import Candidate
+from bearing_twin.diagnosis.combs.comb import OrderSpectra
+from bearing_twin.diagnosis.combs.harmonics import (
     denser_series,
     masked_by_shaft,
     MISSING,
     missing_harmonics,
 )
-from bearing_twin.diagnosis.lines import NEUTRAL
-from bearing_twin.diagnosis.search import CombSearch
-from bearing_twin.diagnosis.shaft import ShaftSpeed
+from bearing_twin.diagnosis.combs.search import CombSearch
+from bearing_twin.diagnosis.signal.lines import NEUTRAL
+from bearing_twin.diagnosis.signal.shaft import ShaftSpeed
 from bearing_twin.studies.half_pulses import measured
 import numpy as np
 import pytest

@@ -5,20 +5,20 @@
 import math
 
 from bearing_twin.bearing import fault_orders, find_bearing
-from bearing_twin.diagnosis.bands import band_tree, BandTree, squared_envelopes
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.columns import power_of_lines, transform_rows
-from bearing_twin.diagnosis.comb import accumulate, comb_scores, order_spectra
-from bearing_twin.diagnosis.demodulation import choose_layout
-from bearing_twin.diagnosis.gate import check_record
-from bearing_twin.diagnosis.lines import NEUTRAL
-from bearing_twin.diagnosis.ranks import column_ranks
+from bearing_twin.diagnosis.combs.comb import accumulate, comb_scores, order_spectra
 from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.report import coarse_spectrum
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.severity import iso_zone, Levels, measure_severity
-from bearing_twin.diagnosis.shaft import refine_shaft_hz, resample, Turning
-from bearing_twin.diagnosis.spectra import envelope_spectra, local_floor, whiten
+from bearing_twin.diagnosis.signal.bands import band_tree, BandTree, squared_envelopes
+from bearing_twin.diagnosis.signal.columns import power_of_lines, transform_rows
+from bearing_twin.diagnosis.signal.demodulation import choose_layout
+from bearing_twin.diagnosis.signal.gate import check_record
+from bearing_twin.diagnosis.signal.lines import NEUTRAL
+from bearing_twin.diagnosis.signal.ranks import column_ranks
+from bearing_twin.diagnosis.signal.severity import iso_zone, Levels, measure_severity
+from bearing_twin.diagnosis.signal.shaft import refine_shaft_hz, resample, Turning
+from bearing_twin.diagnosis.signal.spectra import envelope_spectra, local_floor, whiten
 import numpy as np
 import pytest
 from scipy import signal, stats

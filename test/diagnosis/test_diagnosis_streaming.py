@@ -8,7 +8,7 @@ import math
 from bearing_twin.bearing import find_bearing
 from bearing_twin.bench.diagnosis import fault_signal, RATE, SHAFT_HZ
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
-from bearing_twin.diagnosis.series import SeriesMonitor
+from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.errors import BearingTwinError
 from hypothesis import given, settings
 from hypothesis import strategies as st

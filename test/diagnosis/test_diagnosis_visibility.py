@@ -4,7 +4,7 @@
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis import diagnose_record, StreamingDiagnoser
-from bearing_twin.diagnosis.gate import fastest_impacts_hz
+from bearing_twin.diagnosis.signal.gate import fastest_impacts_hz
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT
 import numpy as np
 import pytest

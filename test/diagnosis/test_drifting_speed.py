@@ -8,7 +8,7 @@ from bearing_twin.bearing import fault_orders, find_bearing, PLACES
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.record import _smeared
-from bearing_twin.diagnosis.shaft import Turning
+from bearing_twin.diagnosis.signal.shaft import Turning
 import numpy as np
 import pytest
 

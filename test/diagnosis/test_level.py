@@ -7,9 +7,9 @@ import math
 
 from bearing_twin.bearing import fault_orders, find_bearing, next_step
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
-from bearing_twin.diagnosis.level import raised, staged
+from bearing_twin.diagnosis.machine.level import raised, staged
+from bearing_twin.diagnosis.machine.trend import Source, Trend
 from bearing_twin.diagnosis.report import insufficient
-from bearing_twin.diagnosis.trend import Source, Trend
 from bearing_twin.packed import restored
 import numpy as np
 import pytest

@@ -5,9 +5,9 @@
 from pathlib import Path
 import runpy
 
-from bearing_twin.diagnosis.candidate import Candidate, Claims
-from bearing_twin.diagnosis.evidence import Evidence
-from bearing_twin.diagnosis.rules import decide, DOUBTED, FAINT, NOTHING_SHOWS, RULES
+from bearing_twin.diagnosis.combs.candidate import Candidate, Claims
+from bearing_twin.diagnosis.rules.evidence import Evidence
+from bearing_twin.diagnosis.rules.table import decide, DOUBTED, FAINT, NOTHING_SHOWS, RULES
 import pytest
 
 DOCUMENT = Path(__file__).parents[2] / 'docs' / 'diagnosis.md'

@@ -8,10 +8,10 @@ import json
 import math
 
 from bearing_twin.bearing import fault_orders, find_bearing
-from bearing_twin.diagnosis import series
-from bearing_twin.diagnosis.onset import rise_begins
+from bearing_twin.diagnosis.machine.onset import rise_begins
 from bearing_twin.diagnosis.record import diagnose_record
-from bearing_twin.diagnosis.series import SeriesMonitor
+from bearing_twin.diagnosis.series import monitor as series
+from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -261,7 +261,7 @@ def test_change_point_is_that_of_the_definition():
 
 
 def test_a_long_series_is_kept_more_coarsely(monkeypatch):
-    monkeypatch.setattr('bearing_twin.diagnosis.series.MOST', 200)
+    monkeypatch.setattr('bearing_twin.diagnosis.series.monitor.MOST', 200)
     monitor, _ = life(1, 900, lambda n: 12.0 * (n >= 800))
     report = monitor.report()
     assert len(report.points) < 200

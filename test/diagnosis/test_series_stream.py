@@ -6,8 +6,8 @@ from dataclasses import replace
 import math
 
 from bearing_twin.bearing import find_bearing
+from bearing_twin.diagnosis.series.snapshots import _VERSION, SeriesDiagnoser
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.snapshots import _VERSION, SeriesDiagnoser
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, unpack
 import numpy as np

@@ -6,7 +6,7 @@ from bearing_twin.bearing import find_bearing
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.power import smallest_detectable
-from bearing_twin.diagnosis.shaft import Turning
+from bearing_twin.diagnosis.signal.shaft import Turning
 import numpy as np
 import pytest
 

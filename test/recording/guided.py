@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[2]
 KINDS = ('mcap', 'npz', 'mat', 'wav', 'csv', 'message', 'state')
 INSTRUMENTED = [
-    'bearing_twin.diagnosis.gate', 'bearing_twin.packed',
+    'bearing_twin.diagnosis.signal.gate', 'bearing_twin.packed',
     'bearing_twin.diagnosis.streaming', 'bearing_twin.streams.shaft',
     'bearing_twin.streams.vibration_input', 'bearing_twin.recording', 'bearing_twin.thermal.gate',
     'mcap', 'rosbags', 'scipy.io.wavfile', 'zipfile',

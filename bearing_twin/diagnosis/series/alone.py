@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS
-from bearing_twin.diagnosis.level import raised
-from bearing_twin.diagnosis.severity import of_length
+from bearing_twin.diagnosis.machine.level import raised
+from bearing_twin.diagnosis.signal.severity import of_length
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.chain import Analysis
@@ -32,7 +32,7 @@ def answer_alone(analysis: Analysis) -> Diagnosis:
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.chain import Excerpt
     >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
-    >>> from bearing_twin.diagnosis.shaft import Turning
+    >>> from bearing_twin.diagnosis.signal.shaft import Turning
     >>> x = np.random.default_rng(0).standard_normal(2560)
     >>> turning = Turning(np.array([25.0]), np.array([2560]))
     >>> snapshot = Excerpt.of(x, turning, 25600.0, find_bearing('6205'), DiagnosisSettings())

@@ -9,7 +9,7 @@ one leads. A new rule touches:
 
 - this file: the function, at its place in the order, and what `Rule` asks about its answer;
 - ``evidence.py``: a property for each new quantity, with its value where nothing disturbs the
-  combs, and ``search.py`` if the quantity has to be measured in the spectra;
+  combs, and ``combs/search.py`` if the quantity has to be measured in the spectra;
 - ``thresholds.py`` and the table of thresholds in ``docs/diagnosis_why.md``;
 - ``CASES`` in ``test/diagnosis/test_rules.py``: evidence that reaches the rule;
 - the table of rules: ``python docs/rules.py docs/diagnosis.md``;
@@ -24,10 +24,11 @@ from functools import wraps
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
-from bearing_twin.diagnosis.confidence import confidence, LEAST_CONFIDENCE, Trust
-from bearing_twin.diagnosis.demodulation import highest_fault_order
-from bearing_twin.diagnosis.fits import what_fits
-from bearing_twin.diagnosis.gate import (
+from bearing_twin.diagnosis.rules.confidence import confidence, LEAST_CONFIDENCE, Trust
+from bearing_twin.diagnosis.rules.fits import what_fits
+from bearing_twin.diagnosis.rules.verdict import highest_comb, Verdict
+from bearing_twin.diagnosis.signal.demodulation import highest_fault_order
+from bearing_twin.diagnosis.signal.gate import (
     CAGE_TURNS,
     CONVERTER_STEPS,
     fastest_impacts_hz,
@@ -51,13 +52,12 @@ from bearing_twin.diagnosis.thresholds import (
     Z_FAULT,
     Z_PASSAGES,
 )
-from bearing_twin.diagnosis.verdict import highest_comb, Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from bearing_twin.diagnosis.candidate import Candidate
-    from bearing_twin.diagnosis.evidence import Evidence
+    from bearing_twin.diagnosis.combs.candidate import Candidate
+    from bearing_twin.diagnosis.rules.evidence import Evidence
 
     _Apply = Callable[[Evidence], Verdict | None]
 
@@ -613,8 +613,8 @@ def decide(evidence: Evidence) -> Verdict:
     """
     Verdict of the first rule that applies.
 
-    >>> from bearing_twin.diagnosis.evidence import Evidence
-    >>> from bearing_twin.diagnosis.candidate import Candidate
+    >>> from bearing_twin.diagnosis.rules.evidence import Evidence
+    >>> from bearing_twin.diagnosis.combs.candidate import Candidate
     >>> outer = Candidate('outer', order=3.07, slip=0.01, z=9.0, index=0.8)
     >>> decide(Evidence.of(outer)).rule
     'fault'
@@ -629,8 +629,8 @@ def answer(evidence: Evidence) -> Verdict:
     """
     Verdict of the first rule that applies, without what its confidence rests on.
 
-    >>> from bearing_twin.diagnosis.evidence import Evidence
-    >>> from bearing_twin.diagnosis.candidate import Candidate
+    >>> from bearing_twin.diagnosis.rules.evidence import Evidence
+    >>> from bearing_twin.diagnosis.combs.candidate import Candidate
     >>> slipped = answer(Evidence.of(Candidate('inner', 4.9, slip=0.03, z=9.0, index=0.8)))
     >>> slipped.result, slipped.level
     ('inner', 'suspect')
@@ -656,8 +656,8 @@ def trusted(evidence: Evidence, verdict: Verdict) -> Verdict:
     """
     Return an answer with what its confidence rests on; it is capped at an unlikely slip.
 
-    >>> from bearing_twin.diagnosis.evidence import Evidence
-    >>> from bearing_twin.diagnosis.candidate import Candidate
+    >>> from bearing_twin.diagnosis.rules.evidence import Evidence
+    >>> from bearing_twin.diagnosis.combs.candidate import Candidate
     >>> slipped = Evidence.of(Candidate('inner', 4.9, slip=0.03, z=9.0, index=0.8))
     >>> trusted(slipped, answer(slipped)).trust.at_most == DOUBTED
     True

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.lines import without_highest
-from bearing_twin.diagnosis.spectra import local_floor, quantiles
+from bearing_twin.diagnosis.signal.lines import without_highest
+from bearing_twin.diagnosis.signal.spectra import local_floor, quantiles
 from bearing_twin.diagnosis.thresholds import (
     CARRIER,
     MAINS_HZ,

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 import math
 
 from bearing_twin.bearing import LEVELS, PLACES
-from bearing_twin.diagnosis.alone import Answers, NEWEST
-from bearing_twin.diagnosis.averaging import Comb  # noqa: TC002 - `restored` reads the types
-from bearing_twin.diagnosis.baseline import Memory
-from bearing_twin.diagnosis.onset import Rise
-from bearing_twin.diagnosis.series_result import SeriesPoint  # noqa: TC002 - it does
-from bearing_twin.diagnosis.trend import Source
+from bearing_twin.diagnosis.machine.baseline import Memory
+from bearing_twin.diagnosis.machine.onset import Rise
+from bearing_twin.diagnosis.machine.trend import Source
+from bearing_twin.diagnosis.series.alone import Answers, NEWEST
+from bearing_twin.diagnosis.series.averaging import Comb  # noqa: TC002 - `restored` reads types
+from bearing_twin.diagnosis.series.result import SeriesPoint  # noqa: TC002 - it does
 from bearing_twin.errors import BearingTwinError
 
 

@@ -27,8 +27,8 @@ import math
 from typing import Any, TYPE_CHECKING, TypeVar
 
 from bearing_twin.bearing import find_bearing, PLACES
-from bearing_twin.diagnosis.candidate import Candidate, Claims, LoadZone
-from bearing_twin.diagnosis.search import CombSearch
+from bearing_twin.diagnosis.combs.candidate import Candidate, Claims, LoadZone
+from bearing_twin.diagnosis.combs.search import CombSearch
 from bearing_twin.diagnosis.thresholds import (
     BLURRED,
     INDEX_FAULT,
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.comb import OrderSpectra
+    from bearing_twin.diagnosis.combs.comb import OrderSpectra
 
 
 _T = TypeVar('_T')
@@ -131,7 +131,7 @@ class Evidence:
             Any other quantity, by its name. What is not given and does not follow from the others
             is that of combs that nothing disturbs.
 
-        >>> from bearing_twin.diagnosis.candidate import Candidate
+        >>> from bearing_twin.diagnosis.combs.candidate import Candidate
         >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
         >>> Evidence.of(inner).leading.place
         'inner'

@@ -13,15 +13,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.comb import HARMONICS
-from bearing_twin.diagnosis.lines import nearest_row, row_height
+from bearing_twin.diagnosis.signal.lines import nearest_row, row_height
+from bearing_twin.diagnosis.thresholds import HARMONICS
 from bearing_twin.dynamics.compiled import compiled, FAST
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from bearing_twin.diagnosis.comb import OrderSpectra
+    from bearing_twin.diagnosis.combs.comb import OrderSpectra
     from numpy.typing import NDArray
 
 
@@ -69,8 +69,8 @@ def line_heights(
     Examples
     --------
     >>> import numpy as np
-    >>> from bearing_twin.diagnosis.comb import OrderSpectra
-    >>> from bearing_twin.diagnosis.lines import NEUTRAL
+    >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
+    >>> from bearing_twin.diagnosis.signal.lines import NEUTRAL
     >>> logs = np.full((2000, 1), NEUTRAL, np.float32)
     >>> logs[613] = 3.0 + NEUTRAL
     >>> spectra = OrderSpectra(0.01, logs, 0.0 * logs, np.zeros(1, np.float32))
@@ -109,7 +109,7 @@ def missing_harmonics(
         (K,) mask of the bins that are not to be used.
 
     >>> import numpy as np
-    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(6.14 * np.arange(1, 4))
     >>> nothing = np.zeros(2000, bool)
     >>> missing_harmonics(spectra, 3.07, lambda order: np.array([0]), nothing)
@@ -153,8 +153,8 @@ def unshared_height(
     0 for pulses at the multiple, 1 for impacts at the order; infinite where nothing is shared.
 
     >>> import numpy as np
-    >>> from bearing_twin.diagnosis.comb import OrderSpectra
-    >>> from bearing_twin.diagnosis.lines import NEUTRAL
+    >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
+    >>> from bearing_twin.diagnosis.signal.lines import NEUTRAL
     >>> logs = np.full((2000, 1), NEUTRAL, np.float32)
     >>> logs[[306, 613, 920, 1227]] += np.array([[0.3], [3.0], [0.3], [3.0]], np.float32)
     >>> spectra = OrderSpectra(0.01, logs, 0.0 * logs, np.zeros(1, np.float32))
@@ -208,7 +208,7 @@ def denser_series(
         high between the harmonics are then no part of it.
 
     >>> import numpy as np
-    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(1.02 * np.arange(1, 19))
     >>> nothing = np.zeros(2000, bool)
     >>> round(denser_series(spectra, 3.06, np.array([0]), nothing, nothing, nothing, 0.002), 2)
@@ -256,7 +256,7 @@ def masked_by_shaft(
         The largest relative error: as far as lines may smear.
 
     >>> import numpy as np
-    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(np.arange(1, 20))
     >>> known = {'precision': 0.0005, 'uncertainty': 0.002}
     >>> masked_by_shaft(spectra, 3.0, np.array([0]), **known)

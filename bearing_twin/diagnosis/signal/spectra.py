@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import functools
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.columns import power_of_lines
-from bearing_twin.diagnosis.ranks import column_ranks
+from bearing_twin.diagnosis.signal.columns import power_of_lines
+from bearing_twin.diagnosis.signal.ranks import column_ranks
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.vector import L
 import numpy as np

@@ -17,9 +17,8 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders
-from bearing_twin.diagnosis.comb import HARMONICS
-from bearing_twin.diagnosis.spectra import local_floor
-from bearing_twin.diagnosis.thresholds import SLIP
+from bearing_twin.diagnosis.signal.spectra import local_floor
+from bearing_twin.diagnosis.thresholds import HARMONICS, SLIP
 import numpy as np
 from scipy import fft
 

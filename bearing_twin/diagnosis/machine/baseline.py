@@ -9,7 +9,7 @@ import math
 import statistics
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.dependence import (
+from bearing_twin.diagnosis.machine.dependence import (
     Condition,
     HealthyRecord,
     Law,
@@ -17,7 +17,7 @@ from bearing_twin.diagnosis.dependence import (
     SAME_OCTAVES,
     Z90,
 )
-from bearing_twin.diagnosis.severity import MEASURES
+from bearing_twin.diagnosis.signal.severity import MEASURES
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 

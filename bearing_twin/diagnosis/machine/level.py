@@ -9,11 +9,12 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS
-from bearing_twin.diagnosis.dependence import Z90
-from bearing_twin.diagnosis.severity import HIGHEST_LIMIT
+from bearing_twin.diagnosis.machine.dependence import Z90
+from bearing_twin.diagnosis.signal.severity import HIGHEST_LIMIT
 
 if TYPE_CHECKING:
-    from bearing_twin.diagnosis.result import Diagnosis, Severity
+    from bearing_twin.diagnosis.result import Diagnosis
+    from bearing_twin.diagnosis.signal.severity import Severity
 
 
 SUSPECT_DB, FAULT_DB = 6.0, 12.0
@@ -70,7 +71,7 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
     Raise the level to the one that the vibration severity demands, with the reason.
 
     Zone C of ISO 20816-3, twice the level of the asset's own baseline, or one that has risen for
-    good (:class:`bearing_twin.diagnosis.onset.Rise`), is at least suspect;
+    good (:class:`bearing_twin.diagnosis.machine.onset.Rise`), is at least suspect;
     zone D, or four times, is a fault, of unknown place if no comb tells. *Ball or cage* is a fault
     from twice the baseline on: the level agrees with the comb. A *healthy* answer that has neither
     zone nor baseline says what it does not speak of.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from bearing_twin.diagnosis.dependence import Law
+    from bearing_twin.diagnosis.machine.dependence import Law
 
 
 @dataclass(frozen=True, kw_only=True)

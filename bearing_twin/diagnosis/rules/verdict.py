@@ -8,20 +8,20 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
-from bearing_twin.diagnosis.confidence import confidence, Trust
+from bearing_twin.diagnosis.rules.confidence import confidence, Trust
 from bearing_twin.diagnosis.thresholds import INDEX_NOISE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from bearing_twin.diagnosis.candidate import Candidate
+    from bearing_twin.diagnosis.combs.candidate import Candidate
 
 
 def highest_comb(candidates: Iterable[Candidate]) -> Candidate | None:
     """
     Most significant comb that modulates the envelope by more than noise does.
 
-    >>> from bearing_twin.diagnosis.candidate import Candidate
+    >>> from bearing_twin.diagnosis.combs.candidate import Candidate
     >>> chance = Candidate('outer', 3.06, 0.0, z=5.0, index=0.0)
     >>> highest_comb([chance, Candidate('inner', 4.94, 0.0, z=4.0, index=0.2)]).place
     'inner'
@@ -36,7 +36,8 @@ class Verdict:
     """The decision on one window or on the mean of several."""
 
     result: str = ''
-    """Answer of the rule that decided; '' until :func:`bearing_twin.diagnosis.rules.decide`."""
+    """Answer of the rule that decided; '' until
+    :func:`bearing_twin.diagnosis.rules.table.decide`."""
     level: str
     faults: tuple[str, ...] = ()
     reasons: tuple[str, ...]

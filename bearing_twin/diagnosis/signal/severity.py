@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.acceleration import acceleration_factor
-from bearing_twin.diagnosis.result import Severity
+from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.dynamics.compiled import compiled, FAST
 import numpy as np
 
@@ -61,6 +60,40 @@ def iso_zone(velocity_rms: float, power_group: int, mounting: str) -> str:
     if limits is None or not math.isfinite(velocity_rms):
         return ''
     return 'ABCD'[sum(velocity_rms > limit for limit in limits)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Severity:
+    """Vibration severity. Each field says what it may be compared with."""
+
+    rms: float = math.nan
+    """Of the signal, in ``unit``; comparable over time for one sensor at one speed and load."""
+    peak: float = math.nan
+    """Largest magnitude, in ``unit``; comparable like ``rms``."""
+    crest_factor: float = math.nan
+    """peak / rms; not comparable: rises early and falls again late."""
+    kurtosis: float = math.nan
+    """3 for Gaussian noise; not comparable: rises early and falls again late."""
+    velocity_rms: float = math.nan
+    """10..1000 Hz, mm/s; comparable between machines (ISO 20816-3); NaN if the unit is unknown."""
+    level_over_baseline: float = math.nan
+    """dB over the asset's own baseline, less ``correction``; NaN until learnt."""
+    iso_zone: str = ''
+    """``'A'``..``'D'`` of ISO 20816-3; empty where it cannot be given."""
+    unit: str
+    band_rms: tuple[float, ...] = ()
+    """RMS in the bands of :data:`BANDS_HZ`, in ``unit``."""
+    stage: int = 0
+    """1 to 4 (incipient, developing, advanced, severe) while a fault is named, else 0."""
+    correction: float = 0.0
+    """Change of level with temperature and speed that was taken off, dB, as this machine's own
+    healthy record shows it; 0 where that does not."""
+    correction_sd: float = 0.0
+    """Its standard deviation, dB."""
+    correction_basis: str = ''
+    """What the correction rests on, or why there is none."""
+    rising: int = 0
+    """Minutes for which the level has stood over its baseline for good; 0: it has not."""
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
-from bearing_twin.diagnosis.harmonics import MISSING
-from bearing_twin.diagnosis.spectra import whiten
+from bearing_twin.diagnosis.combs.harmonics import MISSING
+from bearing_twin.diagnosis.signal.spectra import whiten
 from bearing_twin.diagnosis.thresholds import CARRIER, INDEX_FAULT
 from bearing_twin.errors import BearingTwinError
 import numpy as np

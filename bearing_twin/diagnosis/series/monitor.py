@@ -15,19 +15,20 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS
-from bearing_twin.diagnosis.alone import answer_alone, Answers, CONFIRMING
-from bearing_twin.diagnosis.averaging import AveragedEnvelope
-from bearing_twin.diagnosis.averaging import LEAST as LEAST_AVERAGED
-from bearing_twin.diagnosis.baseline import SETTLED
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.dependence import Condition, Law, Z90
-from bearing_twin.diagnosis.gate import FAINTEST, LARGEST
-from bearing_twin.diagnosis.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
-from bearing_twin.diagnosis.onset import Rise, rise_begins, slope
-from bearing_twin.diagnosis.series_result import SeriesPoint, SeriesReport
-from bearing_twin.diagnosis.series_state import Kept
+from bearing_twin.diagnosis.machine.baseline import SETTLED
+from bearing_twin.diagnosis.machine.dependence import Condition, Law, Z90
+from bearing_twin.diagnosis.machine.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
+from bearing_twin.diagnosis.machine.onset import Rise, rise_begins, slope
+from bearing_twin.diagnosis.machine.trend import Source
+from bearing_twin.diagnosis.series.alone import answer_alone, Answers, CONFIRMING
+from bearing_twin.diagnosis.series.averaging import AveragedEnvelope
+from bearing_twin.diagnosis.series.averaging import LEAST as LEAST_AVERAGED
+from bearing_twin.diagnosis.series.result import SeriesPoint, SeriesReport
+from bearing_twin.diagnosis.series.state import Kept
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.severity import (
+from bearing_twin.diagnosis.signal.gate import FAINTEST, LARGEST
+from bearing_twin.diagnosis.signal.severity import (
     LEAST,
     Levels,
     measure_severity,
@@ -35,8 +36,7 @@ from bearing_twin.diagnosis.severity import (
     of_length,
     watched,
 )
-from bearing_twin.diagnosis.shaft import Turning
-from bearing_twin.diagnosis.trend import Source
+from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import restored
 import numpy as np
@@ -44,9 +44,9 @@ from scipy import fft
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.averaging import Comb
-    from bearing_twin.diagnosis.baseline import Baseline
+    from bearing_twin.diagnosis.machine.baseline import Baseline
     from bearing_twin.diagnosis.result import Diagnosis
+    from bearing_twin.diagnosis.series.averaging import Comb
     from numpy.typing import ArrayLike, NDArray
 
 

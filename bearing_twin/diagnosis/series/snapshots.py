@@ -10,14 +10,14 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS
-from bearing_twin.diagnosis.alone import answer_alone
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.level import staged, UNKNOWN
-from bearing_twin.diagnosis.series import SeriesMonitor
-from bearing_twin.diagnosis.severity import LEAST
-from bearing_twin.diagnosis.shaft import Turning
+from bearing_twin.diagnosis.machine.level import staged, UNKNOWN
+from bearing_twin.diagnosis.machine.trend import Source
+from bearing_twin.diagnosis.series.alone import answer_alone
+from bearing_twin.diagnosis.series.monitor import SeriesMonitor
+from bearing_twin.diagnosis.signal.severity import LEAST
+from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.diagnosis.streaming import checked_block, PATIENCE, same_rate
-from bearing_twin.diagnosis.trend import Source
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, restored, unpack
 import numpy as np

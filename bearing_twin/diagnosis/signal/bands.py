@@ -9,7 +9,7 @@ import functools
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.columns import aligned, real_columns, ROW, transform_rows
+from bearing_twin.diagnosis.signal.columns import aligned, real_columns, ROW, transform_rows
 from bearing_twin.dynamics.compiled import compiled, FAST
 from bearing_twin.dynamics.vector import L, load, store
 import numpy as np
@@ -91,7 +91,7 @@ def squared_envelopes(
     -------
     Arrays of shape (``points``, n), up to sixteen bands each, whitening by whitening.
 
-    >>> from bearing_twin.diagnosis.spectra import whiten
+    >>> from bearing_twin.diagnosis.signal.spectra import whiten
     >>> noise = np.random.default_rng(0).standard_normal(25600)
     >>> spectrum = np.fft.rfft(noise).astype(np.complex64)
     >>> tree = band_tree(12800, 1.0, depth=2, narrowest_hz=500.0)

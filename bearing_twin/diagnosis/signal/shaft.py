@@ -7,13 +7,13 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.diagnosis.lines import without_highest
-from bearing_twin.diagnosis.spectra import local_floor, quantiles
+from bearing_twin.diagnosis.signal.lines import without_highest
+from bearing_twin.diagnosis.signal.spectra import local_floor, quantiles
 from bearing_twin.diagnosis.thresholds import Z_ELSEWHERE
 import numpy as np
 
 if TYPE_CHECKING:
-    from bearing_twin.diagnosis.spectra import EnvelopeSpectra
+    from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
 
 
@@ -71,7 +71,7 @@ def refine_shaft_hz(
     -------
     The refined speed, or the given one with its tolerance where no harmonics stand out.
 
-    >>> from bearing_twin.diagnosis.spectra import EnvelopeSpectra
+    >>> from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
     >>> power = np.ones(2001, np.float32)
     >>> power[1010 * np.arange(1, 7) // 10] = 1e4
     >>> flat = np.ones((2000, 3), np.float32)

@@ -9,12 +9,12 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES
-from bearing_twin.diagnosis.baseline import Memory, SETTLED
-from bearing_twin.diagnosis.dependence import Condition, KNOWN_DB, Z90
-from bearing_twin.diagnosis.level import FALLEN, FAULT_DB, raised, staged, SUSPECT_DB
-from bearing_twin.diagnosis.onset import Rise
-from bearing_twin.diagnosis.rules import NOTHING_SHOWS
-from bearing_twin.diagnosis.severity import MEASURES, watched
+from bearing_twin.diagnosis.machine.baseline import Memory, SETTLED
+from bearing_twin.diagnosis.machine.dependence import Condition, KNOWN_DB, Z90
+from bearing_twin.diagnosis.machine.level import FALLEN, FAULT_DB, raised, staged, SUSPECT_DB
+from bearing_twin.diagnosis.machine.onset import Rise
+from bearing_twin.diagnosis.rules.table import NOTHING_SHOWS
+from bearing_twin.diagnosis.signal.severity import MEASURES, watched
 import numpy as np
 
 if TYPE_CHECKING:

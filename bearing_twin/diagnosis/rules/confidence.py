@@ -10,7 +10,7 @@ from importlib import resources
 import json
 import math
 
-from bearing_twin.diagnosis.gate import HEALTHY_TURNS
+from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS
 from bearing_twin.diagnosis.thresholds import SLIP_COST
 
 KINDS = ('fault', 'suspect', 'ambiguous', 'elsewhere', 'healthy')
@@ -81,7 +81,7 @@ def shipped_weights() -> dict[str, dict[str, float]]:
     True
 
     """
-    text = resources.files('bearing_twin.diagnosis').joinpath('reliability.json')
+    text = resources.files('bearing_twin.diagnosis.rules').joinpath('reliability.json')
     table: dict[str, dict[str, float]] = json.loads(text.read_text('utf-8'))['weights']
     return table
 

@@ -7,14 +7,13 @@ from __future__ import annotations
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.diagnosis.comb import HARMONICS
-from bearing_twin.diagnosis.lines import nearest_row
-from bearing_twin.diagnosis.thresholds import CARRIER
+from bearing_twin.diagnosis.signal.lines import nearest_row
+from bearing_twin.diagnosis.thresholds import CARRIER, HARMONICS
 from bearing_twin.dynamics.compiled import compiled, FAST
 import numpy as np
 
 if TYPE_CHECKING:
-    from bearing_twin.diagnosis.comb import OrderSpectra
+    from bearing_twin.diagnosis.combs.comb import OrderSpectra
     from numpy.typing import NDArray
 
 
@@ -37,7 +36,7 @@ def modulation_index(
     counts only in bands that begin above ``CARRIER`` multiples.
 
     >>> import numpy as np
-    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(3.07 * np.arange(1, 5))
     >>> index, band = modulation_index(spectra, 3.07, np.ones(1, np.float32), 'inner')
     >>> round(index, 2), band
@@ -62,7 +61,7 @@ def comb_powers(
     Relative power of the lines of several combs in one band.
 
     >>> import numpy as np
-    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(3.07 * np.arange(1, 5))
     >>> comb_powers(spectra, np.array([3.07, 6.14]), 0).tolist()
     [4.0, 2.0]
@@ -77,7 +76,7 @@ def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 
     Amplitude of the lines one and two gaps beside the harmonics of a comb, over theirs.
 
     >>> import numpy as np
-    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(np.arange(1, 19))
     >>> sideband_ratio(spectra, 4.0, 0), sideband_ratio(spectra, 4.0, 0, 0.5)
     (1.0, 0.7071067690849304)
@@ -93,7 +92,7 @@ def sideband_ratios(
     Sideband ratio at each of several gaps.
 
     >>> import numpy as np
-    >>> from bearing_twin.diagnosis.comb import OrderSpectra
+    >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(np.arange(1, 19))
     >>> sideband_ratios(spectra, 4.0, 0, np.array([1.0, 0.25])).tolist()
     [1.0, 0.0]

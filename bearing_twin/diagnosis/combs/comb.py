@@ -9,21 +9,19 @@ from functools import cached_property
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.comb_sums import best_bands, comb_bands, comb_sums
-from bearing_twin.diagnosis.lines import nearest_row
-from bearing_twin.diagnosis.spectra import column_quantiles, quantiles
+from bearing_twin.diagnosis.combs.comb_sums import best_bands, comb_bands, comb_sums
+from bearing_twin.diagnosis.signal.lines import nearest_row
+from bearing_twin.diagnosis.signal.spectra import column_quantiles, quantiles
+from bearing_twin.diagnosis.thresholds import HARMONICS
 from bearing_twin.dynamics.compiled import compiled, FAST
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from bearing_twin.diagnosis.spectra import EnvelopeSpectra
+    from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
 
-
-HARMONICS = 4
-"""Harmonics of a comb. Fault lines fade after a few, and each empty harmonic costs power."""
 
 _LOWEST_ORDER = 0.3
 
@@ -129,7 +127,7 @@ def order_spectra(
     shaft_hz, given_hz
         Shaft speed refined and handed in, Hz.
 
-    >>> from bearing_twin.diagnosis.spectra import EnvelopeSpectra
+    >>> from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
     >>> ones = np.ones((400, 3), np.float32)
     >>> spectra = EnvelopeSpectra(0.25, ones, ones[:, :1], ones[:, :1].T, ones.T, 0.0, 1)
     >>> found = order_spectra(spectra, [(0.0, 12800.0)], 25.0, 25.0)

@@ -7,8 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from bearing_twin.diagnosis.comb import HARMONICS
-from bearing_twin.diagnosis.thresholds import INDEX_SUSPECT, Z_CAGE, Z_FAULT
+from bearing_twin.diagnosis.thresholds import HARMONICS, INDEX_SUSPECT, Z_CAGE, Z_FAULT
 
 UNTESTED = 1.0
 """Sideband ratio of a comb whose sidebands were not measured."""

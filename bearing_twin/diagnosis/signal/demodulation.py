@@ -15,13 +15,12 @@ import math
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
-from bearing_twin.diagnosis.bands import band_tree, BandTree, squared_envelopes
-from bearing_twin.diagnosis.comb import HARMONICS
-from bearing_twin.diagnosis.gate import DAMPING, HIGHEST_RINGING_HZ, SHAFT_TURNS
-from bearing_twin.diagnosis.impulsive_outliers import limit_impulsive_outliers
-from bearing_twin.diagnosis.severity import Levels, moments
-from bearing_twin.diagnosis.spectra import line_cap, transform, whiten
-from bearing_twin.diagnosis.thresholds import KURTOSIS
+from bearing_twin.diagnosis.signal.bands import band_tree, BandTree, squared_envelopes
+from bearing_twin.diagnosis.signal.gate import DAMPING, HIGHEST_RINGING_HZ, SHAFT_TURNS
+from bearing_twin.diagnosis.signal.impulsive_outliers import limit_impulsive_outliers
+from bearing_twin.diagnosis.signal.severity import Levels, moments
+from bearing_twin.diagnosis.signal.spectra import line_cap, transform, whiten
+from bearing_twin.diagnosis.thresholds import HARMONICS, KURTOSIS
 import numpy as np
 from scipy import fft
 

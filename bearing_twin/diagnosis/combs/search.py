@@ -9,27 +9,28 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
-from bearing_twin.diagnosis.candidate import Candidate, UNTESTED
-from bearing_twin.diagnosis.comb import comb_scores, HARMONICS, OrderSpectra
-from bearing_twin.diagnosis.comb_sums import highest_off, likeliest
-from bearing_twin.diagnosis.gate import HEALTHY_TURNS
-from bearing_twin.diagnosis.harmonics import (
+from bearing_twin.diagnosis.combs.candidate import Candidate, UNTESTED
+from bearing_twin.diagnosis.combs.comb import comb_scores, OrderSpectra
+from bearing_twin.diagnosis.combs.comb_sums import highest_off, likeliest
+from bearing_twin.diagnosis.combs.harmonics import (
     denser_series,
     line_heights,
     masked_by_shaft,
     MISSING,
     missing_harmonics,
 )
-from bearing_twin.diagnosis.lines import mean_height
-from bearing_twin.diagnosis.shaft import SHAFT_FOUND
-from bearing_twin.diagnosis.sidebands import (
+from bearing_twin.diagnosis.combs.sidebands import (
     comb_powers,
     modulation_index,
     sideband_ratio,
     sideband_ratios,
 )
-from bearing_twin.diagnosis.spectra import WHITENINGS
+from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS
+from bearing_twin.diagnosis.signal.lines import mean_height
+from bearing_twin.diagnosis.signal.shaft import SHAFT_FOUND
+from bearing_twin.diagnosis.signal.spectra import WHITENINGS
 from bearing_twin.diagnosis.thresholds import (
+    HARMONICS,
     INDEX_FAULT,
     INDEX_STRIKE,
     JOINT_SLIP,
@@ -48,7 +49,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.shaft import ShaftSpeed
+    from bearing_twin.diagnosis.signal.shaft import ShaftSpeed
     from numpy.typing import NDArray
 
 
