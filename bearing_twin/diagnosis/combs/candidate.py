@@ -56,8 +56,9 @@ class Candidate:
         return self.z >= least and self.index >= INDEX_SUSPECT and self.harmonics >= 2
 
     def __str__(self) -> str:
+        what = 'impacts' if self.place == 'elsewhere' else f'{self.place}: comb'
         return (
-            f'{self.place}: comb at {self.order:.3f} orders, significance {self.z:.1f}, '
+            f'{what} at {self.order:.3f} orders, significance {self.z:.1f}, '
             f'modulation index {self.index:.2f}'
         )
 

@@ -9,9 +9,14 @@ import functools
 from importlib import resources
 import json
 import math
+from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS
 from bearing_twin.diagnosis.thresholds import SLIP_COST
+
+if TYPE_CHECKING:
+    from bearing_twin.diagnosis.combs.candidate import Candidate
+    from bearing_twin.diagnosis.rules.evidence import Evidence
 
 KINDS = ('fault', 'suspect', 'ambiguous', 'elsewhere', 'healthy')
 """Kinds of answers that have a confidence: ``'fault'`` stands for every named fault,
@@ -53,6 +58,15 @@ class Trust:
     """Rule that answered: two rules of one answer are not right equally often."""
     at_most: float = 1.0
     """Confidence that its answers cannot pass."""
+
+    @classmethod
+    def on(cls, e: Evidence, comb: Candidate | None) -> Trust:
+        """Return what an answer about a comb, or about none, rests on."""
+        # The comb is one at any order itself, also where it lies on a multiple of the shaft.
+        strongest = max(e.elsewhere, comb or e.elsewhere, key=lambda c: c.z)
+        z, index, slip = (comb.z, comb.index, comb.slip) if comb else (0.0, 0.0, 0.0)
+        impacts = e.impacts.get(strongest.place, 0.0)
+        return cls(z, index, slip, strongest.z, strongest.index, impacts, e.turns, e.speed_known)
 
     def terms(self) -> dict[str, float]:
         """Terms of the logistic model, by name; that of the rule has the name of the rule."""

@@ -31,6 +31,7 @@ from bearing_twin.diagnosis.combs.candidate import Candidate, Claims, LoadZone
 from bearing_twin.diagnosis.combs.search import CombSearch
 from bearing_twin.diagnosis.thresholds import (
     BLURRED,
+    IMPACTS,
     INDEX_FAULT,
     INDEX_NOISE,
     INDEX_NOISE_TURNS,
@@ -39,6 +40,7 @@ from bearing_twin.diagnosis.thresholds import (
     RIPPLE,
     RIVAL,
     SLIP_COST,
+    Z_ELSEWHERE,
     Z_FAULT,
     Z_SECOND_LOOK,
 )
@@ -480,6 +482,13 @@ class Evidence:
         combs = (*self.candidates.values(), self.elsewhere)
         return {c.place: self._combs.impacts(c) for c in combs}
 
+    @property
+    def strikes_elsewhere(self) -> bool:
+        """Whether strong impacts repeat at an order off the shaft, whatever makes them."""
+        comb = self.elsewhere
+        strong = comb.z >= Z_ELSEWHERE and comb.index >= INDEX_FAULT
+        return strong and self.impacts['elsewhere'] >= IMPACTS
+
     @_measured(undisturbed=3.0)
     def kurtosis(self) -> float:
         """Kurtosis of the samples without single shocks and lines."""
@@ -545,6 +554,27 @@ class Evidence:
             and not combs.shaft_sidebands_dominate(c)
             and not combs.extraneous_order(c)
         )
+
+    @cached_property
+    def certain(self) -> tuple[Candidate, ...]:
+        """Other combs that are faults of their own."""
+        return tuple(c for c in self.others if c.index >= INDEX_FAULT and self.speed_known)
+
+    @cached_property
+    def doubtful(self) -> tuple[Candidate, ...]:
+        """Other combs that would be faults if the speed were known exactly."""
+        return tuple(c for c in self.others if c.index >= INDEX_FAULT and not self.speed_known)
+
+    @cached_property
+    def in_order(self) -> tuple[Candidate, ...]:
+        """The leading comb, those of other faults, then those that are none for certain."""
+        unsure = (c for c in self.others if c not in self.certain)
+        return (self.leading, *self.certain, *unsure)
+
+    @property
+    def told_apart(self) -> dict[str, Candidate]:
+        """Candidates; those beside the leading one without the lines that it explains."""
+        return self.candidates | {c.place: c for c in self.in_order}
 
 
 def _on_harmonics(order: float, cage_order: float, step: float) -> bool:

@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
 from bearing_twin.diagnosis.rules.confidence import confidence, Trust
-from bearing_twin.diagnosis.thresholds import INDEX_NOISE
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_NOISE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from bearing_twin.diagnosis.combs.candidate import Candidate
+    from bearing_twin.diagnosis.rules.evidence import Evidence
+
+NO_ALARM = f'modulation index below {INDEX_FAULT:g}: not an alarm'
 
 
 def highest_comb(candidates: Iterable[Candidate]) -> Candidate | None:
@@ -71,3 +74,61 @@ class Verdict:
     def weight(self) -> float:
         """Weight of the comb that the verdict is about; 0 without any."""
         return self.strongest.weight if self.strongest else 0.0
+
+
+def say(
+    e: Evidence,
+    *texts: str,
+    about: Candidate | None = None,
+    faults: tuple[str, ...] | None = None,
+    level: str = 'suspect',
+    candidates: dict[str, Candidate] | None = None,
+) -> Verdict:
+    """
+    Verdict for the reasons ``texts``; the table of rules adds the answer.
+
+    It is about a comb, or about none, and then about the place of that comb or about ``faults``.
+
+    >>> from bearing_twin.diagnosis.combs.candidate import Candidate
+    >>> from bearing_twin.diagnosis.rules.evidence import Evidence
+    >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
+    >>> said = say(Evidence.of(inner), 'check the speed', about=inner)
+    >>> said.faults, said.level, said.reasons[1]
+    (('inner',), 'suspect', 'check the speed')
+
+    """
+    if faults is None:
+        faults = (about.place,) if about else ()
+    return Verdict(
+        level=level,
+        faults=faults,
+        reasons=(str(about), *texts) if about else texts,
+        candidates=candidates or e.candidates,
+        strongest=about,
+    )
+
+
+def silent(e: Evidence, text: str) -> Verdict:
+    """
+    Verdict without a statement, for one reason, with the combs that are too faint for one.
+
+    >>> from bearing_twin.diagnosis.rules.evidence import Evidence
+    >>> silent(Evidence.of(), 'few turns').level
+    'none'
+
+    """
+    return say(e, *map(str, e.faint), text, level='none')
+
+
+def unless_loose(e: Evidence, comb: Candidate) -> str:
+    """
+    Level of a comb: an alarm where it is strong and no loose shaft has such lines.
+
+    >>> from bearing_twin.diagnosis.combs.candidate import Candidate
+    >>> from bearing_twin.diagnosis.rules.evidence import Evidence
+    >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
+    >>> unless_loose(Evidence.of(inner), inner), unless_loose(Evidence.of(loose={'inner'}), inner)
+    ('fault', 'suspect')
+
+    """
+    return 'fault' if comb.index >= INDEX_FAULT and comb.place not in e.loose else 'suspect'

@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Other causes: lines that something else makes than a fault of this bearing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bearing_twin.diagnosis.rules.fits import what_fits
+from bearing_twin.diagnosis.rules.rule import EVEN, rule
+from bearing_twin.diagnosis.rules.verdict import say, unless_loose
+from bearing_twin.diagnosis.thresholds import (
+    CARRIER,
+    IMPACTS,
+    INDEX_FAULT,
+    INDEX_SMOOTH,
+    SWAY,
+    UNLIKELY_SLIP,
+    Z_FAULT,
+)
+
+if TYPE_CHECKING:
+    from bearing_twin.diagnosis.rules.evidence import Evidence
+    from bearing_twin.diagnosis.rules.verdict import Verdict
+
+
+@rule(
+    'ambiguous',
+    'Lines at a fault order on a multiple of the shaft belong to either.',
+    at_most=EVEN,
+)
+def masked_candidate(e: Evidence) -> Verdict | None:
+    if not e.masked_candidates:
+        return None
+    first = e.masked_candidates[0]
+    text = (
+        f'{first.place} order {first.order:.3f} and shaft order {round(first.order)} coincide '
+        'within the resolution of this window: the lines '
+        'there belong to either; a longer window or an exact speed may part them'
+    )
+    combs = {c.place: c for c in e.masked_candidates}
+    found = e.candidates | combs
+    return say(e, str(first), text, faults=tuple(combs), candidates=found)
+
+
+@rule('suspect', 'What rings low only may be an outer race, or its variable compliance.')
+def low_bands(e: Evidence) -> Verdict | None:
+    outer = e.candidates['outer']
+    shown = outer.z >= Z_FAULT and outer.harmonics >= 2 and e.outer_index >= INDEX_FAULT
+    if not shown or e.impacts.get('outer', 0.0) < IMPACTS:
+        return None
+    return say(e, _rings_low(e), about=outer)
+
+
+@rule('suspect', 'Impacts repeat at an order that no part of this bearing makes.')
+def impacts_elsewhere(e: Evidence) -> Verdict | None:
+    return _elsewhere(e, 'fit no part of') if e.strikes_elsewhere else None
+
+
+@rule(
+    'ambiguous',
+    'Rectifiers and converters pulse twice a period of the mains, and swell with no shaft.',
+)
+def mains_pulses(e: Evidence) -> Verdict | None:
+    sways = e.leading.place == 'inner' and e.leading.shaft_sideband_ratio >= SWAY
+    if sways or not e.mains_hz:
+        return None
+    text = (
+        f'it coincides with a multiple of {2.0 * e.mains_hz:g} Hz: the pulses of rectifiers and '
+        f'converters on mains of {e.mains_hz:g} Hz; another shaft speed parts them'
+    )
+    return say(e, text, about=e.leading)
+
+
+@rule('ambiguous', 'An impact once a turn has lines at all multiples of the shaft.', at_most=EVEN)
+def masked_by_shaft(e: Evidence) -> Verdict | None:
+    if e.leading in e.nameable or e.leading.place not in e.masked_by_shaft:
+        return None
+    text = (
+        f'it coincides with {round(e.leading.order)} turns of the shaft within the resolution, '
+        'and the other multiples of the shaft are as high: an impact once a turn, or the '
+        'fault; a longer window or an exact speed may part them'
+    )
+    return say(e, text, about=e.leading)
+
+
+@rule('suspect', 'A comb may be part of stronger impacts at an order of no part of the bearing.')
+def elsewhere_explains(e: Evidence) -> Verdict | None:
+    return _elsewhere(e, 'explain it, and fit no part of') if e.elsewhere_explains else None
+
+
+@rule('suspect', 'A gear, a belt or another bearing may have a harmonic at this order.')
+def extraneous(e: Evidence) -> Verdict | None:
+    if e.leading in e.nameable:
+        return None
+    order = e.extraneous_orders[e.leading.place]
+    text = (
+        f'it shares its harmonics with a comb at {order:.3f} orders, which no part '
+        'of this bearing has: check geometry and speed; a gear, a belt, another bearing or a '
+        'cage that slips far?'
+    )
+    return say(e, text, about=e.leading)
+
+
+@rule('suspect', 'Sound parts, blades and vanes modulate smoothly; impacts have all harmonics.')
+def smooth(e: Evidence) -> Verdict | None:
+    # What has the sidebands of its place is no blade; these and lobes pass at whole or half turns.
+    place, sways = e.leading.place, e.leading.shaft_sideband_ratio >= SWAY
+    sided = place == 'ball' or (not e.half_turn and sways == (place == 'inner'))
+    if sided or not e.smooth or e.leading.index > INDEX_SMOOTH:
+        return None
+    text = (
+        'its third and fourth harmonic are missing, so it is smooth: an extended spall, an error '
+        'of form, or the pulses of blades, vanes or lobes? check bearing and speed'
+    )
+    return say(e, text, about=e.leading)
+
+
+@rule('ambiguous', 'What strikes a whole number of times a turn may be a part of the shaft.')
+def whole_turns(e: Evidence) -> Verdict | None:
+    # A name at an unlikely slip is no alarm and asks for the speed itself.
+    if e.leading.slip > UNLIKELY_SLIP or not e.whole_turns:
+        return None
+    text = (
+        f'the shaft speed is not known well enough to tell it from {e.whole_turns} impacts a '
+        'turn, as of a coupling; give a measured speed'
+    )
+    return say(e, text, about=e.leading, level=unless_loose(e, e.leading))
+
+
+@rule('suspect', "A comb with sidebands of another bearing's cage is that of its ball.")
+def another_cage(e: Evidence) -> Verdict | None:
+    if not e.another_cage_order:
+        return None
+    text = (
+        f'its sidebands are {e.another_cage_order:.3f} orders apart, as the cage of another '
+        f'bearing turns, and not that of a {e.bearing.name}: a ball of another bearing? check '
+        'bearing and speed'
+    )
+    return say(e, text, about=e.leading)
+
+
+def _elsewhere(e: Evidence, what: str) -> Verdict:
+    """Verdict on impacts that no part of the bearing makes, with what would explain them."""
+    comb, outer = e.elsewhere, e.candidates['outer']
+    if abs(comb.order - outer.order) <= 2.0 * e.step:
+        return say(e, _rings_low(e), about=outer)
+    if abs(comb.order - 1.0) < 0.1:
+        text = f'the shaft seems to turn at {comb.order * e.shaft_hz:.4g} Hz: check the speed'
+    else:
+        text = f'periodic impacts at {comb.order:.3f} orders {what} a {e.bearing.name}: check '
+        text += f'bearing and speed{what_fits(comb.order, 2.0 * e.step, e.shaft_hz, e.bearing)}'
+    return say(e, str(comb), text)
+
+
+def _rings_low(e: Evidence) -> str:
+    return (
+        f'it modulates by {e.outer_index:.2f} in bands below {CARRIER:g} times its frequency '
+        'only, where the variable compliance of a sound bearing shows as well'
+    )

@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Nothing that can be named: whether the bearing is healthy, or not known to be."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bearing_twin.diagnosis.rules.confidence import confidence, LEAST_CONFIDENCE, Trust
+from bearing_twin.diagnosis.rules.rule import rule
+from bearing_twin.diagnosis.rules.verdict import highest_comb, say, silent
+from bearing_twin.diagnosis.signal.demodulation import highest_fault_order
+from bearing_twin.diagnosis.signal.gate import CONVERTER_STEPS, fastest_impacts_hz, HEALTHY_TURNS
+from bearing_twin.diagnosis.thresholds import (
+    IMPACTS,
+    INDEX_SUSPECT,
+    KURTOSIS,
+    LOW_LINES,
+    RIVAL,
+    Z_ELSEWHERE,
+    Z_FAULT,
+)
+
+if TYPE_CHECKING:
+    from bearing_twin.diagnosis.rules.evidence import Evidence
+    from bearing_twin.diagnosis.rules.verdict import Verdict
+
+
+@rule('insufficient', "A dead sensor has no comb either: its noise is the converter's rounding.")
+def few_steps(e: Evidence) -> Verdict | None:
+    if e.steps >= CONVERTER_STEPS:
+        return None
+    text = (
+        f'the RMS is {e.steps:.2g} steps of the converter ({CONVERTER_STEPS:g} are needed to call '
+        'it healthy): is the sensor dead? If it is not, raise the gain'
+    )
+    return silent(e, text)
+
+
+@rule('suspect', 'No load modulates noise so much: impacts or bursts, whatever their period.')
+def bursts(e: Evidence) -> Verdict | None:
+    if e.kurtosis <= KURTOSIS:
+        return None
+    text = (
+        f'impacts or bursts without a period of this bearing: kurtosis {e.kurtosis:.1f} without '
+        f'single shocks, {KURTOSIS:.1f} is the most of noise that a load modulates; worn '
+        'surfaces, dirt, lack of grease, currents, a rub, looseness? check bearing and speed too'
+    )
+    return say(e, text)
+
+
+@rule(
+    'suspect',
+    'Of machines with impacts so regular, however faint, two of three are damaged.',
+    faint=True,
+)
+def mostly_damaged(e: Evidence) -> Verdict | None:
+    comb = highest_comb(e.heard)
+    if comb is None or comb.z < Z_FAULT or e.impacts.get(comb.place, 0.0) < IMPACTS:
+        return None
+    sound = confidence('healthy', Trust.on(e, comb))
+    # A factor 2 in power tells two claims apart.
+    if sound * (1.0 + RIVAL**2) >= 1.0:
+        return None
+    text = (
+        f'{100.0 * sound:.0f} % of simulated machines with such impacts are sound; modulation '
+        'index too low for an alarm: compare with an earlier record, or measure nearer to it'
+    )
+    return say(e, text, about=comb)
+
+
+@rule(
+    'insufficient',
+    'Combs of two places of one bearing are not chance: first damage, or waves of its surfaces.',
+    faint=True,
+    nothing_shows=True,
+)
+def two_faint_places(e: Evidence) -> Verdict | None:
+    if len(e.faint) < 2:
+        return None
+    text = (
+        'too weak for a fault, but two places of one bearing are not chance: compare with an '
+        'earlier record of this machine, and repeat it with a longer window or a nearer sensor'
+    )
+    return silent(e, text)
+
+
+@rule(
+    'insufficient',
+    'Of machines with such combs more are damaged than sound.',
+    faint=True,
+    nothing_shows=True,
+)
+def uncertain_health(e: Evidence) -> Verdict | None:
+    trust = Trust.on(e, highest_comb(e.heard))
+    sound = confidence('healthy', trust)
+    if sound >= LEAST_CONFIDENCE:
+        return None
+    text = (
+        f'not known: {100.0 * sound:.0f} % of simulated machines with a comb of significance '
+        f'{trust.z:.1f} and index {trust.index:.2f}, and one of {trust.elsewhere_z:.1f} at any '
+        'order, are sound; a longer window, a measured speed, the exact bearing, or a sensor '
+        'nearer to it may tell'
+    )
+    return silent(e, text)
+
+
+@rule(
+    'insufficient',
+    'A short window shows strong faults only, so it cannot call a bearing healthy.',
+    nothing_shows=True,
+)
+def few_shaft_turns(e: Evidence) -> Verdict | None:
+    if e.turns >= HEALTHY_TURNS:
+        return None
+    text = (
+        f'{e.turns:.0f} shaft turns show strong faults only, and no such one is there: '
+        f'{HEALTHY_TURNS:g} are needed to call it healthy, {HEALTHY_TURNS / e.shaft_hz:.1f} s'
+    )
+    return silent(e, text)
+
+
+@rule(
+    'insufficient',
+    'Impacts hardly show that come faster than their ringing dies away.',
+    nothing_shows=True,
+)
+def run_together(e: Evidence) -> Verdict | None:
+    highest_hz = highest_fault_order(e.bearing) * e.shaft_hz
+    shown_hz = fastest_impacts_hz(e.sample_rate)
+    if highest_hz <= shown_hz:
+        return None
+    text = (
+        f'a fault would strike up to {highest_hz:.0f} times a second, and at this sample rate '
+        f'only what strikes up to {shown_hz:.0f} times is sure to show, before ringing runs '
+        'together: call it healthy from a record with faster sampling or a slower shaft, and look '
+        'for lines at multiples of the fault frequencies in the spectrum'
+    )
+    return silent(e, text)
+
+
+@rule('insufficient', 'What rings low has steady lines and modulates little.', nothing_shows=True)
+def low_lines(e: Evidence) -> Verdict | None:
+    if e.low_lines < LOW_LINES:
+        return None
+    text = (
+        f'{100.0 * e.low_lines:.0f} % of the power from the 4th to the 12th multiple of the outer '
+        "race's frequency is in lines at these multiples: a fault that rings low, or the variable "
+        'compliance of a sound bearing; compare with an earlier record, sample faster or slow down'
+    )
+    return silent(e, text)
+
+
+@rule('healthy', 'No comb is both significant and strong.', faint=True)
+def no_comb(e: Evidence) -> Verdict | None:
+    text = (
+        f'no fault comb above a significance of {Z_FAULT:g} with modulation index '
+        f'{INDEX_SUSPECT:g}'
+    )
+    heard = [f'{c}: too weak for a remark alone; compare with an earlier record' for c in e.faint]
+    if e.elsewhere.z >= Z_ELSEWHERE and e.impacts['elsewhere'] >= IMPACTS:
+        heard.append(
+            f'{e.elsewhere}: of no part of a {e.bearing.name}, and too weak for a '
+            'remark alone; check bearing and speed'
+        )
+    return say(e, text, *heard, level='ok')
