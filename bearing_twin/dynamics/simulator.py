@@ -332,6 +332,7 @@ class Simulator:
         state = state.view(STATE)
         bounded = np.isfinite(values).all() and np.abs(values).max() < _LARGEST
         bounded = bounded and np.abs(state['q']).max() < 1.0 and np.abs(rings).max() < 300.0
+        bounded = bounded and state['next_step'][0] in (0.0, *self.tables.machines['step'])
         if not (
             bounded and all(abs(state[name]) < _MOST_TURNS for name in ('cage', 'shaft', 'spin'))
         ):
@@ -348,10 +349,10 @@ class Simulator:
         self.next_sample = next_sample
         self.state[:] = state
         self.history[:] = history.reshape(self.history.shape)
-        self.drift[:] = drift.reshape(self.drift.shape)
         self.fade[:], self.faded = fade, faded
         physical = self._parameters.thermal_mode == 'physical'
         self.rings[:] = rings if physical else math.nan
+        self.drift[:] = drift.reshape(self.drift.shape) if physical else 0.0
         if tuple(of) != self.marks:
             self._come_from(inputs if of[1] == self.marks[1] else None)
             self._start_motion()
