@@ -55,7 +55,6 @@ soak: setup
 	$(BIN)/python -m pytest -s -m soak
 
 fuzz: setup
-	$(PIP) install -r requirements-fuzz.txt || echo 'atheris cannot be installed: without guided fuzzing'
 	$(BIN)/python -m pytest -s -m fuzz
 
 $(VENV)/release.stamp: $(VENV)/package.stamp requirements-release.txt
