@@ -10,6 +10,7 @@ trends; ``test_audit.py`` holds the twin to them.
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -85,6 +86,7 @@ def spring_foot(beta: float, clearance: float, load: float) -> float:
     return relative - load * (1.0 / SHAFT_K + 1.0 / HOUSING_K)
 
 
+@functools.cache
 def housing(
     beta: float, shaft_hz: float, seconds: float, *, clearance: float = CLEARANCE,
     load: float = LOAD, rate: float = 25600.0, places: tuple[str, ...] = ('inner',),
@@ -120,8 +122,9 @@ def housing(
         for k in range(Z):
             angle = cage + spacing * k + DOWN
             c, s = math.cos(angle), math.sin(angle)
-            gap = beta * sum(sunk(place, k, (angle, shaft, spin)) for place in places)
-            delta = x * c + y * s - clearance - gap
+            delta = x * c + y * s - clearance
+            if delta > 0.0:
+                delta -= beta * sum(sunk(place, k, (angle, shaft, spin)) for place in places)
             if delta > 0.0:
                 force = beta * K_B0 * delta * math.sqrt(delta) + CONTACT_C * (vx * c + vy * s)
                 if force > 0.0:
