@@ -16,7 +16,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 export AMENT_PREFIX_PATH := $(CURDIR)/$(VENV)
-
+# Types are checked while the kernels compile.
+MAKEFLAGS += --jobs=2
 
 .PHONY: demo test test-jazzy lint setup soak fuzz screenshots release wheels docs identity clean
 
@@ -26,10 +27,10 @@ demo: setup
 # Tests with real nodes wait more than they compute: more processes than a small machine has cores.
 # Each takes whole files, whose fixtures are then prepared once (pytest-xdist 3.8 does not follow
 # --dist loadgroup under pytest 9.2).
-test: lint
+test: setup lint
 	$(BIN)/python -m pytest -n 4 --dist loadfile --no-loadscope-reorder
 
-lint: setup
+lint: $(VENV)/package.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -62,7 +63,7 @@ $(VENV)/release.stamp: $(VENV)/package.stamp requirements-release.txt
 	touch $@
 
 release: $(VENV)/release.stamp
-	$(BIN)/python -m pytest test/test_wheels.py test/test_docs.py test/test_dockerfile.py
+	$(BIN)/python -m pytest -n 2 --dist loadfile test/test_wheels.py test/test_docs.py test/test_dockerfile.py
 
 wheels: $(VENV)/release.stamp
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m build --no-isolation --wheel -o dist .
