@@ -285,6 +285,7 @@ def between_impacts(x: FloatArray, situation: Situation) -> float:
 
     Where it is high the impacts are half as frequent, as they seem if a sample rate is halved or a
     speed doubled. Orders of the shaft are left out, and with them the sidebands of an inner race.
+    It is 0 where noise alone may be as high: the line of faint impacts is hardly higher.
 
     Parameters
     ----------
@@ -313,7 +314,10 @@ def between_impacts(x: FloatArray, situation: Situation) -> float:
     own = float(power.max(initial=0.0, where=near))
     away = np.minimum(*(np.abs(hertz - share * line) for share in (0.5, 1.5)))
     between = (away <= LOBE * step) & ~_on_order(power, step, situation.shaft_hz)
-    return float(power.max(initial=0.0, where=between)) / max(own, 1e-300)
+    highest = float(power.max(initial=0.0, where=between))
+    floor = float(np.median(power[np.abs(hertz - line) < 0.6 * line])) / math.log(2.0)
+    by_chance = floor * math.log(max(int(between.sum()), 1) / CHANCE)
+    return highest / own if highest > by_chance else 0.0
 
 
 class Shown(NamedTuple):

@@ -13,7 +13,7 @@ from bearing_twin.calibration.impacts import gear
 from bearing_twin.calibration.joint import joined
 from bearing_twin.calibration.passage import widest
 from bearing_twin.calibration.posterior import limit
-from bearing_twin.calibration.refusals import Kind, no_impacts, unresolved
+from bearing_twin.calibration.refusals import half_as_often, Kind, no_impacts, unresolved
 from bearing_twin.calibration.summaries import correlate, summarise
 from impact_trains import BEARING, impact_train, RATE, ring
 import numpy as np
@@ -71,6 +71,13 @@ def test_a_rate_or_a_speed_that_is_twice_off_is_no_width(place, rate, shaft_hz):
         found.refusal is Kind.NO_IMPACTS and not found.quantities['defect_width_mm'].identifiable
     )
     assert found.statement.endswith('race: check speed and sample rate')
+
+
+def test_noise_between_faint_impacts_is_no_wrong_speed():
+    """Half of the records of noise have a line there that is as high as that of faint impacts."""
+    machine = cloud.example()
+    rng = np.random.default_rng(4)
+    assert all(half_as_often(rng.standard_normal(51200), machine) is None for _ in range(20))
 
 
 def test_impacts_of_another_bearing_say_which_would_fit():
