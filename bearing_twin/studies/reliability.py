@@ -29,7 +29,7 @@ import sys
 from typing import Any, NamedTuple, TYPE_CHECKING, TypeAlias
 
 from bearing_twin.diagnosis.rules.confidence import KINDS, share_right, shipped_weights, Trust
-from bearing_twin.diagnosis.rules.table import DOUBTED
+from bearing_twin.diagnosis.rules.table import RULES
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies import impact_machines, twin_machines
@@ -352,7 +352,9 @@ def main(argv: Sequence[str] | None = None) -> None:
     fresh = _answers(args.output, tasks(args.fresh[0], args.fresh[1], FRESH), args.jobs)
     rows: list[Sequence[object]] = []
     groups = {kind: [t for t in fresh if t.kind == kind] for kind in KINDS}
-    groups['unlikely slip'] = [t for t in fresh if t.trust.at_most == DOUBTED]
+    # Such an answer is capped lower than its rule is.
+    caps = {rule.name: rule.at_most for rule in RULES}
+    groups['unlikely slip'] = [t for t in fresh if t.trust.at_most < caps[t.trust.rule]]
     for kind, told in (groups | {'all': fresh}).items():
         said, right = _read(weights, told)
         if kind in KINDS:
