@@ -75,22 +75,50 @@ def test_a_change_in_a_called_file_is_seen_wherever_the_cache_lies(tree, tmp_pat
     assert (other != folder, value) == (True, 3.0)
 
 
+def names(*nodes):
+    return {n.id for node in nodes for n in ast.walk(node) if isinstance(n, ast.Name)}
+
+
+def taken_by_compiled_code(tree):
+    """Return where names come from that compiled functions of a module use, however derived."""
+    taken, made, asked = {}, {}, set()
+    for node in tree.body:
+        if isinstance(node, ast.ImportFrom) and node.module.startswith('bearing_twin'):
+            folder = ROOT.joinpath(*node.module.split('.'))
+            taken |= {alias.asname or alias.name: folder / alias.name for alias in node.names}
+        elif isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value:
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            made |= dict.fromkeys(names(*targets), names(node.value))
+        elif isinstance(node, ast.FunctionDef):
+            made[node.name] = names(*node.body)
+            if 'compiled(' in ''.join(map(ast.unparse, node.decorator_list)):
+                asked.add(node.name)
+    used = set()
+    while asked:
+        used |= asked
+        asked = set().union(*(made.get(name, ()) for name in asked)) - used
+    return [taken[name] for name in used & taken.keys()]
+
+
 def test_files_from_which_compiled_code_of_others_takes_anything_are_in_the_folders_name():
     known = {path for pattern in SHARED for path in (ROOT / 'bearing_twin').glob(pattern)}
     for path in (ROOT / 'bearing_twin').rglob('*.py'):
-        tree = ast.parse(path.read_text())
-        taken = {
-            alias.asname or alias.name: ROOT.joinpath(*node.module.split('.'))
-            for node in tree.body
-            if isinstance(node, ast.ImportFrom) and node.module.startswith('bearing_twin')
-            for alias in node.names
-        }
-        for function in tree.body:
-            if 'compiled(' in ''.join(map(ast.unparse, getattr(function, 'decorator_list', ()))):
-                used = {n.id for part in function.body for n in ast.walk(part) if hasattr(n, 'id')}
-                for name in used & taken.keys():
-                    own, module = taken[name].with_suffix('.py'), taken[name] / f'{name}.py'
-                    assert own in known or module in known, (path, function.name, name)
+        for name in taken_by_compiled_code(ast.parse(path.read_text())):
+            module, own = name.with_suffix('.py'), name.parent.with_suffix('.py')
+            assert {module, own, name.parent / '__init__.py'} & known, (path, name)
+
+
+def test_numbers_that_follow_from_those_of_another_file_are_taken_from_it_too():
+    source = """
+from bearing_twin.diagnosis.thresholds import HARMONICS, SLIP, Z_FAULT
+HALF = HARMONICS / 2
+def last(x): return x[HALF]
+@compiled()
+def inner(x): return last(x) > Z_FAULT
+def outer(x): return inner(x) + SLIP
+"""
+    found = {name.name for name in taken_by_compiled_code(ast.parse(source))}
+    assert found == {'HARMONICS', 'Z_FAULT'}
 
 
 @pytest.mark.parametrize('variable', ['NUMBA_CACHE_DIR', 'XDG_CACHE_HOME'])
