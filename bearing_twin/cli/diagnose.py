@@ -7,63 +7,39 @@ from __future__ import annotations
 from collections import deque
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import replace
 import json
-import math
 from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.messages import diagnosis_message
-from bearing_twin.bearing import Bearing, named_bearing
-from bearing_twin.cli.diagnose_series import run_series
-from bearing_twin.cli.diagnose_text import CARD, card, line, page
+from bearing_twin.cli.diagnose_task import CARD, Task, unread
 from bearing_twin.cli.signal_arguments import add_signal_arguments, given_bearing, given_speed
 from bearing_twin.cli.terminal import (
     clear_progress,
-    plain,
     processes,
     progress,
     refuse_given,
     shown_inside,
 )
-from bearing_twin.diagnosis import diagnose_record, Diagnosis, DiagnosisSettings
-from bearing_twin.diagnosis.warming import warm_up
+from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.recording.dataset import chosen_signals, is_dataset
 from bearing_twin.recording.finding import SIGNAL_FILES
-from bearing_twin.recording.foreign import channels, read_signal
-from bearing_twin.view.verdict import next_step
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
+
+    _Diagnose = Callable[[Task], dict[str, Any]]
 
 
 SINGLE = ('speed_tolerance', 'plot', 'jobs', 'dask')
 SERIES = ('cycle', 'baseline', 'hold')
 """Options of single files and of series."""
-DIGITS = 7
-"""Of the numbers in an answer."""
 MOST_AT_ONCE = 16
 """Most files of one task of Dask; answers come as often."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Task:
-    """One file and how to read it; small and picklable, so that it can be sent anywhere."""
-
-    path: str
-    bearing: Bearing | None = None
-    shaft_hz: float = math.nan
-    speed_tolerance: float | None = None
-    sample_rate: float | None = None
-    channel: str | None = None
-    unit: str = ''
-    settings: DiagnosisSettings = field(default_factory=DiagnosisSettings)
-    plot: str = ''
-    """File for the picture; empty for none."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -142,6 +118,8 @@ def run(args: argparse.Namespace) -> int:
     if args.channels:
         return _list_channels(args)
     if args.series:
+        from bearing_twin.cli.diagnose_series import run_series
+
         refuse_given(args, SINGLE, 'not with --series, which judges all files together')
         return run_series(args, given_speed(args))
     refuse_given(args, SERIES, 'only with --series')
@@ -156,6 +134,8 @@ def run(args: argparse.Namespace) -> int:
             answer.pop(CARD, None)
             print(json.dumps(answer), flush=True)
         elif 'error' not in answer:
+            from bearing_twin.cli.diagnose_text import line, page
+
             answer = shown_inside(answer)
             print(page(answer) if len(tasks) == 1 else line(answer), flush=True)
         progress(done, len(tasks), 'files')
@@ -163,6 +143,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _list_channels(args: argparse.Namespace) -> int:
+    from bearing_twin.recording.foreign import channels
+
     listed = {name: channels(Path(name)) for name in args.files}
     if args.json:
         print(json.dumps(listed))
@@ -208,25 +190,32 @@ def _answers(tasks: Sequence[Task], args: argparse.Namespace) -> Iterator[dict[s
     """Answers in the order of the tasks."""
     if args.dask:
         return _on_dask(tasks, args.dask)
+    # Imported after that: who gives files to a cluster diagnoses none.
+    from bearing_twin.cli.diagnose_file import diagnose_file
+
     jobs = processes(args.jobs, len(tasks))
-    return map(diagnose_file, tasks) if jobs == 1 else _on_cores(tasks, jobs)
+    if jobs == 1:
+        return map(diagnose_file, tasks)
+    return _on_cores(diagnose_file, tasks, jobs)
 
 
-def _on_cores(tasks: Sequence[Task], jobs: int) -> Iterator[dict[str, Any]]:
+def _on_cores(diagnose: _Diagnose, tasks: Sequence[Task], jobs: int) -> Iterator[dict[str, Any]]:
+    from bearing_twin.diagnosis.warming import warm_up
+
     # Compiled or loaded once, where it is told of; each process would do it anew.
     warm_up()
     with ProcessPoolExecutor(jobs) as pool:
-        futures = [pool.submit(diagnose_file, task) for task in tasks]
+        futures = [pool.submit(diagnose, task) for task in tasks]
         for task, future in zip(tasks, futures, strict=True):
             killed = isinstance(future.exception(), BrokenProcessPool)
             # Which file it was shows when each has a process of its own.
-            yield _alone(task) if killed else future.result()
+            yield _alone(diagnose, task) if killed else future.result()
 
 
-def _alone(task: Task) -> dict[str, Any]:
+def _alone(diagnose: _Diagnose, task: Task) -> dict[str, Any]:
     with ProcessPoolExecutor(1) as pool:
         try:
-            return pool.submit(diagnose_file, task).result()
+            return pool.submit(diagnose, task).result()
         except BrokenProcessPool:
             return unread(
                 task.path, 'the process that read it was killed; is there enough memory?'
@@ -256,10 +245,10 @@ def _on_dask(tasks: Sequence[Task], address: str) -> Iterator[dict[str, Any]]:
                 yield from future.result()
                 continue
             # Which file it was shows when each is a task of its own.
-            alone = client.map(diagnose_file, part, pure=False, retries=3)
+            alone = client.map(_diagnose_files, [[task] for task in part], pure=False, retries=3)
             for task, single in zip(part, alone, strict=True):
                 reason = single.exception()
-                yield single.result() if reason is None else unread(task.path, str(reason))
+                yield from single.result() if reason is None else [unread(task.path, str(reason))]
 
 
 def batches(tasks: Sequence[Task], workers: int) -> list[Sequence[Task]]:
@@ -284,90 +273,11 @@ def batches(tasks: Sequence[Task], workers: int) -> list[Sequence[Task]]:
 
 
 def _diagnose_files(tasks: Sequence[Task]) -> list[dict[str, Any]]:
+    from bearing_twin.cli.diagnose_file import diagnose_file
+
     # Dask has its workers give all that they free back to the system at once.
     keep_freed_memory()
     return [diagnose_file(task) for task in tasks]
-
-
-def diagnose_file(task: Task) -> dict[str, Any]:
-    """
-    Answer for one file; never raises for what is in the file.
-
-    What cannot be read has no verdict: its answer is ``file`` and ``error``.
-    """
-    try:
-        signal = read_signal(Path(task.path), channel=task.channel, sample_rate=task.sample_rate)
-        bearing = task.bearing or signal.bearing or named_bearing(signal.bearing_name)
-        shaft_hz = signal.speeds if len(signal.speeds) else signal.shaft_hz
-        if math.isfinite(task.shaft_hz):
-            shaft_hz = task.shaft_hz
-        diagnosis = diagnose_record(
-            signal.x,
-            signal.sample_rate,
-            bearing,
-            shaft_hz,
-            speed_tolerance=task.speed_tolerance,
-            unit=task.unit or signal.unit,
-            temperature=signal.temperature,
-            settings=task.settings,
-        )
-        if task.plot and diagnosis.spectrum.values.size:
-            from bearing_twin.cli.plots import draw_diagnosis
-
-            title = f'{Path(task.path).name}, {bearing.name}'
-            draw_diagnosis(diagnosis, Path(task.plot), title=title)
-    except (BearingTwinError, MemoryError) as error:
-        reason = str(error) or 'not enough memory'
-        if task.channel and task.path not in reason:
-            reason = f'{task.path}, {task.channel}: {reason}'
-        return unread(task.path, reason)
-    length = len(signal.x) / signal.sample_rate
-    message = diagnosis_message(diagnosis, stamp=0, frame_id='', bearing=bearing.name)
-    return {
-        'file': task.path,
-        'channel': task.channel or '',
-        'source': f'{signal.source}: {length:.4g} s at {signal.sample_rate:g} Hz',
-        'bearing': f'{bearing.name}: {bearing.n_balls} {bearing.element}s of '
-        f'{1e3 * bearing.d_ball:.5g} mm on {1e3 * bearing.d_pitch:.5g} mm, {bearing.basis}',
-        'result': diagnosis.result,
-        'faults': list(diagnosis.faults),
-        'level': diagnosis.level,
-        'confidence': round(diagnosis.confidence, 4),
-        'shaft_hz': plain(diagnosis.shaft_hz, DIGITS),
-        'slip': plain(diagnosis.slip, DIGITS),
-        'evidence': evidence(diagnosis),
-        'reasons': list(diagnosis.reasons),
-        'next_step': next_step(message),
-        CARD: card(message),
-    }
-
-
-def evidence(diagnosis: Diagnosis) -> dict[str, Any]:
-    """Return what a verdict rests on, as plain numbers; unknown ones are None."""
-    found: dict[str, Any] = plain(
-        {
-            'fault_code': diagnosis.fault_code,
-            'shaft_hz_given': diagnosis.shaft_hz_given,
-            'fault_hz': diagnosis.fault_hz,
-            'fault_hz_expected': diagnosis.fault_hz_expected,
-            'expected_hz': diagnosis.expected._asdict(),
-            'found_hz': diagnosis.found_hz,
-            'score': diagnosis.score,
-            'modulation_index': diagnosis.modulation_index,
-            'band_hz': diagnosis.band,
-            'line_hz': diagnosis.line_hz.tolist(),
-            'line_level': diagnosis.line_level.tolist(),
-            'smallest_detectable_mm': diagnosis.smallest_detectable,
-            'severity': asdict(diagnosis.severity),
-        },
-        DIGITS,
-    )
-    return found
-
-
-def unread(path: str, reason: str) -> dict[str, Any]:
-    """Answer for a file that cannot be read."""
-    return {'file': path, 'error': reason if path in reason else f'{path}: {reason}'}
 
 
 def picture(folder: Path, name: str, channel: str | None) -> Path:

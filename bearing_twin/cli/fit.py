@@ -18,7 +18,8 @@ from bearing_twin.bearing import named_bearing
 from bearing_twin.calibration import Calibration, fit
 from bearing_twin.calibration.joint import joined
 from bearing_twin.calibration.residual import MOVED
-from bearing_twin.cli.diagnose import add_reading, channels_of, picture, unread
+from bearing_twin.cli.diagnose import add_reading, channels_of, picture
+from bearing_twin.cli.diagnose_task import unread
 from bearing_twin.cli.signal_arguments import given_bearing, given_speed
 from bearing_twin.cli.terminal import clear_progress, progress
 from bearing_twin.errors import BearingTwinError, shown

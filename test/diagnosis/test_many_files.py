@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 
-from bearing_twin.cli import diagnose, main
+from bearing_twin.cli import diagnose_file, main
 from commands import json_lines, python
 import pytest
 
@@ -67,14 +67,14 @@ def test_benchmark_of_a_small_folder(good, tmp_path, capsys):
 
 
 def test_a_file_that_kills_its_process_takes_no_other_with_it(good, tmp_path, capsys, monkeypatch):
-    @functools.wraps(diagnose.diagnose_file)
+    @functools.wraps(diagnose_file.diagnose_file)
     def killed_by_one(task):
         if task.path.endswith('2.npz'):
             os.kill(os.getpid(), signal.SIGKILL)
         return original(task)
 
-    original = diagnose.diagnose_file
-    monkeypatch.setattr(diagnose, 'diagnose_file', killed_by_one)
+    original = diagnose_file.diagnose_file
+    monkeypatch.setattr(diagnose_file, 'diagnose_file', killed_by_one)
     paths = [tmp_path / f'{number}.npz' for number in range(6)]
     for path in paths:
         path.write_bytes(good.read_bytes())
@@ -171,10 +171,16 @@ def test_every_file_is_answered_although_a_dask_worker_is_killed(good, tmp_path,
             process.wait()
 
 
+def test_who_gives_files_to_a_cluster_loads_no_diagnosis():
+    code = 'import bearing_twin.cli.diagnose, sys; print(*{"numba", "scipy"} & set(sys.modules))'
+    assert python('-c', code, check=True).stdout.split() == []
+
+
 FILES_OF_A_WORKER = """
 import resource, sys
 from bearing_twin.bearing import find_bearing
-from bearing_twin.cli.diagnose import Task, _diagnose_files
+from bearing_twin.cli.diagnose import _diagnose_files
+from bearing_twin.cli.diagnose_task import Task
 tasks = [Task(path=sys.argv[1], bearing=find_bearing('6307'))] * 4
 faults = []
 for _ in range(2):

@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The verdict on one file and all that it rests on, as ``bearing-twin diagnose`` gives it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+import math
+from pathlib import Path
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.assets.messages import diagnosis_message
+from bearing_twin.bearing import named_bearing
+from bearing_twin.cli.diagnose_task import CARD, unread
+from bearing_twin.cli.diagnose_text import card
+from bearing_twin.cli.terminal import plain
+from bearing_twin.diagnosis import diagnose_record
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.foreign import read_signal
+from bearing_twin.view.verdict import next_step
+
+if TYPE_CHECKING:
+    from bearing_twin.cli.diagnose_task import Task
+    from bearing_twin.diagnosis import Diagnosis
+
+
+DIGITS = 7
+"""Of the numbers in an answer."""
+
+
+def diagnose_file(task: Task) -> dict[str, Any]:
+    """
+    Answer for one file; never raises for what is in the file.
+
+    What cannot be read has no verdict: its answer is ``file`` and ``error``.
+    """
+    try:
+        signal = read_signal(Path(task.path), channel=task.channel, sample_rate=task.sample_rate)
+        bearing = task.bearing or signal.bearing or named_bearing(signal.bearing_name)
+        shaft_hz = signal.speeds if len(signal.speeds) else signal.shaft_hz
+        if math.isfinite(task.shaft_hz):
+            shaft_hz = task.shaft_hz
+        diagnosis = diagnose_record(
+            signal.x,
+            signal.sample_rate,
+            bearing,
+            shaft_hz,
+            speed_tolerance=task.speed_tolerance,
+            unit=task.unit or signal.unit,
+            temperature=signal.temperature,
+            settings=task.settings,
+        )
+        if task.plot and diagnosis.spectrum.values.size:
+            from bearing_twin.cli.plots import draw_diagnosis
+
+            title = f'{Path(task.path).name}, {bearing.name}'
+            draw_diagnosis(diagnosis, Path(task.plot), title=title)
+    except (BearingTwinError, MemoryError) as error:
+        reason = str(error) or 'not enough memory'
+        if task.channel and task.path not in reason:
+            reason = f'{task.path}, {task.channel}: {reason}'
+        return unread(task.path, reason)
+    length = len(signal.x) / signal.sample_rate
+    message = diagnosis_message(diagnosis, stamp=0, frame_id='', bearing=bearing.name)
+    return {
+        'file': task.path,
+        'channel': task.channel or '',
+        'source': f'{signal.source}: {length:.4g} s at {signal.sample_rate:g} Hz',
+        'bearing': f'{bearing.name}: {bearing.n_balls} {bearing.element}s of '
+        f'{1e3 * bearing.d_ball:.5g} mm on {1e3 * bearing.d_pitch:.5g} mm, {bearing.basis}',
+        'result': diagnosis.result,
+        'faults': list(diagnosis.faults),
+        'level': diagnosis.level,
+        'confidence': round(diagnosis.confidence, 4),
+        'shaft_hz': plain(diagnosis.shaft_hz, DIGITS),
+        'slip': plain(diagnosis.slip, DIGITS),
+        'evidence': evidence(diagnosis),
+        'reasons': list(diagnosis.reasons),
+        'next_step': next_step(message),
+        CARD: card(message),
+    }
+
+
+def evidence(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return what a verdict rests on, as plain numbers; unknown ones are None."""
+    found: dict[str, Any] = plain(
+        {
+            'fault_code': diagnosis.fault_code,
+            'shaft_hz_given': diagnosis.shaft_hz_given,
+            'fault_hz': diagnosis.fault_hz,
+            'fault_hz_expected': diagnosis.fault_hz_expected,
+            'expected_hz': diagnosis.expected._asdict(),
+            'found_hz': diagnosis.found_hz,
+            'score': diagnosis.score,
+            'modulation_index': diagnosis.modulation_index,
+            'band_hz': diagnosis.band,
+            'line_hz': diagnosis.line_hz.tolist(),
+            'line_level': diagnosis.line_level.tolist(),
+            'smallest_detectable_mm': diagnosis.smallest_detectable,
+            'severity': asdict(diagnosis.severity),
+        },
+        DIGITS,
+    )
+    return found
