@@ -12,7 +12,7 @@ rule touches:
 - ``evidence.py``: a property for each new quantity, with its value where nothing disturbs the
   combs, and ``combs/search.py`` if the quantity has to be measured in the spectra;
 - ``thresholds.py`` and the table of thresholds in ``docs/diagnosis_why.md``;
-- ``CASES`` in ``test/diagnosis/test_rules.py``: evidence that reaches the rule;
+- ``CASES`` in ``test/diagnosis/rules/test_rules.py``: evidence that reaches the rule;
 - the table of rules: ``python docs/rules.py docs/diagnosis.md``;
 - the share of right answers, where it changes many: ``studies.reliability``. Without it the rule
   has no weight of its own: its answers are as sure as others of their kind.

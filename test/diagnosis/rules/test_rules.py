@@ -10,7 +10,7 @@ from bearing_twin.diagnosis.rules.evidence import Evidence
 from bearing_twin.diagnosis.rules.table import decide, DOUBTED, FAINT, NOTHING_SHOWS, RULES
 import pytest
 
-DOCUMENT = Path(__file__).parents[2] / 'docs' / 'diagnosis.md'
+DOCUMENT = Path(__file__).parents[3] / 'docs' / 'diagnosis.md'
 
 
 def comb(place, *, order=None, z=9.0, index=0.8, slip=0.01, **more):
