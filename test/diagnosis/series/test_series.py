@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Many short snapshots of one machine: its level over what it did while it was healthy."""
 
-from dataclasses import replace
+from copy import deepcopy
+from dataclasses import dataclass, field, replace
+from functools import cache
 import itertools
 import json
 import math
@@ -22,28 +24,56 @@ COUNT = 1280
 HOUR = round(3600.0 / CYCLE)
 
 
-def life(seed, snapshots, rise=None, *, scatter=0.8, warm=True):
+BEGIN = 700
+"""Snapshots before anything is made of a life."""
+
+
+@dataclass
+class Life:
+    """A machine, what listens to it, and what that has said of each snapshot."""
+
+    rng: np.random.Generator
+    scatter: float = 0.8
+    warm: bool = True
+    level: float = 0.0
+    monitor: SeriesMonitor = field(default_factory=lambda: SeriesMonitor(None))
+    points: list = field(default_factory=list)
+
+    def go_on(self, snapshots, rise=None):
+        """Live until there are so many snapshots; ``rise`` adds dB to each."""
+        rng, wander = self.rng, self.scatter * np.sqrt(1.0 - 0.95**2)
+        for number in range(len(self.points), snapshots):
+            # Level as on a machine: it wanders, falls while the machine runs in, is disturbed.
+            self.level = 0.95 * self.level + wander * rng.standard_normal()
+            cold = np.exp(-number / 100.0) if self.warm else 0.0
+            over = 0.0 if rise is None else rise(number)
+            height = 10.0 ** ((self.level + 8.0 * cold + over) / 20.0)
+            x = height * rng.standard_normal(COUNT)
+            if rng.random() < 0.03:
+                x[rng.integers(COUNT)] += 60.0 * height
+            warmth = 70.0 - 45.0 * cold
+            self.points.append(
+                self.monitor.add(CYCLE * number, x, RATE, SHAFT_HZ, temperature=warmth)
+            )
+        return self.monitor, self.points
+
+
+def life(seed, snapshots, rise=None, **machine):
     """Return a monitor and its points after a life; ``rise`` adds dB to each snapshot."""
-    rng = np.random.default_rng(seed)
-    monitor = SeriesMonitor(None)
-    level, points = 0.0, []
-    for number in range(snapshots):
-        # Level as on a machine: it wanders, falls while the machine runs in, and is disturbed.
-        level = 0.95 * level + scatter * np.sqrt(1.0 - 0.95**2) * rng.standard_normal()
-        cold = np.exp(-number / 100.0) if warm else 0.0
-        height = 10.0 ** ((level + 8.0 * cold + (0.0 if rise is None else rise(number))) / 20.0)
-        x = height * rng.standard_normal(COUNT)
-        if rng.random() < 0.03:
-            x[rng.integers(COUNT)] += 60.0 * height
-        points.append(
-            monitor.add(CYCLE * number, x, RATE, SHAFT_HZ, temperature=70.0 - 45.0 * cold)
-        )
-    return monitor, points
+    return Life(np.random.default_rng(seed), **machine).go_on(snapshots, rise)
+
+
+@cache
+def begun(seed):
+    """Return a life after its healthy beginning, to be copied and gone on with."""
+    whole = Life(np.random.default_rng(seed))
+    whole.go_on(BEGIN)
+    return whole
 
 
 @pytest.mark.parametrize('seed', range(8))
 def test_healthy_machine_that_wanders_and_warms_up_is_never_alarmed(seed):
-    monitor, points = life(seed, 1200)
+    monitor, points = deepcopy(begun(seed)).go_on(1200)
     report = monitor.report()
     assert {point.level for point in points} == {'none', 'ok'}
     assert report.level == 'ok'
@@ -56,8 +86,10 @@ def test_healthy_machine_that_wanders_and_warms_up_is_never_alarmed(seed):
 @pytest.mark.parametrize('seed', range(6))
 @pytest.mark.parametrize('hours', [0.5, 1.5])
 def test_worn_out_machine_is_alarmed_after_the_damage_began(seed, hours):
-    begin, end = 700, 700 + round(hours * HOUR)
-    monitor, points = life(seed, end, lambda n: max(n - begin, 0) / (end - begin) * 20.0)
+    begin, end = BEGIN, BEGIN + round(hours * HOUR)
+    monitor, points = deepcopy(begun(seed)).go_on(
+        end, lambda n: (n - begin) / (end - begin) * 20.0
+    )
     report = monitor.report()
     assert report.level == 'fault'
     assert all(point.level in ('none', 'ok') for point in points[:begin])
