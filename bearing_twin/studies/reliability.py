@@ -70,6 +70,7 @@ GROWS = {
     'elsewhere': -1,
     'elsewhere_effect': 0,
     'impacts': 0,
+    'others': -1,
     'unsteady': -1,
 }
 """Whether the share of right answers grows or falls with a term, whatever a few answers say. That
@@ -121,9 +122,9 @@ def _matrix(told: Sequence[Told], names: Sequence[str]) -> NDArray[np.float64]:
     return np.array([[row.get(name, 0.0) for name in names] for row in rows])
 
 
-def fit(told: Sequence[Told]) -> dict[str, dict[str, float]]:
+def fit(told: Sequence[Told], kinds: Sequence[str] = KINDS) -> dict[str, dict[str, float]]:
     """
-    Weights of the terms for each kind of answer: logistic regression.
+    Weights of the terms for each of these kinds of answer: logistic regression.
 
     Raises
     ------
@@ -132,7 +133,7 @@ def fit(told: Sequence[Told]) -> dict[str, dict[str, float]]:
 
     """
     weights = {}
-    for kind in KINDS:
+    for kind in kinds:
         rows = [t for t in told if t.kind == kind]
         if len(rows) < FEWEST:
             msg = f'{len(rows)} answers {kind!r} are fewer than {FEWEST}; draw more machines'
@@ -332,6 +333,13 @@ def main(argv: Sequence[str] | None = None) -> None:
     """Write the data files and print the check."""
     parser = arguments(sys.modules[__name__], writes=True, twins=400, impacts=3000)
     parser.add_argument('--fresh', type=int, nargs=2, default=(400, 8000))
+    parser.add_argument(
+        '--kinds',
+        nargs='+',
+        choices=KINDS,
+        default=KINDS,
+        help='kinds of answers that weights are fitted for; the others keep those in use',
+    )
     which = parser.add_mutually_exclusive_group()
     which.add_argument('--weights', type=Path, help='JSON file to write: the weights')
     which.add_argument(
@@ -345,7 +353,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         weights = shipped_weights()
     else:
         drawn = tasks(args.twins, args.impacts, FIRST)
-        weights = fit(_answers(args.output, drawn, args.jobs))
+        weights = shipped_weights() | fit(_answers(args.output, drawn, args.jobs), args.kinds)
     if args.weights:
         about = 'written by python -m bearing_twin.studies.reliability'
         write_table(args.weights, {'about': about, 'weights': weights})

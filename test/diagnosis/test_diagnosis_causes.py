@@ -186,7 +186,11 @@ def test_lines_of_a_cage_that_do_not_fade_are_no_ball_fault(rng, name, slip):
 
 
 def test_confidence_is_a_share_and_moves_with_what_it_rests_on():
-    """More significance and effect make a fault surer and health less sure; slip makes doubt."""
+    """
+    Significance and effect make a fault surer and health less sure, slip makes doubt.
+
+    Combs of other places make a suspicion less sure.
+    """
     scores = np.arange(-2.0, 40.0, 0.25)
     for kind, sign in (('fault', 1), ('healthy', -1)):
         shares = np.array([confidence(kind, Trust(z=z, index=0.8, elsewhere_z=z)) for z in scores])
@@ -195,6 +199,7 @@ def test_confidence_is_a_share_and_moves_with_what_it_rests_on():
         assert (sign * np.diff(shares) >= 0.0).all(), kind
     at = {'z': 8.0, 'index': 0.8}
     assert confidence('fault', Trust(**at, slip=0.05)) < confidence('fault', Trust(**at))
+    assert confidence('suspect', Trust(**at, others=1.5)) < confidence('suspect', Trust(**at))
     quiet, struck = Trust(elsewhere_z=4.0), Trust(elsewhere_z=12.0, elsewhere_index=0.9)
     assert confidence('healthy', struck) < confidence('healthy', quiet)
 

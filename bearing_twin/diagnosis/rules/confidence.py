@@ -9,6 +9,7 @@ import functools
 from importlib import resources
 import json
 import math
+from statistics import fmean
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS
@@ -50,6 +51,9 @@ class Trust:
     impacts: float = 0.0
     """How far the second to fourth harmonic of the clearer of the two combs rise above noise, in
     mean log score: 0 for a smooth modulation, which has a first harmonic only."""
+    others: float = 0.0
+    """Mean log score of the best combs of the other places: a spall marks one part of a bearing,
+    waves of its surfaces show at the orders of all."""
     turns: float = HEALTHY_TURNS
     """Shaft turns."""
     steady: bool = True
@@ -60,13 +64,17 @@ class Trust:
     """Confidence that its answers cannot pass."""
 
     @classmethod
-    def on(cls, e: Evidence, comb: Candidate | None) -> Trust:
-        """Return what an answer about a comb, or about none, rests on."""
+    def on(cls, e: Evidence, comb: Candidate | None, candidates: dict[str, Candidate]) -> Trust:
+        """Return what an answer about a comb, or about none, rests on, beside those of places."""
         # The comb is one at any order itself, also where it lies on a multiple of the shaft.
         strongest = max(e.elsewhere, comb or e.elsewhere, key=lambda c: c.z)
         z, index, slip = (comb.z, comb.index, comb.slip) if comb else (0.0, 0.0, 0.0)
         impacts = e.impacts.get(strongest.place, 0.0)
-        return cls(z, index, slip, strongest.z, strongest.index, impacts, e.turns, e.speed_known)
+        own = comb.place if comb else ''
+        others = fmean(math.log(max(c.z, 1.0)) for c in candidates.values() if c.place != own)
+        return cls(
+            z, index, slip, strongest.z, strongest.index, impacts, others, e.turns, e.speed_known
+        )
 
     def terms(self) -> dict[str, float]:
         """Terms of the logistic model, by name; that of the rule has the name of the rule."""
@@ -80,6 +88,7 @@ class Trust:
             'elsewhere': max(elsewhere - significance, 0.0),
             'elsewhere_effect': elsewhere * min(self.elsewhere_index, 1.0),
             'impacts': min(max(self.impacts, 0.0), 3.0),
+            'others': self.others,
             'turns': math.log(self.turns / HEALTHY_TURNS),
             'unsteady': 0.0 if self.steady else 1.0,
             self.rule: 1.0,

@@ -58,7 +58,7 @@ def mostly_damaged(e: Evidence) -> Verdict | None:
     comb = highest_comb(e.heard)
     if comb is None or comb.z < Z_FAULT or e.impacts.get(comb.place, 0.0) < IMPACTS:
         return None
-    sound = confidence('healthy', Trust.on(e, comb))
+    sound = confidence('healthy', Trust.on(e, comb, e.candidates))
     # A factor 2 in power tells two claims apart.
     if sound * (1.0 + RIVAL**2) >= 1.0:
         return None
@@ -92,7 +92,7 @@ def two_faint_places(e: Evidence) -> Verdict | None:
     nothing_shows=True,
 )
 def uncertain_health(e: Evidence) -> Verdict | None:
-    trust = Trust.on(e, highest_comb(e.heard))
+    trust = Trust.on(e, highest_comb(e.heard), e.candidates)
     sound = confidence('healthy', trust)
     if sound >= LEAST_CONFIDENCE:
         return None

@@ -6,8 +6,10 @@ from pathlib import Path
 import runpy
 
 from bearing_twin.diagnosis.combs.candidate import Candidate, Claims
+from bearing_twin.diagnosis.rules.confidence import confidence
 from bearing_twin.diagnosis.rules.evidence import Evidence
 from bearing_twin.diagnosis.rules.table import decide, DOUBTED, FAINT, NOTHING_SHOWS, RULES
+import numpy as np
 import pytest
 
 DOCUMENT = Path(__file__).parents[3] / 'docs' / 'diagnosis.md'
@@ -269,6 +271,16 @@ def test_the_documented_table_is_that_of_the_rules():
 def test_the_leading_comb_is_named(evidence, faults):
     said = decide(evidence)
     assert (said.rule, said.faults) == ('fault', (faults,))
+
+
+def test_combs_of_other_places_make_a_suspicion_less_sure():
+    """A spall marks one part of a bearing; waves of its surfaces show at the orders of all."""
+    alone = decide(Evidence.of(WEAK))
+    among = decide(Evidence.of(WEAK, comb('outer', z=8.0, index=0.2), comb('cage', index=0.2)))
+    assert alone.rule == among.rule == 'weak_modulation'
+    assert alone.trust.others == 0.0
+    assert among.trust.others == pytest.approx(np.log([8.0, 1.0, 9.0]).mean())
+    assert confidence('suspect', alone.trust) > confidence('suspect', among.trust)
 
 
 def test_two_faults_are_named_and_their_order_is_that_of_their_weight():
