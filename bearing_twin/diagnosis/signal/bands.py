@@ -30,7 +30,7 @@ class BandTree:
     levels: tuple[tuple[int, tuple[int, ...]], ...]
     """Per level the width and the first bins of its bands."""
 
-    @property
+    @functools.cached_property
     def bands(self) -> list[tuple[float, float]]:
         """Lower and upper edge of every band, Hz, level by level."""
         return [

@@ -46,6 +46,7 @@ _OVERSAMPLED, _ANGULAR = 1.03, 1.7
 angle by interpolation."""
 
 
+@functools.lru_cache(maxsize=64)
 def highest_fault_order(bearing: Bearing) -> float:
     """
     Order of the highest fault family.
