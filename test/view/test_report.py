@@ -41,14 +41,9 @@ def machines_of(path):
 
 
 @pytest.fixture(scope='module')
-def recording(tmp_path_factory):
+def recording(scheduled):
     """Return a recording of twin and diagnosis over the paper's schedule."""
-    pytest.importorskip('bearing_twin_msgs', reason='the message package is not built')
-    from bearing_twin.offline.run import run_offline
-
-    target = tmp_path_factory.mktemp('report') / 'inner'
-    run_offline(SCHEDULE, target, twin={'defect': 'inner', 'preset': 'incipient'})
-    return target
+    return scheduled(defect='inner', preset='incipient')
 
 
 @pytest.fixture(scope='module')

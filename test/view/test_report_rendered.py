@@ -4,7 +4,6 @@
 
 import html
 import json
-from pathlib import Path
 import re
 import shutil
 
@@ -16,7 +15,6 @@ from bearing_twin.view.report.pdf import browse, BROWSERS, pdf_of
 from copies import put
 import pytest
 
-SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
 pytestmark = pytest.mark.skipif(
     not any(map(shutil.which, BROWSERS)), reason='there is no Chromium'
 )
@@ -53,14 +51,9 @@ document.getElementById('page').onload = (event) => {
 
 
 @pytest.fixture(scope='module', params=['inner', 'none'])
-def recording(request, tmp_path_factory):
+def recording(request, scheduled):
     """Return a recording with a defect, and one without."""
-    pytest.importorskip('bearing_twin_msgs', reason='the message package is not built')
-    from bearing_twin.offline.run import run_offline
-
-    target = tmp_path_factory.mktemp('rendered') / request.param
-    run_offline(SCHEDULE, target, twin={'defect': request.param})
-    return target
+    return scheduled(defect=request.param)
 
 
 @pytest.fixture(scope='module')

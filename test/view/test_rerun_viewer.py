@@ -3,6 +3,7 @@
 """The viewer itself, without a display: no view reports an error and none is empty."""
 
 import contextlib
+from functools import cache
 import io
 import json
 import math
@@ -84,15 +85,9 @@ COLOURED, WRITTEN = 30, 300
 
 
 @pytest.fixture(scope='module')
-def recordings(tmp_path_factory):
+def recordings(scheduled):
     """Return a healthy recording and one with a defect."""
-    pytest.importorskip('bearing_twin_msgs', reason='the message package is not built')
-    from bearing_twin.offline.run import run_offline
-
-    folder = tmp_path_factory.mktemp('viewer')
-    for defect in ('none', 'outer'):
-        run_offline(SCHEDULE, folder / defect, twin={'defect': defect})
-    return [folder / 'none', folder / 'outer']
+    return [scheduled(defect=defect) for defect in ('none', 'outer')]
 
 
 @pytest.fixture(scope='module', autouse=True)
@@ -134,15 +129,40 @@ def seen(viewer):
     return names, found
 
 
+NUMBERED = {
+    # Without a page: two recordings side by side.
+    '': ('Envelope spectrum',),
+    'Verdict': ('First harmonic', 'Squared envelope spectrum'),
+    'Temperature': ('Amplitude', 'Level', 'Frequency found', 'Frequency, twin', 'Cage slip'),
+}
+"""Views whose axis of frequency or temperature has at least two numbers on a laptop."""
+
+
+@pytest.fixture(scope='module')
+def shown(recordings, tmp_path_factory):
+    """Return what a viewer shows of a page: views, what is wrong with them, pictures to read."""
+
+    @cache
+    def show(page):
+        rrd = tmp_path_factory.mktemp('page') / 'outer.rrd'
+        assert draw_recordings(recordings[1:] if page else recordings, rrd, page=page) == {}
+        wanted = NUMBERED.get(page, ())
+        if page == 'Verdict':
+            wanted += ('Verdict', 'Reasons', 'Colours')
+        with HeadlessViewer([str(rrd)], size=LAPTOP) as viewer:
+            viewer.wait()
+            # To ask for a view of another page puts a message over those in front.
+            pictures = {view.name: png for view, png in shots(viewer, wanted)}
+            return *seen(viewer), pictures
+
+    return show
+
+
 @pytest.mark.parametrize('page', list(PAGES))
-def test_a_recording_fills_every_view_of_every_page(recordings, tmp_path, page):
-    rrd = tmp_path / 'outer.rrd'
-    assert draw_recordings(recordings[1:], rrd, page=page) == {}
-    with HeadlessViewer([str(rrd)], size=LAPTOP) as viewer:
-        viewer.wait()
-        names, found = seen(viewer)
-        assert found == []
-        assert set(names) == PAGES[page]
+def test_a_recording_fills_every_view_of_every_page(shown, page):
+    names, found, _ = shown(page)
+    assert found == []
+    assert set(names) == PAGES[page]
 
 
 MOST_OTHER = 0.01
@@ -160,11 +180,12 @@ READ = {
 
 
 @pytest.fixture(scope='module')
-def stopped(recordings):
+def stopped(tmp_path_factory):
     """Return a recording with a defect, whose shaft stands from 24 s on."""
     from bearing_twin.offline.run import run_offline
 
-    source, store = recordings[0].with_name('stopped.mcap'), get_typestore(Stores.ROS2_KILTED)
+    source = tmp_path_factory.mktemp('viewer') / 'stopped.mcap'
+    store = get_typestore(Stores.ROS2_KILTED)
     joints, header, time = (
         store.types[name]
         for name in (JOINTS, 'std_msgs/msg/Header', 'builtin_interfaces/msg/Time')
@@ -212,24 +233,20 @@ def read(png):
     reason='there is no tesseract',
 )
 @pytest.mark.parametrize('name', list(READ))
-def test_a_laptop_shows_the_answer_and_why_without_scrolling(recordings, stopped, tmp_path, name):
+def test_a_laptop_shows_the_answer_and_why_without_scrolling(
+    recordings, stopped, shown, tmp_path, name
+):
     rrd, (card, reasons) = tmp_path / f'{name}.rrd', READ[name]
-    draw_recordings([stopped.with_name(name)], rrd)
-    with HeadlessViewer([str(rrd)], size=LAPTOP) as viewer:
-        viewer.wait()
-        pictures = {view.name: shot for view, shot in shots(viewer)}
+    if name == 'outer':
+        *_, pictures = shown('Verdict')
+    else:
+        draw_recordings([recordings[0] if name == 'none' else stopped], rrd)
+        with HeadlessViewer([str(rrd)], size=LAPTOP) as viewer:
+            viewer.wait()
+            pictures = {view.name: shot for view, shot in shots(viewer)}
     assert card in read(pictures['Verdict'])
     words = read(pictures['Reasons'])
     assert [text for text in reasons if text not in words] == []
-
-
-NUMBERED = {
-    # Without a page: two recordings side by side.
-    '': ('Envelope spectrum',),
-    'Verdict': ('First harmonic', 'Squared envelope spectrum'),
-    'Temperature': ('Amplitude', 'Level', 'Frequency found', 'Frequency, twin', 'Cage slip'),
-}
-"""Views whose axis of frequency or temperature has at least two numbers on a laptop."""
 
 
 @pytest.mark.skipif(
@@ -237,37 +254,30 @@ NUMBERED = {
     reason='there is no tesseract',
 )
 @pytest.mark.parametrize('page', list(NUMBERED))
-def test_an_axis_has_two_numbers_on_a_laptop(recordings, tmp_path, page):
-    rrd, found = tmp_path / 'outer.rrd', {}
-    legend = ('Colours',) if page == 'Verdict' else ()
-    draw_recordings(recordings[1:] if page else recordings, rrd, page=page)
-    with HeadlessViewer([str(rrd)], size=LAPTOP) as viewer:
-        viewer.wait()
-        # To ask for a view of another page puts a message over those in front.
-        for view, png in shots(viewer, (*NUMBERED[page], *legend)):
-            if view.name in legend:
-                words = read(png)
-                assert 'bpfi 126' in words and 'shaft 25.4' in words
-                continue
+def test_an_axis_has_two_numbers_on_a_laptop(shown, page):
+    *_, pictures = shown(page)
+    found = {}
+    for name, png in pictures.items():
+        if name.startswith(NUMBERED[page]):
             with Image.open(io.BytesIO(png)) as shot:
                 strip = io.BytesIO()
                 shot.crop((0, shot.height - AXIS, *shot.size)).save(strip, 'PNG')
-            found[view.name] = set(re.findall(r'\d+', read(strip.getvalue())))
+            found[name] = set(re.findall(r'\d+', read(strip.getvalue())))
     assert len(found) == len(NUMBERED[page])
     assert [name for name, numbers in found.items() if len(numbers) < 2] == []
+    if page == 'Verdict':
+        words = read(pictures['Colours'])
+        assert 'bpfi 126' in words and 'shaft 25.4' in words
 
 
 def test_the_pictures_of_the_docs_show_the_views_of_today():
-    shown = set(json.loads((IMAGES / 'views.json').read_text(encoding='utf-8')))
-    assert shown == set().union(*PAGES.values()), 'take them again: make screenshots'
+    kept = set(json.loads((IMAGES / 'views.json').read_text(encoding='utf-8')))
+    assert kept == set().union(*PAGES.values()), 'take them again: make screenshots'
 
 
-def test_the_picture_of_the_docs_is_what_is_drawn_today(tmp_path):
-    from bearing_twin.offline.run import run_offline
-
+def test_the_picture_of_the_docs_is_what_is_drawn_today(scheduled, tmp_path):
     rrd, today = tmp_path / 'inner.rrd', tmp_path / 'today.png'
-    run_offline(SCHEDULE, tmp_path / 'inner', twin={'defect': 'inner'})
-    assert draw_recordings([tmp_path / 'inner'], rrd) == {}
+    assert draw_recordings([scheduled(defect='inner')], rrd) == {}
     with Image.open(IMAGES / 'recording.png') as picture:
         kept = np.asarray(picture.convert('RGB'), float)
     with HeadlessViewer([str(rrd)], size=LAPTOP) as viewer:
@@ -296,15 +306,11 @@ def test_rerun_alone_shows_each_figure_of_a_verdict(recordings):
     assert figures <= paths
 
 
-def test_two_recordings_fill_every_view(recordings, tmp_path):
-    rrd = tmp_path / 'both.rrd'
-    assert draw_recordings(recordings, rrd) == {}
-    with HeadlessViewer([str(rrd)]) as viewer:
-        viewer.wait(38.0)
-        names, found = seen(viewer)
-        assert found == []
-        assert {'Verdict: none', 'Verdict: outer'} <= set(names)
-        assert names.count('Envelope spectrum: index over Hz') == 2
+def test_two_recordings_fill_every_view(shown):
+    names, found, _ = shown('')
+    assert found == []
+    assert {'Verdict: none', 'Verdict: outer'} <= set(names)
+    assert names.count('Envelope spectrum: index over Hz') == 2
 
 
 def test_a_late_viewer_of_a_running_server_sees_the_past(recordings):
