@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 FEWEST = 25
 """Least answers of a kind from which weights are fitted."""
 
-FIRST, FRESH = 1_600_000, 4_800_000
+FIRST, FRESH = 1_600_000, 6_400_000
 """Numbers of the first machine that weights are fitted to, and of the first that checks them."""
 
 STRIKING = ('impacts', 'impulses', 'pulses')
