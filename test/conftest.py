@@ -32,7 +32,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """
     Put the files with real nodes evenly among the others: those wait while these compute.
 
-    The processes of ``pytest -n`` take file after file in this order.
+    The processes of ``pytest -n`` take file after file in this order. That of the viewer takes
+    longest and is the first, so that no process is left with it in the end.
     """
     files: dict[Path, list[pytest.Item]] = {}
     for item in items:
@@ -41,7 +42,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for path, tests in files.items():
         kinds[any(test.get_closest_marker('ros') for test in tests)].append(path)
     places = {p: (k + 0.5) / len(some) for some in kinds.values() for k, p in enumerate(some)}
-    items.sort(key=lambda item: places[item.path])
+    items.sort(key=lambda i: (i.get_closest_marker('vulkan') is None, places[i.path]))
 
 
 @pytest.fixture(scope='session')
