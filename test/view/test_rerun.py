@@ -230,6 +230,21 @@ def drawn_angle(points):
     return math.atan2(y, x)
 
 
+def test_a_defect_that_changes_with_a_block_begins_the_waterfall_anew(tmp_path):
+    with RerunLogger(recording_id='change', rrd=tmp_path / 'change.rrd') as logger:
+        warm = stamp(SECOND)
+        warm.temperature, warm.variance = 60.0, 0.0
+        logger.log('/temperature', 'sensor_msgs/msg/Temperature', warm, SECOND)
+        # Two blocks make a strip.
+        for k, defect in enumerate(('inner', 'inner', 'outer')):
+            time = SECOND + k * SECOND // 10
+            logger.log('/vibration', VIBRATION, vibration(k, time), time)
+            state = twin_state(defect, time)
+            state.shaft_hz = 25.0
+            logger.log('/twin_state', 'bearing_twin_msgs/msg/TwinState', state, time)
+    assert logger.problems == {}
+
+
 def test_defects_are_drawn_where_their_text_says(tmp_path):
     bearing, rrd = find_bearing('6307'), tmp_path / 'defects.rrd'
     text = 'inner:angle=1.2+outer:angle=-0.5+outer:angle=2.5+ball:ball=3,angle=0.4+cage:ball=2'

@@ -38,7 +38,8 @@ class Waterfall:
     def draw(self, strips: Strips, time: int, unit: str) -> None:
         """Draw the strips at ``time`` in ns."""
         swings = {step: s.samples - np.nanmean(s.samples) for step, s in sorted(strips.items())}
-        peak = max(self._peak, *(float(np.nanmax(np.abs(s))) for s in swings.values()))
+        # None are left where the defect has just changed.
+        peak = max([self._peak, *(float(np.nanmax(np.abs(s))) for s in swings.values())])
         scale = 10.0 ** np.ceil(np.log10(max(peak, 1e-12)))
         scale = next(s for s in (scale / 5.0, scale / 2.0, scale) if s >= peak)
         lines, colours = [], []
