@@ -190,6 +190,17 @@ def test_the_echo_of_a_gear_in_the_whitening_is_no_passage():
     assert 'the teeth of a gear' in found.quantities['defect_width_mm'].why
 
 
+def test_a_gear_of_three_lines_is_one_where_its_echo_lies_beside_the_time_of_a_tooth():
+    rng = np.random.default_rng(3)
+    x = impact_train(0.0, 'outer', 24.0)
+    meshing = 2.0 * np.pi * 1213.0 * np.arange(len(x)) / RATE
+    x += 1.5 * x.std() * sum(np.cos(k * meshing + k) / k for k in (1, 2, 3))
+    x += 0.01 * x.std() * rng.standard_normal(len(x))
+    found = fit(x, RATE, BEARING, 24.0, place='outer', candidates=64)
+    assert found.refusal is Kind.SEVERAL_SPACINGS
+    assert 'the teeth of a gear' in found.quantities['defect_width_mm'].why
+
+
 @pytest.mark.parametrize(
     ('place', 'width'), [('outer', 13.5e-3), ('inner', 8.5e-3), ('outer', 9e-3)]
 )
