@@ -137,7 +137,7 @@ def of_defect(
     quantities = {}
     for name, about in left.prior.items():
         low, median, high = (float(v) for v in left.quantiles(name))
-        why = 'on simulated machines of known truth its intervals held too seldom to be told'
+        why = 'intervals held too seldom on simulated machines of known truth'
         if name == 'defect_width_mm':
             if refusal is None:
                 # The model may be wrong about the path of a ball over an edge: the least width is

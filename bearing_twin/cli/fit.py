@@ -187,23 +187,21 @@ def seed(text: str) -> int:
 def _page(source: str, found: Calibration) -> str:
     """Return the calibration as a person reads it."""
     before = '' if math.isnan(found.level_before) else f'{found.level_before:+.1f} -> '
-    rows = [
-        ('', f'{shown(source)}: {found.statement}'),
-        (
-            'spectrum',
-            f'log-spectral distance {found.distance_before:.1f} -> {found.distance:.1f} dB, '
-            f'level {before}{found.level:+.1f} dB',
-        ),
-        ('cost', f'{found.cost_s:.1f} s of one core'),
+    lines = [
+        *wrap(f'{shown(source)}: {found.statement}', 80, break_long_words=False),
+        f'spectrum  log-spectral distance {found.distance_before:.1f} -> {found.distance:.1f} dB, '
+        # Zero is added lest -0.0 be printed.
+        f'level {before}{round(found.level, 1) + 0.0:+.1f} dB',
+        f'cost      {found.cost_s:.1f} s of one core',
+        '',
+        f'{"quantity":<20} {"5 %":>10} {"median":>10} {"95 %":>10}',
     ]
-    lines = [f'{label:<9} {text}' if index else text for index, (label, text) in enumerate(rows)]
-    lines += ['', f'{"quantity":<22} {"5 %":>10} {"median":>10} {"95 %":>10}']
     reasons: dict[str, list[str]] = {}
     for quantity, value in found.quantities.items():
         told = 'told' if value.identifiable else 'not told'
         lines.append(
-            f'{quantity:<22} {value.q05:>10.4g} {value.median:>10.4g} {value.q95:>10.4g}  '
-            f'{told:<8} {value.unit}'.rstrip()
+            f'{quantity:<20} {value.q05:>10.4g} {value.median:>10.4g} {value.q95:>10.4g}  '
+            f'{told:<8} {value.unit.replace("unit of the samples", "unit")}'.rstrip()
         )
         reasons.setdefault(f'{told}: {value.why}', []).append(quantity)
     # Many share a reason, and no screen is as wide as a row with its own.

@@ -8,6 +8,7 @@ from dataclasses import asdict
 import json
 from pathlib import Path
 import sys
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from bearing_twin.calibration import Calibration
@@ -46,7 +47,8 @@ def run(args: argparse.Namespace) -> int:
         if args.json:
             print(json.dumps({'file': values.get('file', ''), **asdict(expected)}), flush=True)
             continue
-        print(f'{shown(str(values.get("file", "")))}: {shown(found.statement)}')
+        machine = f'{shown(str(values.get("file", "")))}: {shown(found.statement)}'
+        print(*wrap(machine, 80, break_long_words=False), sep='\n')
         low, high = expected.load
         narrow, wide = expected.width_mm
         width = f'{narrow:.2f}' if narrow == wide else f'{narrow:.2f} to {wide:.2f}'

@@ -131,6 +131,17 @@ def test_a_picture_that_cannot_be_written_costs_no_fit(tmp_path, capsys):
     assert json.loads(said.out)['source'] == f'{path}, x'
 
 
+def test_a_fit_is_read_on_a_terminal_of_80_columns(tmp_path, capsys):
+    path = tmp_path / 'noise.npz'
+    np.savez(path, x=0.01 * np.random.default_rng(1).standard_normal(25600), fs=12800.0)
+    words = [str(path), '--bearing', '6205', '--shaft-hz', '25', '--place', 'none']
+    assert main(['fit', *words]) == 0
+    out = capsys.readouterr().out
+    # A path has no place to be broken.
+    assert max(len(line) for line in out.splitlines() if str(path) not in line) <= 80
+    assert 'unit per m/s^2' in out and '-0.0 dB' not in out
+
+
 @pytest.mark.parametrize('place', ['outer', 'ball'])
 def test_a_twin_has_no_defect_of_which_nothing_is_seen(place):
     noise = np.random.default_rng(1).standard_normal(51200)
