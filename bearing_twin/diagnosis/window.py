@@ -18,7 +18,7 @@ from bearing_twin.diagnosis.signal.spectra import envelope_spectra, transform
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.settings import DiagnosisSettings
@@ -85,6 +85,7 @@ def analyse_window(
     settings: DiagnosisSettings,
     *,
     unit: str = '',
+    spectra_of: Callable[..., EnvelopeSpectra] = envelope_spectra,
 ) -> Window:
     """
     Everything that is computed before windows are averaged and judged.
@@ -103,6 +104,9 @@ def analyse_window(
         See :class:`DiagnosisSettings`.
     unit
         Unit of the samples.
+    spectra_of
+        Makes the spectra of squared envelopes; another one than :func:`envelope_spectra` for a
+        study.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.signal.demodulation import choose_layout, demodulate
@@ -129,7 +133,7 @@ def analyse_window(
         slow, envelopes = resample(slow, at), (resample(part, at) for part in envelopes)
     rate = layout.sample_rate / layout.step
     bin_hz = rate / len(slow)
-    spectra = envelope_spectra(
+    spectra = spectra_of(
         envelopes,
         rate,
         bands=len(bands),
