@@ -57,7 +57,7 @@ def test_a_fault_whose_speed_drifts_within_the_record_is_named(place, drift):
 def test_a_weak_fault_whose_speed_drifts_is_no_health():
     """Too weak for an alarm of two parts that agree; and one that begins within the record."""
     for seed in range(3):
-        x, rate = _drifting('inner', 0.1, seed, strength=0.3)
+        x, rate = _drifting('inner', 0.1, seed, strength=0.26)
         said = diagnose_record(x, rate, find_bearing('6206'), 24.6)
         assert (said.level, said.faults) == ('suspect', ('inner',)), said.reasons
         x, rate = _drifting('outer', 0.1, seed, strength=1.2)

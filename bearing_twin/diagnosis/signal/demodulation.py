@@ -39,8 +39,9 @@ _TREE_DEPTH, _NARROW_HZ = 3, HIGHEST_RINGING_HZ / _REACH
 halvings more as keep it, since faster sampling adds noise to a wider band and no ringing."""
 _LAP, _LONGEST_LAP = 0.05, 0.25
 """Part of a segment by which it laps over the one before."""
-_CLASSES = 4
-"""Speed classes in an octave: layouts change from class to class, not with each speed."""
+_CLASSES, _RATE_CLASSES = 4, 16
+"""Speed classes in an octave: layouts change from class to class, not with each speed. Those for
+the rate of the envelope are narrow, as a rate above what the speed needs is work for nothing."""
 _OVERSAMPLED, _ANGULAR = 1.03, 1.7
 """Rate of the envelope points over twice the highest frequency; more where they are taken over
 angle by interpolation."""
@@ -133,15 +134,15 @@ class Segment:
 
 
 @functools.lru_cache(maxsize=64)
-def speed_class(shaft_hz: float) -> int:
+def speed_class(shaft_hz: float, classes: int = _CLASSES) -> int:
     """
-    Class of a shaft speed, a quarter of an octave wide.
+    Class of a shaft speed, by default a quarter of an octave wide.
 
     >>> speed_class(25.0), speed_class(25.4), speed_class(50.0)
     (19, 19, 23)
 
     """
-    return math.ceil(_CLASSES * math.log2(shaft_hz))
+    return math.ceil(classes * math.log2(shaft_hz))
 
 
 def choose_layout(
@@ -174,7 +175,7 @@ def choose_layout(
     (25600, 20, 64.0)
 
     """
-    top = speed_class(_ANGULAR * fastest_hz if fastest_hz else shaft_hz)
+    top = speed_class(_ANGULAR * fastest_hz if fastest_hz else shaft_hz, _RATE_CLASSES)
     return _layout(sample_rate, stretch, count, bearing, speed_class(shaft_hz), top)
 
 
@@ -184,7 +185,7 @@ def _layout(
 ) -> Layout:
     shaft_hz = 2.0 ** ((turning - 0.5) / _CLASSES)
     narrowest_hz = highest_order(bearing) * 2.0 ** ((turning - 1) / _CLASSES)
-    highest_hz = highest_order(bearing) * 2.0 ** (top / _CLASSES)
+    highest_hz = highest_order(bearing) * 2.0 ** (top / _RATE_CLASSES)
     least = max(SECONDS, SHAFT_TURNS / shaft_hz) * sample_rate
     parts = (k for k in range(1, count + 1) if count % k == 0)
     hop = stretch * next((k for k in parts if k * stretch >= 0.98 * least), count)
