@@ -15,6 +15,7 @@ from bearing_twin.cli import COMMANDS, main
 from bearing_twin.cli.run import NODES
 from commands import python
 import numpy as np
+from probe import TIMEOUT
 import pytest
 
 COMMAND = [sys.executable, '-m', 'bearing_twin']
@@ -87,7 +88,7 @@ def test_a_shell_completes_commands_options_and_choices(tmp_path):
             'COMP_LINE': line, 'COMP_POINT': str(len(line)), 'COMP_TYPE': '9',
         }  # fmt: skip
         subprocess.run([sys.executable, '-c', 'from bearing_twin.cli import main; main()'],
-                       env=environment, check=True, timeout=60)  # fmt: skip
+                       env=environment, check=True, timeout=TIMEOUT)  # fmt: skip
         return {word.strip() for word in answer.read_text().split('\n')}
 
     assert {'bench', 'benchmark', 'bearings'} == complete('bearing-twin be')
@@ -111,7 +112,7 @@ def run_in_terminal(words, command=COMMAND, **environment):
         if not part:
             break
         text += part
-    ran.wait(60)
+    ran.wait(TIMEOUT)
     os.close(ours)
     return text.decode()
 

@@ -7,6 +7,7 @@ import sys
 import time
 
 from commands import python
+from probe import TIMEOUT
 import pytest
 
 BLOCKED = """
@@ -45,6 +46,6 @@ def test_a_recorder_records_without_a_picture(ros_domain, tmp_path):
                 time.sleep(0.1)
         finally:
             recorder.terminate()
-            assert recorder.wait(60.0) == 0
+            assert recorder.wait(TIMEOUT) == 0
     assert 'nothing is drawn' in log.read_text()
     assert 'Traceback' not in log.read_text()

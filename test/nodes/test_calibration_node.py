@@ -427,7 +427,7 @@ def test_a_hidden_twin_with_a_defect_is_fitted_while_no_block_is_lost(nodes, pro
     hidden = {'preset': 'incipient', 'defect': 'outer', 'defect_width': 0.002, 'noise': 0.2}
     nodes.start('twin', hidden | DEEP)
     # Nothing is published before there is a window; then the twin is fitted, unknown as it is.
-    probe.until(lambda: [m for m in found if m.defect == 'outer'], 'a calibration', timeout=240.0)
+    probe.until(lambda: [m for m in found if m.defect == 'outer'], 'a calibration')
     said = next(m for m in found if m.defect == 'outer')
     width = said.quantity.index('defect_width_mm')
     assert said.q05[width] <= 2.0 <= said.q95[width] < 4.0

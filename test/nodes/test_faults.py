@@ -20,7 +20,7 @@ from bearing_twin.streams import statefile
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, TwinState, Vibration
 from builtin_interfaces.msg import Time
 from numpy.random import default_rng
-from probe import check_complete, DEEP
+from probe import check_complete, DEEP, TIMEOUT
 import pytest
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -211,7 +211,7 @@ def test_subscribers_that_stop_come_late_or_are_not_alone(nodes, probe, tmp_path
     finally:
         slow.send_signal(signal.SIGCONT)
         slow.terminate()
-        slow.wait(20.0)
+        slow.wait(TIMEOUT)
 
     if not hasattr(_rclpy.Timer, 'call_timer_with_info'):
         # rclpy 7 (Jazzy) does not tell who sent a message.

@@ -126,9 +126,7 @@ def test_a_measured_bearing_from_the_file_to_the_alarm(probe, terminals, tmp_pat
     heat(probe, '/fan/bearing_temperature', 60.0, states)
     fitted = probe.collect(Calibration, '/fan_7/calibration')
     terminals(next(c for c in commands(section(5)) if ' calibration ' in c))
-    said = probe.until(
-        lambda: [m for m in fitted if m.defect == 'inner'], 'a calibration', timeout=240.0
-    )
+    said = probe.until(lambda: [m for m in fitted if m.defect == 'inner'], 'a calibration')
     # The pit is passed in one to two samples: no width is told, and it is not above the limit.
     width = said[0].quantity.index('defect_width_mm')
     assert not said[0].identifiable[width] and said[0].q95[width] > 0.18
