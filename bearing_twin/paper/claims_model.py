@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+import functools
 import math
 from typing import TYPE_CHECKING
 
@@ -287,7 +288,9 @@ def _friction_equation() -> Claim:
     )
 
 
+@functools.cache
 def _solver() -> Claim:
+    # Seconds, and the same for every study.
     p = preset('paper', bearing=settings.BEARING, jitter=0.0, noise=0.0, waviness=0.0)
     values = np.linalg.eigvals(system_matrix(p))
     radius = float(np.abs(values).max())
