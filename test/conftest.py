@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import itertools
 import json
 import os
@@ -52,6 +53,25 @@ def data_dir() -> Path:
     if not (folder / 'index.json').exists():
         pytest.skip(f'the real recordings are not in {folder}; set BEARING_TWIN_DATA')
     return folder
+
+
+@pytest.fixture(scope='session')
+def made_once(tmp_path_factory):
+    """Return a function that gives what the first of the processes of ``pytest -n`` has made."""
+    folder = tmp_path_factory.getbasetemp()
+    if 'PYTEST_XDIST_WORKER' in os.environ:
+        folder = folder.parent
+
+    def give(name, make):
+        target = folder / name
+        target.parent.mkdir(exist_ok=True)
+        with target.with_suffix('.lock').open('w') as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not target.exists():
+                make(target)
+        return target
+
+    return give
 
 
 @pytest.fixture(scope='session')

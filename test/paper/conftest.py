@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import pickle
 from typing import TYPE_CHECKING
 
 from bearing_twin.paper.recompute import judge, prepare_folder, write_results
@@ -15,9 +16,10 @@ if TYPE_CHECKING:
 
 
 @pytest.fixture(scope='session')
-def study() -> Study:
+def study(made_once) -> Study:
     """Return every simulation of the paper."""
-    return run_study(processes=2)
+    kept = made_once('study', lambda it: it.write_bytes(pickle.dumps(run_study(processes=2))))
+    return pickle.loads(kept.read_bytes())
 
 
 @pytest.fixture(scope='session')
