@@ -8,8 +8,11 @@ import math
 from bearing_twin.bearing import find_bearing
 from bearing_twin.bench.diagnosis import fault_signal, RATE, SHAFT_HZ
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
+from bearing_twin.diagnosis.machine.trend import Trend
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
+from bearing_twin.diagnosis.signal.severity import MEASURES
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.packed import restored
 from hypothesis import given, settings
 from hypothesis import strategies as st
 import numpy as np
@@ -280,6 +283,21 @@ def test_damaged_states_are_refused_and_leave_the_state_alone():
         with pytest.raises(BearingTwinError):
             diagnoser.load(state[:length])
     assert diagnoser.save() == state
+
+
+@pytest.mark.parametrize(
+    'wrong',
+    [
+        {'measure': len(MEASURES)},
+        {'measure': -1},
+        {'answer': 'broken'},
+        {'level': 'fault'},
+        {'answer': 'outer'},
+    ],
+)
+def test_a_trend_that_holds_what_there_is_not_is_refused(wrong):
+    with pytest.raises(BearingTwinError, match='there is not'):
+        restored(Trend, Trend().values() | wrong)
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from bearing_twin.diagnosis.machine.level import FALLEN, FAULT_DB, raised, stage
 from bearing_twin.diagnosis.machine.onset import Rise
 from bearing_twin.diagnosis.rules.table import NOTHING_SHOWS
 from bearing_twin.diagnosis.signal.severity import MEASURES, watched
+from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
@@ -108,6 +109,14 @@ class Trend:
     """Answer of the same level that wants to take over."""
     other_count: int = 0
     """Verdicts in a row that gave it."""
+
+    def __post_init__(self) -> None:
+        """Refuse, of a saved trend, a measure or an answer that there is not."""
+        words = self.answer.split()
+        sound = bool(words) == bool(self.level) and all(word in FAULT_CODES for word in words)
+        if not (sound and 0 <= self.measure < len(MEASURES)):
+            msg = 'saved trend holds an answer or a measure that there is not; start without it'
+            raise BearingTwinError(msg)
 
     def takes(self, source: Source) -> bool:
         """Whether windows of ``source`` belong to it."""
