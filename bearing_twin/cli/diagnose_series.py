@@ -8,11 +8,12 @@ import json
 import math
 from pathlib import Path
 import sys
+from textwrap import wrap
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import named_bearing
 from bearing_twin.cli.signal_arguments import given_bearing
-from bearing_twin.cli.terminal import by_level, clear_progress, plain, progress
+from bearing_twin.cli.terminal import by_level, clear_progress, plain, progress, wrapped
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError, shown
@@ -147,8 +148,14 @@ def _page(said: str, report: SeriesReport, summary: dict[str, Any]) -> str:
         ('trend', 'unknown' if math.isnan(report.trend) else f'{report.trend:+.2g} dB/h'),
         *(('why' if not index else '', text) for index, text in enumerate(report.reasons)),
     ]  # fmt: skip
-    head = by_level(f'from {said} on: {len(points)} snapshots in {length}', 'bold')
-    return '\n'.join([head, *(f'{name:<9} {text}' for name, text in rows)])
+    head = wrap(
+        f'from {said} on: {len(points)} snapshots in {length}',
+        80,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    lines = (line for name, text in rows for line in wrapped(f'{name:<8}', text))
+    return '\n'.join([by_level('\n'.join(head), 'bold'), *lines])
 
 
 def _clock(seconds: float) -> str:

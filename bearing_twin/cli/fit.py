@@ -188,7 +188,12 @@ def _page(source: str, found: Calibration) -> str:
     """Return the calibration as a person reads it."""
     before = '' if math.isnan(found.level_before) else f'{found.level_before:+.1f} -> '
     lines = [
-        *wrap(f'{shown(source)}: {found.statement}', 80, break_long_words=False),
+        *wrap(
+            f'{shown(source)}: {found.statement}',
+            80,
+            break_long_words=False,
+            break_on_hyphens=False,
+        ),
         f'spectrum  log-spectral distance {found.distance_before:.1f} -> {found.distance:.1f} dB, '
         # Zero is added lest -0.0 be printed.
         f'level {before}{round(found.level, 1) + 0.0:+.1f} dB',

@@ -48,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
             print(json.dumps({'file': values.get('file', ''), **asdict(expected)}), flush=True)
             continue
         machine = f'{shown(str(values.get("file", "")))}: {shown(found.statement)}'
-        print(*wrap(machine, 80, break_long_words=False), sep='\n')
+        print(*wrap(machine, 80, break_long_words=False, break_on_hyphens=False), sep='\n')
         low, high = expected.load
         narrow, wide = expected.width_mm
         width = f'{narrow:.2f}' if narrow == wide else f'{narrow:.2f} to {wide:.2f}'

@@ -480,7 +480,8 @@ class SeriesMonitor:
             if last.iso_zone in ('C', 'D'):
                 reasons.append(f'zone {last.iso_zone} of ISO 20816-3')
         if math.isfinite(change):
-            reasons.append(f'the level began to rise at {change:.0f} s')
+            ago = (self._kept.points[-1].time - change) / 3600.0
+            reasons.append(f'the level began to rise {ago:.1f} h ago')
         if self._kept.rise.found:
             reasons.append(f'the level has been rising for {self._kept.rise.lasting} snapshots')
         if math.isfinite(warmer):

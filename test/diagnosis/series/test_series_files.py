@@ -91,7 +91,9 @@ def test_series_of_many_files_in_a_folder(tmp_path, capsys):
     rows = {line.split(maxsplit=1)[0]: line for line in text.splitlines()}
     assert 'fault' in rows['level']
     assert rows['change'].split(maxsplit=1)[1] == '5 h'
-    assert '40 snapshots in 6 h 30 min' in text
+    assert '40 snapshots in 6 h 30 min' in ' '.join(text.split())
+    # A path has no place to be broken.
+    assert max(len(line) for line in text.splitlines() if str(tmp_path) not in line) <= 80
     assert main(args) == 1
     assert 'give --cycle SECONDS' in capsys.readouterr().err
     for absurd in ('-1', '0', 'nan', 'inf', '1e308'):
