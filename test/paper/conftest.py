@@ -7,12 +7,14 @@ from __future__ import annotations
 import pickle
 from typing import TYPE_CHECKING
 
-from bearing_twin.paper.recompute import judge, prepare_folder, write_results
+from bearing_twin.paper.recompute import judge
 from bearing_twin.paper.study import run_study, Study
+from commands import python
 import pytest
 
 if TYPE_CHECKING:
     from pathlib import Path
+    from subprocess import CompletedProcess
 
 
 @pytest.fixture(scope='session')
@@ -23,12 +25,19 @@ def study(made_once) -> Study:
 
 
 @pytest.fixture(scope='session')
-def folder(study, tmp_path_factory) -> Path:
+def command(tmp_path_factory) -> tuple[Path, CompletedProcess[str]]:
+    """Return the folder that the command writes with one process, and what it says."""
+    out = tmp_path_factory.mktemp('paper') / 'out'
+    words = '--out', str(out), '--processes', '1', '--json'
+    ran = python('-m', 'bearing_twin', 'paper', *words, timeout=None)
+    assert ran.returncode == 0, ran.stderr
+    return out, ran
+
+
+@pytest.fixture(scope='session')
+def folder(command) -> Path:
     """Return the folder that the command writes."""
-    path = tmp_path_factory.mktemp('paper') / 'out'
-    prepare_folder(path)
-    write_results(path, study)
-    return path
+    return command[0]
 
 
 @pytest.fixture(scope='session')
