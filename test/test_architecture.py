@@ -95,6 +95,10 @@ def test_a_room_imports_only_rooms_before_it(path):
 )
 def test_a_room_of_the_diagnosis_imports_only_rooms_before_it(path):
     assert_order(path, DIAGNOSIS, ('bearing_twin', 'diagnosis'))
+    # What the head of the diagnosis gives away comes from any of its rooms.
+    taken = (name.split('.') for name in imports(path))
+    rooms = {parts[2] for parts in taken if parts[:2] == ['bearing_twin', 'diagnosis'] != parts}
+    assert rooms <= set(DIAGNOSIS), 'name the file of what is imported, not the head'
 
 
 def edges():
