@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Times in nanoseconds: ROS stamps, seconds, and numbers of samples. Imports nothing of ROS."""
+"""Times: ROS stamps, seconds, numbers of samples, the unit of a span. Imports nothing of ROS."""
 
 from __future__ import annotations
 
@@ -45,6 +45,21 @@ def split_ns(ns: int) -> tuple[int, int]:
 
     """
     return divmod(min(max(ns, 0), LATEST), NANO)
+
+
+def time_unit(seconds: float) -> tuple[str, float]:
+    """
+    Return the unit in which a length of time is told, and its length in s.
+
+    Examples
+    --------
+    >>> time_unit(40.0), time_unit(900.0), time_unit(86400.0)
+    (('s', 1.0), ('min', 60.0), ('h', 3600.0))
+
+    """
+    if seconds < 600.0:
+        return 's', 1.0
+    return ('min', 60.0) if seconds < 3.0 * 3600.0 else ('h', 3600.0)
 
 
 def samples_ns(count: int, rate: float) -> int:

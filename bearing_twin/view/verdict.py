@@ -15,7 +15,7 @@ from bearing_twin.diagnosis.machine.dependence import Z90
 from bearing_twin.diagnosis.machine.level import is_urgent
 from bearing_twin.diagnosis.signal.severity import SLOW_HZ
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
-from bearing_twin.stamps import stamp_ns
+from bearing_twin.stamps import stamp_ns, time_unit
 from bearing_twin.view.trends import recorded
 
 SUSTAINED = 3
@@ -63,21 +63,6 @@ def number(value: float, unit: str = '') -> str:
         return 'not known'
     digits = '.3g' if abs(value) < 100.0 else '.0f' if abs(value) < 1e6 else '.4g'
     return f'{value:{digits}} {unit}'.strip()
-
-
-def time_unit(seconds: float) -> tuple[str, float]:
-    """
-    Return the unit in which a length of time is told, and its length in s.
-
-    Examples
-    --------
-    >>> time_unit(40.0), time_unit(900.0), time_unit(86400.0)
-    (('s', 1.0), ('min', 60.0), ('h', 3600.0))
-
-    """
-    if seconds < 600.0:
-        return 's', 1.0
-    return ('min', 60.0) if seconds < 3.0 * 3600.0 else ('h', 3600.0)
 
 
 def impacts(message: Any, place: str) -> float:

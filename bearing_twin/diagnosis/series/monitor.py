@@ -39,6 +39,7 @@ from bearing_twin.diagnosis.signal.severity import (
 from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import restored
+from bearing_twin.stamps import time_unit
 import numpy as np
 from scipy import fft
 
@@ -472,16 +473,16 @@ class SeriesMonitor:
                     self._kept.held in ('suspect', 'fault')
                     and (usual := self._usual()) is not None
                 ):
-                    begin, end = usual.times
+                    begin, end = (_long(last.time - time) for time in usual.times)
                     reasons.append(
-                        f'as loud as from {begin:.0f} to {end:.0f} s, when it was settled too: '
+                        f'as loud as from {begin} to {end} ago, when it was settled too: '
                         'another load, or is it not run in?'
                     )
             if last.iso_zone in ('C', 'D'):
                 reasons.append(f'zone {last.iso_zone} of ISO 20816-3')
         if math.isfinite(change):
-            ago = (self._kept.points[-1].time - change) / 3600.0
-            reasons.append(f'the level began to rise {ago:.1f} h ago')
+            since = _long(self._kept.points[-1].time - change)
+            reasons.append(f'the level began to rise {since} ago')
         if self._kept.rise.found:
             reasons.append(f'the level has been rising for {self._kept.rise.lasting} snapshots')
         if math.isfinite(warmer):
@@ -498,3 +499,8 @@ class SeriesMonitor:
             f'{count} snapshots not judged: {why}' for why, count in self._kept.refused.items()
         ]
         return tuple(reasons)
+
+
+def _long(seconds: float) -> str:
+    unit, length = time_unit(seconds)
+    return f'{seconds / length:.{0 if unit == "s" else 1}f} {unit}'

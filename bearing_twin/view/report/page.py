@@ -13,7 +13,7 @@ from bearing_twin import __version__
 from bearing_twin.bearing.vocabulary import PLACES, TITLES
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
 from bearing_twin.recording.schedule import undated
-from bearing_twin.stamps import NANO
+from bearing_twin.stamps import NANO, time_unit
 from bearing_twin.view.report.appendix import appendix
 from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.html import CSS, table
@@ -28,7 +28,6 @@ from bearing_twin.view.verdict import (
     measured,
     next_step,
     reasons,
-    time_unit,
     title_of,
     urgency,
 )

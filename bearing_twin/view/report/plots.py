@@ -8,6 +8,7 @@ from textwrap import wrap
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing.vocabulary import TITLES
+from bearing_twin.stamps import time_unit
 from bearing_twin.view.report.fitted import explained, over_each_other
 from bearing_twin.view.report.spectra import CAPTION, draw_envelope_spectrum, draw_spectrum
 from bearing_twin.view.report.svg import (
@@ -20,7 +21,7 @@ from bearing_twin.view.report.svg import (
 )
 from bearing_twin.view.spectrum import ENVELOPE, low_high, SpectrumPicture
 from bearing_twin.view.trends import CALIBRATION, DIAGNOSIS, recorded, TWIN_STATE
-from bearing_twin.view.verdict import judged_by_velocity, pretty, time_unit
+from bearing_twin.view.verdict import judged_by_velocity, pretty
 import matplotlib as mpl
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
