@@ -219,7 +219,7 @@ def _build(node_class: type[ManagedNode]) -> ManagedNode:
     def build() -> None:
         try:
             future.set_result(node_class())  # type: ignore[call-arg]
-        except Exception as error:
+        except BaseException as error:
             future.set_exception(error)
 
     thread = threading.Thread(target=build, name=THREAD, daemon=True)
