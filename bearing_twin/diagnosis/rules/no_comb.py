@@ -51,7 +51,7 @@ def bursts(e: Evidence) -> Verdict | None:
 
 @rule(
     'suspect',
-    'Of machines with impacts so regular, however faint, two of three are damaged.',
+    'Impacts too regular for noise, however faint: of such machines two of five are damaged.',
     faint=True,
 )
 def mostly_damaged(e: Evidence) -> Verdict | None:
@@ -63,8 +63,9 @@ def mostly_damaged(e: Evidence) -> Verdict | None:
     if sound * (1.0 + RIVAL**2) >= 1.0:
         return None
     text = (
-        f'{100.0 * sound:.0f} % of simulated machines with such impacts are sound; modulation '
-        'index too low for an alarm: compare with an earlier record, or measure nearer to it'
+        'impacts too regular for noise, modulation index too low for an alarm: of simulated '
+        'machines with such impacts two of five are damaged; compare with an earlier record, or '
+        'measure nearer to it'
     )
     return say(e, text, about=comb)
 
