@@ -167,8 +167,7 @@ class HeadlessViewer:
         before, then = -math.inf, time.monotonic()
         while True:
             time.sleep(POLL)
-            self._check()
-            state = self.client.get_state()
+            state = self._state()
             ends = [t.end for r in state.recordings for t in r.timelines if t.end is not None]
             now, end = time.monotonic(), max(ends, default=-math.inf)
             # A server goes on: it is caught up with when time passes as fast there as here.
@@ -243,6 +242,17 @@ class HeadlessViewer:
                 time.sleep(0.3)
             else:
                 return client
+
+    def _state(self) -> Any:
+        self._check()
+        try:
+            return self.client.get_state()
+        except ConnectionError:
+            # It is about to end, and says why only once it has.
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(5.0)
+            self._check()
+            raise
 
     def _check(self) -> None:
         if self._process.poll() is None:
