@@ -565,6 +565,11 @@ class Evidence:
         """Other combs that would be faults if the speed were known exactly."""
         return tuple(c for c in self.others if c.index >= INDEX_FAULT and not self.speed_known)
 
+    @property
+    def alarms(self) -> tuple[Candidate, ...]:
+        """The leading comb and those of other faults, where strong enough for an alarm."""
+        return tuple(c for c in (self.leading, *self.certain) if c.index >= INDEX_FAULT)
+
     @cached_property
     def in_order(self) -> tuple[Candidate, ...]:
         """The leading comb, those of other faults, then those that are none for certain."""

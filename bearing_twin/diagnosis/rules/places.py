@@ -128,8 +128,7 @@ def contested_comb(e: Evidence) -> Verdict | None:
             f'{100.0 * other.slip:.1f} % coincide at {one.order:.3f} orders, and sidebands do not '
             'tell them apart: an exact shaft speed may part them'
         )
-        strong = any(c.index >= INDEX_FAULT for c in (e.leading, *e.certain))
-        level = 'fault' if strong else 'suspect'
+        level = 'fault' if e.alarms else 'suspect'
         places, found = (one.place, other.place), e.told_apart
         texts = (str(other), text)
         return say(e, *texts, about=one, faults=places, level=level, candidates=found)
@@ -151,16 +150,16 @@ def uncertain_second(e: Evidence) -> Verdict | None:
 
 @rule('suspect', 'A significant comb that modulates the envelope little is no alarm.', faint=True)
 def weak_modulation(e: Evidence) -> Verdict | None:
-    places = tuple(c.place for c in e.in_order)
-    if any(c.index >= INDEX_FAULT for c in (e.leading, *e.certain)):
+    if e.alarms:
         return None
+    places = tuple(c.place for c in e.in_order)
     texts = (*map(str, e.in_order[1:]), NO_ALARM)
     return say(e, *texts, about=e.leading, faults=places, candidates=e.told_apart)
 
 
 @rule('its place', 'The comb is significant, strong, and nothing else explains it.')
 def fault(e: Evidence) -> Verdict | None:
-    places = tuple(c.place for c in (e.leading, *e.certain) if c.index >= INDEX_FAULT)
+    places = tuple(c.place for c in e.alarms)
     texts = (*map(str, e.in_order[1:]), *((_GIVE_SPEED,) if e.doubtful else ()))
     found = e.told_apart
     return say(e, *texts, about=e.leading, faults=places, level='fault', candidates=found)
