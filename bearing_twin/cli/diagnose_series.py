@@ -8,7 +8,6 @@ import json
 import math
 from pathlib import Path
 import sys
-from textwrap import wrap
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import named_bearing
@@ -148,12 +147,7 @@ def _page(said: str, report: SeriesReport, summary: dict[str, Any]) -> str:
         ('trend', 'unknown' if math.isnan(report.trend) else f'{report.trend:+.2g} dB/h'),
         *(('why' if not index else '', text) for index, text in enumerate(report.reasons)),
     ]  # fmt: skip
-    head = wrap(
-        f'from {said} on: {len(points)} snapshots in {length}',
-        80,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    head = wrapped('', f'from {said} on: {len(points)} snapshots in {length}')
     lines = (line for name, text in rows for line in wrapped(f'{name:<8}', text))
     return '\n'.join([by_level('\n'.join(head), 'bold'), *lines])
 

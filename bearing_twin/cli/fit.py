@@ -21,7 +21,7 @@ from bearing_twin.calibration.residual import MOVED
 from bearing_twin.cli.diagnose import add_reading, channels_of, picture
 from bearing_twin.cli.diagnose_task import unread
 from bearing_twin.cli.signal_arguments import given_bearing, given_speed
-from bearing_twin.cli.terminal import clear_progress, progress
+from bearing_twin.cli.terminal import clear_progress, progress, wrapped
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.recording.foreign import read_signal
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
@@ -188,12 +188,7 @@ def _page(source: str, found: Calibration) -> str:
     """Return the calibration as a person reads it."""
     before = '' if math.isnan(found.level_before) else f'{found.level_before:+.1f} -> '
     lines = [
-        *wrap(
-            f'{shown(source)}: {found.statement}',
-            80,
-            break_long_words=False,
-            break_on_hyphens=False,
-        ),
+        *wrapped('', f'{shown(source)}: {found.statement}'),
         f'spectrum  log-spectral distance {found.distance_before:.1f} -> {found.distance:.1f} dB, '
         # Zero is added lest -0.0 be printed.
         f'level {before}{round(found.level, 1) + 0.0:+.1f} dB',

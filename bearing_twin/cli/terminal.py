@@ -125,7 +125,7 @@ def processes(asked: int | None, tasks: int) -> int:
 
 def wrapped(name: str, text: str) -> list[str]:
     """
-    Return the lines of a row whose text begins behind its name, for 80 columns.
+    Return the lines of a row whose text begins behind its name, if it has one, for 80 columns.
 
     Examples
     --------
@@ -135,11 +135,12 @@ def wrapped(name: str, text: str) -> list[str]:
          a comb at the order of the inner race
 
     """
+    begin = f'{name}  ' if name else ''
     return textwrap.wrap(
         text,
         80,
-        initial_indent=f'{name}  ',
-        subsequent_indent=' ' * (len(name) + 2),
+        initial_indent=begin,
+        subsequent_indent=' ' * len(begin),
         break_long_words=False,
         break_on_hyphens=False,
     ) or [name]

@@ -8,12 +8,12 @@ from dataclasses import asdict
 import json
 from pathlib import Path
 import sys
-from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from bearing_twin.calibration import Calibration
 from bearing_twin.calibration.whatif import expect
 from bearing_twin.cli.fit import load_range, outer_ring, seed
+from bearing_twin.cli.terminal import wrapped
 from bearing_twin.errors import BearingTwinError, shown
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
             print(json.dumps({'file': values.get('file', ''), **asdict(expected)}), flush=True)
             continue
         machine = f'{shown(str(values.get("file", "")))}: {shown(found.statement)}'
-        print(*wrap(machine, 80, break_long_words=False, break_on_hyphens=False), sep='\n')
+        print(*wrapped('', machine), sep='\n')
         low, high = expected.load
         narrow, wide = expected.width_mm
         width = f'{narrow:.2f}' if narrow == wide else f'{narrow:.2f} to {wide:.2f}'
