@@ -37,7 +37,7 @@ DRIFT_DB = 6.0
 Without it a machine that runs in while it warms up would seem to depend on temperature."""
 HUBER = 1.345
 """Standard deviations up to which a deviation counts in full: 95 % efficient for normal ones."""
-SETTLED, MOST_WEIGHINGS = 1e-9, 100
+CONVERGED, MOST_WEIGHINGS = 1e-9, 100
 """Step of the robust regression below which it ends, prior standard deviations; most steps."""
 KNOWN_DB = 1.0
 """A law is known where the 90 % interval of the correction over the learnt range is +- this."""
@@ -268,7 +268,7 @@ def _regression(
             weights = np.minimum(1.0, HUBER / np.maximum(np.abs(whole @ beta - target), 1e-12))
             weighted = whole.T * weights
             before, beta = beta, np.linalg.solve(weighted @ whole, weighted @ target)
-            if np.abs((beta - before) / widths).max() < SETTLED:
+            if np.abs((beta - before) / widths).max() < CONVERGED:
                 break
         weights = weights[: len(right)]
         precision = (rows * weights[:, None]).T @ rows / sigma**2 + np.diag(widths**-2)
