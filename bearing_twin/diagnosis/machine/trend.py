@@ -222,8 +222,9 @@ class Trend:
         """
         Return the measure that is furthest over the baseline.
 
-        That of before goes on until another one is clearly further over it or asks for a higher
-        level: what is said of two that are alike would change with each window.
+        The one named before stays until another is clearly further over the baseline, or asks
+        for a higher level. Otherwise the text would change with each window where two are about
+        equal.
         """
         most = int(np.argmax(over))
         clear = not over[most] - over[self.measure] < KNOWN_DB
