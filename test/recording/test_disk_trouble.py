@@ -224,6 +224,8 @@ def test_a_result_on_a_full_disk_is_whole_or_absent(
         assert main(['view', str(run), '--save', str(tmp_path / 'a.rrd')]) == 1
     assert page.read_text() == 'a page of before'
     assert sorted(p.name for p in tmp_path.iterdir()) == ['page.html', 'run', 'schedule.mcap']
+    # A picture that failed leaves nothing behind that fails the next one of the process.
+    assert main(['view', str(run), '--save', str(tmp_path / 'a.rrd')]) == 0
 
 
 def test_no_descriptor_left_keeps_no_recorder_from_its_search(tmp_path: Path) -> None:

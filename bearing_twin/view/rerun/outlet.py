@@ -63,6 +63,18 @@ class Outlet:
             If the sink does not take what is left in time.
 
         """
+        try:
+            self._finish()
+        finally:
+            self.recording.disconnect()
+            # Else each picture of a process leaves more threads and memory behind, even though it
+            # is disconnected (rerun-io/rerun#2116), and one that failed fails all later ones.
+            # What has drawn into it may live on in a circle.
+            del self.recording
+            with contextlib.suppress(RuntimeError):  # of others, which tell it themselves
+                rerun_bindings.flush_and_cleanup_orphaned_recordings()
+
+    def _finish(self) -> None:
         written = self._written()
         while True:
             try:
@@ -73,11 +85,6 @@ class Outlet:
                 before, written = written, self._written()
                 if written <= before:
                     raise
-        self.recording.disconnect()
-        # Else each picture of a process leaves more threads and memory behind, even though it
-        # is disconnected (rerun-io/rerun#2116). What has drawn into it may live on in a circle.
-        del self.recording
-        rerun_bindings.flush_and_cleanup_orphaned_recordings()
 
     def _written(self) -> int:
         return self._place.stat().st_size if isinstance(self._place, Path) else 0
