@@ -9,6 +9,7 @@ import itertools
 import json
 import os
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from hypothesis import HealthCheck, settings
 import pytest
@@ -68,7 +69,11 @@ def made_once(tmp_path_factory):
         with target.with_suffix('.lock').open('w') as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not target.exists():
-                make(target)
+                # What is cut off half made, or fails, is not taken for made.
+                with TemporaryDirectory(dir=target.parent) as beside:
+                    half = Path(beside) / target.name
+                    make(half)
+                    half.rename(target)
         return target
 
     return give
