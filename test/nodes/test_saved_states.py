@@ -3,6 +3,7 @@
 """Saved states: whole, of one node at a time, and never another's."""
 
 import asyncio
+from concurrent import futures
 import errno
 import fcntl
 import os
@@ -303,7 +304,22 @@ def is_locked(folder, name='pump'):
     return False
 
 
-def test_what_a_hanging_disk_takes_late_is_not_written_over_the_next_nodes(tmp_path, monkeypatch):
+@pytest.fixture
+def waits(monkeypatch):
+    """Return for how long a disk is waited for from now on, s: a busy machine takes longer."""
+    asked = []
+
+    def wait(jobs, timeout, wait=futures.wait):
+        asked.append(timeout)
+        return wait(jobs, timeout)
+
+    monkeypatch.setattr(futures, 'wait', wait)
+    return asked
+
+
+def test_what_a_hanging_disk_takes_late_is_not_written_over_the_next_nodes(
+    tmp_path, monkeypatch, waits
+):
     monkeypatch.setattr(disksync, 'LONGEST', 0.5)
     with loop_disk(tmp_path) as disk:
         states = disk.path / 'states'
@@ -318,10 +334,10 @@ def test_what_a_hanging_disk_takes_late_is_not_written_over_the_next_nodes(tmp_p
                 f'{states}/pump'
             ]
             # Nor does the next one wait for longer, at its start and later.
-            began = time.monotonic()
+            waits.clear()
             following = Node(states)
             following.load()
-            assert time.monotonic() - began < 2 * 0.5
+            assert sum(waits) < 0.6
             assert following.state.problem.startswith(f'{states}/pump is not read yet')
         end = time.monotonic() + 60.0
         while not following.load():
@@ -334,7 +350,7 @@ def test_what_a_hanging_disk_takes_late_is_not_written_over_the_next_nodes(tmp_p
 
 
 @pytest.mark.ros
-def test_a_fleet_waits_once_for_a_disk_that_hangs(here, tmp_path, monkeypatch):
+def test_a_fleet_waits_once_for_a_disk_that_hangs(here, tmp_path, monkeypatch, waits):
     from bearing_twin.nodes.fleet import FleetNode
 
     monkeypatch.setattr(disksync, 'LONGEST', 1.0)
@@ -353,10 +369,10 @@ def test_a_fleet_waits_once_for_a_disk_that_hangs(here, tmp_path, monkeypatch):
             fleet.trigger_deactivate()
             for member in fleet._members:
                 member.diagnosis._keep()
-            began = time.monotonic()
+            waits.clear()
             fleet.trigger_cleanup()
             fleet.trigger_configure()
-            assert time.monotonic() - began < 1.0 + 2.0
+            assert sum(waits) < 1.1
         # What hung, and what was asked for since, is done in turn.
         while fleet.states.disk.busy:
             time.sleep(0.01)
