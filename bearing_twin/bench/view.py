@@ -13,7 +13,7 @@ from bearing_twin.offline.run import run_offline
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.view.rerun.logger import RerunLogger
-from bearing_twin.view.rerun.viewer import free_port, LOOPBACK
+from bearing_twin.view.rerun.viewer import LOOPBACK
 
 if TYPE_CHECKING:
     from bearing_twin.recording.catalogue import RecordedMessage
@@ -53,7 +53,7 @@ def _draw(messages: list[RecordedMessage], rrd: Path | None) -> tuple[float, flo
     """Return the processor time and the longest call, s; without a file for live viewers."""
     longest = 0.0
     began = time.process_time()
-    serve = None if rrd else (LOOPBACK, free_port())
+    serve = None if rrd else (LOOPBACK, 0)
     with RerunLogger(recording_id='bench', rrd=rrd, serve=serve) as logger:
         for count, message in enumerate(messages):
             if count % AT_ONCE == 0:

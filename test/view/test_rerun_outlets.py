@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where pictures go: files, ports and servers, and what is no such place."""
 
+import os
 from pathlib import Path
 import socket
 
@@ -11,24 +12,22 @@ from bearing_twin.recording.finding import find_recording
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.outlet import Outlet
-from bearing_twin.view.rerun.viewer import live_url, LOOPBACK
+from bearing_twin.view.rerun.viewer import listening, live_url, LOOPBACK
 import pytest
 import rerun as rr
 
 
 def test_a_client_that_never_reads_holds_nothing_up(recording, tmp_path):
-    with socket.socket() as probe:
-        probe.bind((LOOPBACK, 0))
-        port = probe.getsockname()[1]
+    before = set(listening(os.getpid()))
     messages = [
         (m.topic, m.type_name, m.decode(), m.log_time)
         for m in read_messages(recording, topics=['/vibration'])
     ][:250]
     with (
         RerunLogger(
-            recording_id='deaf', serve=(LOOPBACK, port), memory_limit='1MB', full_samples=True
+            recording_id='deaf', serve=(LOOPBACK, 0), memory_limit='1MB', full_samples=True
         ) as logger,
-        socket.create_connection((LOOPBACK, port)) as deaf,
+        socket.create_connection((LOOPBACK, *set(listening(os.getpid())) - before)) as deaf,
     ):
         deaf.sendall(b'PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n')
         for _ in range(8):

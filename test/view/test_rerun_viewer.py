@@ -12,9 +12,9 @@ from pathlib import Path
 import re
 import shutil
 import signal
-import socket
 import subprocess
 import sys
+import tempfile
 import time
 
 from bearing_twin import cli
@@ -25,7 +25,7 @@ from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.stamps import split_ns
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings
-from bearing_twin.view.rerun.viewer import free_port, HeadlessViewer, LOOPBACK
+from bearing_twin.view.rerun.viewer import HeadlessViewer, listening, LOOPBACK
 from bearing_twin.view.trends import TWIN_STATE
 import matplotlib.image
 import numpy as np
@@ -314,10 +314,9 @@ def test_two_recordings_fill_every_view(shown):
 
 
 def test_a_late_viewer_of_a_running_server_sees_the_past(recordings):
-    with socket.socket() as probe:
-        probe.bind((LOOPBACK, 0))
-        port = probe.getsockname()[1]
-    with RerunLogger(recording_id='live', serve=(LOOPBACK, port)) as logger:
+    before = set(listening(os.getpid()))
+    with RerunLogger(recording_id='live', serve=(LOOPBACK, 0)) as logger:
+        [port] = set(listening(os.getpid())) - before
         for count, message in enumerate(read_messages(recordings[1])):
             logger.log(message.topic, message.type_name, message.decode(), message.log_time)
             assert count % 500 or logger.drain(60.0)
@@ -331,12 +330,12 @@ def test_a_late_viewer_of_a_running_server_sees_the_past(recordings):
 
 
 SPEAKER = """
-import sys, threading, time
+import os, sys, threading, time
 from pathlib import Path
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.view.rerun import outlet
 from bearing_twin.view.rerun.logger import RerunLogger
-from bearing_twin.view.rerun.viewer import LOOPBACK
+from bearing_twin.view.rerun.viewer import listening, LOOPBACK
 
 # The buffers of Rerun alone take six minutes of samples; ours shall not double that.
 outlet.WAITING = 200
@@ -348,11 +347,11 @@ messages = [
 logger = RerunLogger(
     recording_id='frozen',
     rrd=Path(sys.argv[2]),
-    serve=(LOOPBACK, int(sys.argv[3])),
+    serve=(LOOPBACK, 0),
     memory_limit='1MB',
     full_samples=True,
 )
-print('serving', flush=True)
+print(*listening(os.getpid()), flush=True)
 sys.stdin.readline()
 
 # What holds up the whole machine or the process holds up this thread as well.
@@ -379,15 +378,15 @@ print(longest - held_up, calls, messages[0][2].y.size, logger.dropped, logger.fa
 
 
 def test_a_frozen_viewer_holds_nothing_up(recordings, tmp_path):
-    rrd, port = tmp_path / 'frozen.rrd', free_port()
+    rrd = tmp_path / 'frozen.rrd'
     with subprocess.Popen(
-        [sys.executable, '-c', SPEAKER, str(recordings[0]), str(rrd), str(port)],
+        [sys.executable, '-c', SPEAKER, str(recordings[0]), str(rrd)],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
     ) as speaker:
         try:
-            assert speaker.stdout.readline() == 'serving\n'
+            port = int(speaker.stdout.readline())
             url = f'rerun+http://{LOOPBACK}:{port}/proxy'
             with HeadlessViewer([url], size=(200, 200)) as viewer:
                 time.sleep(2.0)
@@ -410,12 +409,16 @@ def test_a_frozen_viewer_holds_nothing_up(recordings, tmp_path):
     assert rows - 1 == calls * size
 
 
-def test_the_command_writes_a_picture(recordings, tmp_path):
-    target = tmp_path / 'shot.png'
+def test_the_command_writes_a_picture_and_leaves_nothing_else(recordings, tmp_path, monkeypatch):
+    target, temporary = tmp_path / 'shot.png', tmp_path / 'temporary'
+    temporary.mkdir()
+    monkeypatch.setenv('TMPDIR', str(temporary))
+    monkeypatch.setattr(tempfile, 'tempdir', str(temporary))
     arguments = ['view', str(recordings[1]), '--screenshot', str(target), '--size', '900x600']
     assert cli.main([*arguments, '--at', '20']) == 0
     assert matplotlib.image.imread(target).shape[:2] == (600, 900)
     assert cli.main([*arguments, '--at', '2000']) == 1
+    assert list(temporary.iterdir()) == []
 
 
 def test_a_recording_with_a_name_in_any_script_has_a_picture(recordings, tmp_path):

@@ -21,6 +21,7 @@ from urllib.parse import quote, urlsplit
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import NANO
 import numpy as np
+import psutil
 import rerun_cli
 
 if TYPE_CHECKING:
@@ -35,11 +36,24 @@ SETTLE = 2.5
 """Time for views to lay themselves out once data have come, s."""
 
 
-def free_port() -> int:
-    """Return a port of the loopback interface that is free now."""
-    with socket.socket() as probe:
-        probe.bind((LOOPBACK, 0))
-        return int(probe.getsockname()[1])
+def listening(pid: int) -> list[int]:
+    """
+    Return the ports at which a process listens, such as one that has chosen its port itself.
+
+    Examples
+    --------
+    >>> with socket.create_server((LOOPBACK, 0)) as server:
+    ...     server.getsockname()[1] in listening(os.getpid())
+    True
+
+    Raises
+    ------
+    psutil.Error
+        If there is no such process, or it is someone else's.
+
+    """
+    found = psutil.Process(pid).net_connections('tcp')
+    return [each.laddr.port for each in found if each.status == psutil.CONN_LISTEN]
 
 
 def live_url(text: str) -> str:
@@ -69,7 +83,7 @@ def show(sources: Sequence[str]) -> int:
     if sys.platform == 'linux' and not {'DISPLAY', 'WAYLAND_DISPLAY'} & set(os.environ):
         msg = 'there is no display; use --web for the browser or --screenshot for a picture'
         raise BearingTwinError(msg)
-    return subprocess.call([_binary(), '--bind', LOOPBACK, '--port', str(free_port()), *sources])
+    return subprocess.call([_binary(), '--bind', LOOPBACK, '--port', '0', *sources])
 
 
 def show_in_browser(
@@ -84,11 +98,14 @@ def show_in_browser(
         If the port is taken, or the address is none.
 
     """
-    port, data_port = web_port or free_port(), free_port()
+    port = web_port
     try:
-        with socket.socket() as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            probe.bind((address, port))
+        # The page names the port of the data, so that both are chosen before the server starts.
+        with socket.socket() as page, socket.socket() as probe:
+            page.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            page.bind((address, port))
+            probe.bind((address, 0))
+            port, data_port = page.getsockname()[1], probe.getsockname()[1]
     except (OSError, OverflowError, TypeError, ValueError) as error:
         # The others: a port beyond 65535, an address that is no text or too long.
         reason = getattr(error, 'strerror', None) or error
@@ -127,9 +144,12 @@ class HeadlessViewer:
 
         self._live = any('://' in source for source in sources)
         self._folder = tempfile.TemporaryDirectory(prefix='bearing_twin_view_')
-        port = free_port()
-        environment = os.environ | {'XDG_RUNTIME_DIR': self._folder.name}
-        command = [_binary(), '--headless', '--bind', LOOPBACK, '--port', str(port)]
+        # It leaves a folder behind when it is ended.
+        environment = os.environ | {
+            'XDG_RUNTIME_DIR': self._folder.name,
+            'TMPDIR': self._folder.name,
+        }
+        command = [_binary(), '--headless', '--bind', LOOPBACK, '--port', '0']
         command += ['--window-size', f'{size[0]}x{size[1]}', '--hide-welcome-screen', *sources]
         self._errors = Path(self._folder.name) / 'stderr'
         with self._errors.open('wb') as errors:
@@ -137,7 +157,7 @@ class HeadlessViewer:
                 command, env=environment, stdout=subprocess.DEVNULL, stderr=errors
             )
         try:
-            self.client: Any = self._connect(ViewerClient, f'rerun+http://{LOOPBACK}:{port}/proxy')
+            self.client: Any = self._connect(ViewerClient)
         except BaseException:
             self.close()
             raise
@@ -227,15 +247,16 @@ class HeadlessViewer:
         """End the viewer."""
         self.close()
 
-    def _connect(self, client_class: Any, url: str) -> Any:
+    def _connect(self, client_class: Any) -> Any:
         deadline = time.monotonic() + START_TIMEOUT
         while True:
             self._check()
             try:
-                client = client_class.connect(url)
+                port = max(listening(self.pid), default=0)
+                client = client_class.connect(f'rerun+http://{LOOPBACK}:{port}/proxy')
                 client.get_state()
             except Exception as error:
-                # The bindings raise bare exceptions while the viewer is not listening yet.
+                # The bindings raise bare exceptions while the viewer does not answer yet.
                 if time.monotonic() > deadline:
                     msg = f'the viewer did not answer within {START_TIMEOUT:g} s ({error})'
                     raise BearingTwinError(msg) from None
