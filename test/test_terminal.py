@@ -9,10 +9,12 @@ import socket
 import subprocess
 import sys
 import time
+from types import ModuleType
 
 from bearing_twin.bench.figures import FIGURES
 from bearing_twin.cli import COMMANDS, main
 from bearing_twin.cli.run import NODES
+from bearing_twin.cli.terminal import tell_of_compiling
 from commands import python
 import numpy as np
 from probe import TIMEOUT
@@ -130,6 +132,14 @@ tell_of_compiling('fit')
     assert said.count('compiling kernels') == 1
     assert said.startswith('bearing-twin fit: compiling kernels')
     assert python('-c', script).stderr == ''
+
+
+def test_a_compiler_that_is_still_being_loaded_has_compiled_nothing(monkeypatch, capsys):
+    name = 'bearing_twin.dynamics.compiled'
+    monkeypatch.setitem(sys.modules, name, ModuleType(name))
+    monkeypatch.setattr(sys.stderr, 'isatty', lambda: True)
+    tell_of_compiling('info')
+    assert capsys.readouterr().err == ''
 
 
 def test_colours_in_a_terminal_and_nowhere_else(tmp_path):
