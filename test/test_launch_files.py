@@ -15,9 +15,11 @@ import time
 
 from bearing_twin.assets.recorder_parameters import SPECS as RECORDER
 from bearing_twin.assets.twin_parameters import SPECS as TWIN
+from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.fleet import SPECS as FLEET
 from bearing_twin.nodes.replay import SPECS as REPLAY
+from bearing_twin.recording.reader import recording_info
 from mcap.reader import make_reader
 import pytest
 
@@ -135,6 +137,24 @@ def test_launch_file_starts_its_nodes(name, ros_domain, tmp_path):
     log = launched(command, tmp_path, lambda text: said in text)
     # Where the interpreter itself is still starting it ends by the signal (-2).
     assert not re.search(r'process has died.*exit code (?!-2)', log)
+
+
+@pytest.mark.ros
+@pytest.mark.skipif(not INSTALLED, reason='ros2 does not find this package')
+def test_a_replay_ends_by_itself_and_what_it_drove_is_reproduced(ros_domain, tmp_path):
+    replay = ['ros2', 'launch', str(FOLDER / 'replay.launch.py'), 'rate:=8']
+
+    def replayed(text):
+        if 'twin of 6307' not in text:
+            return False
+        ran = subprocess.run(replay, cwd=tmp_path, capture_output=True, text=True, check=True)
+        assert '100 %  401 messages' in ran.stdout
+        return True
+
+    twin = ['ros2', 'launch', str(FOLDER / 'twin.launch.py'), 'output:=bag', 'rerun_port:=0']
+    launched(twin, tmp_path, replayed)
+    assert recording_info(tmp_path / 'bag').topics['/temperature'].count == 401
+    assert main(['verify', str(tmp_path / 'bag')]) == 0
 
 
 @pytest.mark.ros
