@@ -15,6 +15,8 @@ import numpy as np
 
 _MAGIC = b'BTDX'
 _HEADER = struct.Struct('<4sHIIQ')
+_OTHER_VERSION = 'saved state is of another version of this program'
+_REMEDY = 'start afresh, or use the program that saved it'
 _DTYPES = ('float32', 'float64', 'int64', 'uint8')
 
 
@@ -52,7 +54,7 @@ def unpack(data: bytes, version: int) -> tuple[dict[str, Any], dict[str, np.ndar
     _, found, checksum, text_length, length = _HEADER.unpack_from(data)
     body = data[_HEADER.size :]
     if found != version:
-        msg = f'saved state has version {found}, this program reads {version}; start afresh'
+        msg = f'{_OTHER_VERSION}: it is {found}, and this one reads {version}; {_REMEDY}'
         raise BearingTwinError(msg)
     if len(body) != length or text_length > length or zlib.crc32(body) != checksum:
         msg = f'saved state is damaged: {len(body)} of {length} bytes; use an intact copy'
@@ -97,18 +99,26 @@ def restored(kind: Any, value: Any) -> Any:
     """
     inner = get_args(kind)
     if isinstance(kind, type) and is_dataclass(kind) and isinstance(value, dict):
-        hints = get_type_hints(kind)
-        if value.keys() == {field.name for field in fields(kind)}:
+        hints, names = get_type_hints(kind), {field.name for field in fields(kind)}
+        if value.keys() == names:
             return kind(**{name: restored(hints[name], each) for name, each in value.items()})
-    elif type(None) in inner:
+        here, there = (
+            ', '.join(sorted(some)) for some in (names - value.keys(), value.keys() - names)
+        )
+        differs = [
+            f'{what} {some:.60}' for what, some in (('lacks', here), ('has', there)) if some
+        ]
+        msg = f'{_OTHER_VERSION}, whose {kind.__name__} {" and ".join(differs)}; {_REMEDY}'
+        raise BearingTwinError(msg)
+    if type(None) in inner:
         return None if value is None else restored(inner[0], value)
-    elif get_origin(kind) is list and isinstance(value, list):
+    if get_origin(kind) is list and isinstance(value, list):
         return [restored(inner[0], each) for each in value]
-    elif get_origin(kind) is dict and isinstance(value, dict):
+    if get_origin(kind) is dict and isinstance(value, dict):
         return {restored(inner[0], k): restored(inner[1], each) for k, each in value.items()}
-    elif kind is float and isinstance(value, int):
+    if kind is float and isinstance(value, int):
         return float(value)
-    elif kind in (bool, int, float, str) and isinstance(value, kind):
+    if kind in (bool, int, float, str) and isinstance(value, kind):
         return value
     msg = f'saved {value!r:.60} is no {kind}; use what save() returned'
     raise BearingTwinError(msg)

@@ -11,8 +11,9 @@ from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, Streaming
 from bearing_twin.diagnosis.machine.trend import Trend
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.signal.severity import MEASURES
+from bearing_twin.diagnosis.streaming import _VERSION
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.packed import restored
+from bearing_twin.packed import pack, restored, unpack
 from hypothesis import given, settings
 from hypothesis import strategies as st
 import numpy as np
@@ -298,6 +299,27 @@ def test_damaged_states_are_refused_and_leave_the_state_alone():
 def test_a_trend_that_holds_what_there_is_not_is_refused(wrong):
     with pytest.raises(BearingTwinError, match='there is not'):
         restored(Trend, Trend().values() | wrong)
+
+
+@pytest.mark.parametrize(
+    ('change', 'differs'),
+    [
+        (lambda trend: trend.pop('measure'), 'whose Trend lacks measure; start afresh'),
+        (lambda trend: trend.update(zone='A'), 'whose Trend has zone; start afresh'),
+        (lambda trend: trend['rise'].pop('found'), 'whose Rise lacks found; start afresh'),
+    ],
+)
+def test_a_state_of_another_version_is_refused_with_what_differs_and_changes_nothing(
+    change, differs
+):
+    diagnoser = StreamingDiagnoser(BEARING, SHORT)
+    _push(diagnoser, fault_signal(4.0))
+    before = diagnoser.save()
+    values, arrays = unpack(before, _VERSION)
+    change(values['trend'])
+    with pytest.raises(BearingTwinError, match=f'another version of this program, {differs}'):
+        diagnoser.load(pack(_VERSION, values, arrays))
+    assert diagnoser.save() == before
 
 
 @pytest.mark.parametrize(
