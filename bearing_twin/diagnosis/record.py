@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 import functools
+import itertools
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -46,9 +47,9 @@ _SMEARED = 0.375 * INDEX_FAULT**2 / 2.0
 """Power over that of the mean, half of what lines of an index that is a fault have (a line of a
 modulation of one is 1/4 of its square, and its two neighbours half as much together)."""
 
-_LOUD = 0.5
-"""Modulation index in the loudest segments from which on a record as a whole is worth a look:
-of 573 simulated faults the 20 that it finds have 0.54 or more."""
+_LOUD = INDEX_FAULT / RIVAL
+"""Modulation index, with each segment by its power, from which on a record as a whole is worth a
+look: in another band than that of the answer it may be a fault."""
 
 _BURSTS = 'second by second the modulation is weaker: the impacts come in bursts'
 
@@ -144,10 +145,13 @@ def diagnose_record(
             found = replace(whole, reasons=(*whole.reasons, _BURSTS))
     # Where the speed moves, the lines of a fault smear over the whole and not over its parts.
     if faint and found.level != 'fault' and speeds.size == 1 and _smeared(analysis):
+        turns = len(signal) / sample_rate * float(speeds)
 
         def parts(count: int) -> list[Excerpt]:
-            if len(excerpt.stretches) % count == 0:
-                return [_part(excerpt, number, count) for number in range(count)]
+            many = len(excerpt.stretches)
+            if turns * (many // count) >= _PART_TURNS * many:
+                edges = [round(many * number / count) for number in range(count + 1)]
+                return [_part(excerpt, *ends) for ends in itertools.pairwise(edges)]
             samples = np.array_split(signal, count)
             turnings = [turning._replace(lengths=np.array([len(part)])) for part in samples]
             return [
@@ -155,7 +159,6 @@ def diagnose_record(
                 for part, its in zip(samples, turnings, strict=True)
             ]
 
-        turns = len(signal) / sample_rate * float(speeds)
         found = _moving(found, turns, parts) or found
     if speeds.size == 1 and analysis.window is not None:
         power, bin_hz = analysis.window.low, 1.0 / analysis.window.seconds
@@ -171,18 +174,12 @@ def diagnose_record(
 
 
 def _may_strike_in_bursts(analysis: Analysis) -> bool:
-    """
-    Whether the impacts of the loudest segments may make a fault of the record as a whole.
-
-    There the segments count by their power: an index is about its mean over the segments times
-    the power of the loudest over that of the mean one, in its band.
-    """
+    """Whether the impacts of the loudest segments may make a fault of the record as a whole."""
     window, excerpt, said = analysis.window, analysis.excerpt, analysis.alone
     if window is None or len(excerpt.stretches) == excerpt.pieces:
         return False
-    if analysis.before:
-        return True
-    return said.modulation_index[said.faults[0]] * window.swell(said.band) >= _LOUD
+    order = said.fault_hz / said.shaft_hz
+    return bool(analysis.before) or window.index_by_power(order, said.band) >= _LOUD
 
 
 def _clearest(said: Diagnosis) -> float:
@@ -233,17 +230,16 @@ def _smeared(analysis: Analysis) -> bool:
     return bool(2.0 * power.shape[1] * rise.max() > _SMEARED)
 
 
-def _part(excerpt: Excerpt, number: int, count: int) -> Excerpt:
-    """Return one of equal parts of an excerpt; it keeps the transforms of its stretches."""
-    many = len(excerpt.stretches) // count
-    first = number * many
+def _part(excerpt: Excerpt, first: int, end: int) -> Excerpt:
+    """Return some stretches of an excerpt; they keep their transforms."""
+    many = end - first
     turns = (
         many * len(excerpt.stretches[0].samples) / excerpt.sample_rate * excerpt.turning.mean_hz
     )
     least = max(1, round(turns / _WINDOW_TURNS))
     return replace(
         excerpt,
-        stretches=excerpt.stretches[first : first + many],
+        stretches=excerpt.stretches[first:end],
         before=excerpt.stretches[first - 1] if first else None,
         left_over=0,
         pieces=next(pieces for pieces in range(least, many + 1) if many % pieces == 0),
@@ -280,7 +276,7 @@ def _moving(
             if one.faults != other.faults or not moved > line_hz:
                 continue
             text = (
-                f'in two neighbouring parts of {turns / count:.0f} turns it is at '
+                f'in two neighbouring parts of about {turns / count:.0f} turns it is at '
                 f'{one.fault_hz:.1f} and {other.fault_hz:.1f} Hz: the speed moves within the '
                 'record, so the whole does not show it; give the speed of each sample'
             )
@@ -294,8 +290,8 @@ def _moving(
         alarm = next((one for one in map(said, cut) if one.level == 'fault'), None)
         if alarm and not weaker:
             text = (
-                f'only one part of {turns / count:.0f} turns is an alarm, and the speed seems to '
-                'move within the record: repeat it, and give the speed of each sample'
+                f'only one part of about {turns / count:.0f} turns is an alarm, and the speed '
+                'seems to move within the record: repeat it, and give the speed of each sample'
             )
             alarm = replace(alarm, level='suspect', confidence=UNKNOWN)
             weaker = _of_part(whole, alarm, text)

@@ -4,17 +4,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import statistics
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.combs.comb import order_spectra, OrderSpectra
 from bearing_twin.diagnosis.combs.passages import ball_passages
-from bearing_twin.diagnosis.signal.columns import aligned
+from bearing_twin.diagnosis.combs.sidebands import comb_index
+from bearing_twin.diagnosis.signal.columns import aligned, power_of_lines
 from bearing_twin.diagnosis.signal.demodulation import highest_order
 from bearing_twin.diagnosis.signal.severity import Levels, measure_severity
 from bearing_twin.diagnosis.signal.shaft import refine_shaft_hz, resample, ShaftSpeed
-from bearing_twin.diagnosis.signal.spectra import envelope_spectra, transform
+from bearing_twin.diagnosis.signal.spectra import envelope_spectra, local_floor, transform
+from bearing_twin.dynamics.vector import L
 import numpy as np
 
 if TYPE_CHECKING:
@@ -70,11 +72,22 @@ class Window:
             joined = resample(joined, self.equal_angles)
         return ball_passages(joined, self.revolutions, bearing)
 
-    def swell(self, band: tuple[float, float]) -> float:
-        """Power of the loudest segment over that of the mean one, in a band of so many Hz."""
+    def index_by_power(self, order: float, band: tuple[float, float]) -> float:
+        """Modulation index of a comb in a band, Hz, if each segment counts by its power there."""
         first, end = (round(edge / self.bin_hz) for edge in band)
-        power = [float(each.lines[first:end].sum()) for each in self.segments]
-        return max(power) / max(statistics.fmean(power), 1e-30)
+        powers = np.array([each.lines[first:end].sum() for each in self.segments])
+        powers /= max(powers.mean(), 1e-30)
+        group, column = divmod(self.bands.index(band), L)
+        parts = (each.envelopes[group][:, column : column + 1] for each in self.segments)
+        weighed = [part * power for part, power in zip(parts, powers, strict=True)]
+        joined = _joined(weighed, self.lap)
+        if self.equal_angles is not None:
+            joined = resample(joined, self.equal_angles)
+        lines = np.empty((len(self.orders.excess), 1), np.float32)
+        power_of_lines(joined, lines, 0)
+        floor = local_floor(lines.T, 2 * self.envelopes.hop).T
+        above = replace(self.orders, excess=np.maximum(lines - floor, np.float32(0.0)))
+        return comb_index(above, order)
 
 
 def analyse_window(

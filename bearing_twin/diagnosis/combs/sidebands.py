@@ -71,6 +71,19 @@ def comb_powers(
     return np.asarray(lines.sum(axis=(1, 2)))
 
 
+def comb_index(spectra: OrderSpectra, order: float) -> float:
+    """
+    Modulation index of a comb in spectra of one band; see :func:`modulation_index`.
+
+    >>> import numpy as np
+    >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
+    >>> round(comb_index(OrderSpectra.of_lines(3.07 * np.arange(1, 5)), 3.07), 2)
+    3.27
+
+    """
+    return 2.0 * math.sqrt(float(comb_powers(spectra, np.array([order]), 0)[0]) / HANN_BINS)
+
+
 def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 1.0) -> float:
     """
     Amplitude of the lines one and two gaps beside the harmonics of a comb, over theirs.
