@@ -102,12 +102,13 @@ class Stretch:
     def segment(self, layout: Layout, before: Sequence[Stretch]) -> Segment:
         """Segment that ends with this stretch; ``before`` are the stretches right before it."""
         with self._lock:
-            if layout not in self._segments:
+            segment = self._segments.get(layout)
+            if segment is None:
                 first, *parts = [stretch.samples for stretch in (*before, self)]
                 missing = layout.hop + layout.lap - sum(map(len, parts))
                 samples = np.concatenate((first[-missing:], *parts))
-                self._segments[layout] = demodulate(samples, layout)
-            return self._segments[layout]
+                segment = self._segments[layout] = demodulate(samples, layout)
+            return segment
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -290,7 +291,7 @@ class Excerpt:
             known[end - 1].segment(layout, known[max(end - each - 1, 0) : end - 1])
             for end in range(offset + each, offset + count + 1, each)
         ]
-        turning = _together(self.stretches[first : first + count])
+        turning = self.turning if self.pieces == 1 else _together(self.stretches[first:][:count])
         return analyse_window(
             segments, layout, self.bearing, turning, self.settings, unit=self.unit,
             spectra_of=self.spectra_of,
@@ -367,8 +368,8 @@ class Analysis:
         asked = settings.power_group and settings.mounting and not window.severity.iso_zone
         slow = (_NO_ZONE,) if asked and self.shaft_hz < SLOW_HZ else ()
         return report(
-            replace(verdict, reasons=(*taken.reasons, *verdict.reasons, *slow)),
-            replace(window, speed=speed),
+            replace(verdict, reasons=(*verdict.reasons, *slow)) if slow else verdict,
+            window if speed is window.speed else replace(window, speed=speed),
             taken,
             excerpt.bearing,
             simulated=excerpt.simulated,

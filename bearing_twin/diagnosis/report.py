@@ -76,7 +76,7 @@ def report(
     unit = window.severity.unit
     could = (shaft_hz, taken.temperature, window.severity.rms, unit, bearing.d_ball)
     smallest = smallest_detectable(window.seconds, *could) if simulated else math.nan
-    reasons = verdict.reasons
+    reasons = (*taken.reasons, *verdict.reasons)
     if simulated and verdict.result == 'insufficient':
         shown = shown_by(window.seconds, *could)
         reasons = (*reasons, f'smallest race fault that would have shown: {shown}')

@@ -15,7 +15,12 @@ from bearing_twin.diagnosis.signal.columns import aligned, power_of_lines
 from bearing_twin.diagnosis.signal.demodulation import highest_order
 from bearing_twin.diagnosis.signal.severity import Levels, measure_severity
 from bearing_twin.diagnosis.signal.shaft import refine_shaft_hz, resample, ShaftSpeed
-from bearing_twin.diagnosis.signal.spectra import envelope_spectra, local_floor, transform
+from bearing_twin.diagnosis.signal.spectra import (
+    envelope_spectra,
+    line_powers,
+    local_floor,
+    transform,
+)
 from bearing_twin.dynamics.vector import L
 import numpy as np
 
@@ -153,8 +158,7 @@ def analyse_window(
         max_hz=highest_order(bearing) * shaft_hz,
         floor_width=max(int(4.0 * shaft_hz / bin_hz), 32),
     )
-    low = transform(slow)
-    power = low.real**2 + low.imag**2
+    power = line_powers(transform(slow))
     power_sum = segments[0].lines.copy()
     for segment in segments[1:]:
         power_sum += segment.lines
@@ -187,5 +191,6 @@ def _joined(parts: Sequence[NDArray[np.float32]], lap: int) -> NDArray[np.float3
     whole = aligned(len(parts) * hop, *parts[0].shape[1:])
     np.concatenate([part[lap:] for part in parts], out=whole)
     for number, part in enumerate(parts[1:], start=1):
-        whole[number * hop - lap : number * hop] += part[:lap]
+        end = whole[number * hop - lap : number * hop]
+        end += part[:lap]
     return whole

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 import math
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.diagnosis.combs.candidate import Candidate, UNTESTED
@@ -120,15 +120,21 @@ class CombSearch:
         self, place: str, spectra: OrderSpectra, slips: tuple[float, float] = SLIP
     ) -> tuple[float, float, float]:
         """Order, slip and score of the best comb of a place within a range of slip."""
+        order, slope, grid = self._slipping(place, slips)
+        z = self._scores.score(spectra, grid)
+        return likeliest(z, grid, order, self._uncertainty * order, slope, SLIP_COST)
+
+    def _slipping(
+        self, place: str, slips: tuple[float, float]
+    ) -> tuple[float, float, NDArray[np.float64]]:
+        """Order of a place, its change by a slip of 1, and the orders in a range of slip."""
         order = self.orders.impacts(place)
         slope = (self._slipped.impacts(place) - order) / SLIP[1]
         ends = sorted(order + slope * slip for slip in slips)
         slack = self._uncertainty * order
         # Half a bin of the highest harmonic apart, and at least one.
         grid = np.arange(ends[0] - slack, ends[1] + slack, 0.5 * self.spectra.step / HARMONICS)
-        grid = grid if len(grid) else np.array([order])
-        z = self._scores.score(spectra, grid)
-        return likeliest(z, grid, order, slack, slope, SLIP_COST)
+        return order, slope, grid if len(grid) else np.array([order])
 
     def strongest_anywhere(self, *, beyond: bool = False) -> Candidate:
         """
@@ -154,7 +160,8 @@ class CombSearch:
             further = self._off_shaft(grid, scores.score(self.spectra, grid), self.spectra)
             found = max(found, further, key=lambda c: c.z)
         # Of impacts beyond the orders looked at a fraction shows, without its first harmonics.
-        return replace(found, order=self._multiple(found.order) * found.order)
+        multiple = self._multiple(found.order)
+        return replace(found, order=multiple * found.order) if multiple > 1 else found
 
     def _off_shaft(
         self, grid: NDArray[np.float64], z: NDArray[np.float64], spectra: OrderSpectra
@@ -316,13 +323,18 @@ class CombSearch:
         It does at any slip that the place may have: an order that is not a whole number slips on
         to one. Impacts have all harmonics there; blades, vanes and lobes pulse smoothly.
         """
-        order, _, z = self._peak(place, self._all)
-        slack = self._uncertainty * order + 1.25 * self._all.step
-        if z < Z_FAULT or abs(order - round(order)) > slack:
+        _, _, grid = self._slipping(place, SLIP)
+        whole = grid[self._is_whole(grid)]
+        # Most have no such order in reach, or nothing there: the others need not be looked at.
+        if not len(whole) or self._scores.score(self._all, whole).max() < Z_FAULT:
             return None
         found = self.best(place, self._all)
-        shown = found.index >= INDEX_FAULT
+        shown = found.z >= Z_FAULT and found.index >= INDEX_FAULT and self._is_whole(found.order)
         return found if shown and not self.smooth(found, masked=True) else None
+
+    def _is_whole(self, orders: Any) -> Any:
+        """Whether orders coincide with multiples of the shaft."""
+        return abs(orders - np.rint(orders)) <= self._uncertainty * orders + 1.25 * self._all.step
 
     def without(self, candidate: Candidate) -> OrderSpectra:
         """

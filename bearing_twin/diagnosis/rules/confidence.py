@@ -10,7 +10,7 @@ from importlib import resources
 import json
 import math
 from statistics import fmean
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS
 from bearing_twin.diagnosis.thresholds import SLIP_COST
@@ -64,8 +64,14 @@ class Trust:
     """Confidence that its answers cannot pass."""
 
     @classmethod
-    def on(cls, e: Evidence, comb: Candidate | None, candidates: dict[str, Candidate]) -> Trust:
-        """Return what an answer about a comb, or about none, rests on, beside those of places."""
+    def on(
+        cls, e: Evidence, comb: Candidate | None, candidates: dict[str, Candidate], **known: Any
+    ) -> Trust:
+        """
+        Return what an answer about a comb, or about none, rests on, beside those of places.
+
+        Other fields are ``known``.
+        """
         # The comb is one at any order itself, also where it lies on a multiple of the shaft.
         strongest = max(e.elsewhere, comb or e.elsewhere, key=lambda c: c.z)
         z, index, slip = (comb.z, comb.index, comb.slip) if comb else (0.0, 0.0, 0.0)
@@ -73,8 +79,9 @@ class Trust:
         own = comb.place if comb else ''
         others = fmean(math.log(max(c.z, 1.0)) for c in candidates.values() if c.place != own)
         return cls(
-            z, index, slip, strongest.z, strongest.index, impacts, others, e.turns, e.speed_known
-        )
+            z, index, slip, strongest.z, strongest.index, impacts, others, e.turns, e.speed_known,
+            **known,
+        )  # fmt: skip
 
     def terms(self) -> dict[str, float]:
         """Terms of the logistic model, by name; that of the rule has the name of the rule."""

@@ -149,9 +149,8 @@ def trusted(evidence: Evidence, verdict: Verdict) -> Verdict:
     least_or_most = min if verdict.result in verdict.faults else max
     comb = least_or_most(named, key=lambda c: c.z, default=highest_comb(evidence.heard))
     at_most = min(rule.at_most, DOUBTED) if _unlikely_slip(verdict) else rule.at_most
-    trust = Trust.on(evidence, comb, verdict.candidates)
-    trust = replace(trust, rule=rule.name, at_most=at_most)
-    return replace(verdict, trust=trust)
+    known = {'rule': rule.name, 'at_most': at_most}
+    return replace(verdict, trust=Trust.on(evidence, comb, verdict.candidates, **known))
 
 
 def _unlikely_slip(verdict: Verdict) -> float:

@@ -93,8 +93,14 @@ def aligned(*shape: int) -> NDArray[np.float32]:
     """
     size = math.prod(shape)
     room = np.empty(size + L, np.float32)
-    begin = -room.__array_interface__['data'][0] % (4 * L) // room.itemsize
+    begin = -_address(room) % (4 * L) // room.itemsize
     return room[begin : begin + size].reshape(shape)
+
+
+@compiled(borrows=True)
+def _address(room: NDArray[np.float32]) -> int:
+    """Return where an array begins: numpy takes ten times as long to tell."""
+    return room.ctypes.data
 
 
 @functools.lru_cache(maxsize=16)

@@ -19,7 +19,7 @@ from bearing_twin.diagnosis.signal.bands import band_tree, BandTree, squared_env
 from bearing_twin.diagnosis.signal.gate import DAMPING, HIGHEST_RINGING_HZ, SHAFT_TURNS
 from bearing_twin.diagnosis.signal.impulsive_outliers import limit_impulsive_outliers
 from bearing_twin.diagnosis.signal.severity import Levels, moments
-from bearing_twin.diagnosis.signal.spectra import line_cap, transform, whiten
+from bearing_twin.diagnosis.signal.spectra import line_cap, line_powers, transform, whiten
 from bearing_twin.diagnosis.thresholds import HARMONICS, KURTOSIS
 import numpy as np
 from scipy import fft
@@ -239,7 +239,7 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
     fade = _fade(lap)
     plain = x - x.mean()
     spectrum = _spectrum(plain, fade, length)
-    power = spectrum.real**2 + spectrum.imag**2
+    power = line_powers(spectrum)
     taper_sum, taper_power = len(x) - 2.0 * lap + 2.0 * fade.sum(), len(x) - lap
     of_noise = np.float32(math.sqrt(length / taper_power))
     levels = Levels.of(x[-layout.hop :], spectrum * of_noise, layout.sample_rate)

@@ -219,7 +219,11 @@ def fastest_impacts_hz(sample_rate: float) -> float:
 
 def _steps(x: NDArray[np.float64]) -> float:
     """RMS about the mean in steps between the values; infinite where these are many."""
-    values = np.unique(x[:: max(len(x) // _LOOKED_AT, 1)])
+    looked_at = x[:: max(len(x) // _LOOKED_AT, 1)]
+    # The first ones tell it of most signals.
+    if len(set(looked_at[: 2 * _MOST_VALUES].tolist())) > _MOST_VALUES:
+        return math.inf
+    values = np.unique(looked_at)
     if len(values) > _MOST_VALUES or len(x) < _MOST_VALUES:
         return math.inf
     if len(values) == 1:

@@ -61,6 +61,8 @@ def column_ranks(
     """
     Write the value of a rank in each column: 0 for the least, half of the count for the median.
 
+    It is that of each of several blocks of rows, one after another.
+
     Each pass counts what is below a guess, which is interpolated between the two values, closer
     each time, between which the wanted one lies. Two times sixteen columns go together, as one
     alone would wait for its own last comparison.
@@ -70,15 +72,30 @@ def column_ranks(
     values
         (N, >= 16).
     first, step, count
-        Rows that count: every so many from one on, and their number.
+        Rows that count: every so many from one on, and their number in a block.
     rank
         Below the count.
     away
         Standard deviations over the mean of the first guess.
     found
-        (C,), written.
+        (blocks, C), written.
 
     """
+    for block in range(len(found)):
+        _block_ranks(values, first + block * count * step, step, count, rank, away, found[block])
+
+
+@compiled(fast=FAST, borrows=True)
+def _block_ranks(
+    values: NDArray[np.float32],
+    first: int,
+    step: int,
+    count: int,
+    rank: int,
+    away: float,
+    found: NDArray[np.float32],
+) -> None:
+    """Write the same of one block, (C,)."""
     last, each = len(found) - L, np.float32(1.0 / count)
     zero = splat(np.float32(0.0))
     for column in range(0, len(found), 2 * L):

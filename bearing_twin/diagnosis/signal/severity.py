@@ -135,13 +135,11 @@ class Levels:
 
         """
         mean = float(x.mean())
-        power = 2.0 * (spectrum.real**2 + spectrum.imag**2)
         bin_hz = sample_rate / (2 * len(spectrum) - 2)
-        edges = [_rows(*band, bin_hz, len(power)) for band in BANDS_HZ]
-        powers = [float(power[rows].sum(dtype=np.float64)) for rows in edges]
-        omega = 2.0 * math.pi * bin_hz * np.arange(edges[0].start, edges[0].stop)
-        powers.append(float((power[edges[0]] / (omega * omega)).sum()))
-        return cls(len(x), mean, moments(x, mean), float(x.min()), float(x.max()), tuple(powers))
+        bands = [_rows(*band, bin_hz, len(spectrum)) for band in BANDS_HZ]
+        powers, (integrated, *_) = zip(*(_powers(spectrum, *band) for band in bands), strict=True)
+        powers = (*powers, integrated / max((2.0 * math.pi * bin_hz) ** 2, 1e-300))
+        return cls(len(x), mean, moments(x, mean), float(x.min()), float(x.max()), powers)
 
     @classmethod
     def together(cls, parts: Sequence[Levels]) -> Levels:
@@ -237,10 +235,11 @@ def watched(severity: Severity) -> NDArray[np.float64]:
     (2.0, 3.0)
 
     """
-    powers = np.square(severity.band_rms)
+    powers = [rms**2 for rms in severity.band_rms]
     # An empty band, such as one beyond half the sample rate, never rises over the whole.
-    heights = np.array([powers.sum(), *powers[1:]]) + 1e-300
-    return np.asarray(np.round(10.0 * np.log10(np.maximum(heights, 1e-18 * heights[0])), 6))
+    whole = sum(powers) + 1e-300
+    heights = (whole, *(max(power, 1e-18 * whole) for power in powers[1:]))
+    return np.array([round(10.0 * math.log10(height), 6) for height in heights])
 
 
 def of_length(severity: Severity, count: int, sample_rate: float) -> Severity:
@@ -262,10 +261,22 @@ def of_length(severity: Severity, count: int, sample_rate: float) -> Severity:
     return replace(severity, velocity_rms=math.nan, iso_zone='')
 
 
-def _rows(low: float, high: float, bin_hz: float, count: int) -> slice:
-    """Bins of a band."""
+def _rows(low: float, high: float, bin_hz: float, count: int) -> tuple[int, int]:
+    """First bin of a band, and the one after the last."""
     first = max(math.ceil(min(low / bin_hz, count)), 1)
-    return slice(first, max(min(math.floor(min(high / bin_hz, count)) + 1, count), first))
+    return first, max(min(math.floor(min(high / bin_hz, count)) + 1, count), first)
+
+
+@compiled(fast=FAST - {'nnan', 'ninf'}, borrows=True)
+def _powers(spectrum: NDArray[np.complex64], first: int, end: int) -> tuple[float, float]:
+    """Return the mean square of some bins, and that of the integral over turns of bin 1."""
+    total = integrated = 0.0
+    for k in range(first, end):
+        real, imag = np.float64(spectrum[k].real), np.float64(spectrum[k].imag)
+        power, number = 2.0 * (real * real + imag * imag), np.float64(k)
+        total += power
+        integrated += power / (number * number)
+    return total, integrated
 
 
 @compiled(fast=FAST - {'nnan', 'ninf'}, borrows=True)

@@ -87,15 +87,10 @@ def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
     True
 
     """
-    count = power.shape[-1]
     levels, first, hop = floor_levels(power, width)
-    if levels.shape[-1] == 1:
-        return np.broadcast_to(levels, power.shape)
-    bins, weight = _between(count, first, hop, levels.shape[-1])
-    floor = np.repeat(levels[..., :-1], bins, axis=-1)
-    rise = np.repeat(np.diff(levels, axis=-1), bins, axis=-1)
-    rise *= weight.astype(power.dtype)
-    floor += rise
+    floor = np.empty(power.shape, levels.dtype)
+    spectra = floor.reshape(-1, power.shape[-1])
+    _interpolate(levels.reshape(len(spectra), -1), first, hop, spectra)
     return floor
 
 
@@ -133,9 +128,7 @@ def column_levels(
 
     """
     hop, blocks, offset = _blocks(-(-len(power) // 2), width // 2)
-    medians = np.empty((blocks, power.shape[1]), np.float32)
-    for block, found in enumerate(medians):
-        found[:] = _ranked(power, 2 * (offset + block * hop), 2, hop, hop // 2)
+    medians = _ranked(power, 2 * offset, 2, hop, hop // 2, blocks=blocks)
     return _levels(medians, hop), 2.0 * (offset + hop - 0.5), 2 * hop
 
 
@@ -157,34 +150,27 @@ def _levels(medians: NDArray[np.float32], hop: int) -> NDArray[np.float32]:
 
 
 def _ranked(
-    values: NDArray[np.float32], first: int, step: int, count: int, rank: int, away: float = 0.0
+    values: NDArray[np.float32],
+    first: int,
+    step: int,
+    count: int,
+    rank: int,
+    away: float = 0.0,
+    blocks: int = 1,
 ) -> NDArray[np.float32]:
-    """Value of a rank in each column, see `column_ranks`."""
+    """Value of a rank in each column of each block, see `column_ranks`."""
     columns = values.shape[1]
-    found = np.empty(max(columns, L), np.float32)
+    found = np.empty((blocks, max(columns, L)), np.float32)
     if columns < L:
         values = np.pad(values, ((0, 0), (0, L - columns)))
     column_ranks(values, first, step, count, rank, away, found)
-    return found[:columns]
+    return found[:, :columns]
 
 
 @functools.lru_cache(maxsize=16)
 def _over_middle(count: int) -> float:
     """One over the mean of the middle one of so many exponential variables, near the log of 2."""
     return 1.0 / float((1.0 / np.arange(count - count // 2, count + 1)).sum())
-
-
-@functools.lru_cache(maxsize=16)
-def _between(
-    count: int, first: float, hop: int, levels: int
-) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Bins between each level and the next, and how far on each bin is, 0 to 1."""
-    position = (np.arange(count) - first) / hop
-    left = np.clip(np.floor(position).astype(np.intp), 0, levels - 2)
-    weight = np.clip(position - left, 0.0, 1.0)
-    bins = np.bincount(left, minlength=levels - 1)
-    bins.flags.writeable = weight.flags.writeable = False
-    return bins, weight
 
 
 def quantiles(
@@ -220,8 +206,8 @@ def column_quantiles(
     """
     count = len(values)
     return (
-        _ranked(values, 0, 1, count, count // 2),
-        _ranked(values, 0, 1, count, int(_UPPER * count), 1.0),
+        _ranked(values, 0, 1, count, count // 2)[0],
+        _ranked(values, 0, 1, count, int(_UPPER * count), 1.0)[0],
     )
 
 
@@ -270,13 +256,23 @@ def whiten(
     True
 
     """
-    power = spectrum.real**2 + spectrum.imag**2
-    floor = local_floor(power, width)
-    gains = np.maximum(floor, power / np.float32(cap)), np.maximum(power, _TINY)
-    white = np.empty((len(gains), len(spectrum)), np.complex64)
-    for row, gain in zip(white, gains, strict=True):
-        np.multiply(spectrum, np.float32(1.0) / np.sqrt(gain), out=row)
+    floor = local_floor(line_powers(spectrum), width)
+    white = np.empty((len(WHITENINGS), len(spectrum)), np.complex64)
+    _whiten(spectrum, floor, np.float32(1.0 / cap), *white)
     return white
+
+
+def line_powers(spectrum: NDArray[np.complex64]) -> NDArray[np.float32]:
+    """
+    Squared magnitude of each line of a spectrum, shape (K,).
+
+    >>> line_powers(np.array([3.0 + 4.0j, 1.0j], np.complex64)).tolist()
+    [25.0, 1.0]
+
+    """
+    power = np.empty(len(spectrum), spectrum.real.dtype)
+    _square(spectrum, power)
+    return power
 
 
 @dataclass(frozen=True)
@@ -304,9 +300,9 @@ class EnvelopeSpectra:
 
     def floor(self, band: int) -> NDArray[np.float32]:
         """Local floor under the power of a band."""
-        at = self.first + self.hop * np.arange(self.levels.shape[1])
-        floor = np.interp(np.arange(self.power.shape[1]), at, self.levels[band])
-        return np.asarray(floor, np.float32)
+        floor = np.empty((1, self.power.shape[1]), np.float32)
+        _interpolate(self.levels[band : band + 1], self.first, self.hop, floor)
+        return np.asarray(floor[0])
 
 
 def envelope_spectra(
@@ -362,6 +358,59 @@ def envelope_spectra(
     return EnvelopeSpectra(bin_hz, logs, excess, power[:, :bands].T, levels.T[:bands], first, hop)
 
 
+@compiled(inline=True)
+def _bins_between(part: int, parts: int, first: float, hop: int, count: int) -> tuple[int, int]:
+    """First bin from one level of a floor to the next, and the one after the last."""
+    # Before the first level and after the last the floor is flat.
+    begin = 0 if part == 0 else min(max(int(np.ceil(first + (part - 1) * hop)), 0), count)
+    end = count if part == parts else min(int(np.ceil(first + part * hop)), count)
+    return begin, end
+
+
+@compiled(fast=FAST, borrows=True)
+def _interpolate(
+    levels: NDArray[np.float32], first: float, hop: int, floor: NDArray[np.float32]
+) -> None:
+    """
+    Write the floor of each spectrum, (n, K), between its levels, (n, L).
+
+    The levels are at the bins ``first + l hop``.
+    """
+    parts, count = levels.shape[1], floor.shape[1]
+    for n in range(len(floor)):
+        row = floor[n]
+        for part in range(parts + 1):
+            begin, end = _bins_between(part, parts, first, hop, count)
+            low, high = levels[n, max(part - 1, 0)], levels[n, min(part, parts - 1)]
+            rise = (high - low) / np.float32(hop)
+            low += np.float32(begin - (first + (part - 1) * hop)) * rise
+            for k in range(end - begin):
+                row[begin + k] = low + np.float32(k) * rise
+
+
+@compiled(fast=FAST, borrows=True)
+def _square(spectrum: NDArray[np.complex64], power: NDArray[np.float32]) -> None:
+    """Write squared magnitudes."""
+    for k in range(len(power)):
+        power[k] = spectrum[k].real * spectrum[k].real + spectrum[k].imag * spectrum[k].imag
+
+
+@compiled(fast=FAST, borrows=True)
+def _whiten(
+    spectrum: NDArray[np.complex64],
+    floor: NDArray[np.float32],
+    share: float,
+    capped: NDArray[np.complex64],
+    cepstral: NDArray[np.complex64],
+) -> None:
+    """Write both whitenings, (K,): of capped lines a share of their power is over the floor."""
+    one, tiny = np.float32(1.0), np.float32(_TINY)
+    for k in range(len(spectrum)):
+        power = spectrum[k].real * spectrum[k].real + spectrum[k].imag * spectrum[k].imag
+        capped[k] = spectrum[k] * (one / np.sqrt(max(floor[k], power * share)))
+        cepstral[k] = spectrum[k] * (one / np.sqrt(max(power, tiny)))
+
+
 @compiled(fast=FAST, borrows=True)
 def _over_floor(
     power: NDArray[np.float32],
@@ -392,9 +441,7 @@ def _over_floor(
     parts, wanted = len(levels), excess.shape[1]
     zero, one = np.float32(0.0), np.float32(1.0)
     for part in range(parts + 1):
-        # From each level to the next; before the first and after the last it is flat.
-        begin = 0 if part == 0 else min(max(int(np.ceil(first + (part - 1) * hop)), 0), count)
-        end = count if part == parts else min(int(np.ceil(first + part * hop)), count)
+        begin, end = _bins_between(part, parts, first, hop, count)
         low, high = levels[max(part - 1, 0)], levels[min(part, parts - 1)]
         for k in range(begin, end):
             way = np.float32((k - (first + (part - 1) * hop)) / hop)
