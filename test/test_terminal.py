@@ -223,6 +223,12 @@ def test_a_name_that_the_terminal_cannot_show_is_escaped(tmp_path, encoding):
     assert b'\\u2192.mcap' in ran.stdout
 
 
+@pytest.mark.parametrize('words', [[], ['6307'], ['NU209'], ['NICE']])
+def test_bearings_fit_a_terminal_of_80_columns(words, capsys):
+    assert main(['bearings', *words]) == 0
+    assert max(map(len, capsys.readouterr().out.splitlines())) <= 80
+
+
 def test_what_cannot_be_said_is_no_success():
     ran = subprocess.run(
         ['sh', '-c', '"$@" >&-', 'sh', *COMMAND, 'bearings', '6205'], stderr=subprocess.PIPE

@@ -10,6 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import catalogue, fault_orders, find_bearing
+from bearing_twin.cli.terminal import wrapped
 
 if TYPE_CHECKING:
     import argparse
@@ -91,4 +92,4 @@ def _whole(bearing: Bearing) -> str:
         'geometry': bearing.basis,
         'source': bearing.source,
     }
-    return '\n'.join(f'{name:<21} {text}' for name, text in rows.items())
+    return '\n'.join(line for name, text in rows.items() for line in wrapped(f'{name:<20}', text))
