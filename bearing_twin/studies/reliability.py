@@ -61,7 +61,7 @@ UNRATED = ('record_gate', 'another_speed', 'two_faint_places')
 BINS = 10
 """Equal ranges of confidence in which answers are counted together."""
 
-TERMS = tuple(name for name in Trust().terms() if name)
+TERMS = tuple(name for name in Trust().terms() if name not in ('sound', ''))
 
 GROWS = {
     'significance': 1,
@@ -72,9 +72,9 @@ GROWS = {
     'impacts': 0,
     'others': -1,
     'unsteady': -1,
+    'sound': 1,
 }
-"""Whether the share of right answers grows or falls with a term, whatever a few answers say. That
-of *healthy* falls with all of them, and grows with the turns."""
+"""Whether the share of right answers grows or falls with a term, whatever a few answers say."""
 
 _SHRINK = 1.0
 """Answers that the squares of the weights count as: what few answers say is mostly chance, so the
@@ -138,9 +138,9 @@ def fit(told: Sequence[Told], kinds: Sequence[str] = KINDS) -> dict[str, dict[st
         if len(rows) < FEWEST:
             msg = f'{len(rows)} answers {kind!r} are fewer than {FEWEST}; draw more machines'
             raise BearingTwinError(msg)
-        # What is not called healthy is not known by a rule yet when its confidence is asked.
-        rules = () if kind == 'healthy' else sorted({t.trust.rule for t in rows} - {''})
-        names = (*TERMS, *rules)
+        # Rules call a bearing healthy by its odds: its confidence tells how far these hold.
+        rules = sorted({t.trust.rule for t in rows} - {''})
+        names = ('constant', 'sound') if kind == 'healthy' else (*TERMS, *rules)
         terms = _matrix(rows, names)
         right = np.array([t.right for t in rows])
         # One right and one wrong answer more, so that no kind is certain.
@@ -157,21 +157,19 @@ def fit(told: Sequence[Told], kinds: Sequence[str] = KINDS) -> dict[str, dict[st
             unlikely = np.logaddexp(0.0, np.where(right, -total, total))
             return float(unlikely.mean() + shrink * (values[1:] ** 2).sum())
 
-        found = optimize.minimize(loss, np.zeros(len(names)), bounds=_bounds(kind, names)).x
+        found = optimize.minimize(loss, np.zeros(len(names)), bounds=_bounds(names)).x
         weights[kind] = {name: round(float(v), 4) for name, v in zip(names, found, strict=True)}
     return weights
 
 
-def _bounds(kind: str, names: Sequence[str]) -> list[tuple[float | None, float | None]]:
-    """Bounds of the weights of a kind of answer."""
+def _bounds(names: Sequence[str]) -> list[tuple[float | None, float | None]]:
+    """Bounds of the weights of some terms."""
     ends: dict[int, tuple[float | None, float | None]] = {
         -1: (None, 0.0),
         0: (None, None),
         1: (0.0, None),
     }
-    # What a longer window does not show is less likely there.
-    fall = {**dict.fromkeys(GROWS, -1), 'turns': 1} if kind == 'healthy' else GROWS
-    return [ends[fall.get(name, 0)] for name in names]
+    return [ends[GROWS.get(name, 0)] for name in names]
 
 
 def _read(

@@ -23,9 +23,18 @@ KINDS = ('fault', 'suspect', 'ambiguous', 'elsewhere', 'healthy')
 """Kinds of answers that have a confidence: ``'fault'`` stands for every named fault,
 ``'elsewhere'`` for impacts at an order of no part of the bearing."""
 
-LEAST_CONFIDENCE = 0.5
-"""Confidence below which a bearing is not called healthy: more such machines are damaged than
-sound."""
+_SOUND = {
+    'constant': 3.3489,
+    'significance': -0.9981,
+    'effect': -0.2942,
+    'slip': -0.3883,
+    'elsewhere_effect': -0.7882,
+    'impacts': -0.1215,
+    'turns': -0.1047,
+    'unsteady': -0.0436,
+}
+"""Weights of the terms in the log odds that a bearing without a statement is sound. Rules ask for
+them, so they stay as they are where the confidence is fitted anew."""
 
 
 @dataclass(frozen=True)
@@ -83,11 +92,16 @@ class Trust:
             **known,
         )  # fmt: skip
 
+    @property
+    def sound(self) -> float:
+        """Log odds, by which rules decide, that a bearing without a statement is sound."""
+        return self.terms()['sound']
+
     def terms(self) -> dict[str, float]:
         """Terms of the logistic model, by name; that of the rule has the name of the rule."""
         significance = math.log(max(self.z, 1.0))
         elsewhere = math.log(max(self.elsewhere_z, 1.0))
-        return {
+        terms = {
             'constant': 1.0,
             'significance': significance,
             'effect': min(self.index, 2.0),
@@ -98,8 +112,9 @@ class Trust:
             'others': self.others,
             'turns': math.log(self.turns / HEALTHY_TURNS),
             'unsteady': 0.0 if self.steady else 1.0,
-            self.rule: 1.0,
         }
+        sound = sum(weight * terms[name] for name, weight in _SOUND.items())
+        return {**terms, 'sound': sound, self.rule: 1.0}
 
 
 @functools.cache

@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.rules.confidence import confidence, LEAST_CONFIDENCE, Trust
+from bearing_twin.diagnosis.rules.confidence import confidence, Trust
 from bearing_twin.diagnosis.rules.rule import rule
 from bearing_twin.diagnosis.rules.verdict import highest_comb, say, silent
 from bearing_twin.diagnosis.signal.demodulation import highest_fault_order
@@ -58,9 +59,8 @@ def mostly_damaged(e: Evidence) -> Verdict | None:
     comb = highest_comb(e.heard)
     if comb is None or comb.z < Z_FAULT or e.impacts.get(comb.place, 0.0) < IMPACTS:
         return None
-    sound = confidence('healthy', Trust.on(e, comb, e.candidates))
-    # A factor 2 in power tells two claims apart.
-    if sound * (1.0 + RIVAL**2) >= 1.0:
+    # A factor 2 tells two claims apart, of odds as of power.
+    if Trust.on(e, comb, e.candidates).sound >= -2.0 * math.log(RIVAL):
         return None
     text = (
         'impacts too regular for noise, modulation index too low for an alarm: of simulated '
@@ -94,11 +94,11 @@ def two_faint_places(e: Evidence) -> Verdict | None:
 )
 def uncertain_health(e: Evidence) -> Verdict | None:
     trust = Trust.on(e, highest_comb(e.heard), e.candidates)
-    sound = confidence('healthy', trust)
-    if sound >= LEAST_CONFIDENCE:
+    if trust.sound >= 0.0:
         return None
+    share = 100.0 * confidence('healthy', trust)
     text = (
-        f'not known: {100.0 * sound:.0f} % of simulated machines with a comb of significance '
+        f'not known: {share:.0f} % of simulated machines with a comb of significance '
         f'{trust.z:.1f} and index {trust.index:.2f}, and one of {trust.elsewhere_z:.1f} at any '
         'order, are sound; a longer window, a measured speed, the exact bearing, or a sensor '
         'nearer to it may tell'
