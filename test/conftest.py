@@ -89,7 +89,7 @@ def turns():
 def compiled():
     """Have the kernels of twin and fleet in the cache: a node's first start compiles for long."""
     from bearing_twin.dynamics import preset, Simulator
-    from bearing_twin.dynamics.fleet import Fleet
+    from bearing_twin.dynamics.fleet.fleet import Fleet
 
     Simulator(preset('incipient')).advance(1024, 20.0, 25.0)
     fleet = Fleet([preset('incipient')])

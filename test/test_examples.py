@@ -18,7 +18,7 @@ import pytest
 
 PACKAGE = Path(bearing_twin.__file__).parent
 
-ROOMS = ('bearing', 'thermal', 'dynamics', 'diagnosis', 'calibration')
+ROOMS = ('numerics', 'bearing', 'thermal', 'dynamics', 'diagnosis', 'calibration')
 """Rooms whose every public function has an example."""
 
 

@@ -122,7 +122,7 @@ def run_in_terminal(words, command=COMMAND, **environment):
 def test_a_terminal_is_told_of_compiling_once_it_has_begun():
     script = """
 from bearing_twin.cli.terminal import tell_of_compiling
-from bearing_twin.dynamics import compiled
+from bearing_twin.numerics import compiled
 import numba
 tell_of_compiling('info')
 numba.njit(lambda x: x + 1)(1)
@@ -135,7 +135,7 @@ tell_of_compiling('fit')
 
 
 def test_a_compiler_that_is_still_being_loaded_has_compiled_nothing(monkeypatch, capsys):
-    name = 'bearing_twin.dynamics.compiled'
+    name = 'bearing_twin.numerics.compiled'
     monkeypatch.setitem(sys.modules, name, ModuleType(name))
     monkeypatch.setattr(sys.stderr, 'isatty', lambda: True)
     tell_of_compiling('info')

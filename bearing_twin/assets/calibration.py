@@ -21,8 +21,8 @@ from bearing_twin.calibration.fit import decimated
 from bearing_twin.calibration.passage import load_range
 from bearing_twin.calibration.residual import MOVED, Residuals, Unexplained
 from bearing_twin.diagnosis.streaming import same_rate
+from bearing_twin.dynamics.equations.sensor_path import BAND_HZ, band_levels, distance
 from bearing_twin.dynamics.parameters import check_bearing
-from bearing_twin.dynamics.sensor_path import BAND_HZ, band_levels, distance
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, unpack
 from bearing_twin.stamps import samples_ns

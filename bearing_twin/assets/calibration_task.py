@@ -12,7 +12,7 @@ from bearing_twin.calibration import Calibration, fit
 from bearing_twin.calibration.fit import decimated, fitted_vibration
 from bearing_twin.calibration.joint import compared
 from bearing_twin.calibration.residual import spectral_levels
-from bearing_twin.dynamics.sensor_path import band_levels
+from bearing_twin.dynamics.equations.sensor_path import band_levels
 import numpy as np
 import scipy
 

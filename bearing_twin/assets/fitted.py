@@ -10,14 +10,19 @@ import json
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
+from bearing_twin.dynamics.equations.sensor_path import (
+    band_levels,
+    distance,
+    SensorPath,
+    window_length,
+)
+from bearing_twin.dynamics.equations.stability import steps
 from bearing_twin.dynamics.parameters import Defect, DOWN, FITTED, TwinParameters
-from bearing_twin.dynamics.sensor_path import band_levels, distance, SensorPath, window_length
-from bearing_twin.dynamics.stability import steps
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
-    from bearing_twin.dynamics.simulator import Block
+    from bearing_twin.dynamics.single.simulator import Block
     from numpy.typing import NDArray
 
 

@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets import diagnosis_parameters, twin_parameters
 from bearing_twin.assets.checkpoints import parameters_of
-from bearing_twin.dynamics.fleet import Fleet
+from bearing_twin.dynamics.fleet.fleet import Fleet
 from bearing_twin.errors import BearingTwinError
 import yaml
 

@@ -20,7 +20,7 @@ from bearing_twin.assets.twin_parameters import (
 )
 from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin.dynamics.saved import Envelope
-from bearing_twin.dynamics.successor import successor
+from bearing_twin.dynamics.single.successor import successor
 from bearing_twin.streams.vibration_input import Inputs
 import numpy as np
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.assets.fitted import Fitted
     from bearing_twin.dynamics.parameters import TwinParameters
-    from bearing_twin.dynamics.simulator import Block
+    from bearing_twin.dynamics.single.simulator import Block
     from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
     from bearing_twin_msgs.msg import Checkpoint

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.assets.messages import floats, message_header
 from bearing_twin.assets.template import MessageTemplate
-from bearing_twin.dynamics.condition import Condition
 from bearing_twin.dynamics.defect_text import placed_defects
+from bearing_twin.dynamics.single.condition import Condition
 from bearing_twin.stamps import split_ns
 from bearing_twin.streams.vibration_input import VibrationBlock
 from bearing_twin_msgs.msg import TwinState, Vibration
@@ -18,7 +18,7 @@ from bearing_twin_msgs.msg import TwinState, Vibration
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from bearing_twin.dynamics.simulator import Block
+    from bearing_twin.dynamics.single.simulator import Block
     from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature
 

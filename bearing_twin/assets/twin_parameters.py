@@ -18,7 +18,7 @@ from bearing_twin.assets.spec import field_spec, field_values, fixed, parameter,
 from bearing_twin.bearing import find_bearing, own_bearing
 from bearing_twin.dynamics.parameters import Defect, TwinParameters
 from bearing_twin.dynamics.presets import preset, PRESET_FIELDS, PRESETS
-from bearing_twin.dynamics.simulator import Simulator
+from bearing_twin.dynamics.single.simulator import Simulator
 from bearing_twin.quantity import quantities
 from bearing_twin.thermal.gcr15 import Beta0, TABLE_HIGH, TABLE_LOW
 from bearing_twin.thermal.lubricant import Lubricant

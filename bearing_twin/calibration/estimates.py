@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.path import Resonance
     from bearing_twin.calibration.posterior import Posterior
     from bearing_twin.calibration.summaries import Summary
-    from bearing_twin.dynamics.sensor_path import SensorPath
+    from bearing_twin.dynamics.equations.sensor_path import SensorPath
 
 
 FloatArray = npt.NDArray[np.float64]
@@ -64,7 +64,7 @@ def of_path(
     --------
     >>> from bearing_twin.calibration.cloud import example
     >>> machine = example('none')
-    >>> from bearing_twin.dynamics.sensor_path import SensorPath
+    >>> from bearing_twin.dynamics.equations.sensor_path import SensorPath
     >>> path = SensorPath(sample_rate=12800.0, numerator=(2.0,), denominator=(1.0,), noise=0.0)
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> floor = of_path(noise, path, [], machine, 'g')['noise_floor']

@@ -50,8 +50,8 @@ from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.diagnosis.signal.demodulation import highest_fault_order
 from bearing_twin.diagnosis.signal.gate import check_record
 from bearing_twin.dynamics import warm_up
+from bearing_twin.dynamics.equations.sensor_path import band_levels, distance
 from bearing_twin.dynamics.parameters import check_bearing
-from bearing_twin.dynamics.sensor_path import band_levels, distance
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt
@@ -61,7 +61,7 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.calibration.posterior import Posterior
     from bearing_twin.calibration.summaries import Summary
-    from bearing_twin.dynamics.sensor_path import SensorPath
+    from bearing_twin.dynamics.equations.sensor_path import SensorPath
 
 
 FloatArray = npt.NDArray[np.float64]

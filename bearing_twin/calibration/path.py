@@ -16,7 +16,7 @@ import math
 from typing import NamedTuple
 
 from bearing_twin.calibration.summaries import HIGH_SHARE, levinson, TAPERED
-from bearing_twin.dynamics.sensor_path import SensorPath
+from bearing_twin.dynamics.equations.sensor_path import SensorPath
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt

@@ -22,8 +22,8 @@ from bearing_twin.calibration.impacts import Impacts
 from bearing_twin.calibration.passage import load_range
 from bearing_twin.calibration.posterior import weighted_quantile
 from bearing_twin.calibration.refusals import Kind
+from bearing_twin.dynamics.equations.sensor_path import SensorPath, window_length
 from bearing_twin.dynamics.parameters import check_bearing, FITTED
-from bearing_twin.dynamics.sensor_path import SensorPath, window_length
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
@@ -104,7 +104,7 @@ class Calibration:
     level: float
     """The same of the fitted twin."""
     spectrum: NDArray[np.float64] = field(repr=False)
-    """`dynamics.sensor_path.band_levels` of the machine."""
+    """`dynamics.equations.sensor_path.band_levels` of the machine."""
     rms: float
     """Of the machine's vibration."""
     candidates: dict[str, NDArray[np.float64]] = field(repr=False)

@@ -31,13 +31,13 @@ from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.rules.confidence import KINDS
 from bearing_twin.diagnosis.warming import warm_up
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.dataset import (
+from bearing_twin.recording.signals.dataset import (
     dataset_bearing,
     dataset_signals,
     fault_label,
     is_dataset,
 )
-from bearing_twin.recording.foreign import read_signal
+from bearing_twin.recording.signals.foreign import read_signal
 from bearing_twin.studies.output import print_table
 from bearing_twin.studies.reliability import calibration_error
 import numpy as np

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis import warming as diagnosis
 from bearing_twin.dynamics import warming as dynamics
-from bearing_twin.dynamics.compiled import cache_folder, has_compiled, other_processors, processor
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.numerics.compiled import cache_folder, has_compiled, other_processors, processor
 
 if TYPE_CHECKING:
     import argparse

@@ -9,7 +9,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.dynamics.trend import mean_of_largest
-from bearing_twin.paper.figures_style import COLOURS, label, new_figure, save, TEMPERATURE_LABEL
+from bearing_twin.paper.figures.style import COLOURS, label, new_figure, save, TEMPERATURE_LABEL
 import numpy as np
 
 if TYPE_CHECKING:

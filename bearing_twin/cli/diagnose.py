@@ -25,8 +25,8 @@ from bearing_twin.cli.terminal import (
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.memory import keep_freed_memory
-from bearing_twin.recording.dataset import chosen_signals, is_dataset
 from bearing_twin.recording.finding import SIGNAL_FILES
+from bearing_twin.recording.signals.dataset import chosen_signals, is_dataset
 
 if TYPE_CHECKING:
     import argparse
@@ -143,7 +143,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _list_channels(args: argparse.Namespace) -> int:
-    from bearing_twin.recording.foreign import channels
+    from bearing_twin.recording.signals.foreign import channels
 
     listed = {name: channels(Path(name)) for name in args.files}
     if args.json:

@@ -16,7 +16,7 @@ from bearing_twin.cli.diagnose_text import card
 from bearing_twin.cli.terminal import plain
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.foreign import read_signal
+from bearing_twin.recording.signals.foreign import read_signal
 from bearing_twin.view.verdict import next_step
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.quantity import quantities
-from bearing_twin.recording.snapshots import read_snapshots, series_files
+from bearing_twin.recording.signals.snapshots import read_snapshots, series_files
 
 if TYPE_CHECKING:
     import argparse

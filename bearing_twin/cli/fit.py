@@ -23,12 +23,12 @@ from bearing_twin.cli.diagnose_task import unread
 from bearing_twin.cli.signal_arguments import given_bearing, given_speed
 from bearing_twin.cli.terminal import clear_progress, progress, wrapped
 from bearing_twin.errors import BearingTwinError, shown
-from bearing_twin.recording.foreign import read_signal
+from bearing_twin.recording.signals.foreign import read_signal
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 import numpy as np
 
 if TYPE_CHECKING:
-    from bearing_twin.recording.foreign import Signal
+    from bearing_twin.recording.signals.foreign import Signal
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

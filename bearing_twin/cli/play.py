@@ -14,7 +14,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.cli.signal_arguments import UNITS
 from bearing_twin.cli.terminal import refuse_topic
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.foreign import read_signal
+from bearing_twin.recording.signals.foreign import read_signal
 from bearing_twin.stamps import samples_ns
 import numpy as np
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Callable
 
-    from bearing_twin.recording.foreign import Signal
+    from bearing_twin.recording.signals.foreign import Signal
     from rclpy.publisher import Publisher
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.assets.calibration_task import beside
 from bearing_twin.assets.messages import diagnosis_message, spectrum_message
-from bearing_twin.dynamics.sensor_path import BAND_HZ
+from bearing_twin.dynamics.equations.sensor_path import BAND_HZ
 from bearing_twin.view.report.fitted import draw_over_each_other
 from bearing_twin.view.report.spectra import CAPTION, draw_envelope_spectrum, draw_spectrum
 from bearing_twin.view.report.svg import STYLE

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from bearing_twin.bearing import Bearing, find_bearing, named_bearing, own_bearing
 from bearing_twin.cli.terminal import refuse_given
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.dataset import is_dataset
 from bearing_twin.recording.finding import find_recording, SIGNAL_FILES
+from bearing_twin.recording.signals.dataset import is_dataset
 
 if TYPE_CHECKING:
     import argparse
@@ -102,7 +102,7 @@ def _as_recording(path: Path, args: argparse.Namespace, folder: Path) -> Path:
         return find_recording(path)
     # Loaded when needed: the messages and scipy take a second.
     from bearing_twin.offline.signal_run import record_signal
-    from bearing_twin.recording.foreign import read_signal
+    from bearing_twin.recording.signals.foreign import read_signal
 
     signal = read_signal(path, channel=args.channel, sample_rate=args.sample_rate)
     bearing = given_bearing(args) or signal.bearing or named_bearing(signal.bearing_name)

@@ -52,7 +52,7 @@ def tell_of_compiling(command: str) -> None:
     Without it the first use of a command says nothing for a minute.
     """
     # Most commands get along without numba; where it takes long to load the module is still empty.
-    compiled = sys.modules.get('bearing_twin.dynamics.compiled')
+    compiled = sys.modules.get('bearing_twin.numerics.compiled')
     has_compiled = getattr(compiled, 'has_compiled', bool)
     if has_compiled() and sys.stderr.isatty():
         why = "compiling kernels, which takes a minute; 'bearing-twin compile' does it beforehand"

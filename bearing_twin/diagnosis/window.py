@@ -21,7 +21,7 @@ from bearing_twin.diagnosis.signal.spectra import (
     local_floor,
     transform,
 )
-from bearing_twin.dynamics.vector import L
+from bearing_twin.numerics.vector import L
 import numpy as np
 
 if TYPE_CHECKING:

@@ -19,12 +19,18 @@ from time import process_time
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import contact_pressure, fault_orders, PLACES
-from bearing_twin.dynamics import filters, layout
-from bearing_twin.dynamics.compiled import compiled
-from bearing_twin.dynamics.layout import CHUNK, SPIN_TURNS
-from bearing_twin.dynamics.model import Contact, contact_force, contact_law, defect_path, PROFILES
-from bearing_twin.dynamics.simulator import RUN_IN
-from bearing_twin.dynamics.waviness import profiles
+from bearing_twin.dynamics.equations import filters, layout
+from bearing_twin.dynamics.equations.layout import CHUNK, SPIN_TURNS
+from bearing_twin.dynamics.equations.model import (
+    Contact,
+    contact_force,
+    contact_law,
+    defect_path,
+    PROFILES,
+)
+from bearing_twin.dynamics.equations.waviness import profiles
+from bearing_twin.dynamics.single.simulator import RUN_IN
+from bearing_twin.numerics.compiled import compiled
 from bearing_twin.thermal import friction, gcr15, life, network, slip
 import numpy as np
 import numpy.typing as npt

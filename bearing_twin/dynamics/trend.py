@@ -8,8 +8,8 @@ from dataclasses import replace
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.dynamics.simulator import Simulator
-from bearing_twin.dynamics.statics import upwards
+from bearing_twin.dynamics.equations.statics import upwards
+from bearing_twin.dynamics.single.simulator import Simulator
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 import numpy as np
 import numpy.typing as npt

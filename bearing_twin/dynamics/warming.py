@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
-from bearing_twin.dynamics.fleet import Fleet
+from bearing_twin.dynamics.equations.sensor_path import SensorPath
+from bearing_twin.dynamics.fleet.fleet import Fleet
 from bearing_twin.dynamics.presets import preset
-from bearing_twin.dynamics.sensor_path import SensorPath
-from bearing_twin.dynamics.simulator import Simulator
+from bearing_twin.dynamics.single.simulator import Simulator
 
 
 def warm_up(*, fleet: bool = False) -> None:

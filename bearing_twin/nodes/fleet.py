@@ -38,8 +38,8 @@ import yaml
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bearing_twin.dynamics.fleet import Fleet, FleetBlock
-    from bearing_twin.dynamics.simulator import Simulator
+    from bearing_twin.dynamics.fleet.fleet import Fleet, FleetBlock
+    from bearing_twin.dynamics.single.simulator import Simulator
 
 
 BLOCK = 4096

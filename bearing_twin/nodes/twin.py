@@ -10,8 +10,8 @@ from bearing_twin.assets.realtime_parameters import PUBLISHING
 from bearing_twin.assets.twin import Twin
 from bearing_twin.assets.twin_messages import StateTurns
 from bearing_twin.assets.twin_parameters import build_parameters, SPECS
+from bearing_twin.dynamics.equations.stability import steps
 from bearing_twin.dynamics.presets import PRESETS
-from bearing_twin.dynamics.stability import steps
 from bearing_twin.dynamics.trend import trend_sentence
 from bearing_twin.nodes.twin_calibration import named, TwinCalibration
 from bearing_twin.nodes.twin_services import TwinServices

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.assets.twin import TwinChannel
     from bearing_twin.assets.twin_messages import StateTurns, TwinBlock
-    from bearing_twin.dynamics.condition import Condition
+    from bearing_twin.dynamics.single.condition import Condition
     from bearing_twin.ros.lifecycle import ManagedNode
     from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature

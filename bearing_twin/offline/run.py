@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from bearing_twin.assets.diagnosis import DueVerdict
     from bearing_twin.assets.twin import TwinInputs
     from bearing_twin.diagnosis.chain import Analysis
-    from bearing_twin.dynamics.condition import Condition
+    from bearing_twin.dynamics.single.condition import Condition
     from bearing_twin.recording.catalogue import RecordedMessage
 
 

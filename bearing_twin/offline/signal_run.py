@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.recording.foreign import Signal
+    from bearing_twin.recording.signals.foreign import Signal
 
 
 BLOCK = 1024

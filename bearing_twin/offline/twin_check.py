@@ -19,7 +19,7 @@ from bearing_twin.thermal.gate import GatedTemperature, TemperatureStatus
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from bearing_twin.dynamics.fleet import Fleet
+    from bearing_twin.dynamics.fleet.fleet import Fleet
     from bearing_twin.offline.agreement import Reproduction
     from bearing_twin.recording.catalogue import RecordedMessage
 

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The seed paper, recomputed and judged."""
 
-from bearing_twin.paper.claims import Claim
+from bearing_twin.paper.claims.claim import Claim
+from bearing_twin.paper.claims.verdicts import Verdict, VERDICTS
 from bearing_twin.paper.recompute import recompute
 from bearing_twin.paper.report import claims_table, summary_line
-from bearing_twin.paper.verdicts import Verdict, VERDICTS
 
 __all__ = ['VERDICTS', 'Claim', 'Verdict', 'claims_table', 'recompute', 'summary_line']

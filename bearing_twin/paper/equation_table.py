@@ -9,8 +9,8 @@ import math
 
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
-from bearing_twin.paper.claims_model import static_position
-from bearing_twin.paper.figures_force import unit_force
+from bearing_twin.paper.claims.model import static_position
+from bearing_twin.paper.figures.force import unit_force
 import numpy as np
 
 COLD, HOT = settings.TEMPERATURE_NODES[0], settings.TEMPERATURE_NODES[-1]

@@ -8,15 +8,15 @@ import json
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.paper.claims_frequency import frequency_claims
-from bearing_twin.paper.claims_general import general_claims
-from bearing_twin.paper.claims_material import material_claims
-from bearing_twin.paper.claims_model import model_claims
-from bearing_twin.paper.claims_peaks import peak_claims
-from bearing_twin.paper.claims_shift import shift_claims
-from bearing_twin.paper.claims_trend import trend_claims
-from bearing_twin.paper.figures import FIGURES
-from bearing_twin.paper.figures_style import save
+from bearing_twin.paper.claims.frequency import frequency_claims
+from bearing_twin.paper.claims.general import general_claims
+from bearing_twin.paper.claims.material import material_claims
+from bearing_twin.paper.claims.model import model_claims
+from bearing_twin.paper.claims.peaks import peak_claims
+from bearing_twin.paper.claims.shift import shift_claims
+from bearing_twin.paper.claims.trend import trend_claims
+from bearing_twin.paper.figures.drawings import FIGURES
+from bearing_twin.paper.figures.style import save
 from bearing_twin.paper.report import figure_name, render_report
 from bearing_twin.paper.study import run_study
 from tqdm import tqdm
@@ -24,7 +24,7 @@ from tqdm import tqdm
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from bearing_twin.paper.claims import Claim
+    from bearing_twin.paper.claims.claim import Claim
     from bearing_twin.paper.study import Study
 
 

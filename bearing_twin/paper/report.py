@@ -9,16 +9,16 @@ from collections.abc import Mapping
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.paper import settings
-from bearing_twin.paper.claims import rounded
+from bearing_twin.paper.claims.claim import rounded
+from bearing_twin.paper.claims.verdicts import VERDICTS
 from bearing_twin.paper.equation_table import equation_table
-from bearing_twin.paper.figures import FIGURES
-from bearing_twin.paper.verdicts import VERDICTS
+from bearing_twin.paper.figures.drawings import FIGURES
 from bearing_twin.thermal import gcr15
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from bearing_twin.paper.claims import Claim
+    from bearing_twin.paper.claims.claim import Claim
 
 
 _DIGITS = 6

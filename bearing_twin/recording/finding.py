@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 SIGNAL_FILES = ('.npz', '.mat', '.wav', '.csv', '.txt', '.tsv')
-"""Endings of vibration files of other people, each with its reader in `recording.foreign`."""
+"""Endings of vibration files of other people, each with its reader in `signals.foreign`."""
 
 
 def natural(path: Path) -> list[tuple[int, str]]:

@@ -7,8 +7,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.npz import read_npz
 from bearing_twin.recording.qos import sensor_qos
+from bearing_twin.recording.signals.npz import read_npz
 from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import NANO, split_ns
 import numpy as np

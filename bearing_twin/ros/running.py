@@ -118,7 +118,7 @@ def _prepare(node: ManagedNode, executor: Executor) -> None:
 
 def _what_takes_long() -> str:
     # Numba takes a second to load, which nodes without a kernel do without.
-    from bearing_twin.dynamics.compiled import has_compiled, other_processors, processor
+    from bearing_twin.numerics.compiled import has_compiled, other_processors, processor
 
     others = ', '.join(other_processors())
     if has_compiled() and others:

@@ -39,7 +39,7 @@ from bearing_twin.calibration.posterior import weighted_quantile
 from bearing_twin.calibration.whatif import expect, features
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.dynamics import Fleet
-from bearing_twin.recording.foreign import read_signal
+from bearing_twin.recording.signals.foreign import read_signal
 import numpy as np
 from scipy import signal, stats
 
@@ -65,7 +65,7 @@ SECONDS = 3.0
 HUM_SHARE = 0.5
 """Share of the machines whose record has the mains in it, up to five times as strong."""
 WAVINESS = 1e-5, 2.5e-4
-"""Range of the waviness of twins of known noise floor, m/s: see `dynamics.waviness`."""
+"""Range of the waviness of twins of known noise floor, m/s: see `dynamics.equations.waviness`."""
 LONG = 20
 """Records in the one that tells the true noise floor."""
 ADDED = 8

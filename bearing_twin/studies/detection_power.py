@@ -15,7 +15,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import find_bearing
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.dynamics.presets import preset
-from bearing_twin.dynamics.simulator import Simulator
+from bearing_twin.dynamics.single.simulator import Simulator
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies.output import arguments, print_table, write_table
 import numpy as np

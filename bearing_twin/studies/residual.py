@@ -25,7 +25,7 @@ from bearing_twin.calibration.residual import (
     Residual,
     spectral_levels,
 )  # fmt: skip
-from bearing_twin.recording.snapshots import read_snapshots
+from bearing_twin.recording.signals.snapshots import read_snapshots
 from bearing_twin.studies.disturbances import with_memory
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np

@@ -35,7 +35,7 @@ from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.snapshots import read_snapshots
+from bearing_twin.recording.signals.snapshots import read_snapshots
 from bearing_twin.studies.disturbances import with_memory
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from bearing_twin.dynamics.parameters import TwinParameters
-    from bearing_twin.recording.snapshots import Snapshot
+    from bearing_twin.recording.signals.snapshots import Snapshot
 
 
 RATE = 25600.0

@@ -10,7 +10,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import find_bearing
 from bearing_twin.dynamics.presets import preset
-from bearing_twin.dynamics.simulator import Simulator
+from bearing_twin.dynamics.single.simulator import Simulator
 from bearing_twin.studies.disturbances import CONDITIONS, disturbance, MACHINES
 import numpy as np
 
@@ -52,7 +52,7 @@ class Case:
     worn: bool
     """Whether there are several large defects at one place instead of one."""
     waviness: float
-    """See `bearing_twin.dynamics.waviness`, m/s."""
+    """See `bearing_twin.dynamics.equations.waviness`, m/s."""
     angle: float
     """Place of an outer race defect from the load direction, rad."""
     gain: float

@@ -15,7 +15,7 @@ from bearing_twin.calibration.passage import (
     path_curvature,
 )
 from bearing_twin.dynamics import TwinParameters
-from bearing_twin.dynamics.coefficients import (
+from bearing_twin.dynamics.equations.coefficients import (
     CLEARANCE,
     CONDITION_SIZE,
     constants_of,

@@ -7,7 +7,7 @@ import math
 
 from bearing_twin.calibration.path import identify, noise_floor, resonances
 from bearing_twin.dynamics import preset, Simulator
-from bearing_twin.dynamics.sensor_path import band_levels, distance, SensorPath
+from bearing_twin.dynamics.equations.sensor_path import band_levels, distance, SensorPath
 from impact_trains import BEARING, impact_train, RATE, ring
 import numpy as np
 import pytest

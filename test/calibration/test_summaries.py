@@ -6,7 +6,7 @@ from bearing_twin.calibration.passage import contact_speed, widest
 from bearing_twin.calibration.path import identify
 from bearing_twin.calibration.refusals import COPY
 from bearing_twin.calibration.summaries import fastest_resonance, likeness, summarise
-from bearing_twin.dynamics.sensor_path import band_levels, distance
+from bearing_twin.dynamics.equations.sensor_path import band_levels, distance
 from impact_trains import BEARING, impact_train, RATE
 import numpy as np
 import pytest

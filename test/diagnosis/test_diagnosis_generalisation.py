@@ -6,7 +6,7 @@ from collections import Counter
 
 from bearing_twin.diagnosis import DiagnosisSettings, StreamingDiagnoser
 from bearing_twin.dynamics.presets import preset
-from bearing_twin.dynamics.simulator import Simulator
+from bearing_twin.dynamics.single.simulator import Simulator
 from bearing_twin.studies import generalisation
 import pytest
 

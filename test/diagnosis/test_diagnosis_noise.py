@@ -5,7 +5,7 @@
 from bearing_twin.bearing import find_bearing
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.dynamics.presets import preset
-from bearing_twin.dynamics.simulator import Simulator
+from bearing_twin.dynamics.single.simulator import Simulator
 from bearing_twin.studies.load_sidebands import expected, measured
 from bearing_twin.studies.noise_windows import draw, main
 import numpy as np

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from bearing_twin.cli.benchmark import judge, read_cases
 from bearing_twin.diagnosis import diagnose_record
-from bearing_twin.recording.foreign import read_signal
+from bearing_twin.recording.signals.foreign import read_signal
 import numpy as np
 import pytest
 

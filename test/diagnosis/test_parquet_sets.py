@@ -11,8 +11,8 @@ import zlib
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.bench.diagnosis import fault_signal, RATE, SHAFT_HZ
 from bearing_twin.cli import main
-from bearing_twin.recording import dataset
-from bearing_twin.recording.foreign import read_signal
+from bearing_twin.recording.signals import dataset
+from bearing_twin.recording.signals.foreign import read_signal
 from commands import json_lines
 import numpy as np
 import pytest

@@ -6,12 +6,12 @@ import dataclasses
 import math
 
 from bearing_twin.dynamics import Fleet, preset, Simulator
-from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.parameters import MAX_DEFECTS, PROFILES
-from bearing_twin.dynamics.random import NOISE, normal_pair, normal_pairs
-from bearing_twin.dynamics.successor import successor
-from bearing_twin.dynamics.vector import load, store
+from bearing_twin.dynamics.single.successor import successor
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.numerics.compiled import compiled
+from bearing_twin.numerics.random import NOISE, normal_pair, normal_pairs
+from bearing_twin.numerics.vector import load, store
 import numpy as np
 import pytest
 

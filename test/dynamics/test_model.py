@@ -4,10 +4,10 @@
 
 import math
 
-from bearing_twin.dynamics import model
-from bearing_twin.dynamics.compiled import compiled
+from bearing_twin.dynamics.equations import model
 from bearing_twin.dynamics.parameters import PROFILES
-from bearing_twin.dynamics.vector import load, store
+from bearing_twin.numerics.compiled import compiled
+from bearing_twin.numerics.vector import load, store
 import numpy as np
 import pytest
 

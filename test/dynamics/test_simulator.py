@@ -5,11 +5,11 @@ import math
 
 from bearing_twin.bearing import Bearing
 from bearing_twin.dynamics import Fleet, preset, PRESETS, Simulator
-from bearing_twin.dynamics.kernel import FAST_HZ
-from bearing_twin.dynamics.model import Contact
+from bearing_twin.dynamics.equations.model import Contact
+from bearing_twin.dynamics.equations.statics import force_and_stiffness, healthy_balls
 from bearing_twin.dynamics.parameters import Defect, PROFILES
 from bearing_twin.dynamics.reference import solve
-from bearing_twin.dynamics.statics import force_and_stiffness, healthy_balls
+from bearing_twin.dynamics.single.kernel import FAST_HZ
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import Beta0
 from bearing_twin.thermal.network import ThermalNetwork

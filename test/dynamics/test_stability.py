@@ -4,7 +4,7 @@ import dataclasses
 import math
 
 from bearing_twin.dynamics import preset, PRESETS, Simulator
-from bearing_twin.dynamics.stability import amplification, check_step
+from bearing_twin.dynamics.equations.stability import amplification, check_step
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import pytest

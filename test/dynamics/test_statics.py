@@ -5,8 +5,8 @@
 import math
 
 from bearing_twin.dynamics import preset, Simulator
-from bearing_twin.dynamics.model import Contact
-from bearing_twin.dynamics.statics import (
+from bearing_twin.dynamics.equations.model import Contact
+from bearing_twin.dynamics.equations.statics import (
     equilibrium,
     healthy_balls,
     spring_position,

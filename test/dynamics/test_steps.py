@@ -5,10 +5,11 @@
 import math
 
 from bearing_twin.bearing import fault_orders
-from bearing_twin.dynamics import coefficients, preset, Simulator
-from bearing_twin.dynamics.kernel import FAST_HZ
-from bearing_twin.dynamics.kinematics import kinks
+from bearing_twin.dynamics import preset, Simulator
+from bearing_twin.dynamics.equations import coefficients
 from bearing_twin.dynamics.reference import solve
+from bearing_twin.dynamics.single.kernel import FAST_HZ
+from bearing_twin.dynamics.single.kinematics import kinks
 import numpy as np
 import pytest
 

@@ -5,7 +5,8 @@
 from dataclasses import replace
 import math
 
-from bearing_twin.dynamics import coefficients, Fleet, preset, Simulator
+from bearing_twin.dynamics import Fleet, preset, Simulator
+from bearing_twin.dynamics.equations import coefficients
 from bearing_twin.dynamics.limits import Limit
 from bearing_twin.dynamics.trend import amplitude_change
 import numpy as np

@@ -4,10 +4,10 @@
 
 from bearing_twin.bearing import fault_orders
 from bearing_twin.dynamics import Fleet, preset, Simulator
-from bearing_twin.dynamics.kernel import FAST_HZ
-from bearing_twin.dynamics.layout import SPIN_TURNS
+from bearing_twin.dynamics.equations.layout import SPIN_TURNS
+from bearing_twin.dynamics.equations.waviness import profiles
 from bearing_twin.dynamics.reference import solve
-from bearing_twin.dynamics.waviness import profiles
+from bearing_twin.dynamics.single.kernel import FAST_HZ
 import numpy as np
 import pytest
 

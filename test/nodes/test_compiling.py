@@ -33,7 +33,7 @@ def test_first_start(node, ros_domain, probe, tmp_path):
 def test_a_kernel_from_the_cache_is_loaded_and_not_compiled(compiled):
     script = (
         'from bearing_twin.dynamics import preset, Simulator\n'
-        'from bearing_twin.dynamics.compiled import has_compiled\n'
+        'from bearing_twin.numerics.compiled import has_compiled\n'
         "Simulator(preset('incipient')).advance(1024, 20.0, 25.0)\n"
         'print(has_compiled())\n'
     )
@@ -53,7 +53,7 @@ def test_a_kernel_from_the_cache_is_loaded_and_not_compiled(compiled):
 def test_the_state_of_the_first_block_waits_for_no_compiler(warm):
     script = (
         f'{warm}\n'
-        'from bearing_twin.dynamics.condition import _observed\n'
+        'from bearing_twin.dynamics.single.condition import _observed\n'
         'warm()\n'
         'print(len(_observed.signatures))\n'
     )

@@ -17,7 +17,12 @@ from bearing_twin.assets.twin_parameters import SPECS
 from bearing_twin.bearing import find_bearing
 from bearing_twin.calibration import fit
 from bearing_twin.dynamics import preset, Simulator
-from bearing_twin.dynamics.sensor_path import band_levels, distance, PathFilter, SensorPath
+from bearing_twin.dynamics.equations.sensor_path import (
+    band_levels,
+    distance,
+    PathFilter,
+    SensorPath,
+)
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.twin import TwinNode
 from bearing_twin.offline.verify import reproduce

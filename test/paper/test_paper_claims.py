@@ -7,15 +7,22 @@ from __future__ import annotations
 import dataclasses
 
 from bearing_twin.dynamics import preset
-from bearing_twin.paper import claims_model, equations, settings
-from bearing_twin.paper.claims import Claim
-from bearing_twin.paper.claims_model import circulation, system_matrix
-from bearing_twin.paper.claims_peaks import frequency_interval
-from bearing_twin.paper.claims_shift import shift_claims, slip_needed
-from bearing_twin.paper.claims_trend import falling_window, formula_change
+from bearing_twin.paper import equations, settings
+from bearing_twin.paper.claims import model as claims_model
+from bearing_twin.paper.claims.claim import Claim
+from bearing_twin.paper.claims.model import circulation, system_matrix
+from bearing_twin.paper.claims.peaks import frequency_interval
+from bearing_twin.paper.claims.shift import shift_claims, slip_needed
+from bearing_twin.paper.claims.trend import falling_window, formula_change
+from bearing_twin.paper.claims.verdicts import (
+    all_settings,
+    same_direction,
+    share,
+    VERDICTS,
+    within,
+)
 from bearing_twin.paper.dimensions import derived, dimension
 from bearing_twin.paper.recompute import judge
-from bearing_twin.paper.verdicts import all_settings, same_direction, share, VERDICTS, within
 import numpy as np
 import pytest
 

@@ -12,8 +12,8 @@ import re
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.paper import settings
-from bearing_twin.paper.claims import rounded
-from bearing_twin.paper.figures import FIGURES
+from bearing_twin.paper.claims.claim import rounded
+from bearing_twin.paper.figures.drawings import FIGURES
 from bearing_twin.paper.recompute import MARKER, prepare_folder
 from bearing_twin.paper.report import figure_name, summary_line
 import matplotlib.image

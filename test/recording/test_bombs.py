@@ -40,7 +40,7 @@ READER = """
 import resource, sys
 from pathlib import Path
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.foreign import read_signal
+from bearing_twin.recording.signals.foreign import read_signal
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import read_messages
 import scipy.io.wavfile
@@ -348,14 +348,14 @@ def test_many_arrays_that_are_large_together(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from bearing_twin.errors import BearingTwinError
-    from bearing_twin.recording import npz
+    from bearing_twin.recording.signals import npz
 
     path = tmp_path / 'a.npz'
     with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
         for number in range(10):
             archive.writestr(f'x{number}.npy', npy('(1000,)', bytes(8000)))
     assert len(npz.read_npz(path)) == 10
-    monkeypatch.setattr('bearing_twin.recording.npz.MOST_UNPACKED', 75_000)
+    monkeypatch.setattr('bearing_twin.recording.signals.npz.MOST_UNPACKED', 75_000)
     with pytest.raises(BearingTwinError, match=r'x9 would need 8000 bytes; .* 3000 are left'):
         npz.read_npz(path)
 

@@ -12,8 +12,8 @@ import zipfile
 import zlib
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.foreign import channels, read_signal
-from bearing_twin.recording.snapshots import read_snapshots
+from bearing_twin.recording.signals.foreign import channels, read_signal
+from bearing_twin.recording.signals.snapshots import read_snapshots
 from bearing_twin.recording.writer import RecordingWriter
 import numpy as np
 import pytest
@@ -319,7 +319,7 @@ def test_mat_that_unpacks_to_too_much_or_nests_too_deeply(
     path = tmp_path / 'a.mat'
     bomb = zlib.compress(bytes(50_000_000))
     path.write_bytes(head + np.array([15, len(bomb)], '<u4').tobytes() + bomb)
-    monkeypatch.setattr('bearing_twin.recording.matfile.MOST_UNPACKED', 10_000_000)
+    monkeypatch.setattr('bearing_twin.recording.signals.matfile.MOST_UNPACKED', 10_000_000)
     with pytest.raises(BearingTwinError, match='would unpack to more than'):
         read_signal(path)
     # A struct in a struct in a struct ...: flags, dimensions, empty name, one field 'a' each.

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording import catalogue, outfile
-from bearing_twin.recording.foreign import read_signal
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.mcapfile import BrokenRecording, UnfinishedRecording
 from bearing_twin.recording.messages import in_file_order, Selection
@@ -25,6 +24,7 @@ from bearing_twin.recording.player import Player
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover, RecoveryReport
 from bearing_twin.recording.schema import MessageSchema
+from bearing_twin.recording.signals.foreign import read_signal
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from copies import raw_recording
 from mcap.reader import make_reader

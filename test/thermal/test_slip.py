@@ -3,7 +3,8 @@
 """Cage slip of the physical mode: limits, directions, and the makers' minimum load."""
 
 from bearing_twin.bearing import find_bearing
-from bearing_twin.dynamics import coefficients, preset, Simulator
+from bearing_twin.dynamics import preset, Simulator
+from bearing_twin.dynamics.equations import coefficients
 from bearing_twin.dynamics.limits import Limit
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin.thermal.slip import HIGHEST_SLIP

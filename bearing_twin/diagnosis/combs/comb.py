@@ -13,7 +13,7 @@ from bearing_twin.diagnosis.combs.comb_sums import best_bands, comb_bands, comb_
 from bearing_twin.diagnosis.signal.lines import nearest_row
 from bearing_twin.diagnosis.signal.spectra import column_quantiles, quantiles
 from bearing_twin.diagnosis.thresholds import HARMONICS
-from bearing_twin.dynamics.compiled import compiled, FAST
+from bearing_twin.numerics.compiled import compiled, FAST
 import numpy as np
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from __future__ import annotations
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.lines import nearest_row, NEUTRAL
-from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.vector import chosen, highest, L, load
+from bearing_twin.numerics.compiled import compiled, FAST
+from bearing_twin.numerics.vector import chosen, highest, L, load
 import numpy as np
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.lines import nearest_row, row_height
 from bearing_twin.diagnosis.thresholds import HARMONICS
-from bearing_twin.dynamics.compiled import compiled, FAST
+from bearing_twin.numerics.compiled import compiled, FAST
 import numpy as np
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.lines import nearest_row
 from bearing_twin.diagnosis.thresholds import CARRIER, HARMONICS
-from bearing_twin.dynamics.compiled import compiled, FAST
+from bearing_twin.numerics.compiled import compiled, FAST
 import numpy as np
 
 if TYPE_CHECKING:

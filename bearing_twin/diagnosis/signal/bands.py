@@ -10,8 +10,8 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.columns import aligned, real_columns, ROW, transform_rows
-from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.vector import L, load, store
+from bearing_twin.numerics.compiled import compiled, FAST
+from bearing_twin.numerics.vector import L, load, store
 import numpy as np
 from scipy import fft
 

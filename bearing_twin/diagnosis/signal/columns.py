@@ -13,8 +13,8 @@ import functools
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.vector import chosen, L, load, splat, store
+from bearing_twin.numerics.compiled import compiled, FAST
+from bearing_twin.numerics.vector import chosen, L, load, splat, store
 import numpy as np
 from scipy import fft
 

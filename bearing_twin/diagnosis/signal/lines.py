@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.dynamics.compiled import compiled, FAST
+from bearing_twin.numerics.compiled import compiled, FAST
 import numpy as np
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.vector import any_of, chosen, L, load, root, splat, store
+from bearing_twin.numerics.compiled import compiled, FAST
+from bearing_twin.numerics.vector import any_of, chosen, L, load, root, splat, store
 import numpy as np
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
-from bearing_twin.dynamics.compiled import compiled, FAST
+from bearing_twin.numerics.compiled import compiled, FAST
 import numpy as np
 
 if TYPE_CHECKING:

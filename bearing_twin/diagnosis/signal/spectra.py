@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.columns import power_of_lines
 from bearing_twin.diagnosis.signal.ranks import column_ranks
-from bearing_twin.dynamics.compiled import compiled, FAST
-from bearing_twin.dynamics.vector import L
+from bearing_twin.numerics.compiled import compiled, FAST
+from bearing_twin.numerics.vector import L
 import numpy as np
 from scipy import fft
 

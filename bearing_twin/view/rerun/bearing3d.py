@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.dynamics.compiled import compiled
 from bearing_twin.dynamics.defect_text import read_defects
-from bearing_twin.dynamics.model import Contact, contact_law
+from bearing_twin.dynamics.equations.model import Contact, contact_law
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.numerics.compiled import compiled
 from bearing_twin.view.rerun import shapes
 from bearing_twin.view.style import LINE
 import numpy as np
@@ -89,8 +89,8 @@ def contact_forces(
 
     Notes
     -----
-    The law is `dynamics.model.contact_law`. Zhang et al., Symmetry 2023, 15, 2166, equation of the
-    contact deformation, without the defect's depth.
+    The law is `dynamics.equations.model.contact_law`. Zhang et al., Symmetry 2023, 15, 2166,
+    equation of the contact deformation, without the defect's depth.
 
     """
     deformation = x * np.cos(angles) + y * np.sin(angles) - clearance

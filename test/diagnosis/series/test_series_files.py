@@ -7,7 +7,7 @@ import json
 
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.snapshots import read_snapshots
+from bearing_twin.recording.signals.snapshots import read_snapshots
 from commands import json_lines
 import numpy as np
 import pytest

@@ -1,0 +1,243 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The inner ring's temperature and what it makes of the inputs, in the physical mode.
+
+The inputs of the kernels are those of equal ring temperatures, ramped over a block, plus a drift:
+what the difference of the temperatures makes of them, known at the ticks of a fixed grid of
+samples and ramped from the last tick to the next. Ticks do not depend on the blocks, so neither do
+the bits.
+
+``rings``, float64[2], are the inner ring's temperatures at the last and the next tick, degC; NaN
+in the paper's mode. ``drift``, float64[2, INPUTS], is the addition to the inputs at the last tick,
+and its growth per output sample. A tick is ``tick`` samples.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from bearing_twin.dynamics.equations import coefficients
+from bearing_twin.numerics.compiled import compiled
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from bearing_twin.dynamics.equations.layout import Records
+
+FloatArray = npt.NDArray[np.float64]
+
+_TICK = 0.1
+"""Interval at which the temperature is advanced, s; its time constant is seconds."""
+
+
+def tick_length(sample_rate: float) -> int:
+    """
+    Return the output samples of a tick.
+
+    Examples
+    --------
+    >>> tick_length(25600.0)
+    2560
+
+    """
+    return max(1, round(_TICK * sample_rate))
+
+
+@compiled()
+def temperature(rings: FloatArray, since_tick: int, tick: int) -> float:
+    """
+    Temperature ``since_tick`` samples after the last tick, degC.
+
+    Examples
+    --------
+    >>> temperature(np.array([60.0, 61.0]), since_tick=640, tick=2560)
+    60.25
+
+    """
+    inner: float = rings[0] + (rings[1] - rings[0]) * (since_tick / tick)
+    return inner
+
+
+@compiled()
+def inputs(
+    values: FloatArray, behind: FloatArray, drift: FloatArray, since_tick: int
+) -> FloatArray:
+    """
+    Sum up the inputs of the equations, float64[..., INPUTS], ``since_tick`` samples after a tick.
+
+    In the order of the kernels. ``values`` are those of `coefficients.evaluate`; ``behind`` is how
+    far the inputs are still from them after a change.
+
+    Examples
+    --------
+    >>> drift = np.zeros((2, coefficients.INPUTS))
+    >>> drift[:, coefficients.CLEARANCE] = -1e-6, 1e-9
+    >>> values = np.full(coefficients.CONDITION_SIZE, 5e-6)
+    >>> at = inputs(values, np.zeros(coefficients.INPUTS), drift, since_tick=640)
+    >>> round(1e6 * float(at[coefficients.CLEARANCE]), 2)
+    4.64
+
+    """
+    total: FloatArray = values[..., : coefficients.INPUTS] + behind
+    total += drift[..., 0, :] + drift[..., 1, :] * since_tick
+    return total
+
+
+def settle(
+    constants: Records,
+    alike: FloatArray,
+    outer: float,
+    hz: float,
+    rings: FloatArray,
+    drift: FloatArray,
+) -> None:
+    """
+    Put the inner ring into its steady state; see the module for ``rings`` and ``drift``.
+
+    ``alike`` are the values of `coefficients.evaluate` with both rings at ``outer``.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> constants = coefficients.constants_of(preset('incipient', thermal_mode='physical'))
+    >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
+    >>> alike = np.empty(coefficients.CONDITION_SIZE)
+    >>> coefficients.evaluate(constants, 60.0, 60.0, 25.0, alike)
+    >>> settle(constants, alike, 60.0, 25.0, rings, drift)
+    >>> rings.round(2).tolist()
+    [63.34, 63.34]
+    >>> round(1e6 * float(drift[0, coefficients.CLEARANCE]), 2)  # of the clearance, um
+    -1.15
+
+    """
+    rings[:] = math.nan
+    if constants[0].physical != 0.0:
+        rings[:] = coefficients.inner_temperature(constants, outer, outer, hz, math.inf)
+    drift[0] = _difference(constants, alike, outer, rings[0], hz)
+    drift[1] = 0.0
+
+
+def carry(
+    constants: Records,
+    alike: FloatArray,
+    outer: float,
+    hz: float,
+    rings: FloatArray,
+    drift: FloatArray,
+    tick: int,
+) -> None:
+    """
+    Go on from ``rings`` with other constants; ``alike`` as :func:`settle` takes them.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> constants = coefficients.constants_of(preset('incipient', thermal_mode='physical'))
+    >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
+    >>> alike = np.empty(coefficients.CONDITION_SIZE)
+    >>> coefficients.evaluate(constants, 60.0, 60.0, 25.0, alike)
+    >>> settle(constants, alike, 60.0, 25.0, rings, drift)
+    >>> heavy = coefficients.constants_of(
+    ...     preset('incipient', thermal_mode='physical', load=1000.0)
+    ... )
+    >>> coefficients.evaluate(heavy, 60.0, 60.0, 25.0, alike)
+    >>> carry(heavy, alike, 60.0, 25.0, rings, drift, 2560)
+    >>> rings.round(2).tolist()  # the ring goes on from where it was
+    [63.34, 63.34]
+
+    """
+    drift[0] = _difference(constants, alike, outer, rings[0], hz)
+    drift[1] = (_difference(constants, alike, outer, rings[1], hz) - drift[0]) / tick
+
+
+def advance(
+    constants: Records,
+    alike: FloatArray,
+    outer: float,
+    hz: float,
+    rings: FloatArray,
+    drift: FloatArray,
+    tick: int,
+    seconds: float,
+) -> None:
+    """
+    One tick, of ``seconds``: the ring goes on towards its balance with outer ring and shaft.
+
+    ``alike`` as :func:`settle` takes them.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> constants = coefficients.constants_of(preset('incipient', thermal_mode='physical'))
+    >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
+    >>> alike = np.empty(coefficients.CONDITION_SIZE)
+    >>> coefficients.evaluate(constants, 60.0, 60.0, 25.0, alike)
+    >>> settle(constants, alike, 60.0, 25.0, rings, drift)
+    >>> coefficients.evaluate(constants, 80.0, 80.0, 25.0, alike)
+    >>> advance(constants, alike, 80.0, 25.0, rings, drift, 2560, 0.1)
+    >>> rings.round(2).tolist()  # the outer ring is at 80 degC now, and the inner one follows
+    [63.34, 63.61]
+
+    """
+    rings[0] = rings[1]
+    rings[1] = coefficients.inner_temperature(constants, outer, rings[0], hz, seconds)
+    drift[0] += drift[1] * tick
+    drift[1] = (_difference(constants, alike, outer, rings[1], hz) - drift[0]) / tick
+
+
+@compiled()
+def _difference(
+    constants: Records, alike: FloatArray, outer: float, inner: float, hz: float
+) -> FloatArray:
+    """Return what an inner ring of another temperature adds to the inputs."""
+    apart = np.empty(coefficients.CONDITION_SIZE)
+    coefficients.evaluate(constants, outer, inner, hz, apart)
+    return apart[: coefficients.INPUTS] - alike[: coefficients.INPUTS]
+
+
+_advance = compiled()(advance)
+
+
+@compiled()
+def tick_one(
+    constants: Records,
+    values: FloatArray,
+    was: tuple[float, float],
+    now: tuple[float, float],
+    rings: FloatArray,
+    drift: FloatArray,
+    tick: int,
+    seconds: float,
+) -> None:
+    """
+    One tick of a bearing in the physical mode at outer ring's temperature and speed ``now``.
+
+    ``values`` are those at ``was``: held inputs need no others.
+    """
+    alike = values
+    if now != was:
+        alike = np.empty(coefficients.CONDITION_SIZE)
+        coefficients.evaluate(constants, now[0], now[0], now[1], alike)
+    _advance(constants, alike, now[0], now[1], rings, drift, tick, seconds)
+
+
+@compiled()
+def tick_all(
+    constants: Records,
+    values: FloatArray,
+    was: tuple[FloatArray, FloatArray],
+    now: tuple[FloatArray, FloatArray],
+    rings: FloatArray,
+    drift: FloatArray,
+    tick: int,
+    seconds: float,
+) -> None:
+    """Do `tick_one` for every bearing in the physical mode; arrays with the bearing first."""
+    for i in range(now[0].shape[0]):
+        if constants[i].physical != 0.0:
+            tick_one(
+                constants[i : i + 1], values[i], (was[0][i], was[1][i]), (now[0][i], now[1][i]),
+                rings[i], drift[i], tick, seconds,
+            )  # fmt: skip

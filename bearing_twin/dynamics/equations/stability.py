@@ -1,0 +1,209 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the integrator's step resolves the fastest motion of a set of parameters."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from typing import TYPE_CHECKING
+
+from bearing_twin.dynamics.equations import coefficients, filters
+from bearing_twin.dynamics.equations.model import Contact
+from bearing_twin.dynamics.equations.statics import (
+    equilibrium,
+    force_and_stiffness,
+    healthy_balls,
+    spring_position,
+    supports,
+    upwards,
+)
+from bearing_twin.dynamics.parameters import MAX_SHAFT_HZ
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.thermal.gcr15 import TEMPERATURES
+from bearing_twin.thermal.network import clearance_limits
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from bearing_twin.dynamics.parameters import TwinParameters
+
+
+FloatArray = npt.NDArray[np.float64]
+
+_OVERLOAD = 2.0
+"""An impact may press the balls in four times as deep as the load does: twice the stiffness."""
+_LARGEST_STEP = 1.0
+"""h |lambda| up to which a mode is resolved: the phase error of the scheme is then 0.1 % a rad."""
+_GOOD_STEP = 0.28
+"""h |lambda| up to which a step is not parted in three."""
+_COUPLING = np.kron([[1.0, -1.0], [-1.0, 1.0]], np.ones((2, 2)))
+
+
+def system_matrices(
+    p: TwinParameters, contact_stiffness: FloatArray, contact_damping: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """
+    Return K and C of ``q'' = -K q - C q'`` for q = (x_i, y_i, x_o, y_o), 1/s^2 and 1/s.
+
+    ``contact_stiffness``, N/m, and ``contact_damping``, N s/m, both (2, 2), act between the
+    rings: the sums over the loaded balls.
+
+    Examples
+    --------
+    Natural frequency of the inner ring with its shaft, without contact, Hz:
+
+    >>> from bearing_twin.dynamics import preset
+    >>> stiffness, _ = system_matrices(preset('paper'), np.zeros((2, 2)), np.zeros((2, 2)))
+    >>> round(math.sqrt(stiffness[0, 0]) / (2.0 * math.pi))
+    548
+
+    """
+    springs = [p.inner_stiffness] * 2 + [*p.housing_stiffness]
+    dampers = [p.inner_damping] * 2 + [*p.housing_damping]
+    stiffness = np.tile(contact_stiffness, (2, 2)) * _COUPLING + np.diag(springs)
+    damping = np.tile(contact_damping, (2, 2)) * _COUPLING + np.diag(dampers)
+    light = np.array([1.0 / p.inner_mass] * 2 + [1.0 / p.outer_mass] * 2)[:, None]
+    return light * stiffness, light * damping
+
+
+def amplification(
+    stiffness: FloatArray, damping: FloatArray, h: float, *, snaps: bool = True
+) -> FloatArray:
+    """
+    Matrix that one step of `integrator` applies to (q, v, a, j, snap) of a linear system.
+
+    With ``snaps`` the predictor takes the snap.
+
+    Examples
+    --------
+    A mass on a spring, 1 krad/s, damped by 0.5 %, decays as exp(-5 t):
+
+    >>> step = amplification(np.array([[1e6]]), np.array([[10.0]]), 1e-4)
+    >>> bool(abs(abs(np.linalg.eigvals(step)).max() - math.exp(-5.0 * 1e-4)) < 1e-8)
+    True
+
+    """
+    n = len(stiffness)
+    # Rows of the state; then predictor, evaluation and corrector as in `integrator`.
+    q, v, a, j, s = np.eye(5 * n).reshape(5, n, 5 * n)
+    ahead = a + h * (j + 0.5 * h * s)
+    faster = v + h * (a + 0.5 * h * (j + h / 3.0 * s))
+    further = q + h * (v + 0.5 * h * (a + h / 3.0 * (j + 0.25 * h * s)))
+    a1 = -stiffness @ further - damping @ faster
+    j1 = -stiffness @ faster - damping @ ahead
+    v1 = v + 0.5 * h * (a + a1) + h * h / 12.0 * (j - j1)
+    q1 = q + 0.5 * h * (v + v1) + h * h / 12.0 * (a - a1)
+    s1 = (6.0 / h**2 * (a - a1) + (2.0 * j + 4.0 * j1) / h) * snaps
+    return np.vstack([q1, v1, a1, j1, s1])
+
+
+def steps(p: TwinParameters, sample_rate: float) -> int:
+    """
+    Return the steps per output sample that resolve the fastest motion.
+
+    `filters.least_steps`, or three times as many for stiff or light rings.
+
+    Raises
+    ------
+    BearingTwinError
+        As `check_step`.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> steps(preset('incipient', inner_mass=50.0), 25600.0), steps(preset('paper'), 25600.0)
+    (1, 3)
+
+    """
+    least = filters.least_steps(sample_rate)
+    fastest = max(mode for mode, _, _ in _motions(p, preloaded=False)[:2])
+    if fastest / (sample_rate * least) <= _GOOD_STEP:
+        with contextlib.suppress(BearingTwinError):
+            check_step(p, 1.0 / (sample_rate * least))
+            return least
+    check_step(p, 1.0 / (sample_rate * 3 * least), snaps=False)
+    return 3 * least
+
+
+def check_step(p: TwinParameters, h: float, *, snaps: bool = True) -> None:
+    """
+    Refuse parameters whose fastest motion a step of ``h`` seconds does not resolve.
+
+    The equations are linearised at the load's equilibrium with the hottest contact stiffness, and
+    without contact. The step has to resolve every mode, and to be stable even at `_OVERLOAD`
+    times the contact stiffness, or at that under the unbalance of the fastest shaft, which goes
+    with the cube root of the force: the contact force goes with the power 1.5 of the approach.
+
+    Raises
+    ------
+    BearingTwinError
+        With the frequency of the fastest mode and what to change.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> check_step(preset('paper'), 1e-5)
+    >>> check_step(preset('paper'), 1e-3)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    bearing_twin.errors.BearingTwinError: the fastest motion of these parameters is at 548 Hz, ...
+
+    """
+    motions = _motions(p, preloaded=True)
+    matrices = np.array([amplification(k, c, h, snaps=snaps) for _, k, c in motions])
+    radii = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
+    for index, (radius, (fastest, _, _)) in enumerate(zip(radii, motions, strict=True)):
+        if radius > 1.0 + 1e-9 or (index < 2 and fastest * h > _LARGEST_STEP):
+            limit = _LARGEST_STEP / h / 2.0 / math.pi
+            msg = (
+                f'the fastest motion of these parameters is at {fastest / 2.0 / math.pi:.0f} Hz, '
+                f'and steps of {h * 1e6:.3g} us resolve up to {limit:.0f} Hz: use larger masses, '
+                'less stiffness or damping, or a higher sample rate'
+            )
+            raise BearingTwinError(msg)
+
+
+def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatArray, FloatArray]]:
+    """
+    Fastest mode, rad/s, and matrices of the equations without contact, at rest and overloaded.
+
+    With ``preloaded`` at the least clearance that ring temperatures may leave.
+    """
+    constants, out = coefficients.constants_of(p), np.empty(coefficients.CONDITION_SIZE)
+    factors = []
+    for temperature in TEMPERATURES:
+        coefficients.evaluate(constants, float(temperature), float(temperature), 25.0, out)
+        factors.append(
+            (
+                float(out[coefficients.K_B]),
+                float(out[coefficients.CLEARANCE]),
+                float(out[[coefficients.FOOT_X, coefficients.FOOT_Y]] @ upwards(p)),
+            )
+        )
+    k_b, clearance, spring = max(factors)
+    contact, held = Contact(k_b, 0.0), supports(p)
+    if preloaded and p.thermal_mode == 'physical':
+        clearance, _ = clearance_limits(p.bearing.d_pitch)
+        spring = spring_position(p.load, contact, clearance, held, p.bearing.n_balls)
+    n = p.bearing.n_balls
+    balls = healthy_balls(-math.pi / 2, clearance, n)
+    foot = held.aside, spring
+    x, y, _, _ = equilibrium(foot, contact, held.compliance, balls, foot)
+    _, _, kxx, kxy, kyy = force_and_stiffness(x, y, contact, balls)
+    up_x, up_y = upwards(p)
+    axes = np.array([[up_y, up_x], [-up_x, up_y]])
+    touching = axes @ np.array([[kxx, kxy], [kxy, kyy]]) @ axes.T
+    # Half of the balls bear, in all directions alike: more than do at rest.
+    damped = 0.5 * n * p.contact_damping * np.eye(2)
+    thrown = p.unbalance * (2.0 * math.pi * MAX_SHAFT_HZ) ** 2
+    overload = max(_OVERLOAD, (1.0 + thrown / p.load) ** (1.0 / 3.0))
+    pairs = [
+        system_matrices(p, scale * touching, min(scale, 1.0) * damped)
+        for scale in (0.0, 1.0, overload)
+    ]
+    whole = np.zeros((3, 8, 8))
+    whole[:, :4, 4:] = np.eye(4)
+    for block, (stiffness, damping) in zip(whole, pairs, strict=True):
+        block[4:, :4], block[4:, 4:] = -stiffness, -damping
+    fastest = np.abs(np.linalg.eigvals(whole)).max(axis=1)
+    return [(float(mode), *pair) for mode, pair in zip(fastest, pairs, strict=True)]

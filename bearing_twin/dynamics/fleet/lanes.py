@@ -1,0 +1,250 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The arrays of a fleet, and one bearing put into its lane of them or taken out."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TYPE_CHECKING
+
+from bearing_twin.bearing import PLACES
+from bearing_twin.dynamics.equations import coefficients, filters, layout
+from bearing_twin.dynamics.fleet import layout as fl
+from bearing_twin.dynamics.fleet.kernel import room_size
+from bearing_twin.dynamics.fleet.kinematics import first_slot
+from bearing_twin.dynamics.single.tables import equations_of
+from bearing_twin.numerics.vector import aligned, L
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from bearing_twin.dynamics.equations.waviness import Surfaces
+    from bearing_twin.dynamics.parameters import TwinParameters
+    from bearing_twin.dynamics.single.kernel import Tables
+    from bearing_twin.dynamics.single.objects import Equations
+    from bearing_twin.dynamics.single.simulator import Simulator
+
+
+FloatArray = npt.NDArray[np.float64]
+Array = npt.NDArray[Any]
+
+_PHASES = {'cage': 1.0, 'shaft': 1.0, 'spin': layout.SPIN_TURNS}
+"""Turns after which each begins anew."""
+
+
+class Lanes:
+    """
+    What the kernel works on: groups of `layout.L` bearings, a lane each.
+
+    Idle lanes of the last group repeat the last bearing.
+
+    Parameters
+    ----------
+    parameters : sequence of TwinParameters
+        One set a bearing.
+    sample_rate
+        Output rate, Hz.
+
+    Examples
+    --------
+    Three bearings fill three of sixteen lanes:
+
+    >>> from bearing_twin.dynamics import preset
+    >>> Lanes([preset('paper')] * 3, 25600.0).size
+    16
+
+    """
+
+    def __init__(self, parameters: Sequence[TwinParameters], sample_rate: float) -> None:
+        self._sample_rate = sample_rate
+        self.oversample = filters.oversampling(sample_rate)
+        self.step = 1.0 / (sample_rate * self.oversample)
+        groups = -(-len(parameters) // L)
+        self.size = groups * L
+        self.most_balls = max(p.bearing.n_balls for p in parameters)
+        # The kernel looks at the directions of two slots beyond the last.
+        slots = self.most_balls + 2
+        self.groups = aligned((groups,), fl.GROUP)
+        self.balls = aligned((groups, slots, fl.BALL_ROWS, L), np.float32)
+        self.surfaces = np.zeros((self.size, 0), np.float32)
+        self._tables: dict[int, Tables] = {}
+        self._equations: dict[int, Equations] = {}
+        self.constants = np.zeros(self.size, coefficients.CONSTANTS)
+        self.values = np.zeros((self.size, coefficients.CONDITION_SIZE))
+        self.drift = np.zeros((self.size, 2, coefficients.INPUTS))
+        self.rings = np.full((self.size, 2), math.nan)
+        self.fade = np.zeros((self.size, coefficients.INPUTS))
+        self.faded = np.zeros(self.size, np.int64)
+        self.marks = np.zeros((self.size, 2), np.int64)
+        # The decimator by the place of an internal sample within an output sample.
+        taps = filters.decimator(self.oversample)
+        padded = np.concatenate([np.zeros(self.oversample - 1), taps])
+        self.taps = padded.reshape(-1, self.oversample).T.ravel().astype(np.float32)
+        memory = (len(padded) // self.oversample - 1) * 2 * L
+        self.history = aligned((groups, self.oversample, memory), np.float32)
+        self._memory = memory
+
+    def room(self) -> Array:
+        """Return what one thread of the kernel works in."""
+        return aligned((room_size(self.oversample, self._memory),), np.float32)
+
+    def survey(self, parameters: Sequence[TwinParameters]) -> None:
+        """Find what the kernel has to do for each group."""
+        for number, group in enumerate(self.groups):
+            members = parameters[number * L : (number + 1) * L]
+            group['balls_in'] = max(member.bearing.n_balls for member in members)
+            group['spalls_in'] = max(len(member.defects) for member in members)
+            group['wavy'] = any(member.waviness for member in members)
+
+    def motion(self, index: int, next_sample: int) -> Array:
+        """State of one bearing as `layout.STATE`, before its `kernel.start`."""
+        number, lane = divmod(index, L)
+        group, state = self.groups[number], np.zeros(1, layout.STATE)
+        for name in 'qvaj':
+            state[name] = group[name][:, lane]
+        since = next_sample % layout.CHUNK / self._sample_rate
+        for name, whole in _PHASES.items():
+            state[name] = (group[name][lane] + since * group[name + '_hz'][lane]) % whole
+        for name in ('cage', 'shaft'):
+            angle = 2.0 * math.pi * state[name]
+            state[name + '_cos'], state[name + '_sin'] = np.cos(angle), np.sin(angle)
+        return state
+
+    def seed(self, index: int) -> int:
+        """Seed of one bearing."""
+        number, lane = divmod(index, L)
+        return int(self.groups[number]['seed'][lane])
+
+    def fill_filters(self, index: int, simulator: Simulator) -> None:
+        """Take over the sensor and the memory of the decimator of one bearing."""
+        number, lane = divmod(index, L)
+        self.groups[number]['sensor'][:, lane] = simulator.state['sensor'][0]
+        # By the place of an internal sample within an output sample, as the taps.
+        padding = np.zeros((2, self.oversample - 1))
+        internal = np.concatenate([padding, simulator.history], axis=1)
+        memory = self.history[number].reshape(self.oversample, -1, 2, L)
+        memory[..., lane] = internal.reshape(2, -1, self.oversample).T
+
+    def place(self, index: int, simulator: Simulator) -> None:
+        """Put one bearing into its lane; the filters' memory stays."""
+        number, lane = divmod(index, L)
+        group, tables, state = self.groups[number], simulator.tables, simulator.state[0]
+        m = tables.machines[0]
+
+        def put(record: Any, **values: Any) -> None:
+            for name, value in values.items():
+                record[name][..., lane] = value
+
+        put(group, **{name: state[name] for name in 'qvaj'})
+        put(group, **{name: m[name] for name in f'{layout.PRECISE} {fl.SHARED}'.split()})
+        n = int(m['n_balls'])
+        to_z, to_w, read = _sensor_rows(simulator.parameters, self.step)
+        put(group, per_ball=1.0 / n, seed=simulator.seed, to_z=to_z, to_w=to_w, read=read)
+        self.balls[number, :, :, lane] = _slots(n, self.balls.shape[1])
+        since = simulator.next_sample % layout.CHUNK / simulator.sample_rate
+        hz, slip = simulator.shaft_hz, simulator.inputs()[coefficients.SLIP]
+        carried = hz * (1.0 - slip)
+        speeds = m['ftf_order'] * carried, hz, m['spin_order'] * carried
+        for (name, whole), speed in zip(_PHASES.items(), speeds, strict=True):
+            put(group, **{name: (state[name] - since * speed) % whole})
+        slot = first_slot(group['cage'][lane], n, float(m['load_turns']))
+        ahead = 2.0 * math.pi * (state['cage'] + slot / n)
+        shaft = state['shaft_cos'], state['shaft_sin']
+        put(group, directions=(math.cos(ahead), math.sin(ahead), *shaft))
+        for slot, record in enumerate(group['spalls']):
+            put(record, **_spall(tables.defects[slot] if slot < len(tables.defects) else None, m))
+        self._tables[index] = tables
+        self.roll_on(index, tables.surfaces)
+        self.constants[index] = simulator.constants[0]
+        self.values[index] = simulator.values
+        self.drift[index], self.rings[index] = simulator.drift, simulator.rings
+        self.fade[index], self.faded[index] = simulator.fade, simulator.faded
+        self.marks[index] = simulator.marks
+
+    def roll_on(self, index: int, surfaces: Surfaces) -> None:
+        """Take over the surfaces of one bearing."""
+        number, lane = divmod(index, L)
+        group, table = self.groups[number], surfaces.table
+        missing = len(table) - self.surfaces.shape[1]
+        if missing > 0:
+            self.surfaces = np.pad(self.surfaces, ((0, 0), (0, missing)))
+            self._equations.clear()
+        self.surfaces[index, : len(table)] = table
+        for name in ('outer', 'inner', 'ball'):
+            group[name + '_nodes'][lane] = getattr(surfaces, name)
+        group['highest'][lane] = surfaces.highest
+        self._tables[index] = self._tables[index]._replace(surfaces=surfaces._replace(table=None))
+        self._equations.pop(index, None)
+
+    def equations(self, index: int, parameters: TwinParameters) -> Equations:
+        """One bearing, of these parameters, as compiled code for single bearings takes it."""
+        if index not in self._equations:
+            tables = self._tables[index]
+            tables = tables._replace(surfaces=tables.surfaces._replace(table=self.surfaces[index]))
+            constants = self.constants[index : index + 1]
+            self._equations[index] = equations_of(parameters, constants, tables)
+        return self._equations[index]
+
+    def state(self) -> list[Array]:
+        """Motion, phases, decimators, inner rings, what still fades and whose it is, as views."""
+        singles, doubles = (
+            self.groups.view(kind).reshape(len(self.groups), -1)[:, part]
+            for kind, part in zip((np.float32, np.float64), fl.CARRIED, strict=True)
+        )
+        carried = [singles, doubles, self.history, self.drift, self.rings]
+        return [*carried, self.fade, self.faded, self.marks]
+
+    def set_state(self, parts: Sequence[Array]) -> None:
+        """Take over what :meth:`state` returned."""
+        for mine, given in zip(self.state(), parts, strict=True):
+            mine[...] = given
+
+
+def _sensor_rows(p: TwinParameters, step: float) -> tuple[FloatArray, ...]:
+    """Return the coefficients of both states at the end of a step, and of what is read then."""
+    # The kernel has the jerk itself.
+    scales = np.array([1.0, 1.0, 1.0, step, 1.0, step])
+    to_z, to_w = scales * filters.resonator(p.resonance_hz, p.resonance_damping, step, 1)[:2]
+    read = (-1.0, -2.0 * p.resonance_damping, 0.0) if p.resonance_hz else (0.0, 0.0, 1.0)
+    return to_z, to_w, np.array(read)
+
+
+def _slots(n_balls: int, slots: int) -> FloatArray:
+    """Directions and negative numbers of the slots of a lane, see `layout`."""
+    numbers = np.array([(k + 1) // 2 if k % 2 else -(k // 2) for k in range(slots)])
+    angles = 2.0 * math.pi * numbers / n_balls
+    rows = np.stack([np.cos(angles), np.sin(angles), -numbers], axis=1)
+    rows[n_balls:, :2] = 0.0
+    return rows
+
+
+def _spall(defect: Any, machine: Any) -> dict[str, float]:
+    """Fields of one spall of a lane; None for a slot that is not used."""
+    unused = dict.fromkeys(fl.SPALL.names or (), 0.0)
+    unused |= {'ball': -1.0, 'only': -1.0, 'half': -1.0}
+    if defect is None:
+        return unused
+    place, n_balls = PLACES[defect['place']], machine['n_balls']
+    on_ball, on_inner = place == 'ball', place == 'inner'
+    radius = machine['inner_radius' if on_inner else 'outer_radius']
+    metres = 0.5 * math.pi * machine['d_ball'] if on_ball else 2.0 * math.pi * radius / n_balls
+    even = defect['inner_curvature' if on_ball or on_inner else 'outer_curvature']
+    # An outer spall and a worn pocket follow the cage alone.
+    return unused | {
+        'scale': 2.0 if on_ball else n_balls,
+        'metres': metres,
+        'on_race': not on_ball,
+        'ball': defect['ball'] if on_ball else -1.0,
+        'only': defect['ball'] if place == 'cage' else -1.0,
+        'even': even,
+        'odd': defect['outer_curvature'] if on_ball else even,
+        'profile': defect['profile'],
+        'half': defect['half'],
+        'depth': defect['depth'],
+        'angle': defect['angle'],
+        'by_cage': not on_ball,
+        'by_shaft': -1.0 if on_inner else 0.0,
+        'by_spin': on_ball,
+    }

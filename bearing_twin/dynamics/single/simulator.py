@@ -1,0 +1,583 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The twin of one bearing: its state is carried from block to block, never reset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+import functools
+import math
+import struct
+from typing import Any, TYPE_CHECKING
+import zlib
+
+from bearing_twin.dynamics.equations import coefficients, filters, inner_ring
+from bearing_twin.dynamics.equations.layout import CHUNK, STATE
+from bearing_twin.dynamics.equations.stability import steps
+from bearing_twin.dynamics.equations.waviness import surfaces
+from bearing_twin.dynamics.parameters import check_speed
+from bearing_twin.dynamics.saved import Envelope, identity
+from bearing_twin.dynamics.single import kernel, objects
+from bearing_twin.dynamics.single.condition import Condition, condition, MOTION, SEEN, VALUES
+from bearing_twin.dynamics.single.tables import ball_table, defect_table, equations_of, machine
+from bearing_twin.errors import BearingTwinError
+from bearing_twin.numerics.compiled import compiled
+from bearing_twin.quantity import check_whole
+from bearing_twin.thermal.gcr15 import check_temperature
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from bearing_twin.dynamics.equations.layout import Records
+    from bearing_twin.dynamics.parameters import TwinParameters
+
+
+FloatArray = npt.NDArray[np.float64]
+
+RUN_IN = 0.04
+"""How long a bearing has turned before sample 0, s: what a start at rest excites has died away."""
+_FADE = 0.16
+"""Time within which load, direction and clearance go from one value to another, s, whatever the
+blocks: many periods of the slowest mode of the rings, so that the change itself is no impact."""
+_MAX_BLOCK = 1 << 24
+_MOST_TURNS = 1e3
+"""Phases are wrapped on the kernel's grid only; between two points of it they run on, and with
+jitter, of an almost standing shaft, back."""
+_LARGEST = 2.0**53
+"""Above everything in a state: the greatest is the integer whose bits are the loaded balls."""
+_SAVED = Envelope(b'BTwin\x00\x06\x00', struct.Struct('<dIQddIQII'), 'one bearing')
+
+
+@dataclass(frozen=True, kw_only=True)
+class Block:
+    """
+    Housing acceleration as an accelerometer sees it.
+
+    Examples
+    --------
+    >>> from bearing_twin.dynamics import preset
+    >>> block = Simulator(preset('paper')).advance(256, temperature=60.0, shaft_hz=25.0)
+    >>> block.first_sample, block.y.shape, round(block.condition.beta0, 3)
+    (0, (256,), 1.011)
+
+    """
+
+    first_sample: int
+    """Running index of ``x[0]``. The signal lags the condition by `Simulator.delay`."""
+    x: npt.NDArray[np.float32]
+    """Horizontal, m/s^2."""
+    y: npt.NDArray[np.float32]
+    """Vertical, m/s^2, upwards."""
+    describe: Callable[[], Condition] = field(repr=False, compare=False)
+    """Works out the condition."""
+
+    @functools.cached_property
+    def condition(self) -> Condition:
+        """State at the end of the block; worked out when it is first asked for."""
+        return self.describe()
+
+
+class Simulator:
+    """
+    Advances the equations of motion of one bearing and carries their state.
+
+    The equations are solved by Hermite's method of order 4 in steps of an output sample, or of
+    1/25600 s if that is less (a third of it above 27 Hz and for stiff rings), and in smaller ones
+    wherever contact or the path through a defect is
+    not smooth; the sensor's resonance is applied within them, then the signal is decimated. The
+    decimator delays the signal by `delay` against the condition: `Block.x` [k] shows what
+    happened `delay` before its sample's time.
+
+    Inputs are ramped linearly over the block in which they are commanded, so that stiffness and
+    defect depth follow the temperature without a step. With held inputs, splitting a block or
+    saving and loading in between changes no bit. A state that is loaded under other parameters
+    goes over to them as after `reconfigure`.
+
+    Parameters
+    ----------
+    parameters : TwinParameters
+        The bearing, its faults and its surroundings.
+    sample_rate
+        Output rate, Hz, 2000 to 204800.
+    seed
+        Seed of jitter and noise, 0 to 2^32 - 1.
+    temperature
+        Temperature at the start, degC, 20 to 110.
+    shaft_hz
+        Shaft speed at the start, Hz, 0 to 500.
+
+    Examples
+    --------
+    A tenth of a second while the outer ring warms from 20 to 30 degC:
+
+    >>> from bearing_twin.dynamics import preset
+    >>> simulator = Simulator(preset('paper'))
+    >>> block = simulator.advance(2560, temperature=30.0, shaft_hz=25.4)
+    >>> block.y.shape, round(block.condition.bpfi, 1), round(block.condition.beta0, 3)
+    ((2560,), 126.4, 1.004)
+
+    """
+
+    def __init__(
+        self,
+        parameters: TwinParameters,
+        *,
+        sample_rate: float = 25600.0,
+        seed: int = 0,
+        temperature: float = 20.0,
+        shaft_hz: float = 25.4,
+    ) -> None:
+        self.sample_rate = filters.check_rate(sample_rate)
+        self._oversample = filters.oversampling(sample_rate)
+        self._taps = filters.decimator(self._oversample)
+        self.start = (check_temperature(float(temperature)), check_speed(shaft_hz))
+        """Temperature and speed to which :meth:`reset` goes back, degC and Hz."""
+        self.tick = inner_ring.tick_length(sample_rate)
+        # State and tables, records of `layout` and rows of `coefficients`: read by `fleet.lanes`.
+        self.drift = np.zeros((2, coefficients.INPUTS))
+        self.fade, self.faded = np.zeros(coefficients.INPUTS), 0
+        self.rings = np.full(2, math.nan)
+        self.values = np.zeros(coefficients.CONDITION_SIZE)
+        self.history = np.zeros((2, len(self._taps) - self._oversample))
+        self.state = np.zeros(1, STATE)
+        self.seed = _checked(seed)
+        self._configure(parameters)
+        self.reset()
+
+    @property
+    def parameters(self) -> TwinParameters:
+        """Parameters in force."""
+        return self._parameters
+
+    @property
+    def temperature(self) -> float:
+        """Temperature of the outer ring at the next sample, degC."""
+        return self._temperature
+
+    @property
+    def shaft_hz(self) -> float:
+        """Shaft speed at the next sample, Hz."""
+        return self._shaft_hz
+
+    @property
+    def delay(self) -> float:
+        """Delay of the published signal against the condition, s."""
+        return filters.delay(self.sample_rate)
+
+    def reset(self) -> None:
+        """
+        Start again at sample 0.
+
+        The bearing has then turned for `RUN_IN` seconds from static equilibrium, with the balls
+        sunk into the defects under them, so that the start itself is no impact.
+        """
+        self.next_sample = 0
+        self._temperature, self._shaft_hz = self.start
+        self.history[:] = 0.0
+        self.state[:] = np.zeros(1, STATE)
+        self._come_from(None)
+        self._settle_ring()
+        self._run_in()
+
+    def reconfigure(self, parameters: TwinParameters) -> None:
+        """
+        Change defects, preset or thermal mode while running; the state is carried on.
+
+        A fault that is injected is there from the next sample on. Load and its direction,
+        clearance, contact stiffness and slip go to their new values within 0.16 s, whatever the
+        blocks. With another stiffness of shaft or housing the spring's foot has to be elsewhere at
+        once, and so all are there at once.
+        """
+        was, marks, inputs = self._parameters, self.marks, self.inputs()
+        self._configure(parameters)
+        if was.thermal_mode == parameters.thermal_mode == 'physical':
+            self._carry_rings()
+        else:
+            self._settle_ring()
+        self._come_from(inputs if marks[1] == self.marks[1] else None)
+        self._start_motion()
+
+    def settle(self, temperature: float) -> None:
+        """
+        Take ``temperature``, degC, as one that the outer ring has had for long.
+
+        In the physical mode the inner ring is put into its steady state; clearance, stiffness and
+        slip go there within 0.16 s. The mode paper has no such memory, and nothing changes.
+        """
+        if self._parameters.thermal_mode == 'physical':
+            inputs = self.inputs()
+            self._temperature = check_temperature(float(temperature))
+            self._settle_ring()
+            self._come_from(inputs)
+
+    def advance(self, n: int, temperature: float, shaft_hz: float) -> Block:
+        """
+        Advance by ``n`` samples while temperature and speed go to the values given.
+
+        Parameters
+        ----------
+        n
+            Samples, 1 to 2^24.
+        temperature
+            Outer ring temperature at the end of the block, degC, 20 to 110.
+        shaft_hz
+            Shaft speed at the end of the block, Hz, 0 to 500.
+
+        Raises
+        ------
+        BearingTwinError
+            If a value is out of its range; the state is then unchanged.
+
+        """
+        _check_size(n)
+        temperature = check_temperature(float(temperature))
+        shaft_hz = check_speed(shaft_hz)
+        out, first = np.empty((2, n), dtype=np.float32), self.next_sample
+        seen = np.empty(SEEN)
+        _advance(
+            self._motion, self._temperature, self._shaft_hz, temperature, shaft_hz, self.faded,
+            self.seed, first, self.tick, self.tick / self.sample_rate, out, seen,
+        )  # fmt: skip
+        self.next_sample += n
+        self._temperature, self._shaft_hz = temperature, shaft_hz
+        return self._block(first, out, seen)
+
+    def _block(self, first: int, out: npt.NDArray[np.float32], seen: FloatArray) -> Block:
+        describe = functools.partial(condition, self._equations, seen)
+        return Block(first_sample=first, x=out[0], y=out[1], describe=describe)
+
+    def advance_all(
+        self, n: int, temperatures: Sequence[float], speeds: Sequence[float]
+    ) -> list[Block]:
+        """
+        Advance by blocks of ``n`` samples, one after the other, in one call.
+
+        The same as :meth:`advance` with each temperature, degC, and speed, Hz, but other threads
+        have the interpreter meanwhile.
+
+        Examples
+        --------
+        >>> from bearing_twin.dynamics import preset
+        >>> one, other = Simulator(preset('paper')), Simulator(preset('paper'))
+        >>> blocks = one.advance_all(256, [20.0, 30.0], [25.0, 25.0])
+        >>> again = [other.advance(256, each, 25.0) for each in (20.0, 30.0)]
+        >>> [bool((a.y == b.y).all()) for a, b in zip(blocks, again)]
+        [True, True]
+
+        """
+        _check_size(n)
+        outer = np.array([check_temperature(float(each)) for each in temperatures])
+        hz = np.array([check_speed(each) for each in speeds])
+        count, first = len(outer), self.next_sample
+        out, seen = np.empty((count, 2, n), dtype=np.float32), np.empty((count, SEEN))
+        _advance_all(
+            self._motion, self._temperature, self._shaft_hz, outer, hz, self.faded, self.seed,
+            first, self.tick, self.tick / self.sample_rate, out, seen,
+        )  # fmt: skip
+        self.next_sample += count * n
+        if count:
+            self._temperature, self._shaft_hz = float(outer[-1]), float(hz[-1])
+        return [self._block(first + i * n, out[i], seen[i]) for i in range(count)]
+
+    def condition(self) -> Condition:
+        """State at the next sample."""
+        seen = np.empty(SEEN)
+        _see(self._motion, self.faded, self.next_sample, self.tick, seen)
+        return condition(self._equations, seen)
+
+    def save(self) -> bytes:
+        """
+        Return the complete state: motion, phases, filters, sample index, seed and inputs.
+
+        It belongs to the bearing and the sample rate in force, which it does not hold.
+        """
+        body = np.concatenate(
+            [
+                self.state.view(float), self.history.ravel(), self.drift.ravel(),
+                self.fade, self.inputs(), np.nan_to_num(self.rings),
+            ]
+        )  # fmt: skip
+        fields = (
+            self.sample_rate, self.seed, self.next_sample, self._temperature, self._shaft_hz,
+            identity([self._parameters]), self.faded, *self.marks,
+        )  # fmt: skip
+        return _SAVED.seal(fields, body.astype('<f8').tobytes())
+
+    def load(self, data: bytes) -> None:
+        """
+        Continue from a state that :meth:`save` returned.
+
+        Raises
+        ------
+        BearingTwinError
+            If ``data`` is damaged, of another version, or of another sample rate, bearing
+            geometry or thermal mode; the state is then unchanged.
+
+        """
+        fields, body = _SAVED.open(data)
+        rate, seed, next_sample, temperature, shaft_hz, whose, faded, *of = fields
+        own = (self.sample_rate, identity([self._parameters]))
+        sizes = [STATE.itemsize // 8, self.history.size, self.drift.size]
+        sizes += [coefficients.INPUTS, coefficients.INPUTS, 2]
+        if (rate, whose) != own or len(body) != 8 * sum(sizes):
+            msg = (
+                f'saved state at {rate:g} Hz belongs to another sample rate, bearing geometry or '
+                f'thermal mode than this {self._parameters.bearing.name} at {own[0]:g} Hz in the '
+                f'{self._parameters.thermal_mode} mode; load it with its own configuration'
+            )
+            raise BearingTwinError(msg)
+        values = np.frombuffer(body, dtype='<f8').astype(float)
+        state, history, drift, fade, inputs, rings = np.split(values, np.cumsum(sizes)[:-1])
+        state = state.view(STATE)
+        bounded = np.isfinite(values).all() and np.abs(values).max() < _LARGEST
+        bounded = bounded and np.abs(state['q']).max() < 1.0 and np.abs(rings).max() < 300.0
+        bounded = bounded and state['next_step'][0] in (0.0, *self.tables.machines['step'])
+        if not (
+            bounded and all(abs(state[name]) < _MOST_TURNS for name in ('cage', 'shaft', 'spin'))
+        ):
+            msg = 'saved state holds values that no simulation reaches; start without it'
+            raise BearingTwinError(msg)
+        if not 0 <= max(next_sample, faded) < 2**62:
+            msg = f'saved state holds sample index {max(next_sample, faded)}, outside 0..2^62'
+            raise BearingTwinError(msg)
+        values_at = self._evaluate(
+            check_temperature(temperature), temperature, check_speed(shaft_hz)
+        )
+        self._temperature, self._shaft_hz, self.values[:] = temperature, shaft_hz, values_at
+        self._reseed(seed)
+        self.next_sample = next_sample
+        self.state[:] = state
+        self.history[:] = history.reshape(self.history.shape)
+        self.fade[:], self.faded = fade, faded
+        physical = self._parameters.thermal_mode == 'physical'
+        self.rings[:] = rings if physical else math.nan
+        self.drift[:] = drift.reshape(self.drift.shape) if physical else 0.0
+        if tuple(of) != self.marks:
+            self._come_from(inputs if of[1] == self.marks[1] else None)
+            self._start_motion()
+
+    def adopt(
+        self,
+        state: Records,
+        next_sample: int,
+        rings: FloatArray | None = None,
+        inputs: FloatArray | None = None,
+    ) -> None:
+        """
+        Take over phases, positions and velocities in a record `layout.STATE`.
+
+        ``rings`` are the temperatures of the inner ring, as in `inner_ring`; ``inputs`` those
+        of the equations from which the next block starts, None: its own.
+        """
+        self.next_sample = next_sample
+        if rings is not None:
+            self.rings[:] = rings
+            self._carry_rings()
+        self._come_from(inputs)
+        self.state[:] = state
+        self._start_motion()
+
+    def _configure(self, parameters: TwinParameters) -> None:
+        p = parameters
+        # Long and short steps: one, or one for each sample that is taken of the sensor.
+        long = filters.least_steps(self.sample_rate)
+        stiff = steps(p, self.sample_rate) > long
+        kinds = long, self._oversample
+        machines = np.concatenate(
+            [machine(p, self.sample_rate, each, stiff=stiff) for each in kinds]
+        )
+        reads = self._oversample // long
+        self._resonators = np.zeros((2, 2 + reads, 6))
+        for table, each in zip(self._resonators, kinds, strict=True):
+            count = self._oversample // each
+            step = 1.0 / (self.sample_rate * each)
+            table[: 2 + count] = filters.resonator(
+                p.resonance_hz, p.resonance_damping, step, count
+            )
+        self._parameters = p
+        self.constants = coefficients.constants_of(p)
+        found = surfaces(p, self.seed)
+        self._take(kernel.Tables(machines, defect_table(p), ball_table(p), found))
+        springs = np.array([p.inner_stiffness, *p.housing_stiffness])
+        tables = machines, self.constants, self.tables.defects, np.array([p.waviness])
+        whole = zlib.crc32(b''.join(table.tobytes() for table in tables))
+        self.marks = whole, zlib.crc32(springs.tobytes())
+        """Checksums of what the equations take, and of the springs, whose foot jumps with them."""
+
+    def _take(self, tables: kernel.Tables) -> None:
+        """Take the tables of the parameters in force."""
+        self.tables = tables
+        self._equations = equations_of(self._parameters, self.constants, tables)
+        self._motion = objects.motion(
+            self._equations, self._resonators, self._taps, self.state, self.history, self.values,
+            self.rings, self.drift, self.fade,
+        )  # fmt: skip
+
+    def _reseed(self, seed: int) -> None:
+        """Take another seed: the random numbers change, and with them the surfaces."""
+        if seed != self.seed:
+            self.seed = seed
+            self._take(self.tables._replace(surfaces=surfaces(self._parameters, seed)))
+
+    def _evaluate(self, outer: float, inner: float, shaft_hz: float) -> FloatArray:
+        values = np.empty(coefficients.CONDITION_SIZE)
+        coefficients.evaluate(self.constants, outer, inner, shaft_hz, values)
+        return values
+
+    def _run_in(self) -> None:
+        """Turn from equilibrium to the phases of sample 0, without jitter and noise."""
+        values, machines, state = self.inputs(), self.tables.machines.copy(), self.state
+        machines['jitter'] = machines['noise'] = 0.0
+        turns = self._parameters.start_angle / (2.0 * math.pi) % 1.0
+        hz, carried = self._shaft_hz, self._shaft_hz * (1.0 - values[coefficients.SLIP])
+        machine = machines[0]
+        n = CHUNK * math.ceil(RUN_IN * self.sample_rate / CHUNK) if hz else 0
+        seconds = n / self.sample_rate
+        state['cage'] = turns - seconds * machine['ftf_order'] * carried
+        state['shaft'] = turns - seconds * hz
+        state['spin'] = -seconds * machine['spin_order'] * carried
+        tables = self.tables._replace(machines=machines)
+        kernel.settle(state, tables, values)
+        kernel.start(state, tables, values)
+        kernel.advance(
+            state, self.history, tables, self._resonators, self._taps,
+            np.array([values, values]), np.zeros((2, coefficients.INPUTS)), self.fade, 0, 0, -n,
+            0, np.empty((2, n), np.float32),
+        )  # fmt: skip
+        state['cage'], state['shaft'], state['spin'] = turns, turns, 0.0
+        self._start_motion()
+
+    def inputs(self) -> FloatArray:
+        """Return the inputs of the equations at the next sample, as `coefficients` has them."""
+        behind = self.fade * min(self.next_sample - self.faded, 0)
+        return inner_ring.inputs(self.values, behind, self.drift, self.next_sample % self.tick)
+
+    def _come_from(self, inputs: FloatArray | None) -> None:
+        """Let ``inputs`` of the equations fade into those that are due; None: at once."""
+        self.fade[:], self.faded = 0.0, 0
+        if inputs is not None:
+            behind = inputs - self.inputs()
+            end = self.next_sample + _FADE * self.sample_rate
+            self.faded = CHUNK * math.ceil(end / CHUNK)
+            self.fade[:] = behind / (self.next_sample - self.faded)
+
+    def _start_motion(self) -> None:
+        """Make acceleration and jerk follow from positions, velocities and parameters."""
+        kernel.start(self.state, self.tables, self.inputs())
+
+    def _settle_ring(self) -> None:
+        """Put the inner ring into its steady state."""
+        outer, hz = self._temperature, self._shaft_hz
+        self.values[:] = self._evaluate(outer, outer, hz)
+        inner_ring.settle(self.constants, self.values, outer, hz, self.rings, self.drift)
+
+    def _carry_rings(self) -> None:
+        """Let the inner ring go on with the parameters in force."""
+        outer, hz = self._temperature, self._shaft_hz
+        self.values[:] = self._evaluate(outer, outer, hz)
+        inner_ring.carry(self.constants, self.values, outer, hz, self.rings, self.drift, self.tick)
+
+
+# The first arguments are objects of numba, whose fields mypy does not know.
+@compiled()
+def _see(motion: Any, faded: int, at: int, tick: int, seen: FloatArray) -> None:
+    """Put aside what the condition at sample ``at`` follows from, see `condition`."""
+    since, behind = at % tick, motion.fade * min(at - faded, 0)
+    seen[:MOTION].view(STATE)[0] = motion.states[0]
+    seen[MOTION:VALUES] = inner_ring.inputs(motion.values, behind, motion.drift, since)
+    seen[VALUES:-1] = motion.values
+    seen[-1] = inner_ring.temperature(motion.rings, since, tick)
+
+
+@compiled()
+def _advance(
+    motion: Any,
+    was_temperature: float,
+    was_hz: float,
+    temperature: float,
+    shaft_hz: float,
+    faded: int,
+    seed: int,
+    first: int,
+    tick: int,
+    seconds: float,
+    out: npt.NDArray[np.float32],
+    seen: FloatArray,
+) -> None:
+    """
+    Advance a bearing and its inner ring through a block, from tick to tick.
+
+    A tick takes ``seconds``; for the others see `kernel.advance` and `_see`.
+    """
+    was, to, constants = (
+        (was_temperature, was_hz),
+        (temperature, shaft_hz),
+        motion.equations.constants,
+    )
+    begin, end = motion.values, motion.values
+    if to != was:
+        end = np.empty(coefficients.CONDITION_SIZE)
+        coefficients.evaluate(constants, temperature, temperature, shaft_hz, end)
+    n, done, physical = out.shape[1], 0, constants[0].physical != 0.0
+    ramp = np.empty((2, coefficients.INPUTS))
+    while done < n:
+        since = (first + done) % tick
+        count = min(n - done, tick - since) if physical else n - done
+        for i in range(coefficients.INPUTS):
+            growth = end[i] - begin[i]
+            ramp[0, i] = begin[i] + growth * (done / n)
+            ramp[1, i] = begin[i] + growth * ((done + count) / n)
+        kernel.advance(
+            motion.states, motion.history, motion.equations.tables, motion.resonators, motion.taps,
+            ramp, motion.drift, motion.fade, faded, seed, first + done, since,
+            out[:, done : done + count],
+        )  # fmt: skip
+        done += count
+        if physical and (first + done) % tick == 0:
+            share = done / n
+            now = was[0] + (to[0] - was[0]) * share, was[1] + (to[1] - was[1]) * share
+            inner_ring.tick_one(
+                constants, begin, was, now, motion.rings, motion.drift, tick, seconds
+            )
+    motion.values[:] = end
+    _see(motion, faded, first + n, tick, seen)
+
+
+@compiled()
+def _advance_all(
+    motion: Any,
+    was_temperature: float,
+    was_hz: float,
+    temperatures: FloatArray,
+    speeds: FloatArray,
+    faded: int,
+    seed: int,
+    first: int,
+    tick: int,
+    seconds: float,
+    out: npt.NDArray[np.float32],
+    seen: FloatArray,
+) -> None:
+    """Do `_advance` for blocks that follow each other; arrays with the block first."""
+    for i in range(out.shape[0]):
+        _advance(
+            motion, was_temperature, was_hz, temperatures[i], speeds[i], faded, seed,
+            first + i * out.shape[2], tick, seconds, out[i], seen[i],
+        )  # fmt: skip
+        was_temperature, was_hz = temperatures[i], speeds[i]
+
+
+def _check_size(n: int) -> None:
+    if not 1 <= n <= _MAX_BLOCK:
+        msg = f'block of {n} samples is outside 1..{_MAX_BLOCK}'
+        raise BearingTwinError(msg)
+
+
+def _checked(seed: int) -> int:
+    check_whole('seed', seed)
+    if not 0 <= seed < 2**32:
+        msg = f'seed={seed} is outside 0..4294967295'
+        raise BearingTwinError(msg)
+    return int(seed)

@@ -1,0 +1,223 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Compilation of the kernels: cached where that is possible, and never stale.
+
+Numba's cache looks at the file of a function only, not at those of the functions that it calls.
+Here the sources of those in other files are part of the folder's name, so code compiled from other
+sources is never found, wherever the cache lies.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import os
+from pathlib import Path
+import pickle
+import shutil
+import tempfile
+import time
+from typing import Any, TYPE_CHECKING, TypeVar
+
+import numba as nb
+from numba.core import event
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+FAST = frozenset({'contract', 'reassoc', 'nsz', 'arcp', 'nnan', 'ninf'})
+"""Floating point freedom of the kernels; the same machine still gives the same bits."""
+
+SHARED = (
+    *('numerics/*.py', 'bearing/*.py', 'thermal/*.py', 'dynamics/**/*.py'),
+    'diagnosis/signal/lines.py',
+)
+"""Files of the package from which compiled code of other files takes functions and numbers."""
+
+_numba: Any = nb.config
+
+F = TypeVar('F', bound='Callable[..., Any]')
+
+
+def compiled(
+    *, inline: bool = False, fast: frozenset[str] = frozenset(), borrows: bool = False
+) -> Callable[[F], F]:
+    """
+    Return a decorator that compiles a function on its first call and caches the code.
+
+    Parameters
+    ----------
+    inline
+        Copy the function into its callers.
+    fast
+        Flags of floating point freedom, e.g. `FAST`.
+    borrows
+        The function makes no arrays. References to those it is given are then not counted, which
+        is atomic and would cost as much as the arithmetic of a step.
+
+    Notes
+    -----
+    Division follows numpy: a check for zero would put an exception, and with it reference
+    counting, into every inner loop. Where no cache can be written the function is compiled anew
+    in each process.
+
+    Examples
+    --------
+    >>> from bearing_twin.thermal import network
+    >>> change = compiled()(network.clearance_change)
+    >>> round(1e6 * change(60.0, 40.0, 0.05735), 2)
+    -6.88
+
+    """
+
+    def decorate(function: F) -> F:
+        options: dict[str, Any] = {
+            'inline': 'always' if inline else 'never',
+            'fastmath': set(fast) or False,
+            'error_model': 'numpy',
+            # Other threads go on meanwhile: the diagnosis of an offline run, for one.
+            'nogil': True,
+        }
+        if borrows:
+            options['_nrt'] = False
+        folder = cache_folder()
+        if folder is None:
+            plain: F = nb.njit(**options)(function)
+            return plain
+        # Numba reads the folder while it decorates; other users of numba keep theirs.
+        before = _numba.CACHE_DIR
+        _numba.CACHE_DIR = str(folder)
+        try:
+            cached: F = nb.njit(cache=True, **options)(function)
+        finally:
+            _numba.CACHE_DIR = before
+        return cached
+
+    return decorate
+
+
+def has_compiled() -> bool:
+    """
+    Whether this process has compiled anything, or begun to; what the cache holds is but loaded.
+
+    >>> has_compiled() in (True, False)
+    True
+
+    """
+    return _passes.seen
+
+
+class _Passes(event.Listener):
+    """Takes note of the first pass of the compiler."""
+
+    seen = False
+
+    def on_start(self, event: event.Event) -> None:
+        self.seen = True
+
+    def on_end(self, event: event.Event) -> None:
+        """Nothing to do."""
+
+
+_passes = _Passes()
+event.register('numba:run_pass', _passes)  # type: ignore[no-untyped-call]
+
+
+@functools.cache
+def cache_folder() -> Path | None:
+    """
+    Folder of the code compiled from the present sources; None where none can be written.
+
+    ``NUMBA_CACHE_DIR`` if it is set; otherwise beside the sources, and where these belong to
+    someone else the user's cache folder (``XDG_CACHE_HOME``, by default ``~/.cache``).
+
+    Examples
+    --------
+    >>> folder = cache_folder()
+    >>> folder is None or folder.is_dir()
+    True
+
+    """
+    bases = [Path(__file__).parent / '__pycache__']
+    if _numba.CACHE_DIR:
+        bases = [Path(_numba.CACHE_DIR)]
+    elif os.environ.get('XDG_CACHE_HOME'):
+        bases.append(Path(os.environ['XDG_CACHE_HOME']))
+    else:
+        with contextlib.suppress(RuntimeError):  # a user without a home
+            bases.append(Path.home() / '.cache')
+    name = f'bearing_twin-{_digest()}'
+    for base in bases:
+        folder = base / name
+        with contextlib.suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder):
+                os.utime(folder)
+            _drop_old(base)
+            return folder.resolve()
+    return None
+
+
+def processor() -> str:
+    """
+    Return the name of the processor that code is compiled for.
+
+    Examples
+    --------
+    >>> processor() != ''
+    True
+
+    """
+    return str(_target()[1])
+
+
+@functools.cache
+def other_processors() -> list[str]:
+    """
+    Return the processors whose code lay in the cache where there was none for the present one.
+
+    Numba keeps code by name and features of the processor, and does not use that of another: a
+    folder that was copied or is shared costs another compilation, no wrong results. It is looked
+    at once, at the first call.
+
+    Examples
+    --------
+    >>> processor() in other_processors()
+    False
+
+    """
+    folder = cache_folder()
+    found = set()
+    for index in folder.rglob('*.nbi') if folder is not None else ():
+        with contextlib.suppress(OSError, EOFError, pickle.UnpicklingError), index.open('rb') as f:
+            pickle.load(f)  # version of numba
+            _, overloads = pickle.loads(f.read())
+            found |= {key[1] for key in overloads}
+    return [] if _target() in found else sorted({str(target[1]) for target in found})
+
+
+def _target() -> tuple[str, ...]:
+    """Return what numba keeps code apart by: architecture, processor and its features."""
+    from numba.core.registry import cpu_target
+
+    return tuple(cpu_target.target_context.codegen().magic_tuple())
+
+
+def _digest() -> str:
+    """Return the digest of what compiled code depends on, besides the processor."""
+    package = Path(__file__).parents[1]
+    digest = hashlib.sha256(nb.__version__.encode())
+    for pattern in SHARED:
+        for source in sorted(package.glob(pattern)):
+            digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _drop_old(base: Path) -> None:
+    """Remove what other sources left behind and nobody has used for 30 days."""
+    for folder in base.glob('bearing_twin-' + '?' * 16):
+        if time.time() - folder.stat().st_mtime > 30 * 86400:
+            shutil.rmtree(folder, ignore_errors=True)

@@ -1,0 +1,383 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+# Numba calls what is below while it compiles; its own interfaces have no types.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,no-any-unimported,misc"
+"""
+Sixteen numbers of single precision as one value of compiled code.
+
+The compiler turns loops over arrays into vector instructions, but by itself only of 256 bits, only
+where it sees that nothing overlaps, and with every result written to memory. A value of `FLOATS`
+is a register of 512 bits, or two of 256, or four of 128, as the processor has them. Operators act
+on each number; the other operand may be a scalar. No function here can be called from Python.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from typing import Any
+
+from bearing_twin.numerics.compiled import compiled, FAST
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.datamodel import models
+from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
+from numba.extending import intrinsic, lower_builtin, overload, register_model
+import numpy as np
+import numpy.typing as npt
+
+L = 16
+"""Numbers in a value."""
+_F = np.float32
+
+_intrinsic: Any = intrinsic
+"""Of any type: its arguments are not those that compiled code gives."""
+_BYTES = 64
+"""A value that crosses a cache line is loaded twice."""
+_FLAGS = ('contract', 'nsz', 'arcp', 'nnan', 'ninf')
+_FLOAT = ir.FloatType()
+_VECTOR = ir.VectorType(_FLOAT, L)
+_BITS = ir.VectorType(ir.IntType(1), L)
+_INT = ir.IntType(32)
+_INTS = ir.VectorType(_INT, L)
+_LONG = ir.IntType(64)
+_LONGS = ir.VectorType(_LONG, L)
+
+
+class _Lanes(types.Type):
+    """Vector of sixteen values of one kind; `_LANES` has the kinds."""
+
+
+FLOATS, MASK, WORDS = (_Lanes(f'{name}{L}') for name in ('Floats', 'Mask', 'Words'))
+_LANES = {FLOATS: _VECTOR, MASK: _BITS, WORDS: _LONGS}
+
+
+@register_model(_Lanes)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, manager, kind) -> None:
+        super().__init__(manager, kind, _LANES[kind])
+
+
+def aligned(shape: tuple[int, ...], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    """
+    Array of zeros that begins at a cache line.
+
+    Examples
+    --------
+    >>> aligned((2, 16), np.float32).ctypes.data % 64
+    0
+
+    """
+    size = math.prod(shape) * np.dtype(dtype).itemsize
+    room = np.zeros(size + _BYTES, np.uint8)
+    begin = -room.ctypes.data % _BYTES
+    return room[begin : begin + size].view(dtype).reshape(shape)
+
+
+_SCALARS = (types.float32, types.float64)
+_WORD_PAIRS = ((WORDS, WORDS), (WORDS, types.uint64), (types.uint64, WORDS))
+_PAIRS = ((FLOATS, FLOATS), *((FLOATS, s) for s in _SCALARS), *((s, FLOATS) for s in _SCALARS))
+
+
+def _same(builder, value, kind):
+    """Repeat a scalar."""
+    if kind in (FLOATS, WORDS):
+        return value
+    if kind == types.float64:
+        value = builder.fptrunc(value, _FLOAT)
+    nothing = ir.Constant(ir.VectorType(value.type, L), ir.Undefined)
+    one = builder.insert_element(nothing, value, ir.Constant(_INT, 0))
+    return builder.shuffle_vector(one, nothing, ir.Constant(_INTS, None))
+
+
+def _declare(function, *signatures) -> None:
+    """Let an operator take these types."""
+    infer_global(function)(type(function.__name__, (ConcreteTemplate,), {'cases': signatures}))
+
+
+def _define(function, result, build, pairs=_PAIRS) -> None:
+    """Let an operator build its code for two values, or a value and a scalar."""
+    _declare(function, *(signature(result, *pair) for pair in pairs))
+
+    def code(context, builder, sig, args):
+        return build(builder, *(_same(builder, a, k) for a, k in zip(args, sig.args, strict=True)))
+
+    for pair in pairs:
+        lower_builtin(function, *pair)(code)
+
+
+def _calls(name, **options):
+    return lambda builder, a, b: getattr(builder, name)(a, b, **options)
+
+
+def _comparison(sign):
+    return lambda builder, a, b: builder.fcmp_ordered(sign, a, b)
+
+
+for _names, _name in (
+    ('add iadd', 'fadd'), ('sub isub', 'fsub'), ('mul imul', 'fmul'), ('truediv itruediv', 'fdiv')
+):  # fmt: skip
+    for _each in _names.split():
+        _define(getattr(operator, _each), FLOATS, _calls(_name, flags=_FLAGS))
+for _operator, _name in ((operator.gt, '>'), (operator.ge, '>='), (operator.eq, '==')):
+    _define(_operator, MASK, _comparison(_name))
+for _name in ('add', 'mul', 'and_', 'xor'):
+    _define(getattr(operator, _name), WORDS, _calls(_name), _WORD_PAIRS)
+_define(operator.rshift, WORDS, _calls('lshr'), _WORD_PAIRS)
+
+
+_declare(operator.and_, signature(MASK, MASK, MASK))
+_declare(operator.neg, signature(FLOATS, FLOATS))
+
+
+@lower_builtin(operator.and_, MASK, MASK)
+def _and(context, builder, sig, args):
+    return builder.and_(*args)
+
+
+@lower_builtin(operator.neg, FLOATS)
+def _negative(context, builder, sig, args):
+    return builder.fsub(ir.Constant(_VECTOR, [-0.0] * L), args[0], flags=_FLAGS)
+
+
+def _place(context, builder, array, kind, row, vector=_VECTOR):
+    """Pointer to a row of ``array``."""
+    data = context.make_array(kind)(context, builder, array).data
+    index = builder.mul(row, ir.Constant(row.type, L))
+    return builder.bitcast(builder.gep(data, [index]), vector.as_pointer())
+
+
+@_intrinsic
+def load(typing, array, row):
+    """Sixteen numbers of a flat float32 or uint64 array, from ``16 row`` on."""
+    lanes = FLOATS if array.dtype is types.float32 else WORDS
+
+    def code(context, builder, sig, args):
+        place = _place(context, builder, args[0], sig.args[0], args[1], _LANES[lanes])
+        value = builder.load(place)
+        value.align = array.dtype.bitwidth // 8
+        return value
+
+    return lanes(array, types.intp), code
+
+
+@_intrinsic
+def load_fours(typing, array, begins, row, pair, ahead):
+    """
+    Four consecutive numbers of a flat float32 array for each of sixteen places, as four values.
+
+    Number k is from ``begins[16 row + k] + 2 pair[k]`` on; ``begins`` is an int64 array. What is
+    ``ahead[k]`` pairs further will be needed: it is fetched into the cache.
+    """
+
+    def code(context, builder, sig, args):
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        firsts = builder.load(_place(context, builder, args[1], sig.args[1], args[2], _LONGS))
+        firsts.align = 8
+        fetch = cgutils.get_or_insert_function(
+            builder.module,
+            ir.FunctionType(ir.VoidType(), [ir.IntType(8).as_pointer(), _INT, _INT, _INT]),
+            'llvm.prefetch.p0i8',
+        )
+
+        def place_of(pair):
+            pairs = builder.sext(builder.fptosi(pair, _INTS), _LONGS)
+            return builder.add(firsts, builder.add(pairs, pairs))
+
+        places = place_of(args[3])
+        if sig.args[4] is FLOATS:
+            later = place_of(builder.fadd(args[3], args[4], flags=_FLAGS))
+            for k in range(L):
+                place = builder.gep(data, [builder.extract_element(later, ir.Constant(_INT, k))])
+                place = builder.bitcast(place, ir.IntType(8).as_pointer())
+                builder.call(fetch, [place, *(ir.Constant(_INT, n) for n in (0, 3, 1))])
+        fours = []
+        for k in range(L):
+            place = builder.gep(data, [builder.extract_element(places, ir.Constant(_INT, k))])
+            four = builder.load(builder.bitcast(place, ir.VectorType(_FLOAT, 4).as_pointer()))
+            four.align = 4
+            fours.append(four)
+        # All end to end, then every fourth number.
+        while len(fours) > 1:
+            length = fours[0].type.count
+            joined = ir.Constant(ir.VectorType(_INT, 2 * length), list(range(2 * length)))
+            fours = [
+                builder.shuffle_vector(one, other, joined)
+                for one, other in zip(fours[::2], fours[1::2], strict=True)
+            ]
+        nothing = ir.Constant(fours[0].type, ir.Undefined)
+        found = [
+            builder.shuffle_vector(
+                fours[0], nothing, ir.Constant(_INTS, [k + 4 * lane for lane in range(L)])
+            )
+            for k in range(4)
+        ]
+        return context.make_tuple(builder, sig.return_type, found)
+
+    return types.UniTuple(FLOATS, 4)(array, begins, types.intp, FLOATS, ahead), code
+
+
+@_intrinsic
+def store(typing, array, row, value):
+    """Put sixteen numbers into a flat float32 array, from ``16 row`` on."""
+
+    def code(context, builder, sig, args):
+        place = _place(context, builder, args[0], sig.args[0], args[1])
+        builder.store(args[2], place).align = 4
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp, FLOATS), code
+
+
+@_intrinsic
+def splat(typing, scalar):
+    """Sixteen times the same float32 or uint64."""
+
+    def code(context, builder, sig, args):
+        return _same(builder, args[0], scalar)
+
+    return (WORDS if scalar == types.uint64 else FLOATS)(scalar), code
+
+
+@_intrinsic
+def chosen(typing, mask, value, other):
+    """``value`` where the mask is set, ``other`` elsewhere; lanes, or numbers and a condition."""
+    kind = FLOATS if mask is MASK else types.float64
+
+    def code(context, builder, sig, args):
+        whole = [
+            _same(builder, given, each)
+            if mask is MASK
+            else context.cast(builder, given, each, kind)
+            for given, each in zip(args[1:], sig.args[1:], strict=True)
+        ]
+        return builder.select(args[0], *whole)
+
+    return kind(mask, value, other), code
+
+
+@_intrinsic
+def any_of(typing, mask):
+    """Whether the mask is set anywhere; a condition is itself."""
+
+    def code(context, builder, sig, args):
+        if mask is not MASK:
+            return args[0]
+        bits = builder.bitcast(args[0], ir.IntType(L))
+        return builder.icmp_unsigned('!=', bits, ir.Constant(bits.type, 0))
+
+    return types.boolean(mask), code
+
+
+@_intrinsic
+def highest(typing, value):
+    """Highest of sixteen numbers."""
+
+    def code(context, builder, sig, args):
+        function = cgutils.get_or_insert_function(
+            builder.module,
+            ir.FunctionType(_FLOAT, [_VECTOR]),
+            f'llvm.vector.reduce.fmax.v{L}f32',
+        )
+        return builder.call(function, args, fastmath=_FLAGS)
+
+    return types.float32(value), code
+
+
+def _function(name):
+    """Give compiled code a function of LLVM's, of lanes or of a number."""
+
+    def declared(typing, value):
+        lanes = value is FLOATS
+        kind, suffix = (_VECTOR, f'v{L}f32') if lanes else (ir.DoubleType(), 'f64')
+
+        def code(context, builder, sig, args):
+            function = cgutils.get_or_insert_function(
+                builder.module, ir.FunctionType(kind, [kind]), f'llvm.{name}.{suffix}'
+            )
+            return builder.call(function, args, fastmath=_FLAGS if lanes else ())
+
+        return (FLOATS(FLOATS) if lanes else types.float64(types.float64)), code
+
+    return _intrinsic(declared)
+
+
+root, magnitude, floor = (_function(name) for name in ('sqrt', 'fabs', 'floor'))
+"""Square root, magnitude, and greatest integer that is not above."""
+
+
+@compiled(inline=True, fast=FAST)
+def sines(angle):
+    """Cosine and sine of an angle up to pi/4, to 1e-7; numbers or lanes."""
+    square = angle * angle
+    c = _F(2.443315711809948e-5) * square - _F(1.388731625493765e-3)
+    c = _F(1.0) - square * (_F(0.5) - square * (c * square + _F(4.166664568298827e-2)))
+    s = _F(-1.9515295891e-4) * square + _F(8.3321608736e-3)
+    s = angle + angle * square * (s * square - _F(1.6666654611e-1))
+    return c, s
+
+
+def cosine_sine(angle: Any) -> tuple[Any, Any]:
+    """
+    Cosine and sine of an angle up to pi, of lanes to 5e-7 or of a number.
+
+    Examples
+    --------
+    >>> import numba
+    >>> numba.njit(lambda angle: cosine_sine(angle))(0.0)
+    (1.0, 0.0)
+
+    """
+    raise NotImplementedError('called from compiled code only')
+
+
+@overload(cosine_sine)
+def _cosine_sine(angle):
+    def of_number(angle):
+        return math.cos(angle), math.sin(angle)
+
+    def of_lanes(angle):
+        # The angle is quartered, and doubled twice.
+        c, s = sines(angle * 0.25)
+        c, s = 1.0 - 2.0 * (s * s), 2.0 * (s * c)
+        return 1.0 - 2.0 * (s * s), 2.0 * (s * c)
+
+    return of_lanes if angle is FLOATS else of_number
+
+
+@_intrinsic
+def real(typing, words):
+    """Numbers below 2^31 as real ones."""
+
+    def code(context, builder, sig, args):
+        return builder.sitofp(builder.trunc(args[0], _INTS), _VECTOR)
+
+    return FLOATS(WORDS), code
+
+
+@_intrinsic
+def has_bit(typing, words, bit):
+    """Whether a bit is set."""
+
+    def code(context, builder, sig, args):
+        one = _same(builder, builder.shl(ir.Constant(_LONG, 1), args[1]), types.uint64)
+        return builder.icmp_unsigned('!=', builder.and_(args[0], one), ir.Constant(_LONGS, None))
+
+    return MASK(WORDS, types.uint64), code
+
+
+@_intrinsic
+def split(typing, value):
+    """Exponents of 2, and what they leave: 0.707 to 1.414. For positive numbers."""
+
+    def code(context, builder, sig, args):
+        bits = builder.bitcast(args[0], _INTS)
+        root_half = ir.Constant(_INTS, [0x3F3504F3] * L)
+        digits = ir.Constant(_INTS, [23] * L)
+        exponent = builder.ashr(builder.sub(bits, root_half), digits)
+        rest = builder.bitcast(builder.sub(bits, builder.shl(exponent, digits)), _VECTOR)
+        pair = builder.sitofp(exponent, _VECTOR), rest
+        return context.make_tuple(builder, sig.return_type, pair)
+
+    return types.UniTuple(FLOATS, 2)(FLOATS), code

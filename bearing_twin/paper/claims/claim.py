@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A claim of the paper beside our number and a verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+import math
+from typing import Any
+
+from bearing_twin.paper.claims.verdicts import (
+    all_settings,
+    CONTRADICTED,
+    MISPRINT,
+    NOT_CHECKABLE,
+    REPRODUCED,
+    Verdict,
+)
+import numpy as np
+
+
+@dataclass(frozen=True, kw_only=True)
+class Claim:
+    """One entry of claims.json."""
+
+    id: str
+    """Stable name."""
+    where: str
+    """Place in the paper."""
+    claim: str
+    """What the paper states."""
+    paper_value: Any
+    """Its number or direction; None if it states none."""
+    our_value: Any
+    """The same from our computation; None if there is nothing to compute it from."""
+    why: str
+    """Rule and reason; where settings decide, the settings as well."""
+    verdict: Verdict = NOT_CHECKABLE
+    """Computed from the numbers by the rule that `why` names; from `as_printed` where given."""
+    as_printed: Mapping[str, bool] | None = None
+    """Whether the claim holds as it is printed, under each setting that the paper leaves open."""
+    as_read: Mapping[str, bool] | None = None
+    """Whether it holds under the natural reading of a misprint. Only a claim that fails as
+    printed under every setting, and holds under every reading, becomes a misprint."""
+
+    def __post_init__(self) -> None:
+        if self.as_printed is not None:
+            object.__setattr__(self, 'verdict', all_settings(self.as_printed))
+            if len(set(self.as_printed.values())) > 1:
+                object.__setattr__(
+                    self, 'why', self.why + _outcome('As printed ', self.as_printed)
+                )
+        if self.as_read is not None:
+            if self.as_printed is None:
+                msg = f'{self.id}: a reading needs what is printed beside it'
+                raise ValueError(msg)
+            object.__setattr__(self, 'why', self.why + _outcome('As read ', self.as_read))
+            if self.verdict == CONTRADICTED and all_settings(self.as_read) == REPRODUCED:
+                object.__setattr__(self, 'verdict', MISPRINT)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields, numbers rounded to 6 digits, ready for JSON."""
+        return {
+            'id': self.id,
+            'where': self.where,
+            'claim': self.claim,
+            'paper_value': rounded(self.paper_value),
+            'our_value': rounded(self.our_value),
+            'verdict': self.verdict,
+            'why': self.why,
+        }
+
+
+def _outcome(lead: str, held: Mapping[str, bool]) -> str:
+    """Write under which names a claim holds and fails."""
+    text = ''
+    for word, good in (('holds', True), ('fails', False)):
+        names = '; '.join(name for name, outcome in held.items() if bool(outcome) is good)
+        if names:
+            text += f' {lead}{word}: {names}.'
+    return text
+
+
+def rounded(value: Any, digits: int = 6) -> Any:
+    """Round every number inside ``value`` to significant digits; NumPy becomes plain Python."""
+    if isinstance(value, Mapping):
+        return {str(key): rounded(item, digits) for key, item in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [rounded(item, digits) for item in value]
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (float, np.floating)):
+        return float(f'{value:.{digits}g}')
+    if isinstance(value, np.integer):
+        return int(value)
+    return value
+
+
+def percent(change: float) -> str:
+    """Write a relative change, e.g. ``'-2.7 %'``."""
+    return f'{100.0 * change:+.1f} %'
+
+
+def percents(changes: Mapping[str, float]) -> dict[str, float | None]:
+    """Return relative changes in percent to two decimals, named with the unit; None for NaN."""
+    return {
+        f'{name} (%)': None if math.isnan(change) else round(100.0 * change, 2)
+        for name, change in changes.items()
+    }

@@ -1,0 +1,39 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Where the stated trends hold: a map that the paper does not have."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bearing_twin.paper.figures.style import label, new_figure
+from bearing_twin.paper.space import PATHS, SPACE
+import numpy as np
+
+if TYPE_CHECKING:
+    from bearing_twin.paper.study import Study
+    from matplotlib.figure import Figure
+
+
+def grid_map(study: Study) -> Figure:
+    """Draw, over load and width, in which share of speeds, depths and clearances A falls."""
+    figure = new_figure(
+        'Map. Share of speeds, depths and clearances in which all four stated trends hold',
+        width=12.0,
+    )
+    panels = figure.subplots(1, len(SPACE.profiles))
+    for axes, profile, falls in zip(panels, SPACE.profiles, study.grid.falls, strict=True):
+        values = 100.0 * falls.mean(axis=(0, 3, 4))
+        image = axes.imshow(values, cmap='RdBu', vmin=0.0, vmax=100.0, aspect='auto')
+        for row, column in np.ndindex(values.shape):
+            value = values[row, column]
+            axes.text(
+                column, row, f'{value:.0f}', ha='center', va='center', fontsize=8,
+                color='white' if abs(value - 50.0) > 35.0 else 'black',
+            )  # fmt: skip
+        label(axes, PATHS[profile], 'width of the spall / mm', 'load W / N')
+        axes.grid(visible=False)
+        axes.set_xticks(range(len(SPACE.widths)), [f'{1e3 * w:g}' for w in SPACE.widths])
+        axes.set_yticks(range(len(SPACE.loads)), [f'{w:g}' for w in SPACE.loads])
+    figure.colorbar(image, ax=panels, label='share of settings / %', shrink=0.9)
+    return figure
