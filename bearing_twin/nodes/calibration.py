@@ -4,13 +4,7 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 import math
-from multiprocessing import get_context
-import os
-import signal
-import threading
 import time
 from typing import Any, TYPE_CHECKING
 
@@ -26,6 +20,7 @@ from bearing_twin.ros.qos import MEASUREMENT, OVERRIDES, own, RESULT, STREAM
 from bearing_twin.ros.subscribing import receiver_clock, subscribe
 from bearing_twin.streams.statefile import StateFolder
 from bearing_twin.streams.vibration_input import Inputs, read_vibration, SourceLock
+from bearing_twin.streams.worker import Worker
 from bearing_twin.thermal.gate import TemperatureStatus
 from bearing_twin_msgs.msg import Calibration, Diagnosis, Vibration
 from rclpy.clock import Clock, ClockType
@@ -75,7 +70,7 @@ class CalibrationNode(ManagedNode):
         self._began = 0.0
         self._state = self.states.kept(p.values, self.get_fully_qualified_name())
         self._state.load(self._core.load, wait=True)
-        self._worker = _worker()
+        self._worker = Worker(work, niceness=GENTLE)
         self._out = self.create_lifecycle_publisher(
             Calibration, 'calibration', own(RESULT), qos_overriding_options=OVERRIDES
         )
@@ -103,7 +98,7 @@ class CalibrationNode(ManagedNode):
 
     def teardown(self) -> None:
         """End the worker."""
-        _end(self._worker)
+        self._worker.end()
 
     def apply(self, values: Mapping[str, Any]) -> None:
         """Take changed parameters; what was learnt of another bearing is forgotten."""
@@ -151,15 +146,13 @@ class CalibrationNode(ManagedNode):
 
     def _begin(self, task: Task) -> None:
         try:
-            self._running = (task, self._worker.submit(work, task))
+            self._running = (task, self._worker.submit(task))
             self._began = time.monotonic()
-        except (BrokenProcessPool, OSError):
+        except OSError:
             # Its process is made here: the machine may have no room for one.
-            self._renew_worker()
+            self._say_killed()
 
-    def _renew_worker(self) -> None:
-        _end(self._worker)
-        self._worker = _worker()
+    def _say_killed(self) -> None:
         self._problem = 'its process was killed; is there enough memory? It starts anew'
         self.get_logger().error(f'not fitted: {self._problem}', throttle_duration_sec=60.0)
 
@@ -170,8 +163,8 @@ class CalibrationNode(ManagedNode):
         (task, future), self._running = self._running, None
         try:
             self._latest = self._core.conclude(task, future.result(), time.monotonic())
-        except BrokenProcessPool:
-            self._renew_worker()
+        except ChildProcessError:
+            self._say_killed()
             return
         except (BearingTwinError, OSError, MemoryError) as error:
             self._problem = str(error) or 'not enough memory'
@@ -237,34 +230,6 @@ class CalibrationNode(ManagedNode):
         if math.isnan(said.number):
             return Status(Level.STALE, said.reason, values, kind='residual')
         return Status(Level.WARN if said.alarm else Level.OK, said.reason, values)
-
-
-def _worker() -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(
-        1, mp_context=get_context('spawn'), initializer=_begin_work, initargs=(os.getpid(),)
-    )
-
-
-def _begin_work(node: int) -> None:
-    """Make this process gentle; it ends with its node, and Ctrl-C is the node's to hear."""
-    os.nice(GENTLE)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with, args=(node,), daemon=True).start()
-
-
-def _end_with(node: int) -> None:
-    """End this process where its node has been killed: the pool waits for tasks for ever."""
-    while os.getppid() == node:
-        time.sleep(1.0)
-    os._exit(1)
-
-
-def _end(worker: ProcessPoolExecutor) -> None:
-    """End a worker, and the fit that it runs, which nobody waits for any more."""
-    processes = list((worker._processes or {}).values())
-    worker.shutdown(wait=False, cancel_futures=True)
-    for process in processes:
-        process.terminate()
 
 
 NODE = CalibrationNode

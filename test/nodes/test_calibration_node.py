@@ -5,10 +5,6 @@
 from dataclasses import replace
 import json
 import math
-from pathlib import Path
-import subprocess
-import sys
-import tempfile
 
 from bearing_twin.assets.calibration import CalibrationCore
 from bearing_twin.assets.calibration_parameters import SPECS
@@ -375,23 +371,6 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy)
     picture.flush(slow=True)
     assert len(marks) > 3
     assert asset.panels == {'residual', 'distance', 'fitted_spectrum', 'fitted_turn'}
-
-
-def test_a_worker_ends_with_its_node():
-    """Killed, a node can not end its worker: that looks for it."""
-    code = (
-        'from bearing_twin.nodes.calibration import _worker\n'
-        "import os\nif __name__ == '__main__':\n"
-        '    print(_worker().submit(os.getpid).result(), flush=True)\n    os.kill(os.getpid(), 9)'
-    )
-    with tempfile.TemporaryDirectory() as folder:
-        script = Path(folder) / 'node.py'
-        script.write_text(code)
-        # The worker has the same output, which ends when both have.
-        done = subprocess.run(
-            [sys.executable, script], stdout=subprocess.PIPE, check=False, timeout=300.0
-        )
-    assert done.returncode == -9 and int(done.stdout) > 0
 
 
 @pytest.mark.ros
