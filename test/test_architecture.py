@@ -122,6 +122,13 @@ def test_a_room_imports_only_rooms_before_it(path):
     assert_order(path, ROOMS, ('bearing_twin',))
 
 
+def test_files_beside_the_rooms_import_no_room_unless_they_start_it():
+    for path in PACKAGE.glob('*.py'):
+        if path.stem not in {'__main__', 'start'}:
+            names = (name for name in imports(path) if name.startswith('bearing_twin.'))
+            assert not {name.split('.')[1] for name in names} & {*ROOMS}, path
+
+
 @pytest.mark.parametrize(('room', 'rooms'), [('dynamics', DYNAMICS), ('diagnosis', DIAGNOSIS)])
 def test_a_room_within_a_room_imports_only_those_before_it(room, rooms):
     # Its head names what others import of it.
