@@ -124,8 +124,8 @@ def test_envelope_spectrum_agrees_with_hilbert(rng):
 @pytest.mark.parametrize(
     ('samples', 'depth', 'reach'),
     [
-        *((samples, 3, 9.0) for samples in (1 << 15, 32_760, 3 * 5**4 * 32, 20_000)),
-        *((samples, 4, 4.5) for samples in (1 << 15, 32_760)),
+        *((n, 3, 9.0) for n in (1 << 15, 32_760, 3 * 5**4 * 32, 20_000, 44_800, 67_200)),
+        *((n, 4, 4.5) for n in (1 << 15, 32_760)),
     ],
 )
 def test_band_of_a_tree_is_the_band_alone_and_the_autocorrelation(

@@ -144,36 +144,60 @@ def _by_tile(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.f
 
     Bands overlap, so their autocorrelations are summed from the products within each tile and
     those of each tile with the next ones, as far as the lags reach: every bin is transformed once
-    for all levels, not once per band.
+    for all levels, not once per band. Tiles are transformed in parts, as short as the lags allow,
+    and the products of parts are summed before they are transformed back.
     """
     tile = tree.levels[-1][0] // 2
-    groups = tree.levels[0][0] // (tile * L)
+    parts = _parts(tile, len(lags) - 1)
+    part, groups = tile // parts, tree.levels[0][0] // (tile * L)
     values = np.empty(2 * L, np.float32)
-    rows = aligned(2 * tile, ROW)
+    rows = aligned(2 * part, ROW)
 
-    def tiles(spectrum: NDArray[np.complex64], group: int) -> NDArray[np.float32]:
-        room = aligned(2 * tile + 1, ROW)
-        # What is behind the tiles is read, and must be finite.
+    def transformed(spectrum: NDArray[np.complex64], number: int) -> NDArray[np.float32]:
+        room = aligned(2 * part + 1, ROW)
+        # What is behind the parts is read, and must be finite.
         room[-1] = 0.0
-        _tiles_beside(spectrum, tile, groups, group, room[:-1])
+        _parts_beside(spectrum, part, groups * parts, number, room[:-1])
         return transform_rows(room[:-1])
 
-    def add(products: NDArray[np.float32], group: int, whitening: int, apart: int) -> None:
-        first, members = whitening * len(tree.bands), _members(tree, apart)[group]
-        _add_lags(products, whitening, apart, members, first, values, lags)
+    def add(whitening: int, group: int, beside: int, apart: int) -> None:
+        first, members = whitening * len(tree.bands), _members(tree, beside)[group]
+        _add_lags(sums, whitening, apart, members, first, values, lags)
 
-    signals = [[tiles(spectrum, group) for group in range(groups)] for spectrum in whitened]
-    for group, (one, other) in enumerate(zip(*signals, strict=True)):
-        _tile_powers(one, other, rows)
-        within = transform_rows(rows)
+    signals = [[transformed(white, n) for n in range(groups * parts)] for white in whitened]
+    for group in range(groups):
+        rows[:] = 0.0
+        for number in range(group * parts, (group + 1) * parts):
+            _add_powers(signals[0][number], signals[1][number], rows)
+        sums = transform_rows(rows)
         for whitening in range(len(signals)):
-            add(within, group, whitening, 0)
+            add(whitening, group, 0, 0)
     for whitening, signal in enumerate(signals):
-        for apart in range(1, -(-(len(lags) - 1) // tile) + 1):
-            for group, one in enumerate(signal):
-                shift, at = divmod(group + apart, groups)
-                _tile_products(one, signal[at], shift, rows)
-                add(transform_rows(rows), group, whitening, apart)
+        for apart in range(1, -(-(len(lags) - 1) // part) + 1):
+            for group in range(groups):
+                *inner, last = range(group * parts, (group + 1) * parts)
+                # The last part of a tile is multiplied with one of another tile.
+                for numbers, beside in ((inner, 0), ([last], apart)):
+                    if numbers:
+                        rows[:] = 0.0
+                        for number in numbers:
+                            shift, at = divmod(number + apart, len(signal))
+                            _add_products(signal[number], signal[at], shift, rows)
+                        sums = transform_rows(rows)
+                        add(whitening, group, beside, apart)
+
+
+@functools.lru_cache(maxsize=16)
+def _parts(tile: int, reach: int) -> int:
+    """Most parts of a tile, each as long as the lags reach; one where they reach further."""
+    return max(
+        (
+            parts
+            for parts in range(2, tile // reach + 1)
+            if tile % parts == 0 and fft.next_fast_len(2 * tile // parts) == 2 * tile // parts
+        ),
+        default=1,
+    )
 
 
 @functools.lru_cache(maxsize=16)
@@ -191,48 +215,48 @@ def _members(tree: BandTree, apart: int) -> NDArray[np.float32]:
 
 
 @compiled(borrows=True)
-def _tiles_beside(
-    spectrum: NDArray[np.complex64], tile: int, groups: int, group: int, rows: NDArray[np.float32]
+def _parts_beside(
+    spectrum: NDArray[np.complex64], part: int, step: int, first: int, rows: NDArray[np.float32]
 ) -> None:
     """
-    Put tiles of a spectrum side by side, zeros below: every so many tiles, from one on.
+    Put parts of a spectrum side by side, zeros below: every so many parts, from one on.
 
     Parameters
     ----------
     spectrum
-        (>= 16 groups tile,).
-    tile
+        (>= 16 step part,).
+    part
         Bins.
-    groups, group
-        Tiles from one to the next, and the first.
+    step, first
+        Parts from one to the next, and the first.
     rows
-        (2 tile, 32), written.
+        (2 part, 32), written.
 
     """
-    for n in range(tile):
+    for n in range(part):
         for k in range(L):
-            value = spectrum[(k * groups + group) * tile + n]
+            value = spectrum[(k * step + first) * part + n]
             rows[n, k], rows[n, L + k] = value.real, value.imag
-    rows[tile:] = np.float32(0.0)
+    rows[part:] = np.float32(0.0)
 
 
 @compiled(fast=FAST, borrows=True)
-def _tile_powers(
+def _add_powers(
     one: NDArray[np.float32], other: NDArray[np.float32], out: NDArray[np.float32]
 ) -> None:
-    """Write squared magnitudes: of one (N, 32) as real, of the other as imaginary parts."""
+    """Add squared magnitudes: of one (N, 32) to real, of the other to imaginary parts."""
     for n in range(len(out)):
         ar, ai, br, bi = load(one[n], 0), load(one[n], 1), load(other[n], 0), load(other[n], 1)
-        store(out[n], 0, ar * ar + ai * ai)
-        store(out[n], 1, br * br + bi * bi)
+        store(out[n], 0, load(out[n], 0) + ar * ar + ai * ai)
+        store(out[n], 1, load(out[n], 1) + br * br + bi * bi)
 
 
 @compiled(fast=FAST, borrows=True)
-def _tile_products(
+def _add_products(
     one: NDArray[np.float32], other: NDArray[np.float32], shift: int, out: NDArray[np.float32]
 ) -> None:
     """
-    Write the products of tiles with the conjugates of those some columns further on.
+    Add the products of parts with the conjugates of those some columns further on.
 
     Parameters
     ----------
@@ -241,7 +265,7 @@ def _tile_products(
     shift
         Columns; as many products at the end mean nothing, but are finite.
     out
-        (N, 32), written.
+        (N, 32), added to.
 
     """
     flat = other.reshape(-1)
@@ -249,8 +273,8 @@ def _tile_products(
         at = 2 * L * n + shift
         ar, ai = load(one[n], 0), load(one[n], 1)
         br, bi = load(flat[at:], 0), load(flat[at + L :], 0)
-        store(out[n], 0, ar * br + ai * bi)
-        store(out[n], 1, ai * br - ar * bi)
+        store(out[n], 0, load(out[n], 0) + ar * br + ai * bi)
+        store(out[n], 1, load(out[n], 1) + ai * br - ar * bi)
 
 
 @compiled(fast=FAST, borrows=True)
@@ -264,13 +288,13 @@ def _add_lags(
     lags: NDArray[np.float32],
 ) -> None:
     """
-    Add to the autocorrelation of each band, conjugated, the products of its tiles.
+    Add to the autocorrelation of each band, conjugated, the products of parts of its tiles.
 
     Parameters
     ----------
     products
-        (2 tile, 32) transforms: of the squared magnitudes of two whitenings, or of the products
-        of tiles so far apart.
+        (2 part, 32) transforms: of the squared magnitudes of two whitenings, or of the products
+        of parts so far apart; both are sums over the parts of a tile.
     whitening, apart
         See ``products``.
     members
@@ -284,10 +308,10 @@ def _add_lags(
 
     """
     length = len(products)
-    tile, count = length // 2, len(lags)
+    part, count = length // 2, len(lags)
     scale = np.float32(1.0) / np.float32(length)
-    for lag in range(max((apart - 1) * tile + 1, 0), min((apart + 1) * tile, count)):
-        at = lag - apart * tile if lag >= apart * tile else lag - apart * tile + length
+    for lag in range(max((apart - 1) * part + 1, 0), min((apart + 1) * part, count)):
+        at = lag - apart * part if lag >= apart * part else lag - apart * part + length
         row = products[at]
         real, imag = scale * load(row, 0), scale * load(row, 1)
         if apart == 0:
